@@ -1,0 +1,200 @@
+"""One scene assembled: the unknown, its clamp, the loads, and the energies the scene names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from time import perf_counter
+
+import numpy as np
+from dolfinx import fem
+from dolfinx.fem.petsc import assemble_matrix, assemble_vector, create_matrix
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fingerfem import geometry, materials
+from fingerfem.forms import Fields, compile_forms, volume_ratio
+from fingerfem.scene import Scene
+from fingerfem.state import State, observe
+from fingerfem.stepping import Stepper
+
+FAR = 1e3  # [m]: where the plane stands while nothing may touch it
+
+
+class FingerModel:
+    """The discrete finger: it holds a displacement and loads, assembles residual and tangent, and solves.
+
+    Args:
+        scene: what is modelled.
+        comm: the ranks that share one finger; alone by default.
+
+    Raises:
+        ValueError: the mesh cannot hold the plates or the channels.
+    """
+
+    def __init__(self, scene: Scene, comm: MPI.Comm = MPI.COMM_SELF):
+        self.scene, self.comm = scene, comm
+        self.mesh = geometry.build_mesh(scene, comm)
+        self.rubber = materials.NeoHookean(C1=scene.material.C1, D1=scene.material.D1)
+        self.space = fem.functionspace(self.mesh.mesh, ("Lagrange", scene.mesh.order, (3,)))
+        self.fields = Fields(
+            u=fem.Function(self.space, name="displacement"),
+            previous=fem.Function(self.space),
+            step=fem.Function(self.space),
+            tension_density=fem.Function(fem.functionspace(self.mesh.mesh, ("DG", 0))),
+            distance=fem.Constant(self.mesh.mesh, FAR),
+        )
+        self.tensions = np.zeros(len(scene.tendons))
+        midpoints = self.mesh.midpoints
+        self._channels = [geometry.in_channel(scene, k, midpoints) for k in range(len(scene.tendons))]
+        clamp = fem.locate_dofs_topological(
+            self.space, self.mesh.mesh.topology.dim - 1, self.mesh.facets.find(geometry.CLAMP)
+        )
+        self._clamp = fem.dirichletbc(np.zeros(3), clamp, self.space)
+        owned = clamp[clamp < self.space.dofmap.index_map.size_local]
+        self._clamped = (3 * owned[:, None] + np.arange(3)).ravel()
+        self.forms = compile_forms(scene, self.mesh, self.fields, self.rubber)
+        self.matrix = create_matrix(self.forms.tangent)
+        self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self.clamp_reaction = np.zeros(3)  # on the finger, at the last residual [N]
+        self._volume_ratio = volume_ratio(self.fields.u)
+        self.stepper = Stepper(self)
+
+    def solve(
+        self, tensions: Sequence[float], distance: float | None = None, sensitivities: bool = True
+    ) -> State:
+        """The equilibrium reached from rest: tensions first, then the plane comes from where it touches to its place.
+
+        Args:
+            tensions: of every tendon of the scene [N], shape (tendons,).
+            distance: of the plane [m]; None leaves it away.
+            sensitivities: also factorise the tangent at the answer and differentiate what the state reports.
+
+        Raises:
+            ValueError: a tension or distance the scene does not allow.
+            LoadNotReached: no equilibrium was found; it carries the last good load.
+        """
+        self.check_loads(tensions, distance)
+        begun = perf_counter()
+        self.stepper.rest()
+        self.stepper.advance(tensions, None)
+        touch_distance = self.reach() if self.scene.obstacle is not None else None
+        if distance is not None:
+            self.stepper.advance(tensions, distance)
+        return observe(self, touch_distance, perf_counter() - begun, sensitivities)
+
+    def check_loads(self, tensions: Sequence[float], distance: float | None) -> None:
+        """Raise ValueError (name, rule, value) for loads the scene does not allow."""
+        if len(tensions) != len(self.scene.tendons):
+            raise ValueError(f"tensions must be {len(self.scene.tendons)} values in N, got {len(tensions)}")
+        values = dict(zip([tendon.name for tendon in self.scene.tendons], tensions, strict=True))
+        if distance is not None:
+            if self.scene.obstacle is None:
+                raise ValueError(f"d must be left out of a scene without an obstacle, got {distance}")
+            values["d"] = distance
+        for parameter in self.scene.parameters:
+            name, lower, upper, unit = (parameter[key] for key in ("name", "lower", "upper", "unit"))
+            if name in values and not lower <= values[name] <= upper:
+                raise ValueError(f"{name} must lie in [{lower:g}, {upper:g}] {unit}, got {values[name]:g}")
+
+    # -- the state it is in ------------------------------------------------------------------------------------------
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """Nodal displacements of this rank, ghosts included, shape (3 nodes,) [m]; a view."""
+        return self.fields.u.x.array
+
+    def set_loads(self, tensions: Sequence[float], distance: float | None) -> None:
+        """Set tensions [N], shape (tendons,), and the plane's distance [m] (None: no plane)."""
+        self.tensions = np.array(tensions, float)
+        self._set_tension_density(self.tensions)
+        self.fields.distance.value = FAR if distance is None else distance
+
+    def _set_tension_density(self, tensions: np.ndarray) -> None:
+        density = self.fields.tension_density.x.array
+        density[:] = 0.0
+        for tension, cells in zip(tensions, self._channels, strict=True):
+            density[cells] += tension / self.scene.geometry.channel_width**2
+
+    @property
+    def unknowns(self) -> int:
+        """Number of displacement unknowns on all ranks."""
+        return int(self.space.dofmap.index_map.size_global * 3)
+
+    @property
+    def force_scale(self) -> float:
+        """E a^2 [N]: what a force is small or large against."""
+        return self.rubber.young_modulus * self.scene.geometry.side**2
+
+    # -- assembly ----------------------------------------------------------------------------------------------------
+
+    def residual(self) -> PETSc.Vec:
+        """Residual R(u) [N], zero on the clamp; sets `clamp_reaction`. The caller destroys the vector."""
+        b = self._vector(self.forms.residual)
+        self.clamp_reaction = np.array(self.comm.allreduce(b.array_r[self._clamped].reshape(-1, 3).sum(axis=0)))
+        b.array[self._clamped] = 0.0
+        return b
+
+    def gradient(self, form: fem.Form) -> PETSc.Vec:
+        """A linear form, zero on the clamp. The caller destroys the vector."""
+        b = self._vector(form)
+        b.array[self._clamped] = 0.0
+        return b
+
+    def _vector(self, form: fem.Form) -> PETSc.Vec:
+        b = assemble_vector(form)
+        b.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        return b
+
+    def tangent(self) -> PETSc.Mat:
+        """Tangent at u with the stress that `previous` predicts; the same matrix object every time."""
+        fields = self.fields
+        fields.step.x.array[:] = fields.u.x.array - fields.previous.x.array
+        self.matrix.zeroEntries()
+        assemble_matrix(self.matrix, self.forms.tangent, bcs=[self._clamp])
+        self.matrix.assemble()
+        return self.matrix
+
+    def scalar(self, form: fem.Form) -> float:
+        """A scalar form over all ranks."""
+        return float(self.comm.allreduce(fem.assemble_scalar(form)))
+
+    def channel_length(self, k: int) -> float:
+        """Length of channel k [m]: the tendon energy at unit tension."""
+        return self._at_unit_tension(k, lambda: self.scalar(self.forms.tendon_energy))
+
+    def channel_gradient(self, k: int) -> PETSc.Vec:
+        """Gradient of channel k's length [-], which is dR/dF_k. The caller destroys the vector."""
+        return self._at_unit_tension(k, lambda: self.gradient(self.forms.tendon_force))
+
+    def _at_unit_tension(self, k: int, evaluate):
+        self._set_tension_density(np.eye(len(self.tensions))[k])
+        value = evaluate()
+        self._set_tension_density(self.tensions)
+        return value
+
+    # -- geometry of the deformed finger -----------------------------------------------------------------------------
+
+    @cached_property
+    def surface_nodes(self) -> np.ndarray:
+        """Local indices of the nodes that may touch the plane."""
+        facets = [self.mesh.facets.find(kind) for kind in (geometry.SURFACE, geometry.PAD)]
+        dim = self.mesh.mesh.topology.dim - 1
+        return fem.locate_dofs_topological(self.space, dim, np.sort(np.concatenate(facets)))
+
+    def reach(self) -> float:
+        """How far the surface reaches towards the plane, max of X_y + u_y - side/2 [m].
+
+        In free space this is the distance at which the plane is touched.
+        """
+        nodes = self.surface_nodes
+        heights = self.space.tabulate_dof_coordinates()[nodes, 1] + self.displacement[3 * nodes + 1]
+        highest = heights.max() if heights.size else -np.inf
+        return float(self.comm.allreduce(highest, op=MPI.MAX)) - self.scene.geometry.side / 2
+
+    def smallest_volume_ratio(self) -> float:
+        """min J over corners, midpoints and centres of all cells [-]."""
+        topology = self.mesh.mesh.topology
+        cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
+        values = self._volume_ratio.eval(self.mesh.mesh, cells)
+        return float(self.comm.allreduce(values.min() if values.size else np.inf, op=MPI.MIN))

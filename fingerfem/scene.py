@@ -1,0 +1,202 @@
+"""What is modelled: the TOML scene, read and checked. Leave a table out and it is not modelled, sampled or stored."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+Length = Annotated[float, Field(gt=0, le=1.0)]  # [m]; a length above 1 m is a length in mm
+Offset = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
+Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
+UNITS = {
+    "side": "m", "segments": "m", "plate": "m", "channel": "m", "offset": "m", "distance": "m",
+    "C1": "Pa", "D1": "1/Pa", "tension": "N",
+}  # fmt: skip
+
+
+class SceneError(ValueError):
+    """A scene that breaks a rule: one line naming file, field, rule and value."""
+
+
+class Table(BaseModel):
+    """A table of the scene: every key known, nothing converted silently, nothing changed afterwards."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Geometry(Table):
+    """The finger along x, clamped at x = 0, of square section; each segment ends in a plate."""
+
+    side: Length
+    segments: Annotated[list[Length], Field(min_length=1, max_length=2)]
+    plate: Length
+    channel: Length | None = None  # width of the square column of cells that carries a tendon; side / 5 if absent
+
+    @property
+    def channel_width(self) -> float:
+        """Width of a tendon's channel [m]."""
+        return self.side / 5 if self.channel is None else self.channel
+
+    @property
+    def length(self) -> float:
+        """Length of the whole finger [m]."""
+        return sum(self.segments)
+
+    @model_validator(mode="after")
+    def _plate_fits(self) -> Geometry:
+        for length in self.segments:
+            if self.plate >= length:
+                raise ValueError(f"plate must be shorter than every segment ({length} m), got {self.plate}")
+        return self
+
+
+class Material(Table):
+    """Rubber. neo-Hookean: W = C1 (I1bar - 3) + (J - 1)^2 / D1."""
+
+    law: Literal["neo-hookean"]
+    C1: Annotated[float, Field(ge=1e2, le=1e9)]  # [Pa]
+    D1: Annotated[float, Field(ge=1e-12, le=1e-2)]  # [1/Pa]
+
+
+class Tendon(Table):
+    """A tendon in a frictionless channel parallel to the axis, anchored in the clamp and in a segment's plate."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+    offset: Annotated[list[Offset], Field(min_length=2, max_length=2)]  # (y, z) [m]
+    segment: Annotated[int, Field(ge=1)]
+    tension: Annotated[list[Force], Field(min_length=2, max_length=2)]  # [lowest, highest] [N]
+
+
+class Obstacle(Table):
+    """A frictionless rigid plane y = side/2 + d."""
+
+    distance: Annotated[list[Length], Field(min_length=2, max_length=2)]  # [nearest, farthest] [m]
+    method: Literal["penalty"]
+    stiffness: Annotated[float, Field(ge=1, le=1e6)] = 1000.0  # penalty times mesh size over Young's modulus [-]
+
+
+class Mesh(Table):
+    """Hexahedra: cells per segment along the axis, cells across the side, Lagrange order."""
+
+    cells: Annotated[list[Annotated[int, Field(ge=1, le=4000)]], Field(min_length=2, max_length=2)]
+    order: Annotated[int, Field(ge=1, le=2)] = 1
+
+
+class Sampling(Table):
+    """How finely the parameters are sampled for training: nodes along every tension and along contact."""
+
+    tension_nodes: Annotated[int, Field(ge=4, le=101)] = 9
+    contact_nodes: Annotated[int, Field(ge=4, le=101)] = 8
+
+
+class Scene(Table):
+    """One scene: everything the full-order model needs to know."""
+
+    name: str
+    geometry: Geometry
+    material: Material
+    tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
+    obstacle: Obstacle | None = None
+    mesh: Mesh
+    sampling: Sampling = Sampling()
+
+    @model_validator(mode="after")
+    def _tables_agree(self) -> Scene:
+        names = [tendon.name for tendon in self.tendons]
+        reach = self.geometry.side / 2 - self.geometry.channel_width / 2
+        for k, tendon in enumerate(self.tendons):
+            if tendon.name == "d" or names.count(tendon.name) > 1:
+                raise ValueError(f"tendons.{k}.name must be unique and not d, got {tendon.name}")
+            if tendon.segment > len(self.geometry.segments):
+                raise ValueError(
+                    f"tendons.{k}.segment must be at most {len(self.geometry.segments)}, the number of segments, "
+                    f"got {tendon.segment}"
+                )
+            if max(abs(value) for value in tendon.offset) > reach * (1 + 1e-9):
+                raise ValueError(
+                    f"tendons.{k}.offset must keep its channel inside the section (at most {reach:g} m from the axis), "
+                    f"got {tendon.offset}"
+                )
+            _ordered(f"tendons.{k}.tension", tendon.tension)
+        if self.obstacle is not None:
+            _ordered("obstacle.distance", self.obstacle.distance)
+        return self
+
+    @property
+    def parameters(self) -> list[dict[str, Any]]:
+        """Name, unit, lowest and highest value of every parameter, in the order every layer uses: tensions, then d."""
+        listed = [
+            {"name": tendon.name, "unit": "N", "lower": tendon.tension[0], "upper": tendon.tension[1]}
+            for tendon in self.tendons
+        ]
+        if self.obstacle is not None:
+            lower, upper = self.obstacle.distance
+            listed.append({"name": "d", "unit": "m", "lower": lower, "upper": upper})
+        return listed
+
+    def fingerprint(self) -> str:
+        """Hash of all that changes the numbers (the name does not)."""
+        text = json.dumps(self.model_dump(exclude={"name"}), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def load_scene(path: str | Path) -> Scene:
+    """Read a scene.
+
+    Raises:
+        SceneError: one line naming file, field, rule and value.
+    """
+    try:
+        with open(path, "rb") as stream:
+            table = tomllib.load(stream)
+    except OSError as error:
+        raise SceneError(f"{path}: {error.strerror or error}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SceneError(f"{path}: not a TOML file: {error}") from None
+    try:
+        return Scene.model_validate(table)
+    except ValidationError as error:
+        raise SceneError(f"{path}: {_one_line(error)}") from None
+
+
+def _ordered(field: str, limits: list[float]) -> None:
+    if limits[0] >= limits[1]:
+        raise ValueError(f"{field} must be [lowest, highest] with lowest < highest, got {limits}")
+
+
+def _one_line(error: ValidationError) -> str:
+    """The first broken rule as `field rule, got value`."""
+    first = error.errors()[0]
+    where = [str(part) for part in first["loc"]]
+    field = ".".join(where)
+    unit = next((UNITS[part] for part in reversed(where) if part in UNITS), None)
+    of_unit = f" {unit}" if unit else ""
+    kind, context = first["type"], first.get("ctx", {})
+    if kind == "missing":
+        return f"{field} is required and missing"
+    if kind == "extra_forbidden":
+        return f"{field} is not a known key, got {first['input']!r}"
+    if kind == "value_error":
+        prefix = "" if not where else f"{field}."
+        return prefix + str(context["error"])
+    rules = {
+        "greater_than": ("must be above {}", "gt"),
+        "greater_than_equal": ("must be at least {}", "ge"),
+        "less_than": ("must be below {}", "lt"),
+        "less_than_equal": ("must be at most {}", "le"),
+    }
+    if kind in rules:
+        text, key = rules[kind]
+        rule = text.format(f"{context[key]:g}") + of_unit
+    elif kind == "literal_error":
+        rule = f"must be {context['expected']}"
+    elif kind in ("float_type", "int_type"):
+        rule = f"must be a {'number' if kind == 'float_type' else 'whole number'}{f' in {unit}' if unit else ''}"
+    else:
+        rule = first["msg"][0].lower() + first["msg"][1:]
+    return f"{field} {rule}, got {first['input']!r}"
