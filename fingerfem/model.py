@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from time import perf_counter
 
+import dolfinx
 import numpy as np
 from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix, assemble_vector, create_matrix
@@ -198,3 +199,8 @@ class FingerModel:
         cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
         values = self._volume_ratio.eval(self.mesh.mesh, cells)
         return float(self.comm.allreduce(values.min() if values.size else np.inf, op=MPI.MIN))
+
+
+def versions() -> dict[str, str]:
+    """What a number depends on besides the scene."""
+    return {"dolfinx": dolfinx.__version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion()))}

@@ -1,0 +1,67 @@
+"""Which parameters to solve: the nodes of a training set, or held-out points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingerfem.scene import Scene, SceneError
+from rom.snapshots import Description
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeldOut:
+    """Held-out points: how many, drawn uniformly over the parameters' ranges from which seed."""
+
+    count: int
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.count < 1:
+            raise ValueError(f"random must be at least 1, got {self.count}")
+
+
+def describe(scene: Scene, versions: dict[str, str], held_out: HeldOut | None = None) -> Description:
+    """The set of states to solve for a scene."""
+    parameters = scene.parameters
+    box = np.array([[parameter["lower"], parameter["upper"]] for parameter in parameters])
+    tensions = box[: len(scene.tendons)]
+    points: list[list[float]] = []
+    if held_out is not None:
+        draw = np.random.default_rng(held_out.seed).random((held_out.count, len(box)))
+        points = (box[:, 0] + draw * (box[:, 1] - box[:, 0])).tolist()
+    return Description(
+        scene=scene.model_dump(mode="json"),
+        fingerprint=scene.fingerprint(),
+        parameters=parameters,
+        lead=_lead(scene),
+        tension_nodes=[_cosine(low, high, scene.sampling.tension_nodes).tolist() for low, high in tensions],
+        onset_nodes=_half_cosine(scene.sampling.tension_nodes).tolist(),
+        contact_nodes=_half_cosine(scene.sampling.contact_nodes).tolist(),
+        random=points,
+        versions=versions,
+    )
+
+
+def _lead(scene: Scene) -> int:
+    """The tendon that bends the finger most towards the plane."""
+    lever = [tendon.offset[0] for tendon in scene.tendons]
+    lead = int(np.argmax(lever))
+    if scene.obstacle is not None and lever[lead] <= 0:
+        raise SceneError("tendons must have one on the plane's side (offset y > 0) to sample contact, got none")
+    return lead
+
+
+def _cosine(low: float, high: float, count: int) -> np.ndarray:
+    """Chebyshev-Lobatto nodes: dense at both ends, where splines err most."""
+    nodes = low + (high - low) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
+    nodes[-1] = high
+    return nodes
+
+
+def _half_cosine(count: int) -> np.ndarray:
+    """Nodes on [0, 1], dense at 0, where contact begins."""
+    nodes = 1 - np.cos(np.pi / 2 * np.arange(count) / (count - 1))
+    nodes[-1] = 1.0
+    return nodes
