@@ -1,0 +1,90 @@
+"""python3 -m rom build | check | info."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rom.snapshots import SnapshotError, SnapshotSet
+from rom.surrogate import ModelError, Surrogate
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
+BAD_INPUT = 2
+ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+
+
+@app.command()
+def build(
+    folder: Annotated[Path, typer.Argument(metavar="SET/", help="A complete training set.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="MODEL.h5")],
+    tolerance: Annotated[float, typer.Option(min=1e-12, max=0.5, help="Relative error over the snapshots.")] = 1e-4,
+    terms: Annotated[int, typer.Option(min=1, max=1000, help="Most products of one quantity.")] = 60,
+    held_out: Annotated[Path | None, typer.Option(metavar="HELDOUT/", help="Measure the error on these states.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Separate a snapshot set and write the model file."""
+    from rom.enrichment import EnrichmentOptions
+    from rom.errors import accuracy, check
+    from rom.training import train
+
+    model = train(SnapshotSet(folder), EnrichmentOptions(tolerance=tolerance, terms=terms))
+    if held_out is not None:
+        model = replace(model, accuracy=accuracy(check(model, SnapshotSet(held_out))))
+    model.save(output)
+    show(summary(model), as_json)
+
+
+@app.command("check")
+def check_model(
+    model: ModelFile,
+    held_out: Annotated[Path, typer.Argument(metavar="HELDOUT/", help="A set made with --random.")],
+    tolerance: Annotated[float, typer.Option(min=0, help="Keep only the terms this relative error needs.")] = 0.0,
+    as_json: AsJson = False,
+) -> None:
+    """Compare a model with held-out full-order states."""
+    from rom.errors import check
+
+    show(check(Surrogate.load(model, tolerance=tolerance), SnapshotSet(held_out)), as_json)
+
+
+@app.command()
+def info(model: ModelFile, as_json: AsJson = False) -> None:
+    """What a model file holds: parameters with units and ranges, terms, accuracy, versions."""
+    show(summary(Surrogate.load(model)), as_json)
+
+
+def summary(model: Surrogate) -> dict:
+    """A model in plain data."""
+    return {
+        "scene": model.scene["name"],
+        "parameters": model.parameters,
+        "terms": {name: form.terms for name, form in model.forms.items()},
+        "snapshot_error": {name: float(form.errors[-1]) for name, form in model.forms.items()},
+        "accuracy": model.accuracy or "not measured: build with --held-out",
+        "nodes": len(model.nodes),
+        "provenance": model.provenance,
+    }
+
+
+def show(result: dict, as_json: bool) -> None:
+    """Print as JSON, or as indented lines."""
+    print(json.dumps(result) if as_json else json.dumps(result, indent=2))
+
+
+def main() -> None:
+    """Run the command; bad input is one line and exit code 2."""
+    try:
+        app()
+    except (SnapshotError, ModelError, ValueError) as error:
+        print(error, file=sys.stderr)
+        raise SystemExit(BAD_INPUT) from None
+
+
+if __name__ == "__main__":
+    main()

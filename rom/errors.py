@@ -1,0 +1,68 @@
+"""Error of a surrogate against held-out snapshots it was not trained on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rom.snapshots import SnapshotError, SnapshotSet
+from rom.surrogate import Surrogate
+
+
+def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
+    """Compare a surrogate with held-out states.
+
+    Relative errors: displacement and tip over the state's own 2-norm, touch distance and contact force over their own
+    value; contact force over the states in which the full-order model touches.
+
+    Returns:
+        by quantity count, median, p95, max of the relative error and p95_absolute in the quantity's unit; wrong touch
+        decisions; terms; bytes.
+
+    Raises:
+        SnapshotError: the sets do not belong together.
+    """
+    if held_out.description.fingerprint != model.provenance["fingerprint"]:
+        raise SnapshotError(f"{held_out.path}: must hold states of the scene the model was trained on")
+    points = held_out.random("parameters")
+    answer = model.evaluate(points)
+    result: dict[str, Any] = {"states": len(points), "failed": len(held_out.failures)}
+    tip = held_out.random("tip")
+    result["tip"] = _statistics(_norm(answer.tip - tip), _norm(tip))
+    field = held_out.random("displacement").reshape(len(points), -1)
+    ours = np.array([model.displacement(point).ravel() for point in points])
+    result["displacement"] = _statistics(_norm(ours - field), _norm(field))
+    if model.has_obstacle:
+        touch, force = held_out.random("touch_distance"), held_out.random("contact_force")
+        touches, felt = force > 0, answer.contact_force > 0
+        result["touch_distance"] = _statistics(np.abs(answer.touch_distance - touch), np.abs(touch))
+        result["contact_force"] = _statistics(np.abs(answer.contact_force - force)[touches], force[touches])
+        wrong = (answer.touch_distance > points[:, -1]) != touches
+        result["touch"] = {"count": len(points), "touching": int(touches.sum()), "wrong": int(wrong.sum()),
+                           "right": float(1 - wrong.mean()), "force_without_touch": int((felt & ~touches).sum())}  # fmt: skip
+    result["terms"] = {name: form.terms for name, form in model.forms.items()}
+    result["bytes"] = int(sum(f.modes.nbytes + sum(x.nbytes for x in f.factors) for f in model.forms.values()))
+    return result
+
+
+def accuracy(report: dict[str, Any]) -> dict[str, dict[str, float]]:
+    """The part of a check's report that a model carries along."""
+    return {name: report[name] for name in ("tip", "displacement", "touch_distance", "contact_force") if name in report}
+
+
+def _norm(values: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(values, axis=1)
+
+
+def _statistics(absolute: np.ndarray, size: np.ndarray) -> dict[str, float]:
+    if not absolute.size:
+        return {"count": 0}
+    relative = absolute / np.maximum(size, np.finfo(float).tiny)
+    return {
+        "count": len(relative),
+        "median": float(np.median(relative)),
+        "p95": float(np.percentile(relative, 95)),
+        "max": float(relative.max()),
+        "p95_absolute": float(np.percentile(absolute, 95)),
+    }

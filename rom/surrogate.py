@@ -1,0 +1,280 @@
+"""The surrogate: named parameters in; tip, contact force and touch distance with units and error out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+from numba import njit
+
+from rom import chart as contact_chart
+from rom.separated import Packed, Separated, evaluate
+
+FORMAT = 1
+OUTPUTS = ("tip_x", "tip_y", "tip_z", "contact_force", "touch_distance")
+FORMS = ("free", "free_displacement", "onset", "contact", "contact_displacement")
+
+
+class ModelError(ValueError):
+    """A model file that cannot be read, or parameters of the wrong shape: one line."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What the surrogate says at one point, shapes without n, or at n points.
+
+    Attributes:
+        tip: displacement of the tip plate's centre, shape (3,) or (n, 3) [m].
+        contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle.
+        touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without an obstacle.
+        error: bound that 95 % of held-out states kept, by quantity in its unit; nan if the model was not checked.
+        inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
+            Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
+    """
+
+    tip: np.ndarray
+    contact_force: Any
+    touch_distance: Any
+    error: Mapping[str, Any]
+    inside: Any
+
+
+class Kernel(NamedTuple):
+    """What the compiled code reads."""
+
+    free: Packed  # tip [m] and heights of the nodes that can touch first [m], by tensions
+    contact: Packed  # what contact adds to the tip [m], and contact force [N], by contact-aligned coordinates
+    chart: contact_chart.Chart
+    lower: np.ndarray
+    upper: np.ndarray
+    has_obstacle: bool
+
+
+@njit(cache=True)
+def answer(kernel: Kernel, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Outputs, shape (5,), their derivatives by the parameters, shape (5, p), and whether the point is inside.
+
+    A point outside is moved to the nearest inside; derivatives across a wall are then zero.
+    """
+    p = len(point)
+    tensions = p - 1 if kernel.has_obstacle else p
+    inside = True
+    held = point.copy()
+    for j in range(tensions):
+        if not (kernel.lower[j] <= point[j] <= kernel.upper[j]):
+            inside = False
+            held[j] = kernel.upper[j] if point[j] > kernel.upper[j] else kernel.lower[j]  # nan goes low
+    value, gradient = evaluate(kernel.free, held[:tensions])
+    out = np.zeros(5)
+    jacobian = np.zeros((5, p))
+    out[:3] = value[:3]
+    jacobian[:3, :tensions] = gradient[:3]
+    out[4] = np.nan
+    if kernel.has_obstacle:
+        first = 3
+        for j in range(4, len(value)):
+            if value[j] > value[first]:
+                first = j
+        out[4] = value[first]
+        jacobian[4, :tensions] = gradient[first]
+        if not point[p - 1] >= out[4]:  # a plane that is not touched may stand anywhere: the free answer is exact
+            if not (kernel.lower[p - 1] <= point[p - 1] <= kernel.upper[p - 1]):
+                inside = False
+                held[p - 1] = kernel.upper[p - 1] if point[p - 1] > kernel.upper[p - 1] else kernel.lower[p - 1]
+            if held[p - 1] < out[4]:
+                where, turned = contact_chart.coordinates(kernel.chart, held, out[4], gradient[first])
+                added, slope = evaluate(kernel.contact, where)
+                out[:4] += added
+                for i in range(4):
+                    for j in range(p):
+                        for k in range(p):
+                            jacobian[i, j] += slope[i, k] * turned[k, j]
+                if out[3] < 0.0:  # a spline may swing below zero just after touch; a plane never pulls
+                    out[3] = 0.0
+    if not inside:
+        for j in range(p):
+            if held[j] != point[j]:
+                jacobian[:, j] = 0.0
+    return out, jacobian, inside
+
+
+@njit(cache=True)
+def answers(kernel: Kernel, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Outputs, shape (n, 5), and whether inside, shape (n,), of points, shape (n, p)."""
+    out = np.empty((len(points), 5))
+    inside = np.empty(len(points), np.bool_)
+    for i in range(len(points)):
+        out[i], _, inside[i] = answer(kernel, points[i])
+    return out, inside
+
+
+@dataclass(frozen=True, kw_only=True)
+class Surrogate:
+    """A trained model of one scene.
+
+    Attributes:
+        parameters: name, unit, lower and upper of each parameter, tensions first, then d.
+        forms: separated forms by name, see FORMS; only those the scene needs.
+        lead: index of the lead tension.
+        nodes: the finger's nodes at rest, shape (nodes, 3) [m].
+        scene: the scene it was trained on.
+        accuracy: relative error by quantity on held-out states; empty if not checked.
+        provenance: versions, states, fingerprint.
+    """
+
+    parameters: list[dict[str, Any]]
+    forms: Mapping[str, Separated]
+    lead: int
+    nodes: np.ndarray = field(repr=False)
+    scene: dict[str, Any] = field(repr=False)
+    accuracy: dict[str, dict[str, float]]
+    provenance: dict[str, Any]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the parameters in order."""
+        return [parameter["name"] for parameter in self.parameters]
+
+    @property
+    def has_obstacle(self) -> bool:
+        """Whether the last parameter is the plane's distance."""
+        return self.names[-1] == "d"
+
+    @cached_property
+    def limits(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper end of the trained box, shapes (p,)."""
+        return (
+            np.array([parameter["lower"] for parameter in self.parameters], float),
+            np.array([parameter["upper"] for parameter in self.parameters], float),
+        )
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """The arrays for the compiled `answer`."""
+        lower, upper = self.limits
+        free = self.forms["free"].packed
+        if not self.has_obstacle:
+            return Kernel(free, free, contact_chart.Chart(self.lead, 0.0, 0.0, free), lower, upper, False)
+        chart = contact_chart.Chart(self.lead, float(upper[self.lead]), float(lower[-1]), self.forms["onset"].packed)
+        return Kernel(free, self.forms["contact"].packed, chart, lower, upper, True)
+
+    def _point(self, parameters: Sequence[float] | np.ndarray) -> np.ndarray:
+        point = np.asarray(parameters, float)
+        if point.shape[-1:] != (len(self.parameters),) or point.ndim > 2:
+            raise ModelError(f"parameters must be {', '.join(self.names)} (in that order), got shape {point.shape}")
+        return point
+
+    def evaluate(self, parameters: Sequence[float] | np.ndarray) -> Answer:
+        """Tip, contact force and touch distance at tensions [N] and d [m], shape (p,) or (n, p).
+
+        Raises:
+            ModelError: the wrong number of parameters.
+        """
+        point = self._point(parameters)
+        if point.ndim == 1:
+            out, _, inside = answer(self.kernel, point)
+        else:
+            out, inside = answers(self.kernel, point)
+        force = out[..., 3]
+        error = {
+            "tip": np.full_like(force, self._bound("tip", 0.0)),
+            "contact_force": self._bound("contact_force", force),
+            "touch_distance": np.full_like(force, self._bound("touch_distance", 0.0)),
+        }
+        return Answer(tip=out[..., :3], contact_force=force, touch_distance=out[..., 4], error=error, inside=inside)
+
+    def _bound(self, quantity: str, value: Any) -> Any:
+        measured = self.accuracy.get(quantity)
+        if not measured:
+            return np.nan * np.ones_like(value)
+        if quantity == "contact_force":
+            return measured["p95"] * np.abs(value) * (np.asarray(value) > 0)
+        return measured["p95_absolute"]
+
+    def jacobian(self, parameters: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Derivatives of tip x, y, z [m], contact force [N] and touch distance [m], shape (5, p), by the parameters.
+
+        At touch itself, a kink, they are those of the free side. Outside the trained box they are zero across its walls.
+        """
+        return answer(self.kernel, self._point(parameters))[1]
+
+    def displacement(self, parameters: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Displacement of all nodes, shape (nodes, 3) [m]."""
+        lower, upper = self.limits
+        held = np.clip(self._point(parameters), lower, upper)
+        tensions = held[:-1] if self.has_obstacle else held
+        field = self.forms["free_displacement"].value(tensions)
+        if self.has_obstacle:
+            value, gradient = evaluate(self.kernel.free, tensions)
+            first = 3 + int(np.argmax(value[3:]))
+            if held[-1] < value[first]:
+                where, _ = contact_chart.coordinates(self.kernel.chart, held, value[first], gradient[first])
+                field = field + self.forms["contact_displacement"].value(where)
+        return field.reshape(-1, 3)
+
+    # -- file --------------------------------------------------------------------------------------------------------
+
+    def save(self, path: str | Path) -> None:
+        """Write the model file (HDF5), beside and renamed."""
+        path = Path(path)
+        beside = path.with_name(f".{path.name}.part")
+        with h5py.File(beside, "w") as file:
+            file.attrs["format"] = FORMAT
+            for name in ("parameters", "scene", "accuracy", "provenance"):
+                file.attrs[name] = json.dumps(getattr(self, name))
+            file.attrs["lead"] = self.lead
+            file["nodes"] = self.nodes.astype(np.float32)
+            file["nodes"].attrs["unit"] = "m"
+            for name, form in self.forms.items():
+                group = file.create_group(name)
+                group["modes"] = form.modes.astype(np.float32) if name.endswith("displacement") else form.modes
+                group["errors"] = form.errors
+                group.attrs["kinds"] = list(form.kinds)
+                for a, (nodes, factor) in enumerate(zip(form.nodes, form.factors, strict=True)):
+                    group[f"nodes_{a}"], group[f"factor_{a}"] = nodes, factor
+        beside.replace(path)
+
+    @classmethod
+    def load(cls, path: str | Path, tolerance: float = 0.0) -> Surrogate:
+        """Read a model file.
+
+        Args:
+            path: the file.
+            tolerance: keep only the terms needed for this relative snapshot error [-]; 0 keeps all.
+
+        Raises:
+            ModelError: no file, no model, or a model of another format.
+        """
+        if not tolerance >= 0:
+            raise ModelError(f"tolerance must be at least 0, got {tolerance}")
+        try:
+            with h5py.File(path, "r") as file:
+                if file.attrs.get("format") != FORMAT:
+                    raise ModelError(f"{path}: must be a model of format {FORMAT}, got {file.attrs.get('format')}")
+                forms = {name: _read_form(file[name]) for name in FORMS if name in file}
+                plain = {name: json.loads(file.attrs[name]) for name in ("parameters", "scene", "accuracy", "provenance")}
+                lead, nodes = int(file.attrs["lead"]), file["nodes"][:].astype(float)
+        except ModelError:
+            raise
+        except (OSError, KeyError, ValueError) as error:
+            raise ModelError(f"{path}: is not a model file ({error})") from None
+        if tolerance > 0:
+            forms = {name: form.truncated(tolerance) for name, form in forms.items()}
+        return cls(forms=forms, lead=lead, nodes=nodes, **plain)
+
+
+def _read_form(group: h5py.Group) -> Separated:
+    axes = range(len(group.attrs["kinds"]))
+    return Separated(
+        nodes=[group[f"nodes_{a}"][:] for a in axes],
+        kinds=[str(kind) for kind in group.attrs["kinds"]],
+        factors=[group[f"factor_{a}"][:] for a in axes],
+        modes=group["modes"][:].astype(float),
+        errors=group["errors"][:],
+    )
