@@ -69,6 +69,7 @@ def snapshots(
     folder: Annotated[Path, typer.Argument(metavar="SET/", help="The set's folder; begun if new, finished if not.")],
     random: Annotated[int, typer.Option(help="Held-out points instead of training nodes.")] = 0,
     seed: Annotated[int, typer.Option(help="Seed of the held-out points.")] = 0,
+    bar: Annotated[bool, typer.Option(help="A progress bar also where stderr is no terminal, as under mpirun.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Solve what is missing of a snapshot set; run it under mpirun, as often as needed."""
@@ -86,7 +87,7 @@ def snapshots(
     description = describe(scene, versions(), HeldOut(count=random, seed=seed) if random else None)
     model = compilation.one_rank_first(comm, lambda: FingerModel(scene))
     begun = time.perf_counter()
-    with _progress(len(description.tasks), comm.rank == 0) as advance:
+    with _progress(len(description.tasks), comm.rank == 0, bar) as advance:
         solved = farm.run(description, model, folder, advance, comm)
     if comm.rank != 0:
         return
@@ -101,14 +102,14 @@ def snapshots(
     _finish(report, as_json, NOTHING_USABLE if len(failures) == result.states else 0)
 
 
-def _progress(total: int, shown: bool):
+def _progress(total: int, shown: bool, forced: bool):
     """A bar on a terminal, a plain line now and then elsewhere."""
     from contextlib import contextmanager
 
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    console = Console(stderr=True)
+    console = Console(stderr=True, force_terminal=forced or None)
 
     @contextmanager
     def bar():

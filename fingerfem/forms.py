@@ -120,3 +120,10 @@ def volume_ratio(u: fem.Function) -> fem.Expression:
     """J = det F [-] at the corners, midpoints and centre of every cell."""
     points = np.array([[i, j, k] for i in (0, 0.5, 1) for j in (0, 0.5, 1) for k in (0, 0.5, 1)], float)
     return fem.Expression(ufl.det(kinematics.deformation_gradient(u)), points)
+
+
+def axial_stress(u: fem.Function, rubber: materials.NeoHookean, space: fem.FunctionSpace) -> fem.Expression:
+    """Axial second Piola-Kirchhoff stress S11 of the rubber [Pa] at the points of a cell-wise space."""
+    points = space.element.interpolation_points
+    S = materials.stress(rubber, kinematics.right_cauchy_green(u))
+    return fem.Expression(S[0, 0], points() if callable(points) else points)
