@@ -1,0 +1,36 @@
+# make demo   train the draft finger, grasp, verify, report to out/demo
+# make test   all tests, lint, types, import contracts
+# make clean  remove what the others made (the built environment stays)
+PYTHON ?= python3
+AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
+
+.PHONY: demo test clean readme
+
+demo:
+	docker/run python3 studies/demo.py out/demo
+
+# The tests in the environment train the draft finger once, in out/tests; those without DOLFINx use it again.
+test: .venv/ready
+	docker/run python3 -m pytest -q
+	docker/run mpirun -n 2 python3 -m pytest -q -m mpi
+	.venv/bin/ruff check .
+	.venv/bin/ruff format --check .
+	.venv/bin/mypy
+	.venv/bin/lint-imports
+	.venv/bin/python -m pytest -q tests/rom tests/control tests/packaging
+
+# README's numbers and picture, from the last demo.
+readme: demo
+	docker/run python3 studies/readme.py out/demo
+
+# A plain virtual environment of this machine's Python, without DOLFINx.
+.venv/ready: pyproject.toml
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { $(AS_ROOT) && apt-get update -q && apt-get install -qy --no-install-recommends python3-venv; } \
+	    || { echo "make test needs $(PYTHON) with venv (Debian: python3-venv)" >&2; exit 2; }
+	$(PYTHON) -m venv .venv
+	.venv/bin/python -m pip install -q --disable-pip-version-check -e '.[dev]'
+	touch $@
+
+clean:
+	rm -rf out .venv .cache *.egg-info .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	find . -name __pycache__ -not -path './.git/*' -prune -exec rm -rf {} +
