@@ -47,7 +47,10 @@ def hold(
 @app.command()
 def grasp(
     model: ModelFile,
-    centre: Annotated[tuple[float, float], typer.Option(help="Of the object, unknown to the controller [m].")] = (0.002, -0.001),
+    centre: Annotated[tuple[float, float], typer.Option(help="Of the object, unknown to the controller [m].")] = (
+        0.002,
+        -0.001,
+    ),
     radius: Annotated[float, typer.Option(help="Of the object [m].")] = 0.012,
     contact_force: ContactForce = 1.0,
     as_json: AsJson = False,

@@ -24,7 +24,9 @@ def run(model: Surrogate, starts: int, contact_force: float) -> dict[str, Any]:
     side = max(2, int(np.ceil(np.sqrt(starts))))
     lower, upper = model.limits
     finger, lead = Finger(model), model.lead
-    cases = [(d, f) for d in np.linspace(lower[-1], upper[-1], side) for f in np.linspace(lower[lead], upper[lead], side)]
+    cases = [
+        (d, f) for d in np.linspace(lower[-1], upper[-1], side) for f in np.linspace(lower[lead], upper[lead], side)
+    ]
     finger.hold(contact_force, float(np.mean([lower[-1], upper[-1]])))  # compile before the clock runs
     microseconds, counts, beyond = [], {"converged": 0, "unreachable": 0}, 0
     for distance, tension in cases[:starts]:
@@ -34,11 +36,19 @@ def run(model: Surrogate, starts: int, contact_force: float) -> dict[str, Any]:
         motion = finger.hold(contact_force, float(distance), start=start)
         microseconds.append((perf_counter_ns() - begun) / 1e3)
         counts[motion.status] = counts.get(motion.status, 0) + 1
-        beyond += not (np.isfinite(motion.tensions).all() and np.all((motion.tensions >= lower[:-1]) & (motion.tensions <= upper[:-1])))
+        beyond += not (
+            np.isfinite(motion.tensions).all()
+            and np.all((motion.tensions >= lower[:-1]) & (motion.tensions <= upper[:-1]))
+        )
     return {
-        "starts": len(microseconds), "contact_force": contact_force,
-        "converged": counts["converged"], "unreachable": counts["unreachable"],
-        "failed": len(microseconds) - counts["converged"] - counts["unreachable"], "out_of_limits": int(beyond),
-        "mean_us": float(np.mean(microseconds)), "p50_us": float(np.percentile(microseconds, 50)),
-        "p99_us": float(np.percentile(microseconds, 99)), "max_us": float(np.max(microseconds)),
-    }  # fmt: skip
+        "starts": len(microseconds),
+        "contact_force": contact_force,
+        "converged": counts["converged"],
+        "unreachable": counts["unreachable"],
+        "failed": len(microseconds) - counts["converged"] - counts["unreachable"],
+        "out_of_limits": int(beyond),
+        "mean_us": float(np.mean(microseconds)),
+        "p50_us": float(np.percentile(microseconds, 50)),
+        "p99_us": float(np.percentile(microseconds, 99)),
+        "max_us": float(np.max(microseconds)),
+    }

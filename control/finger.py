@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from control.least_squares import Options, Residual, Solution, minimise
 from rom import Surrogate
@@ -43,9 +44,13 @@ class Motion:
     def as_json(self) -> dict[str, Any]:
         """Plain numbers."""
         return {
-            "tensions": self.tensions.tolist(), "distance": self.distance, "status": self.status,
-            "residual": self.residual, "error": self.error, "iterations": self.iterations,
-        }  # fmt: skip
+            "tensions": self.tensions.tolist(),
+            "distance": self.distance,
+            "status": self.status,
+            "residual": self.residual,
+            "error": self.error,
+            "iterations": self.iterations,
+        }
 
 
 class Finger:
@@ -68,7 +73,11 @@ class Finger:
         self.rest = np.array([length - plate / 2, 0.0, 0.0])  # the tip plate's centre at rest [m]
 
     def reach(
-        self, point: Sequence[float], distance: float = np.inf, start: Sequence[float] | None = None, tolerance: float = 1e-4
+        self,
+        point: ArrayLike,
+        distance: float = np.inf,
+        start: ArrayLike | None = None,
+        tolerance: float = 1e-4,
     ) -> Motion:
         """Bring the tip plate's centre to a point without touching the plane.
 
@@ -91,10 +100,12 @@ class Finger:
                 return r, dr
             return np.append(r, weight * passed), np.vstack([dr, weight * jacobian[TOUCH, : self._tensions]])
 
-        best = self._best(residual, [self._middle if start is None else np.asarray(start, float), self._gentle], tolerance)
+        best = self._best(
+            residual, [self._middle if start is None else np.asarray(start, float), self._gentle], tolerance
+        )
         return self._motion(best, best.x, distance, "tip")
 
-    def locate(self, tensions: Sequence[float], contact_force: float) -> Motion:
+    def locate(self, tensions: ArrayLike, contact_force: float) -> Motion:
         """Find the plane from the tensions and the contact force felt; the motion's `distance` is d*.
 
         Args:
@@ -115,11 +126,13 @@ class Finger:
         bounds = lower[-1:], np.clip([touch], lower[-1], upper[-1])
         options = Options(residual=1e-9 * max(contact_force, 1.0))
         starts = [bounds[0] + way * (bounds[1] - bounds[0]) for way in (0.9, 0.5, 0.1)]
-        best = min((minimise(residual, start, bounds, options) for start in starts), key=lambda solution: solution.residual)
+        best = min(
+            (minimise(residual, start, bounds, options) for start in starts), key=lambda solution: solution.residual
+        )
         return self._motion(best, pulled, float(best.x[0]), "contact_force")
 
     def hold(
-        self, contact_force: float, distance: float, start: Sequence[float] | None = None, tolerance: float = 1e-6
+        self, contact_force: float, distance: float, start: ArrayLike | None = None, tolerance: float = 1e-6
     ) -> Motion:
         """Press on the plane with a contact force, changing the tensions as little as needed.
 
@@ -183,14 +196,20 @@ class Finger:
         if not said.inside:
             status = "out_of_domain"
         return Motion(
-            tensions=np.array(tensions), distance=float(distance), status=status, residual=solution.residual,
-            error=float(said.error[quantity]), iterations=solution.iterations,
-        )  # fmt: skip
+            tensions=np.array(tensions),
+            distance=float(distance),
+            status=status,
+            residual=solution.residual,
+            error=float(said.error[quantity]),
+            iterations=solution.iterations,
+        )
 
     def _out_of_domain(self, distance: float, quantity: str, tensions: np.ndarray | None = None) -> Motion:
         return Motion(
-            tensions=self._bounds[0].copy() if tensions is None else tensions, distance=float(distance),
-            status="out_of_domain", residual=np.inf, error=np.nan, iterations=0,
-        )  # fmt: skip
-
-
+            tensions=self._bounds[0].copy() if tensions is None else tensions,
+            distance=float(distance),
+            status="out_of_domain",
+            residual=np.inf,
+            error=np.nan,
+            iterations=0,
+        )

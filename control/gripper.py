@@ -74,17 +74,22 @@ class Grasp:
     def as_json(self) -> dict[str, Any]:
         """Plain numbers, without the history."""
         return {
-            "status": self.status, "tensions": self.tensions.tolist(), "contact_forces": self.contact_forces.tolist(),
-            "distances": self.distances.tolist(), "centre": self.centre.tolist(), "radius": self.radius,
+            "status": self.status,
+            "tensions": self.tensions.tolist(),
+            "contact_forces": self.contact_forces.tolist(),
+            "distances": self.distances.tolist(),
+            "centre": self.centre.tolist(),
+            "radius": self.radius,
             "pulls": len(self.history),
-        }  # fmt: skip
+        }
 
 
 class Gripper:
     """Fingers evenly around an axis, each bending towards it.
 
-    Finger i stands at angle 360 i / n degrees; its surface at rest is `radius` from the axis. A face of the object across
-    the i-th direction e_i, at distance r from the object's centre c, is then d_i = radius - c . e_i - r from finger i.
+    Finger i stands at angle 360 i / n degrees; its surface at rest is `radius` from the axis. A face of the object
+    across the i-th direction e_i, at distance r from the object's centre c, is then d_i = radius - c . e_i - r from
+    finger i.
 
     Args:
         model: the surrogate of every finger.
@@ -119,7 +124,7 @@ class Gripper:
             _Closing(i, finger, plant, contact_force, options)
             for i, (finger, plant) in enumerate(zip(self.fingers, plants, strict=True))
         ]
-        while any([not hand.done for hand in closing]):
+        while not all(hand.done for hand in closing):
             for hand in closing:
                 if not hand.done:
                     hand.pull()
@@ -127,10 +132,14 @@ class Gripper:
         centre, radius = self._object(distances)
         history = sorted((pull for hand in closing for pull in hand.history), key=lambda pull: (pull.time, pull.finger))
         return Grasp(
-            status=[hand.status for hand in closing], tensions=np.array([hand.tensions for hand in closing]),
-            contact_forces=np.array([hand.felt for hand in closing]), distances=distances,
-            centre=centre, radius=radius, history=history,
-        )  # fmt: skip
+            status=[hand.status for hand in closing],
+            tensions=np.array([hand.tensions for hand in closing]),
+            contact_forces=np.array([hand.felt for hand in closing]),
+            distances=distances,
+            centre=centre,
+            radius=radius,
+            history=history,
+        )
 
     def _object(self, distances: np.ndarray) -> tuple[np.ndarray, float]:
         """Centre [m] and radius [m] that explain the distances best."""
@@ -199,7 +208,11 @@ class _Closing:
         self.felt, self.tensions = self._plant.pull(tensions.tolist()), tensions
         self.history.append(
             Pull(
-                finger=self._index, time=len(self.history), stage=stage, tensions=tensions.tolist(),
-                contact_force=self.felt, distance=self.distance,
-            )  # fmt: skip
+                finger=self._index,
+                time=len(self.history),
+                stage=stage,
+                tensions=tensions.tolist(),
+                contact_force=self.felt,
+                distance=self.distance,
+            )
         )

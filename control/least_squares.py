@@ -40,7 +40,9 @@ class Solution:
 Residual = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-def minimise(residual: Residual, start: np.ndarray, bounds: tuple[np.ndarray, np.ndarray], options: Options) -> Solution:
+def minimise(
+    residual: Residual, start: np.ndarray, bounds: tuple[np.ndarray, np.ndarray], options: Options
+) -> Solution:
     """Find the least residual from a start.
 
     Args:
@@ -53,7 +55,9 @@ def minimise(residual: Residual, start: np.ndarray, bounds: tuple[np.ndarray, np
         ValueError: a start or bounds that are not finite numbers in order.
     """
     lower, upper = bounds
-    if not (np.isfinite(start).all() and np.isfinite(lower).all() and np.isfinite(upper).all() and (lower <= upper).all()):
+    if not (
+        np.isfinite(start).all() and np.isfinite(lower).all() and np.isfinite(upper).all() and (lower <= upper).all()
+    ):
         raise ValueError(f"start and bounds must be finite with lower <= upper, got {start}, {lower}, {upper}")
     width = np.where(upper > lower, upper - lower, 1.0)
     x = np.minimum(np.maximum(start, lower), upper)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rom import Surrogate
 
@@ -13,7 +13,7 @@ from rom import Surrogate
 class Plant(Protocol):
     """A finger, real or simulated."""
 
-    def pull(self, tensions: Sequence[float]) -> float:
+    def pull(self, tensions: ArrayLike) -> float:
         """Set the tensions [N], shape (tensions,), let the finger come to rest, return the contact force felt [N]."""
         ...
 
@@ -32,13 +32,14 @@ class SimulatedPlant:
         self._model, self._distance, self._noise = model, distance, noise
         self._random = np.random.default_rng(seed)
 
-    def pull(self, tensions: Sequence[float]) -> float:
+    def pull(self, tensions: ArrayLike) -> float:
         """See Plant.
 
         Raises:
             ValueError: tensions or plane outside the trained box: the model cannot play such a finger.
         """
-        answer = self._model.evaluate([*tensions, self._distance])
+        point = np.append(tensions, self._distance)
+        answer = self._model.evaluate(point)
         if not answer.inside:
-            raise ValueError(f"tensions and d must lie in the trained box, got {[*tensions, self._distance]}")
+            raise ValueError(f"tensions and d must lie in the trained box, got {point.tolist()}")
         return float(answer.contact_force) + self._noise * float(self._random.standard_normal())

@@ -11,9 +11,13 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 _HOMES = {
-    "FingerModel": "model", "Scene": "scene", "SceneError": "scene", "load_scene": "scene",
-    "State": "state", "LoadNotReached": "stepping",
-}  # fmt: skip
+    "FingerModel": "model",
+    "Scene": "scene",
+    "SceneError": "scene",
+    "load_scene": "scene",
+    "State": "state",
+    "LoadNotReached": "stepping",
+}
 __all__ = ["FingerModel", "LoadNotReached", "Scene", "SceneError", "State", "load_scene"]
 
 

@@ -41,7 +41,9 @@ def read_loads(scene, settings: list[str]) -> tuple[list[float], float | None]:
 @app.command()
 def solve(
     scene_file: SceneFile,
-    loads: Annotated[list[str] | None, typer.Argument(help="F1=50 F2=0 [N], d=0.005 [m]; d left out: no plane.")] = None,
+    loads: Annotated[
+        list[str] | None, typer.Argument(help="F1=50 F2=0 [N], d=0.005 [m]; d left out: no plane.")
+    ] = None,
     as_json: AsJson = False,
     picture: Annotated[Path | None, typer.Option(help="Also write a picture, coloured by S11.")] = None,
 ) -> None:
@@ -69,7 +71,9 @@ def snapshots(
     folder: Annotated[Path, typer.Argument(metavar="SET/", help="The set's folder; begun if new, finished if not.")],
     random: Annotated[int, typer.Option(help="Held-out points instead of training nodes.")] = 0,
     seed: Annotated[int, typer.Option(help="Seed of the held-out points.")] = 0,
-    bar: Annotated[bool, typer.Option(help="A progress bar also where stderr is no terminal, as under mpirun.")] = False,
+    bar: Annotated[
+        bool, typer.Option(help="A progress bar also where stderr is no terminal, as under mpirun.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Solve what is missing of a snapshot set; run it under mpirun, as often as needed."""
@@ -82,7 +86,9 @@ def snapshots(
     from rom.snapshots import SnapshotSet
 
     comm = MPI.COMM_WORLD
-    logging.basicConfig(level=logging.INFO if comm.rank == 0 else logging.WARNING, format="%(message)s", stream=sys.stderr)
+    logging.basicConfig(
+        level=logging.INFO if comm.rank == 0 else logging.WARNING, format="%(message)s", stream=sys.stderr
+    )
     scene = load_scene(scene_file)
     description = describe(scene, versions(), HeldOut(count=random, seed=seed) if random else None)
     model = compilation.one_rank_first(comm, lambda: FingerModel(scene))
@@ -96,9 +102,14 @@ def snapshots(
     for line in failures:
         logging.warning("failed: %s", line)
     report = {
-        "tasks": len(description.tasks), "solved_by_this_rank": solved, "states": result.states, "failed": len(failures),
-        "newton_iterations": result.iterations, "seconds": time.perf_counter() - begun, "ranks": comm.size,
-    }  # fmt: skip
+        "tasks": len(description.tasks),
+        "solved_by_this_rank": solved,
+        "states": result.states,
+        "failed": len(failures),
+        "newton_iterations": result.iterations,
+        "seconds": time.perf_counter() - begun,
+        "ranks": comm.size,
+    }
     _finish(report, as_json, NOTHING_USABLE if len(failures) == result.states else 0)
 
 

@@ -1,8 +1,8 @@
 """Frictionless contact with the rigid plane y = side/2 + d by a penalty.
 
 The energy is 1/2 gamma <-g>^2 per area of the undeformed surface [J/m^2], with the gap g [m] and the penalty gamma
-[N/m^3]. It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach the plane
-is the first to feel it, edges and corners included, and touch needs no tolerance.
+[N/m^3]. It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach the
+plane is the first to feel it, edges and corners included, and touch needs no tolerance.
 """
 
 import ufl
@@ -24,7 +24,7 @@ def energy(gap, penalty):
 
 
 def penalty_stiffness(factor, young_modulus, mesh_size):
-    """gamma = factor E / h [N/m^3]: factor times the stiffness of a layer of cells."""
+    """Gamma = factor E / h [N/m^3]: factor times the stiffness of a layer of cells."""
     return factor * young_modulus / mesh_size
 
 

@@ -45,7 +45,9 @@ def subdivide(breakpoints, cells):
             break
     if count.sum() != cells:
         raise ValueError(f"must fit {n} intervals between channels and plates (at least {n} cells), got {cells}")
-    pieces = [np.linspace(a, b, k, endpoint=False) for a, b, k in zip(breakpoints, breakpoints[1:], count, strict=False)]
+    pieces = [
+        np.linspace(a, b, k, endpoint=False) for a, b, k in zip(breakpoints, breakpoints[1:], count, strict=False)
+    ]
     return np.append(np.concatenate(pieces), breakpoints[-1])
 
 
@@ -108,9 +110,12 @@ def build_mesh(scene: Scene, comm: MPI.Comm) -> FingerMesh:
     x, y = grid_lines(scene)
     counts = [len(x) - 1, len(y) - 1, len(y) - 1]
     mesh = dolfinx.mesh.create_box(
-        comm, [np.zeros(3), np.ones(3)], counts, dolfinx.mesh.CellType.hexahedron,
+        comm,
+        [np.zeros(3), np.ones(3)],
+        counts,
+        dolfinx.mesh.CellType.hexahedron,
         ghost_mode=dolfinx.mesh.GhostMode.none,
-    )  # fmt: skip
+    )
     for axis, lines in enumerate((x, y, y)):
         index = np.rint(mesh.geometry.x[:, axis] * counts[axis]).astype(int)
         mesh.geometry.x[:, axis] = lines[index]

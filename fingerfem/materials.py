@@ -25,12 +25,13 @@ class NeoHookean:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
 
     def __call__(self, C):
+        """Energy density [J/m^3] at C."""
         J = ufl.sqrt(ufl.det(C))
         return self.C1 * (ufl.det(C) ** (-1 / 3) * ufl.tr(C) - 3) + (J - 1) ** 2 / self.D1
 
     @property
     def shear_modulus(self) -> float:
-        """mu = 2 C1 [Pa], at small strain."""
+        """Mu = 2 C1 [Pa], at small strain."""
         return 2 * self.C1
 
     @property
@@ -46,7 +47,7 @@ class NeoHookean:
 
     @property
     def poisson(self) -> float:
-        """nu = (3 K - 2 mu) / (6 K + 2 mu) [-], at small strain."""
+        """Nu = (3 K - 2 mu) / (6 K + 2 mu) [-], at small strain."""
         mu, K = self.shear_modulus, self.bulk_modulus
         return (3 * K - 2 * mu) / (6 * K + 2 * mu)
 

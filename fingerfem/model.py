@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 from time import perf_counter
 
@@ -11,6 +10,7 @@ import numpy as np
 from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix, assemble_vector, create_matrix
 from mpi4py import MPI
+from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
 from fingerfem import geometry, materials
@@ -61,9 +61,7 @@ class FingerModel:
         self._volume_ratio = volume_ratio(self.fields.u)
         self.stepper = Stepper(self)
 
-    def solve(
-        self, tensions: Sequence[float], distance: float | None = None, sensitivities: bool = True
-    ) -> State:
+    def solve(self, tensions: ArrayLike, distance: float | None = None, sensitivities: bool = True) -> State:
         """The equilibrium reached from rest: tensions first, then the plane comes from where it touches to its place.
 
         Args:
@@ -84,11 +82,12 @@ class FingerModel:
             self.stepper.advance(tensions, distance)
         return observe(self, touch_distance, perf_counter() - begun, sensitivities)
 
-    def check_loads(self, tensions: Sequence[float], distance: float | None) -> None:
+    def check_loads(self, tensions: ArrayLike, distance: float | None) -> None:
         """Raise ValueError (name, rule, value) for loads the scene does not allow."""
-        if len(tensions) != len(self.scene.tendons):
-            raise ValueError(f"tensions must be {len(self.scene.tendons)} values in N, got {len(tensions)}")
-        values = dict(zip([tendon.name for tendon in self.scene.tendons], tensions, strict=True))
+        pulled = np.asarray(tensions, float)
+        if pulled.shape != (len(self.scene.tendons),):
+            raise ValueError(f"tensions must be {len(self.scene.tendons)} values in N, got shape {pulled.shape}")
+        values = dict(zip([tendon.name for tendon in self.scene.tendons], pulled.tolist(), strict=True))
         if distance is not None:
             if self.scene.obstacle is None:
                 raise ValueError(f"d must be left out of a scene without an obstacle, got {distance}")
@@ -105,7 +104,7 @@ class FingerModel:
         """Nodal displacements of this rank, ghosts included, shape (3 nodes,) [m]; a view."""
         return self.fields.u.x.array
 
-    def set_loads(self, tensions: Sequence[float], distance: float | None) -> None:
+    def set_loads(self, tensions: ArrayLike, distance: float | None) -> None:
         """Set tensions [N], shape (tendons,), and the plane's distance [m] (None: no plane)."""
         self.tensions = np.array(tensions, float)
         self._set_tension_density(self.tensions)
@@ -162,17 +161,25 @@ class FingerModel:
 
     def channel_length(self, k: int) -> float:
         """Length of channel k [m]: the tendon energy at unit tension."""
-        return self._at_unit_tension(k, lambda: self.scalar(self.forms.tendon_energy))
-
-    def channel_gradient(self, k: int) -> PETSc.Vec:
-        """Gradient of channel k's length [-], which is dR/dF_k. The caller destroys the vector."""
-        return self._at_unit_tension(k, lambda: self.gradient(self.forms.tendon_force))
-
-    def _at_unit_tension(self, k: int, evaluate):
         self._set_tension_density(np.eye(len(self.tensions))[k])
-        value = evaluate()
+        length = self.scalar(self.forms.tendon_energy)
         self._set_tension_density(self.tensions)
-        return value
+        return length
+
+    def load_gradient(self, tensions: ArrayLike, distance: float = 0.0) -> PETSc.Vec:
+        """Change of the residual with the loads, dR/dF . tensions + dR/dd distance [N]. The caller destroys the vector.
+
+        For a unit tension it is the gradient of that channel's length [-], for a unit distance minus that of the
+        contact force [N/m].
+        """
+        self._set_tension_density(np.asarray(tensions, float))
+        b = self.gradient(self.forms.tendon_force)
+        self._set_tension_density(self.tensions)
+        if distance and self.forms.contact is not None:
+            pull = self.gradient(self.forms.contact.force_gradient)
+            b.axpy(-distance, pull)
+            pull.destroy()
+        return b
 
     # -- geometry of the deformed finger -----------------------------------------------------------------------------
 
@@ -194,7 +201,7 @@ class FingerModel:
         return float(self.comm.allreduce(highest, op=MPI.MAX)) - self.scene.geometry.side / 2
 
     def smallest_volume_ratio(self) -> float:
-        """min J over corners, midpoints and centres of all cells [-]."""
+        """Min J over corners, midpoints and centres of all cells [-]."""
         topology = self.mesh.mesh.topology
         cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
         values = self._volume_ratio.eval(self.mesh.mesh, cells)

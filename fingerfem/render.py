@@ -65,11 +65,17 @@ class Deformed:
         stress[tags.indices[(tags.values == geometry.PLATE) | (tags.values == geometry.PLATE_CHANNEL)]] = np.nan
         d = state.parameters.get("d")
         return cls(
-            title=", ".join(f"{name} = {value * 1e3:.3g} mm" if name == "d" else f"{name} = {value:.3g} N"
-                            for name, value in state.parameters.items()),
-            cells=cells, kinds=kinds, points=points, displacement=state.displacement.reshape(-1, 3),
-            stress=stress, plane=None if d is None else model.scene.geometry.side / 2 + d,
-        )  # fmt: skip
+            title=", ".join(
+                f"{name} = {value * 1e3:.3g} mm" if name == "d" else f"{name} = {value:.3g} N"
+                for name, value in state.parameters.items()
+            ),
+            cells=cells,
+            kinds=kinds,
+            points=points,
+            displacement=state.displacement.reshape(-1, 3),
+            stress=stress,
+            plane=None if d is None else model.scene.geometry.side / 2 + d,
+        )
 
 
 def draw(panels: Sequence[Deformed], picture: str | Path) -> None:
@@ -93,20 +99,40 @@ def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
     import pyvista
 
     rows, columns = (len(panels) + 1) // 2, min(2, len(panels))
-    plotter = pyvista.Plotter(shape=(rows, columns), off_screen=True, window_size=[800 * columns, 520 * rows], border=False)
+    plotter = pyvista.Plotter(
+        shape=(rows, columns), off_screen=True, window_size=[800 * columns, 520 * rows], border=False
+    )
     shown = np.concatenate([panel.stress for panel in panels]) / 1e6
     limit = float(np.nanpercentile(np.abs(shown), 99)) or 1.0
     length, side = panels[0].points[:, 0].max(), np.ptp(panels[0].points[:, 1])
-    bar = {"title": "S11 [MPa]", "vertical": True, "position_x": 0.88, "position_y": 0.15, "height": 0.7, "n_labels": 5,
-           "color": "black", "label_font_size": 18, "title_font_size": 18}  # fmt: skip
+    bar = {
+        "title": "S11 [MPa]",
+        "vertical": True,
+        "position_x": 0.88,
+        "position_y": 0.15,
+        "height": 0.7,
+        "n_labels": 5,
+        "color": "black",
+        "label_font_size": 18,
+        "title_font_size": 18,
+    }
     for k, panel in enumerate(panels):
         plotter.subplot(k // 2, k % 2)
         grid = pyvista.UnstructuredGrid(panel.cells, panel.kinds, panel.points + panel.displacement)
         grid.cell_data["S11 [MPa]"] = panel.stress / 1e6
         plotter.add_mesh(
-            grid, scalars="S11 [MPa]", cmap="coolwarm", clim=[-limit, limit], nan_color="gray", show_edges=True,
-            line_width=0.5, ambient=0.5, diffuse=0.5, show_scalar_bar=k == len(panels) - 1, scalar_bar_args=bar,
-        )  # fmt: skip
+            grid,
+            scalars="S11 [MPa]",
+            cmap="coolwarm",
+            clim=[-limit, limit],
+            nan_color="gray",
+            show_edges=True,
+            line_width=0.5,
+            ambient=0.5,
+            diffuse=0.5,
+            show_scalar_bar=k == len(panels) - 1,
+            scalar_bar_args=bar,
+        )
         if panel.plane is not None:
             middle = (length / 2, panel.plane, 0)
             plane = pyvista.Plane(center=middle, direction=(0, 1, 0), i_size=1.2 * length, j_size=4 * side)
@@ -121,6 +147,6 @@ def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
 
 
 if __name__ == "__main__":
-    from fingerfem.render import Deformed  # noqa: F811  the class by its own name, for pickle
+    from fingerfem.render import Deformed
 
     _draw_here(pickle.load(sys.stdin.buffer), sys.argv[1])

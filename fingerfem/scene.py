@@ -14,9 +14,16 @@ Length = Annotated[float, Field(gt=0, le=1.0)]  # [m]; a length above 1 m is a l
 Offset = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
 Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
 UNITS = {
-    "side": "m", "segments": "m", "plate": "m", "channel": "m", "offset": "m", "distance": "m",
-    "C1": "Pa", "D1": "1/Pa", "tension": "N",
-}  # fmt: skip
+    "side": "m",
+    "segments": "m",
+    "plate": "m",
+    "channel": "m",
+    "offset": "m",
+    "distance": "m",
+    "C1": "Pa",
+    "D1": "1/Pa",
+    "tension": "N",
+}
 
 
 class SceneError(ValueError):

@@ -12,6 +12,7 @@ import logging
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -93,7 +94,7 @@ class TaskSolver:
         points = model.space.tabulate_dof_coordinates()
         self._order = np.lexsort(np.round(points, 9).T[::-1])  # the mesh's own numbering is nobody else's business
         self.nodes = points[self._order]
-        self._nearest = description.parameters[-1]["lower"] if description.has_obstacle else None
+        self._nearest: float = description.parameters[-1]["lower"] if description.has_obstacle else np.nan
 
     def ready(self, task: str) -> bool:
         """Whether all that the task needs is there."""
@@ -103,8 +104,9 @@ class TaskSolver:
     def solve(self, task: str) -> dict[str, np.ndarray]:
         """The arrays of a task's file; states that do not converge are marked, and end a line."""
         kind, *index = task.split("-")
-        line = {"free": self._free, "contact": self._contact, "random": self._random}[kind]
-        return line(*map(int, index))
+        if kind == "free":
+            return self._free(int(index[0]))
+        return self._contact(int(index[0]), int(index[1])) if kind == "contact" else self._random(int(index[0]))
 
     def _free(self, j: int) -> dict[str, np.ndarray]:
         others, lead = self.description.others[j], self.description.tension_nodes[self.description.lead]
@@ -113,7 +115,7 @@ class TaskSolver:
         for tension in lead:
             record.state(self.description.insert_lead(others, tension), None)
         arrays = record.arrays()
-        arrays["onset"] = np.array(self._onset(others, arrays) if self._nearest is not None else np.nan)
+        arrays["onset"] = np.array(self._onset(others, arrays) if self.description.has_obstacle else np.nan)
         return arrays
 
     def _onset(self, others: tuple[float, ...], line: dict[str, np.ndarray]) -> float:
@@ -150,10 +152,14 @@ class TaskSolver:
         tension = onset + description.onset_nodes[i] * (highest - onset)
         tensions = description.insert_lead(description.others[j], tension)
         if np.isnan(onset):
-            record.failed(tensions, np.nan, "the free finger does not reach the nearest plane", len(description.contact_nodes))
+            record.failed(
+                tensions, np.nan, "the free finger does not reach the nearest plane", len(description.contact_nodes)
+            )
             return record.arrays()
         below = int(np.searchsorted(description.tension_nodes[description.lead], tension, side="right")) - 1
-        self.model.stepper.start(free["parameters"][below, : len(tensions)], None, self._unsorted(free["displacement"][below]))
+        self.model.stepper.start(
+            free["parameters"][below, : len(tensions)], None, self._unsorted(free["displacement"][below])
+        )
         record.state(tensions, None)
         reach = self.model.reach()
         for s in description.contact_nodes[1:]:
@@ -165,7 +171,7 @@ class TaskSolver:
         tensions = point[: self.description.tensions]
         record = Record(self)
         self.model.stepper.rest()
-        if self._nearest is None:
+        if not self.description.has_obstacle:
             record.state(tensions, None)
             return record.arrays()
         try:
@@ -190,7 +196,8 @@ class Record:
     """Collects the states of one line; after a failure the line's further states are failed too."""
 
     def __init__(self, solver: TaskSolver):
-        self._solver, self._rows, self._broken = solver, [], ""
+        self._solver, self._broken = solver, ""
+        self._rows: list[dict[str, Any]] = []
 
     def state(self, tensions: np.ndarray, distance: float | None, reach: float | None = None) -> None:
         """Solve and note one state; `reach` is the free finger's, None in a free state."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from petsc4py import PETSc
 
 if TYPE_CHECKING:
     from fingerfem.model import FingerModel
@@ -65,16 +66,16 @@ def observe(model: FingerModel, touch_distance: float | None, seconds: float, se
     scene, forms, stepper = model.scene, model.forms, model.stepper
     model.residual().destroy()  # the clamp's reaction at this very state
     names = [tendon.name for tendon in scene.tendons]
-    rest_lengths = np.array([np.sum(scene.geometry.segments[: t.segment]) - scene.geometry.plate for t in scene.tendons])
+    rest_lengths = np.array(
+        [np.sum(scene.geometry.segments[: t.segment]) - scene.geometry.plate for t in scene.tendons]
+    )
     lengths = np.array([model.channel_length(k) for k in range(len(names))])
     energy = model.scalar(forms.strain_energy) + model.scalar(forms.tendon_energy)
-    touching: dict[str, float] = {}
+    force, pressure = None, None
     if forms.contact is not None:
         energy += model.scalar(forms.contact.energy)
-        touching = {
-            "contact_force": model.scalar(forms.contact.force),
-            "pad_pressure": model.scalar(forms.contact.pad_force) / (scene.geometry.side * scene.geometry.plate),
-        }
+        force = model.scalar(forms.contact.force)
+        pressure = model.scalar(forms.contact.pad_force) / (scene.geometry.side * scene.geometry.plate)
     parameters = dict(zip(names, stepper.tensions.tolist(), strict=True))
     if stepper.distance is not None:
         parameters["d"] = float(stepper.distance)
@@ -83,7 +84,8 @@ def observe(model: FingerModel, touch_distance: float | None, seconds: float, se
         displacement=model.displacement.copy(),
         tip=np.array([model.scalar(form) for form in forms.tip]),
         touch_distance=touch_distance,
-        **touching,
+        contact_force=force,
+        pad_pressure=pressure,
         clamp_reaction=model.clamp_reaction.copy(),
         channel_shortening=dict(zip(names, (rest_lengths - lengths).tolist(), strict=True)),
         energy=energy,
@@ -105,36 +107,35 @@ def _sensitivities(model: FingerModel) -> dict[str, dict[str, Any]]:
     """
     scene, forms, newton = model.scene, model.forms, model.stepper.newton
     newton.factorise()
-    names = [tendon.name for tendon in scene.tendons]
-    gradients = [model.channel_gradient(k) for k in range(len(names))]
-    lengths = [b.array_r.copy() for b in gradients]
-    tips = [_owned(model, form) for form in forms.tip_gradient]
-    force, force_by_distance = None, 0.0
-    if forms.contact is not None and model.stepper.distance is not None:
-        names = [*names, "d"]
-        force = _owned(model, forms.contact.force_gradient)
-        force_by_distance = -model.scalar(forms.contact.stiffness)
-        pull = model.gradient(forms.contact.force_gradient)
-        pull.scale(-1.0)
-        gradients.append(pull)
-
+    count = len(scene.tendons)
+    lengths = [_owned(model.load_gradient(unit)) for unit in np.eye(count)]
+    tips = [_owned(model.gradient(form)) for form in forms.tip_gradient]
+    loads = {tendon.name: (unit, 0.0) for tendon, unit in zip(scene.tendons, np.eye(count), strict=True)}
     answer: dict[str, dict[str, Any]] = {"tip": {}, "channel_shortening": {}}
-    if force is not None:
+    in_contact = forms.contact is not None and model.stepper.distance is not None
+    if forms.contact is not None and in_contact:
+        loads["d"] = (np.zeros(count), 1.0)
+        force = _owned(model.gradient(forms.contact.force_gradient))
+        by_distance = {"d": -model.scalar(forms.contact.stiffness)}  # at fixed displacement
         answer["contact_force"] = {}
-    for name, b in zip(names, gradients, strict=True):
-        change = -newton.linear_solve(b)
-        along = lambda gradient: float(model.comm.allreduce(gradient @ change))  # noqa: B023, E731
-        answer["tip"][name] = [along(gradient) for gradient in tips]
+
+    for name, (tensions, distance) in loads.items():
+        change = -newton.linear_solve(model.load_gradient(tensions, distance))
+        answer["tip"][name] = [_along(model, gradient, change) for gradient in tips]
         answer["channel_shortening"][name] = {
-            tendon.name: -along(gradient) for tendon, gradient in zip(scene.tendons, lengths, strict=True)
+            tendon.name: -_along(model, gradient, change)
+            for tendon, gradient in zip(scene.tendons, lengths, strict=True)
         }
-        if force is not None:
-            answer["contact_force"][name] = along(force) + (force_by_distance if name == "d" else 0.0)
+        if in_contact:
+            answer["contact_force"][name] = _along(model, force, change) + by_distance.get(name, 0.0)
     return answer
 
 
-def _owned(model: FingerModel, form) -> np.ndarray:
-    b = model.gradient(form)
+def _along(model: FingerModel, gradient: np.ndarray, change: np.ndarray) -> float:
+    return float(model.comm.allreduce(gradient @ change))
+
+
+def _owned(b: PETSc.Vec) -> np.ndarray:
     values = b.array_r.copy()
     b.destroy()
     return values

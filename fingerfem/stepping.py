@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fingerfem.newton import Newton, NotConverged
 
@@ -19,7 +19,9 @@ class LoadNotReached(Exception):
     """Continuation stopped short; `tensions` [N] and `distance` [m] are the last load with an equilibrium."""
 
     def __init__(self, reason: str, tensions: np.ndarray, distance: float | None):
-        where = f"tensions {np.round(tensions, 6).tolist()} N" + (f", d {distance:.6g} m" if distance is not None else "")
+        where = f"tensions {np.round(tensions, 6).tolist()} N" + (
+            f", d {distance:.6g} m" if distance is not None else ""
+        )
         super().__init__(f"no equilibrium beyond {where}: {reason}")
         self.reason, self.tensions, self.distance = reason, tensions, distance
 
@@ -53,7 +55,7 @@ class Stepper:
         bending = model.rubber.young_modulus * geometry.side**4 / 12  # [N m^2]
         ends = np.cumsum(geometry.segments)
         self._turn = np.array(
-            [np.hypot(*tendon.offset) * ends[tendon.segment - 1] / bending for tendon in scene.tendons]
+            [float(np.linalg.norm(tendon.offset)) * ends[tendon.segment - 1] / bending for tendon in scene.tendons]
         )  # [rad/N]
         # A tendon on the axis bends nothing but shortens: count its strain for a turn.
         self._turn += 1 / (model.rubber.young_modulus * geometry.side**2)
@@ -63,7 +65,7 @@ class Stepper:
         """Back to the undeformed finger without loads."""
         self.start(np.zeros(len(self.model.scene.tendons)), None, np.zeros_like(self.model.displacement))
 
-    def start(self, tensions: Sequence[float], distance: float | None, displacement: np.ndarray) -> None:
+    def start(self, tensions: ArrayLike, distance: float | None, displacement: np.ndarray) -> None:
         """Take an equilibrium that is known already: tensions [N], d [m], displacement [m], shape (3 nodes,)."""
         self.tensions, self.distance = np.array(tensions, float), distance
         self.model.displacement[:] = displacement
@@ -72,7 +74,7 @@ class Stepper:
         self.strategies: Counter[str] = Counter()
         self._factorised = False
 
-    def advance(self, tensions: Sequence[float], distance: float | None) -> None:
+    def advance(self, tensions: ArrayLike, distance: float | None) -> None:
         """Go in a straight line from the present load to tensions [N], shape (tendons,), and distance [m].
 
         A plane that was away comes from where it touches.
@@ -145,16 +147,7 @@ class Stepper:
 
     def _predict(self, tensions: np.ndarray, distance: float | None) -> None:
         """Move along du/dF and du/dd with the last factorised tangent, the nodes in contact moving with the plane."""
-        model = self.model
-        changes = [(model.channel_gradient, k, change) for k, change in enumerate(tensions - self.tensions) if change]
-        if distance is not None and self.distance is not None and distance != self.distance:
-            force_gradient = model.forms.contact.force_gradient
-            changes.append((model.gradient, force_gradient, self.distance - distance))
-        if not changes:
-            return
-        total = model.matrix.createVecRight()
-        for gradient, of, change in changes:
-            b = gradient(of)
-            total.axpy(-change, b)
-            b.destroy()
-        self.newton.add(self.newton.linear_solve(total))
+        moved = 0.0 if distance is None or self.distance is None else distance - self.distance
+        if moved or np.any(tensions != self.tensions):
+            change = self.model.load_gradient(tensions - self.tensions, moved)
+            self.newton.add(-self.newton.linear_solve(change))

@@ -25,7 +25,9 @@ def build(
     output: Annotated[Path, typer.Option("-o", "--output", metavar="MODEL.h5")],
     tolerance: Annotated[float, typer.Option(min=1e-12, max=0.5, help="Relative error over the snapshots.")] = 1e-4,
     terms: Annotated[int, typer.Option(min=1, max=1000, help="Most products of one quantity.")] = 60,
-    held_out: Annotated[Path | None, typer.Option(metavar="HELDOUT/", help="Measure the error on these states.")] = None,
+    held_out: Annotated[
+        Path | None, typer.Option(metavar="HELDOUT/", help="Measure the error on these states.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Separate a snapshot set and write the model file."""

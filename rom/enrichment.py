@@ -80,7 +80,8 @@ def _khatri_rao(factors: list[np.ndarray]) -> np.ndarray:
 def _best_product(tensor: np.ndarray, alternations: int) -> list[np.ndarray]:
     """The rank-one tensor nearest to a tensor, one unit vector a direction and the size in the first."""
     peak = np.unravel_index(np.argmax(np.abs(tensor)), tensor.shape)
-    term = [tensor[peak[:a] + (slice(None),) + peak[a + 1 :]] for a in range(tensor.ndim)]  # fibres through the peak
+    # Start from the fibres through the largest entry.
+    term = [np.moveaxis(tensor, a, -1)[tuple(np.delete(peak, a))] for a in range(tensor.ndim)]
     term = [vector / np.linalg.norm(vector) for vector in term]
     size = 0.0
     for _ in range(alternations):
@@ -104,7 +105,7 @@ def _contract(tensor: np.ndarray, vectors: list[np.ndarray], kept: int) -> np.nd
 
 
 def _sweep(tensor: np.ndarray, factors: list[np.ndarray]) -> list[np.ndarray]:
-    """One round of alternating least squares over all terms, damped so that no two terms can grow against each other."""
+    """One round of alternating least squares over all terms, damped so that no two can grow against each other."""
     factors = list(factors)
     for a in range(tensor.ndim - 1, -1, -1):
         others = _khatri_rao(factors[:a] + factors[a + 1 :])

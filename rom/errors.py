@@ -39,8 +39,13 @@ def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
         result["touch_distance"] = _statistics(np.abs(answer.touch_distance - touch), np.abs(touch))
         result["contact_force"] = _statistics(np.abs(answer.contact_force - force)[touches], force[touches])
         wrong = (answer.touch_distance > points[:, -1]) != touches
-        result["touch"] = {"count": len(points), "touching": int(touches.sum()), "wrong": int(wrong.sum()),
-                           "right": float(1 - wrong.mean()), "force_without_touch": int((felt & ~touches).sum())}  # fmt: skip
+        result["touch"] = {
+            "count": len(points),
+            "touching": int(touches.sum()),
+            "wrong": int(wrong.sum()),
+            "right": float(1 - wrong.mean()),
+            "force_without_touch": int((felt & ~touches).sum()),
+        }
     result["terms"] = {name: form.terms for name, form in model.forms.items()}
     result["bytes"] = int(sum(f.modes.nbytes + sum(x.nbytes for x in f.factors) for f in model.forms.values()))
     return result

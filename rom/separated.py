@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import ArrayLike
 
 from rom import basis1d
 
@@ -72,11 +73,11 @@ class Separated:
             errors=self.errors[:terms],
         )
 
-    def value(self, x: Sequence[float]) -> np.ndarray:
+    def value(self, x: ArrayLike) -> np.ndarray:
         """Value at a point, shape (m,)."""
         return evaluate(self.packed, np.asarray(x, float))[0]
 
-    def value_and_gradient(self, x: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    def value_and_gradient(self, x: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Value, shape (m,), and gradient by the axes, shape (m, axes)."""
         return evaluate(self.packed, np.asarray(x, float))
 

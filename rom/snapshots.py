@@ -147,7 +147,7 @@ def task_file(path: str | Path, task: str) -> Path:
 
 def write_task(path: str | Path, task: str, arrays: dict[str, np.ndarray]) -> None:
     """Write a task's file; it appears whole or not at all."""
-    _write(task_file(path, task), lambda stream: np.savez(stream, **arrays))
+    _write(task_file(path, task), lambda stream: np.savez(stream, **arrays))  # type: ignore[arg-type]
 
 
 def read_task(path: str | Path, task: str) -> dict[str, np.ndarray]:
@@ -234,10 +234,12 @@ class SnapshotSet:
         The lead axis runs over `onset_nodes` from its second, the last over `contact_nodes`.
         """
         count = len(self.description.onset_nodes)
-        lines = np.array([
-            [self._tasks[f"contact-{j}-{i}"][name] for i in range(1, count)]
-            for j in range(len(self.description.others))
-        ])  # fmt: skip
+        lines = np.array(
+            [
+                [self._tasks[f"contact-{j}-{i}"][name] for i in range(1, count)]
+                for j in range(len(self.description.others))
+            ]
+        )
         grid = lines.reshape(*self._other_shape, *lines.shape[1:])
         return np.moveaxis(grid, len(self._other_shape), self.description.lead)
 

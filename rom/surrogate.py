@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import h5py
 import numpy as np
 from numba import njit
+from numpy.typing import ArrayLike
 
 from rom import chart as contact_chart
 from rom.separated import Packed, Separated, evaluate
@@ -32,7 +33,7 @@ class Answer:
     Attributes:
         tip: displacement of the tip plate's centre, shape (3,) or (n, 3) [m].
         contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle.
-        touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without an obstacle.
+        touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without one.
         error: bound that 95 % of held-out states kept, by quantity in its unit; nan if the model was not checked.
         inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
             Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
@@ -164,23 +165,22 @@ class Surrogate:
         chart = contact_chart.Chart(self.lead, float(upper[self.lead]), float(lower[-1]), self.forms["onset"].packed)
         return Kernel(free, self.forms["contact"].packed, chart, lower, upper, True)
 
-    def _point(self, parameters: Sequence[float] | np.ndarray) -> np.ndarray:
+    def _point(self, parameters: ArrayLike) -> np.ndarray:
         point = np.asarray(parameters, float)
         if point.shape[-1:] != (len(self.parameters),) or point.ndim > 2:
             raise ModelError(f"parameters must be {', '.join(self.names)} (in that order), got shape {point.shape}")
         return point
 
-    def evaluate(self, parameters: Sequence[float] | np.ndarray) -> Answer:
+    def evaluate(self, parameters: ArrayLike) -> Answer:
         """Tip, contact force and touch distance at tensions [N] and d [m], shape (p,) or (n, p).
 
         Raises:
             ModelError: the wrong number of parameters.
         """
         point = self._point(parameters)
+        out, inside = answers(self.kernel, np.atleast_2d(point))
         if point.ndim == 1:
-            out, _, inside = answer(self.kernel, point)
-        else:
-            out, inside = answers(self.kernel, point)
+            out, inside = out[0], inside[0]
         force = out[..., 3]
         error = {
             "tip": np.full_like(force, self._bound("tip", 0.0)),
@@ -197,14 +197,15 @@ class Surrogate:
             return measured["p95"] * np.abs(value) * (np.asarray(value) > 0)
         return measured["p95_absolute"]
 
-    def jacobian(self, parameters: Sequence[float] | np.ndarray) -> np.ndarray:
+    def jacobian(self, parameters: ArrayLike) -> np.ndarray:
         """Derivatives of tip x, y, z [m], contact force [N] and touch distance [m], shape (5, p), by the parameters.
 
-        At touch itself, a kink, they are those of the free side. Outside the trained box they are zero across its walls.
+        At touch itself, a kink, they are those of the free side. Outside the trained box they are zero across its
+        walls.
         """
         return answer(self.kernel, self._point(parameters))[1]
 
-    def displacement(self, parameters: Sequence[float] | np.ndarray) -> np.ndarray:
+    def displacement(self, parameters: ArrayLike) -> np.ndarray:
         """Displacement of all nodes, shape (nodes, 3) [m]."""
         lower, upper = self.limits
         held = np.clip(self._point(parameters), lower, upper)
@@ -258,7 +259,9 @@ class Surrogate:
                 if file.attrs.get("format") != FORMAT:
                     raise ModelError(f"{path}: must be a model of format {FORMAT}, got {file.attrs.get('format')}")
                 forms = {name: _read_form(file[name]) for name in FORMS if name in file}
-                plain = {name: json.loads(file.attrs[name]) for name in ("parameters", "scene", "accuracy", "provenance")}
+                plain = {
+                    name: json.loads(file.attrs[name]) for name in ("parameters", "scene", "accuracy", "provenance")
+                }
                 lead, nodes = int(file.attrs["lead"]), file["nodes"][:].astype(float)
         except ModelError:
             raise

@@ -1,0 +1,1 @@
+"""Studies: scripts that measure the project against the paper, against itself and at the extremes."""

@@ -1,6 +1,6 @@
 """The main job, end to end: train the draft finger, grasp with three fingers, verify with the full-order model, report.
 
-    python3 studies/demo.py [OUT]      writes OUT (out/demo by default); what is there already is not solved again
+python3 studies/demo.py [OUT]      writes OUT (out/demo by default); what is there already is not solved again
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from control import Finger, Gripper  # noqa: E402
-from control import campaign as authors_sweep  # noqa: E402
-from control.gripper import Grasp  # noqa: E402
-from fingerfem import FingerModel, load_scene  # noqa: E402
-from fingerfem.render import Deformed, draw  # noqa: E402
-from rom.enrichment import EnrichmentOptions  # noqa: E402
-from rom.errors import accuracy, check  # noqa: E402
-from rom.snapshots import SnapshotSet  # noqa: E402
-from rom.surrogate import Surrogate  # noqa: E402
-from rom.training import train  # noqa: E402
-from studies import report  # noqa: E402
+from control import Finger, Gripper
+from control import campaign as authors_sweep
+from control.gripper import Grasp
+from fingerfem import FingerModel, load_scene
+from fingerfem.render import Deformed, draw
+from rom.enrichment import EnrichmentOptions
+from rom.errors import accuracy, check
+from rom.snapshots import SnapshotSet
+from rom.surrogate import Surrogate
+from rom.training import train
+from studies import report
 
 SCENE = "scenes/draft.toml"
 HELD_OUT, SEED = 80, 2018
@@ -52,8 +52,22 @@ class FullOrderFinger:
 
 def farm(folder: Path, *options: str) -> dict:
     """Solve a snapshot set on all cores."""
-    ranks = os.environ.get("FINGERFEM_RANKS") or str(os.process_cpu_count() if sys.version_info >= (3, 13) else os.cpu_count())
-    command = ["mpirun", "-n", ranks, sys.executable, "-m", "fingerfem", "snapshots", SCENE, str(folder), "--json", *options]
+    ranks = os.environ.get("FINGERFEM_RANKS") or str(
+        os.process_cpu_count() if sys.version_info >= (3, 13) else os.cpu_count()
+    )
+    command = [
+        "mpirun",
+        "-n",
+        ranks,
+        sys.executable,
+        "-m",
+        "fingerfem",
+        "snapshots",
+        SCENE,
+        str(folder),
+        "--json",
+        *options,
+    ]
     if sys.stderr.isatty():
         command.append("--bar")
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
@@ -76,9 +90,12 @@ def surrogate(out: Path) -> tuple[Surrogate, dict]:
     model = replace(model, accuracy=accuracy(errors))
     model.save(out / "finger.h5")
     numbers = {
-        "training": training, "heldout": held_out, "separation_seconds": separation, "errors": errors,
+        "training": training,
+        "heldout": held_out,
+        "separation_seconds": separation,
+        "errors": errors,
         "parity": report.parity(model, SnapshotSet(out / "heldout"), out / "parity.png"),
-    }  # fmt: skip
+    }
     return Surrogate.load(out / "finger.h5"), numbers
 
 
@@ -92,13 +109,17 @@ def grasp(model: Surrogate, full_order: FingerModel, out: Path) -> tuple[Grasp, 
     forces = [FullOrderFinger(full_order, float(d)).pull(t) for d, t in zip(true, result.tensions, strict=True)]
     report.history(result, TARGET, out / "grasp.png")
     numbers = result.as_json() | {
-        "target": TARGET, "true_distances": true.tolist(), "true_centre": list(OBJECT_CENTRE), "true_radius": OBJECT_RADIUS,
-        "verified_forces": forces, "force_errors": [abs(force / TARGET - 1) for force in forces],
+        "target": TARGET,
+        "true_distances": true.tolist(),
+        "true_centre": list(OBJECT_CENTRE),
+        "true_radius": OBJECT_RADIUS,
+        "verified_forces": forces,
+        "force_errors": [abs(force / TARGET - 1) for force in forces],
         "distance_errors": np.abs(result.distances - true).tolist(),
         "centre_error": float(np.linalg.norm(result.centre - OBJECT_CENTRE)),
         "full_order_solves": sum(plant.solves for plant in plants),
         "history": [asdict(pull) for pull in result.history],
-    }  # fmt: skip
+    }
     return result, numbers
 
 
@@ -110,8 +131,15 @@ def single_finger(model: Surrogate, full_order: FingerModel) -> dict:
     for distance in HOLD_DISTANCES:
         motion = finger.hold(TARGET, distance)
         force = full_order.solve(motion.tensions.tolist(), distance, sensitivities=False).contact_force
-        holds.append({"distance": distance, "tensions": motion.tensions.tolist(), "status": motion.status,
-                      "verified_force": force, "force_error": abs(force / TARGET - 1)})  # fmt: skip
+        holds.append(
+            {
+                "distance": distance,
+                "tensions": motion.tensions.tolist(),
+                "status": motion.status,
+                "verified_force": force,
+                "force_error": abs(force / TARGET - 1),
+            }
+        )
     goal = finger.rest + full_order.solve([35.0, 25.0], sensitivities=False).tip
     motion = finger.reach(goal.tolist())
     arrived = finger.rest + full_order.solve(motion.tensions.tolist(), sensitivities=False).tip
@@ -145,8 +173,10 @@ def main(out: Path) -> None:
     (out / "report.json").write_text(json.dumps(numbers, indent=1))
     report.write(numbers, out / "report.html")
     held = [*numbers["grasp"]["force_errors"], *[hold["force_error"] for hold in numbers["holds"]]]
-    say(f"contact force: median error {numbers['errors']['contact_force']['median']:.2%} on held-out states; "
-        f"touch decisions right: {numbers['errors']['touch']['right']:.1%}; worst held force off by {max(held):.2%}")  # fmt: skip
+    say(
+        f"contact force: median error {numbers['errors']['contact_force']['median']:.2%} on held-out states; "
+        f"touch decisions right: {numbers['errors']['touch']['right']:.1%}; worst held force off by {max(held):.2%}"
+    )
     say(f"report: {out / 'report.html'}")
     if not result.converged:
         raise SystemExit(3)

@@ -41,7 +41,9 @@ def history(grasp: Grasp, target: float, picture: Path) -> None:
         (line,) = upper.plot(time, forces, "o-", ms=4, label=f"finger {finger + 1}")
         lower.plot(time, [pull.tensions[0] for pull in pulls], "o-", ms=4, color=line.get_color())
         held = [pull for pull in pulls if pull.stage == "hold"]
-        upper.plot([p.time for p in held], [p.contact_force for p in held], "s", ms=8, mfc="none", color=line.get_color())
+        upper.plot(
+            [p.time for p in held], [p.contact_force for p in held], "s", ms=8, mfc="none", color=line.get_color()
+        )
     upper.axhline(target, color="0.5", ls="--", lw=1, label="target")
     upper.set(ylabel="contact force felt [N]", title="Grasp of an object of unknown position (squares: holding)")
     lower.set(ylabel="tension F1 [N]", xlabel="pull")
@@ -64,8 +66,12 @@ def table(header: list[str], rows: list[list[str]]) -> str:
 
 def error_rows(numbers: dict) -> list[list[str]]:
     """Held-out error by quantity."""
-    named = {"tip": "tip displacement", "displacement": "displacement field", "touch_distance": "touch distance",
-             "contact_force": "contact force"}  # fmt: skip
+    named = {
+        "tip": "tip displacement",
+        "displacement": "displacement field",
+        "touch_distance": "touch distance",
+        "contact_force": "contact force",
+    }
     return [
         [title, str(row["count"]), f"{row['median']:.2%}", f"{row['p95']:.2%}", f"{row['max']:.2%}"]
         for name, title in named.items()
@@ -80,20 +86,50 @@ def hold_rows(numbers: dict) -> list[list[str]]:
     """Every held force of the demo, as the full-order model feels it."""
     grasp = numbers["grasp"]
     rows = [
-        [f"grasp, finger {k + 1}", f"{1e3 * true:.2f}", f"{1e3 * found:.2f}", _tensions(tensions), f"{force:.4f}", f"{error:.2%}", status]
+        [
+            f"grasp, finger {k + 1}",
+            f"{1e3 * true:.2f}",
+            f"{1e3 * found:.2f}",
+            _tensions(tensions),
+            f"{force:.4f}",
+            f"{error:.2%}",
+            status,
+        ]
         for k, (true, found, tensions, force, error, status) in enumerate(
-            zip(grasp["true_distances"], grasp["distances"], grasp["tensions"], grasp["verified_forces"],
-                grasp["force_errors"], grasp["status"], strict=True)  # fmt: skip
+            zip(
+                grasp["true_distances"],
+                grasp["distances"],
+                grasp["tensions"],
+                grasp["verified_forces"],
+                grasp["force_errors"],
+                grasp["status"],
+                strict=True,
+            )
         )
     ]
     return rows + [
-        ["one finger, no feedback", f"{1e3 * hold['distance']:.2f}", "given", _tensions(hold["tensions"]),
-         f"{hold['verified_force']:.4f}", f"{hold['force_error']:.2%}", hold["status"]]
+        [
+            "one finger, no feedback",
+            f"{1e3 * hold['distance']:.2f}",
+            "given",
+            _tensions(hold["tensions"]),
+            f"{hold['verified_force']:.4f}",
+            f"{hold['force_error']:.2%}",
+            hold["status"],
+        ]
         for hold in numbers["holds"]
-    ]  # fmt: skip
+    ]
 
 
-HOLD_HEADER = ["held by", "d [mm]", "d* found [mm]", "F1, F2 [N]", "full-order contact force [N]", "off target", "status"]
+HOLD_HEADER = [
+    "held by",
+    "d [mm]",
+    "d* found [mm]",
+    "F1, F2 [N]",
+    "full-order contact force [N]",
+    "off target",
+    "status",
+]
 
 
 def _tensions(values: list[float]) -> str:
@@ -102,7 +138,12 @@ def _tensions(values: list[float]) -> str:
 
 def write(numbers: dict, page: Path) -> None:
     """Write the page; its pictures lie beside it."""
-    grasp, touch, training, sweep = numbers["grasp"], numbers["errors"]["touch"], numbers["training"], numbers["campaign"]
+    grasp, touch, training, sweep = (
+        numbers["grasp"],
+        numbers["errors"]["touch"],
+        numbers["training"],
+        numbers["campaign"],
+    )
     reach, contacts = numbers["reach"], numbers["errors"]["contact_force"]
     page.write_text(f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>fingerfem: demo</title>
