@@ -11,7 +11,9 @@ demo:
 
 # The tests in the environment train the draft finger once, in out/tests; those without DOLFINx use it again.
 test: .venv/ready
-	docker/run python3 -m pytest -q
+	rm -rf out/tests
+	docker/run python3 studies/demo.py out/tests
+	docker/run python3 -m pytest -q tests/fingerfem tests/rom tests/control tests/studies
 	docker/run mpirun -n 2 python3 -m pytest -q -m mpi
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .

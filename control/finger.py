@@ -87,9 +87,10 @@ class Finger:
             start: tensions to start from [N].
             tolerance: bounds the tip's distance from the point [m].
         """
-        target = np.asarray(point, float) - self.rest
-        if target.shape != (3,) or not np.isfinite(target).all() or np.isnan(distance):
-            return self._out_of_domain(distance, "tip")
+        goal = np.asarray(point, float)
+        if goal.shape != (3,) or not np.isfinite(goal).all() or np.isnan(distance):
+            return self._out_of_domain(distance)
+        target = goal - self.rest
         weight = 10.0  # of passing the plane against missing the point
 
         def residual(tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -116,7 +117,7 @@ class Finger:
         lower, upper = self.model.limits
         inside = pulled.shape == (self._tensions,) and np.all((pulled >= lower[:-1]) & (pulled <= upper[:-1]))
         if not (inside and np.isfinite(contact_force) and contact_force > 0):
-            return self._out_of_domain(np.nan, "contact_force", pulled)
+            return self._out_of_domain(np.nan, pulled)
         touch = self._free(pulled)[0][TOUCH]
 
         def residual(distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -144,7 +145,7 @@ class Finger:
         """
         lower, upper = self.model.limits
         if not (lower[-1] <= distance <= upper[-1] and np.isfinite(contact_force) and contact_force > 0):
-            return self._out_of_domain(distance, "contact_force")
+            return self._out_of_domain(distance)
 
         def residual(tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             force, slope = self._signed_force(np.append(tensions, distance), contact_force)
@@ -204,7 +205,7 @@ class Finger:
             iterations=solution.iterations,
         )
 
-    def _out_of_domain(self, distance: float, quantity: str, tensions: np.ndarray | None = None) -> Motion:
+    def _out_of_domain(self, distance: float, tensions: np.ndarray | None = None) -> Motion:
         return Motion(
             tensions=self._bounds[0].copy() if tensions is None else tensions,
             distance=float(distance),

@@ -18,7 +18,7 @@ class Options:
 
     Attributes:
         residual: converged below this |r| (the residual's own unit).
-        step: stationary below this step, over the bounds' width [-].
+        step: stationary when a step below this, over the bounds' width, gains less than this, over the cost [-].
         iterations: most evaluations of the residual.
     """
 
@@ -83,18 +83,21 @@ def minimise(
         step[some] = -np.linalg.solve(normal[np.ix_(some, some)] + damping * np.eye(len(some)), gradient[some])
         ahead = np.minimum(np.maximum(x + step * width, lower), upper)
         step = (ahead - x) / width
-        if np.abs(step).max() <= options.step:
-            return Solution(x=x, residual=norm, status="stationary", iterations=tried)
         r_ahead, jacobian_ahead = residual(ahead)
         tried += 1
         cost_ahead = 0.5 * float(r_ahead @ r_ahead)
         model = r + scaled @ step
         expected = cost - 0.5 * float(model @ model)
         gain = (cost - cost_ahead) / expected if expected > 0 else -1.0
+        small = float(np.abs(step).max()) <= options.step
         if cost_ahead < cost and np.isfinite(cost_ahead):
+            settled = small and cost - cost_ahead <= options.step * cost
             x, r, jacobian, cost = ahead, r_ahead, jacobian_ahead, cost_ahead
             damping *= max(0.1, 1 - (2 * gain - 1) ** 3)
             growth = 2.0
         else:
+            settled = small
             damping *= growth
             growth *= 2.0
+        if settled and cost > 0.5 * options.residual**2:
+            return Solution(x=x, residual=float(np.sqrt(2 * cost)), status="stationary", iterations=tried)

@@ -4,10 +4,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from fingerfem.convergence import LoadNotReached
     from fingerfem.model import FingerModel
     from fingerfem.scene import Scene, SceneError, load_scene
     from fingerfem.state import State
-    from fingerfem.stepping import LoadNotReached
 
 __version__ = "0.1.0"
 _HOMES = {
@@ -16,7 +16,7 @@ _HOMES = {
     "SceneError": "scene",
     "load_scene": "scene",
     "State": "state",
-    "LoadNotReached": "stepping",
+    "LoadNotReached": "convergence",
 }
 __all__ = ["FingerModel", "LoadNotReached", "Scene", "SceneError", "State", "load_scene"]
 

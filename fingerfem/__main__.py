@@ -77,8 +77,10 @@ def snapshots(
     as_json: AsJson = False,
 ) -> None:
     """Solve what is missing of a snapshot set; run it under mpirun, as often as needed."""
+    import petsc4py
     from mpi4py import MPI
 
+    petsc4py.init(comm=MPI.COMM_SELF)  # or PETSc would wait at its end for ranks that were killed
     from fingerfem import FingerModel, compilation
     from fingerfem import snapshots as farm
     from fingerfem.model import versions

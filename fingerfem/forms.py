@@ -32,6 +32,7 @@ class Fields:
     step: fem.Function  # u - u0 [m]
     tension_density: fem.Function  # sum of F_k / A_k over the channels through a cell [Pa]
     distance: fem.Constant  # of the plane [m]
+    penalty: fem.Constant  # of contact [N/m^3]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,8 +55,8 @@ class Forms:
     strain_energy: fem.Form  # of rubber and plates [J]
     tendon_energy: fem.Form  # [J]; at unit tension a channel's length [m]
     tendon_force: fem.Form  # its gradient [N]; at unit tension that of a channel's length [-]
-    tip: list[fem.Form]  # mean displacement of the tip plate, three components [m]
-    tip_gradient: list[fem.Form]
+    tip: list[fem.Form]  # integral of the displacement over the tip plate, three components [m^4]
+    tip_gradient: list[fem.Form]  # [m^3]
     contact: ContactForms | None
 
 
@@ -66,8 +67,10 @@ def compile_forms(scene: Scene, mesh: geometry.FingerMesh, fields: Fields, rubbe
     metadata = {"quadrature_degree": 2 * scene.mesh.order}
     dx = ufl.Measure("dx", mesh.mesh, subdomain_data=mesh.cells, metadata=metadata)
     in_rubber = dx((geometry.RUBBER, geometry.RUBBER_CHANNEL))
-    in_plate = dx((geometry.PLATE, geometry.PLATE_CHANNEL))
     through_plates = len(scene.geometry.segments) > 1
+    in_plate = dx(
+        (geometry.PLATE, geometry.PLATE_CHANNEL, geometry.TIP_PLATE) if through_plates else geometry.TIP_PLATE
+    )
     in_channel = dx((geometry.RUBBER_CHANNEL, geometry.PLATE_CHANNEL) if through_plates else geometry.RUBBER_CHANNEL)
     fibre = tendons.energy(fields.tension_density)
 
@@ -82,13 +85,12 @@ def compile_forms(scene: Scene, mesh: geometry.FingerMesh, fields: Fields, rubbe
 
     contact_forms = None
     if scene.obstacle is not None:
-        stiffness = contact.penalty_stiffness(scene.obstacle.stiffness, rubber.young_modulus, mesh.smallest)
         rule = contact.quadrature(scene.mesh.order)
         ds = ufl.Measure("ds", mesh.mesh, subdomain_data=mesh.facets, metadata=rule)
         surface = ds((geometry.SURFACE, geometry.PAD))
         g = contact.gap(u, ufl.SpatialCoordinate(mesh.mesh), scene.geometry.side, fields.distance)
-        p = contact.pressure(g, stiffness)
-        contact_energy = contact.energy(g, stiffness) * surface
+        p = contact.pressure(g, fields.penalty)
+        contact_energy = contact.energy(g, fields.penalty) * surface
         push = ufl.derivative(contact_energy, u, v)
         residual += push
         tangent += ufl.derivative(push, u, w)
@@ -96,14 +98,11 @@ def compile_forms(scene: Scene, mesh: geometry.FingerMesh, fields: Fields, rubbe
             energy=fem.form(contact_energy),
             force=fem.form(p * surface),
             force_gradient=fem.form(ufl.derivative(p * surface, u, v)),
-            stiffness=fem.form(stiffness * ufl.conditional(ufl.lt(g, 0), 1.0, 0.0) * surface),
+            stiffness=fem.form(fields.penalty * ufl.conditional(ufl.lt(g, 0), 1.0, 0.0) * surface),
             pad_force=fem.form(p * ds(geometry.PAD)),
         )
 
-    x = ufl.SpatialCoordinate(mesh.mesh)
-    volume = scene.geometry.plate * scene.geometry.side**2
-    of_tip = ufl.conditional(ufl.gt(x[0], geometry.plates(scene)[-1][0]), 1 / volume, 0.0)
-    tip = [of_tip * u[i] * in_plate for i in range(3)]
+    tip = [u[i] * dx(geometry.TIP_PLATE) for i in range(3)]
     return Forms(
         residual=fem.form(residual),
         tangent=fem.form(tangent),

@@ -13,7 +13,8 @@ from mpi4py import MPI
 
 from fingerfem.scene import Scene
 
-RUBBER, RUBBER_CHANNEL, PLATE, PLATE_CHANNEL = 1, 2, 3, 4  # cells; a CHANNEL cell carries at least one tendon
+# Cells; a CHANNEL cell carries at least one tendon. A tendon ends before the plate it pulls on: the tip's carries none.
+RUBBER, RUBBER_CHANNEL, PLATE, PLATE_CHANNEL, TIP_PLATE = 1, 2, 3, 4, 5
 CLAMP, SURFACE, PAD = 11, 12, 13  # facets; PAD is the tip plate's face towards the plane, part of the surface
 
 
@@ -27,7 +28,7 @@ def subdivide(breakpoints, cells):
         cells: number of cells between the first and the last.
 
     Raises:
-        ValueError: the number of cells cannot fit the breakpoints.
+        ValueError: the number of cells cannot fit the breakpoints, or not symmetrically.
     """
     breakpoints = np.asarray(breakpoints, float)
     lengths = np.diff(breakpoints)
@@ -44,7 +45,10 @@ def subdivide(breakpoints, cells):
         else:
             break
     if count.sum() != cells:
-        raise ValueError(f"must fit {n} intervals between channels and plates (at least {n} cells), got {cells}")
+        parity = ", and even to stay symmetric" if symmetric and n % 2 == 0 else ""
+        raise ValueError(
+            f"must fit {n} intervals between channels and plates (at least {n} cells{parity}), got {cells}"
+        )
     pieces = [
         np.linspace(a, b, k, endpoint=False) for a, b, k in zip(breakpoints, breakpoints[1:], count, strict=False)
     ]
@@ -96,7 +100,7 @@ def in_channel(scene: Scene, k: int, x: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class FingerMesh:
-    """A mesh with its regions: cells RUBBER, RUBBER_CHANNEL, PLATE, PLATE_CHANNEL; facets CLAMP, SURFACE, PAD."""
+    """A mesh with its regions: cells RUBBER, ..., TIP_PLATE; facets CLAMP, SURFACE, PAD."""
 
     mesh: dolfinx.mesh.Mesh
     cells: dolfinx.mesh.MeshTags
@@ -126,6 +130,7 @@ def build_mesh(scene: Scene, comm: MPI.Comm) -> FingerMesh:
     in_plate = np.any([(midpoints[0] > a) & (midpoints[0] < b) for a, b in plates(scene)], axis=0)
     carries = np.any([in_channel(scene, k, midpoints) for k in range(len(scene.tendons))], axis=0)
     regions = np.where(in_plate, PLATE, RUBBER) + carries
+    regions[midpoints[0] > plates(scene)[-1][0]] = TIP_PLATE
     cell_tags = dolfinx.mesh.meshtags(mesh, dim, cells, regions.astype(np.int32))
 
     mesh.topology.create_connectivity(dim - 1, dim)

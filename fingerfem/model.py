@@ -13,7 +13,7 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
-from fingerfem import geometry, materials
+from fingerfem import contact, geometry, materials
 from fingerfem.forms import Fields, compile_forms, volume_ratio
 from fingerfem.scene import Scene
 from fingerfem.state import State, observe
@@ -44,8 +44,10 @@ class FingerModel:
             step=fem.Function(self.space),
             tension_density=fem.Function(fem.functionspace(self.mesh.mesh, ("DG", 0))),
             distance=fem.Constant(self.mesh.mesh, FAR),
+            penalty=fem.Constant(self.mesh.mesh, self._penalty()),
         )
         self.tensions = np.zeros(len(scene.tendons))
+        self._tip_volume = scene.geometry.plate * scene.geometry.side**2
         midpoints = self.mesh.midpoints
         self._channels = [geometry.in_channel(scene, k, midpoints) for k in range(len(scene.tendons))]
         clamp = fem.locate_dofs_topological(
@@ -60,6 +62,11 @@ class FingerModel:
         self.clamp_reaction = np.zeros(3)  # on the finger, at the last residual [N]
         self._volume_ratio = volume_ratio(self.fields.u)
         self.stepper = Stepper(self)
+
+    def _penalty(self) -> float:
+        if self.scene.obstacle is None:
+            return 0.0
+        return contact.penalty_stiffness(self.scene.obstacle.stiffness, self.rubber.young_modulus, self.mesh.smallest)
 
     def solve(self, tensions: ArrayLike, distance: float | None = None, sensitivities: bool = True) -> State:
         """The equilibrium reached from rest: tensions first, then the plane comes from where it touches to its place.
@@ -158,6 +165,16 @@ class FingerModel:
     def scalar(self, form: fem.Form) -> float:
         """A scalar form over all ranks."""
         return float(self.comm.allreduce(fem.assemble_scalar(form)))
+
+    def tip(self) -> np.ndarray:
+        """Displacement of the tip plate's centre, its mean over the plate [m], shape (3,)."""
+        return np.array([self.scalar(form) for form in self.forms.tip]) / self._tip_volume
+
+    def tip_gradient(self, i: int) -> PETSc.Vec:
+        """Gradient of the tip's i-th component [-]. The caller destroys the vector."""
+        b = self.gradient(self.forms.tip_gradient[i])
+        b.scale(1 / self._tip_volume)
+        return b
 
     def channel_length(self, k: int) -> float:
         """Length of channel k [m]: the tendon energy at unit tension."""

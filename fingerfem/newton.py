@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from petsc4py import PETSc
 
+from fingerfem.convergence import NotConverged
+
 if TYPE_CHECKING:
     from fingerfem.model import FingerModel
 
@@ -26,14 +28,6 @@ class NewtonOptions:
     tolerance: float = 1e-10
     iterations: int = 14
     divergence: float = 1e6
-
-
-class NotConverged(Exception):
-    """An attempt that found no equilibrium; the model's displacement is then what it was before."""
-
-    def __init__(self, reason: str, iterations: int = 0):
-        super().__init__(reason)
-        self.reason, self.iterations = reason, iterations
 
 
 class Newton:

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from fingerfem.convergence import LoadNotReached
 from fingerfem.model import FingerModel
-from fingerfem.stepping import LoadNotReached
 from rom.snapshots import Description, SnapshotError, create, missing, read_task, task_file, write_task
 
 logger = logging.getLogger(__name__)
@@ -217,7 +217,7 @@ class Record:
         row = {
             "parameters": self._parameters(tensions, d),
             "displacement": self._solver.sorted(),
-            "tip": np.array([model.scalar(form) for form in model.forms.tip]),
+            "tip": model.tip(),
             "iterations": model.stepper.iterations - before,
             "converged": True,
             "reason": "",

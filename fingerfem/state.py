@@ -82,7 +82,7 @@ def observe(model: FingerModel, touch_distance: float | None, seconds: float, se
     return State(
         parameters=parameters,
         displacement=model.displacement.copy(),
-        tip=np.array([model.scalar(form) for form in forms.tip]),
+        tip=model.tip(),
         touch_distance=touch_distance,
         contact_force=force,
         pad_pressure=pressure,
@@ -109,7 +109,7 @@ def _sensitivities(model: FingerModel) -> dict[str, dict[str, Any]]:
     newton.factorise()
     count = len(scene.tendons)
     lengths = [_owned(model.load_gradient(unit)) for unit in np.eye(count)]
-    tips = [_owned(model.gradient(form)) for form in forms.tip_gradient]
+    tips = [_owned(model.tip_gradient(i)) for i in range(3)]
     loads = {tendon.name: (unit, 0.0) for tendon, unit in zip(scene.tendons, np.eye(count), strict=True)}
     answer: dict[str, dict[str, Any]] = {"tip": {}, "channel_shortening": {}}
     in_contact = forms.contact is not None and model.stepper.distance is not None

@@ -9,21 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fingerfem.newton import Newton, NotConverged
+from fingerfem.convergence import LoadNotReached, NotConverged
+from fingerfem.newton import Newton
 
 if TYPE_CHECKING:
     from fingerfem.model import FingerModel
-
-
-class LoadNotReached(Exception):
-    """Continuation stopped short; `tensions` [N] and `distance` [m] are the last load with an equilibrium."""
-
-    def __init__(self, reason: str, tensions: np.ndarray, distance: float | None):
-        where = f"tensions {np.round(tensions, 6).tolist()} N" + (
-            f", d {distance:.6g} m" if distance is not None else ""
-        )
-        super().__init__(f"no equilibrium beyond {where}: {reason}")
-        self.reason, self.tensions, self.distance = reason, tensions, distance
 
 
 @dataclass(frozen=True, kw_only=True)

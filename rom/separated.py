@@ -52,13 +52,13 @@ class Separated:
     @cached_property
     def packed(self) -> Packed:
         """The form as plain arrays for compiled code."""
-        axes, longest = len(self.nodes), max(len(nodes) for nodes in self.nodes)
+        axes, longest = len(self.nodes), max((len(nodes) for nodes in self.nodes), default=2)
         nodes = np.zeros((axes, longest))
         pieces = np.zeros((axes, longest - 1, 4, self.terms))
         for a, (x, factors, kind) in enumerate(zip(self.nodes, self.factors, self.kinds, strict=True)):
             nodes[a, : len(x)] = x
             pieces[a, : len(x) - 1] = basis1d.coefficients(x, factors, kind)
-        counts = np.array([len(x) for x in self.nodes])
+        counts = np.array([len(x) for x in self.nodes], dtype=np.int64)
         return Packed(counts, nodes, pieces, np.ascontiguousarray(self.modes.T))
 
     def truncated(self, tolerance: float) -> Separated:

@@ -1,0 +1,41 @@
+"""The trained draft finger that tests share; `make test` makes it first, by `python3 studies/demo.py out/tests`."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+settings.register_profile("no clock", deadline=None, derandomize=True)  # tests assert properties, never seconds
+settings.load_profile("no clock")
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session")
+def demo() -> Path:
+    folder = ROOT / "out" / "tests"
+    if not (folder / "report.json").exists():
+        pytest.fail(
+            "these tests need the trained draft finger: make test, or docker/run python3 studies/demo.py out/tests"
+        )
+    return folder
+
+
+@pytest.fixture(scope="session")
+def report(demo) -> dict:
+    return json.loads((demo / "report.json").read_text())
+
+
+@pytest.fixture(scope="session")
+def surrogate(demo):
+    from rom import Surrogate
+
+    return Surrogate.load(demo / "finger.h5")
+
+
+@pytest.fixture(scope="session")
+def held_out(demo):
+    from rom.snapshots import SnapshotSet
+
+    return SnapshotSet(demo / "heldout")

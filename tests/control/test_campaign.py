@@ -1,0 +1,46 @@
+"""The authors' sweep: no infinity, nothing outside the limits, every unreachable target flagged."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from control.campaign import run
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_every_answer_of_the_sweep_is_inside_the_limits_and_judged_rightly(surrogate):
+    result = run(surrogate, 2500, 1.0)
+    assert result["starts"] == 2500 and result["failed"] == 0 and result["out_of_limits"] == 0
+    distances = np.linspace(0.001, 0.031, 50)
+    grid = [[f1, f2, d] for d in distances for f1 in np.linspace(0, 100, 41) for f2 in np.linspace(0, 100, 21)]
+    most = surrogate.evaluate(np.array(grid)).contact_force.reshape(50, -1).max(axis=1)
+    assert result["unreachable"] == 50 * np.count_nonzero(most < 1.0)
+
+
+def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(demo):
+    def control(*words):
+        command = [sys.executable, "-m", "control", words[0], str(demo / "finger.h5"), *words[1:], "--json"]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+        return done.returncode, json.loads(done.stdout, parse_constant=lambda word: 1 / 0)
+
+    code, held = control("hold", "--distance", "0.01")
+    assert code == 0 and held["status"] == "converged"
+    code, far = control("reach", "0.0", "-0.2", "0.0")
+    assert code == 3 and far["status"] == "unreachable" and far["distance"] is None
+    code, grasp = control("grasp")
+    assert code == 0 and grasp["status"] == ["converged"] * 3
+    code, sweep = control("campaign", "--starts", "100")
+    assert code == 0 and sweep.keys() >= {
+        "converged",
+        "unreachable",
+        "failed",
+        "out_of_limits",
+        "mean_us",
+        "p50_us",
+        "p99_us",
+        "max_us",
+    }

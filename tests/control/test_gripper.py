@@ -1,0 +1,61 @@
+"""Three fingers around an object whose place they are not told."""
+
+import numpy as np
+import pytest
+
+from control import Gripper, SimulatedPlant
+from control.gripper import GraspOptions
+
+
+def close(surrogate, centre, radius, force=1.0, noise=0.0, **options):
+    gripper = Gripper(surrogate)
+    plants = [SimulatedPlant(surrogate, d, noise, seed=k) for k, d in enumerate(gripper.distances(centre, radius))]
+    return gripper.grasp(force, plants, GraspOptions(**options))
+
+
+@pytest.mark.parametrize("centre", [(0.0, 0.0), (0.004, 0.002), (-0.003, 0.003), (0.0, -0.005)], ids=str)
+def test_the_object_is_found_and_held_wherever_it_is(surrogate, centre):
+    grasp = close(surrogate, centre, 0.012)
+    assert grasp.converged
+    assert grasp.contact_forces == pytest.approx(np.ones(3), rel=0.005)
+    assert grasp.centre == pytest.approx(centre, abs=1e-6)
+    assert grasp.radius == pytest.approx(0.012, abs=1e-6)
+
+
+def test_the_grasp_is_in_balance(surrogate):
+    """Equal forces 120 degrees apart do not push the object anywhere."""
+    grasp = close(surrogate, (0.002, -0.002), 0.012)
+    push = -grasp.contact_forces @ Gripper(surrogate).directions
+    assert np.linalg.norm(push) < 0.01
+
+
+def test_no_pull_ever_crushes_the_object(surrogate):
+    grasp = close(surrogate, (0.002, 0.001), 0.012, approach_step=1.0)
+    assert max(pull.contact_force for pull in grasp.history) < 1.1
+
+
+def test_a_noisy_sensor_still_holds(surrogate):
+    grasp = close(surrogate, (0.001, 0.001), 0.012, noise=0.005, tolerance=0.03, corrections=20)
+    assert grasp.converged
+    assert grasp.contact_forces == pytest.approx(np.ones(3), rel=0.03)
+
+
+def test_an_empty_gripper_says_no_contact(surrogate):
+    grasp = Gripper(surrogate).grasp(1.0, [SimulatedPlant(surrogate, 0.031)] * 3)
+    assert grasp.status == ["no_contact"] * 3 and not grasp.converged
+    assert np.isnan(grasp.distances).all() and np.isnan(grasp.centre).all()
+
+
+def test_a_force_beyond_the_tendons_is_said_to_be_unreachable(surrogate):
+    grasp = close(surrogate, (0.0, 0.0), 0.012, force=200.0)
+    assert grasp.status == ["unreachable"] * 3
+
+
+def test_one_plant_a_finger(surrogate):
+    with pytest.raises(ValueError, match="one for each of the 3 fingers, got 1"):
+        Gripper(surrogate).grasp(1.0, [SimulatedPlant(surrogate, 0.01)])
+
+
+def test_a_simulated_finger_does_not_leave_the_trained_box(surrogate):
+    with pytest.raises(ValueError, match="trained box"):
+        SimulatedPlant(surrogate, 0.01).pull([200.0, 0.0])

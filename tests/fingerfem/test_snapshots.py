@@ -1,0 +1,160 @@
+"""The farm: the same numbers whoever solves them, nothing solved twice, nothing lost to a killed rank."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rom.snapshots import SnapshotError, SnapshotSet, read_description, read_task, task_file
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory) -> Path:
+    """The draft finger, coarser and on fewer nodes."""
+    text = (ROOT / "scenes" / "draft.toml").read_text().replace("cells = [20, 5]", "cells = [10, 5]")
+    file = tmp_path_factory.mktemp("scene") / "small.toml"
+    file.write_text(text + "\n[sampling]\ntension_nodes = 4\ncontact_nodes = 4\n")
+    return file
+
+
+def command(ranks: int, scene: Path, folder: Path, *options: str) -> list[str]:
+    farm = [sys.executable, "-m", "fingerfem", "snapshots", str(scene), str(folder), "--json", *options]
+    return ["mpirun", "-n", str(ranks), *farm]
+
+
+def run(ranks: int, scene: Path, folder: Path, *options: str) -> dict:
+    done = subprocess.run(
+        command(ranks, scene, folder, *options), cwd=ROOT, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.fixture(scope="module")
+def undisturbed(scene, tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("sets") / "undisturbed"
+    run(1, scene, folder)
+    return folder
+
+
+def assert_same_task(ours: dict, theirs: dict) -> None:
+    assert ours.keys() == theirs.keys()
+    for name in ours:
+        assert np.array_equal(ours[name], theirs[name], equal_nan=ours[name].dtype.kind == "f"), name
+
+
+def assert_same(one: Path, other: Path) -> None:
+    tasks = read_description(one).tasks
+    assert tasks == read_description(other).tasks
+    for task in tasks:
+        assert_same_task(read_task(one, task), read_task(other, task))
+
+
+def test_a_set_keeps_free_states_and_contact_states_apart(undisturbed):
+    snapshots = SnapshotSet(undisturbed)
+    assert snapshots.failures == []
+    assert snapshots.free("tip").shape == (4, 4, 3)
+    assert snapshots.contact("contact_force").shape == (3, 4, 4)
+    assert np.isnan(snapshots.free("parameters")[..., 2]).all()
+    force, distance = snapshots.contact("contact_force"), snapshots.contact("parameters")[..., 2]
+    assert np.all(force[..., 0] == 0) and np.all(force[..., 1:] > 0)
+    assert np.all(np.diff(distance[..., 1:], axis=-1) < 0)
+    assert distance[..., -1] == pytest.approx(0.001)
+
+
+def test_the_onset_is_where_the_free_finger_reaches_the_nearest_plane(undisturbed, scene):
+    from fingerfem import FingerModel, load_scene
+
+    snapshots, model = SnapshotSet(undisturbed), FingerModel(load_scene(scene))
+    for (others,), onset in zip(snapshots.description.others, snapshots.onset(), strict=True):
+        assert model.solve([onset, others], sensitivities=False).touch_distance == pytest.approx(0.001, abs=1e-8)
+
+
+def test_the_numbers_do_not_depend_on_the_number_of_ranks(scene, undisturbed, tmp_path):
+    run(3, scene, tmp_path / "three")
+    assert_same(tmp_path / "three", undisturbed)
+
+
+def test_a_complete_set_is_not_solved_again_and_a_missing_task_alone(scene, undisturbed):
+    stamps = {file: file.stat().st_mtime_ns for file in (undisturbed / "tasks").iterdir()}
+    assert run(2, scene, undisturbed)["solved_by_this_rank"] == 0
+    lost = task_file(undisturbed, "contact-2-1")
+    before = read_task(undisturbed, "contact-2-1")
+    lost.unlink()
+    assert run(1, scene, undisturbed)["solved_by_this_rank"] == 1
+    assert_same_task(read_task(undisturbed, "contact-2-1"), before)
+    assert all(file.stat().st_mtime_ns == stamp for file, stamp in stamps.items() if file != lost)
+
+
+@pytest.mark.parametrize("recovery", [False, True], ids=["plain mpirun", "mpirun --enable-recovery"])
+def test_killing_a_rank_and_running_again_ends_in_the_undisturbed_set(scene, undisturbed, tmp_path, recovery):
+    folder = tmp_path / "killed"
+    line = command(2, scene, folder)
+    if recovery:
+        line.insert(1, "--enable-recovery")
+    job = subprocess.Popen(line, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    try:
+        deadline = time.monotonic() + 120
+        while time.monotonic() < deadline and len(list(folder.glob("tasks/*.npz"))) < 3:
+            time.sleep(0.02)
+        ranks = [int(pid) for pid in subprocess.check_output(["pgrep", "-P", str(job.pid)], text=True).split()]
+        victims = [pid for pid in ranks if b"fingerfem" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+        assert len(victims) == 2
+        os.kill(victims[1], signal.SIGKILL)
+        job.wait(timeout=120)
+    finally:
+        if job.poll() is None:
+            os.killpg(job.pid, signal.SIGKILL)
+    if recovery:
+        assert_same(folder, undisturbed)  # the other rank did what the dead one left
+    else:
+        assert 3 <= len(list(folder.glob("tasks/*.npz"))) < len(read_description(folder).tasks)
+    run(2, scene, folder)
+    assert_same(folder, undisturbed)
+
+
+def test_held_out_states_are_drawn_from_the_seed_and_solved_from_rest(scene, tmp_path):
+    run(2, scene, tmp_path / "held", "--random", "6", "--seed", "3")
+    snapshots = SnapshotSet(tmp_path / "held")
+    points = snapshots.random("parameters")
+    box = np.array([[0, 100], [0, 100], [0.001, 0.031]])
+    draw = np.random.default_rng(3).random((6, 3))
+    assert points == pytest.approx(box[:, 0] + draw * (box[:, 1] - box[:, 0]))
+    touching = snapshots.random("touch_distance") > points[:, 2]
+    assert np.array_equal(snapshots.random("contact_force") > 0, touching)
+
+
+def test_another_scene_or_a_foreign_folder_is_refused_in_one_line(scene, undisturbed, tmp_path):
+    other = tmp_path / "other.toml"
+    other.write_text(scene.read_text().replace("C1 = 1.9e6", "C1 = 2.0e6"))
+    foreign = tmp_path / "foreign"
+    foreign.mkdir()
+    (foreign / "thesis.tex").write_text("dear diary")
+    for file, folder in ((other, undisturbed), (scene, foreign)):
+        done = subprocess.run(command(2, file, folder), cwd=ROOT, capture_output=True, text=True)
+        assert done.returncode == 2
+        said = [line for line in done.stderr.splitlines() if str(folder) in line]
+        assert said and "Traceback" not in done.stderr
+
+
+def test_an_unfinished_or_a_broken_set_is_not_read(undisturbed, tmp_path):
+    import shutil
+
+    copy = tmp_path / "copy"
+    shutil.copytree(undisturbed, copy)
+    task_file(copy, "free-0").write_bytes(task_file(copy, "free-0").read_bytes()[:1000])
+    with pytest.raises(SnapshotError, match=r"free-0\.npz: is missing or not readable"):
+        SnapshotSet(copy).free("tip")
+    task_file(copy, "free-0").unlink()
+    with pytest.raises(SnapshotError, match="1 of 16 tasks are not solved yet"):
+        SnapshotSet(copy)
+    with pytest.raises(SnapshotError, match="is not a snapshot set"):
+        SnapshotSet(tmp_path)

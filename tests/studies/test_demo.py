@@ -1,0 +1,38 @@
+"""The demo's promises, read from the report it wrote."""
+
+import json
+
+import pytest
+
+
+def test_every_held_force_is_within_three_percent_of_the_target_by_the_full_order_model(report):
+    errors = [*report["grasp"]["force_errors"], *[hold["force_error"] for hold in report["holds"]]]
+    assert len(errors) == 8
+    assert max(errors) < 0.03
+
+
+def test_the_grasp_found_the_object(report):
+    grasp = report["grasp"]
+    assert grasp["status"] == ["converged"] * 3
+    assert max(grasp["distance_errors"]) < 1e-4
+    assert grasp["centre"] == pytest.approx(grasp["true_centre"], abs=1e-4)
+
+
+def test_every_full_order_state_of_training_and_check_converged(report):
+    assert report["training"]["failed"] == report["heldout"]["failed"] == 0
+    assert report["training"]["states"] == 9 * 9 + 9 * 8 * 8
+
+
+def test_reached_and_out_of_reach_are_told_apart(report):
+    assert report["reach"]["status"] == "converged" and report["reach"]["verified_miss"] < 2e-4
+    assert report["unreachable"]["status"] == "unreachable"
+
+
+def test_the_report_shows_its_pictures_and_numbers(report, demo):
+    page = (demo / "report.html").read_text()
+    for picture in ("s11.png", "parity.png", "grasp.png"):
+        assert f'src="{picture}"' in page
+        assert (demo / picture).read_bytes().startswith(b"\x89PNG")
+        assert (demo / picture).stat().st_size > 10_000
+    assert f"{report['errors']['contact_force']['median']:.2%}" in page
+    assert json.loads((demo / "report.json").read_text()) == report
