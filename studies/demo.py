@@ -50,43 +50,39 @@ class FullOrderFinger:
         return self._model.solve(tensions, self._distance, sensitivities=False).contact_force
 
 
-def farm(folder: Path, *options: str) -> dict:
+def farm(folder: Path, *options: str) -> tuple[SnapshotSet, dict]:
     """Solve a snapshot set on all cores."""
-    ranks = os.environ.get("FINGERFEM_RANKS") or str(
-        os.process_cpu_count() if sys.version_info >= (3, 13) else os.cpu_count()
-    )
-    command = [
-        "mpirun",
-        "-n",
-        ranks,
-        sys.executable,
-        "-m",
-        "fingerfem",
-        "snapshots",
-        SCENE,
-        str(folder),
-        "--json",
-        *options,
-    ]
+    cores = os.process_cpu_count() if sys.version_info >= (3, 13) else os.cpu_count()
+    ranks = int(os.environ.get("FINGERFEM_RANKS") or cores or 1)
+    command = ["mpirun", "-n", str(ranks), sys.executable, "-m", "fingerfem", "snapshots", SCENE, str(folder), *options]
     if sys.stderr.isatty():
         command.append("--bar")
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
-    if done.returncode:
-        raise SystemExit(done.returncode)
-    return json.loads(done.stdout.strip().splitlines()[-1])
+    begun = time.perf_counter()
+    code = subprocess.run(command, stdout=subprocess.DEVNULL).returncode
+    if code:
+        raise SystemExit(code)
+    snapshots = SnapshotSet(folder)
+    numbers = {
+        "states": snapshots.states,
+        "failed": len(snapshots.failures),
+        "newton_iterations": snapshots.iterations,
+        "ranks": ranks,
+        "seconds": time.perf_counter() - begun,
+    }
+    return snapshots, numbers
 
 
 def surrogate(out: Path) -> tuple[Surrogate, dict]:
     """Train on all cores, measure on fresh full-order states, save."""
     say("training: full-order states on all cores")
-    training = farm(out / "training")
+    snapshots, training = farm(out / "training")
     say("held-out: fresh full-order states at random parameters")
-    held_out = farm(out / "heldout", "--random", str(HELD_OUT), "--seed", str(SEED))
+    fresh, held_out = farm(out / "heldout", "--random", str(HELD_OUT), "--seed", str(SEED))
     say("separating the snapshots")
     begun = time.perf_counter()
-    model = train(SnapshotSet(out / "training"), EnrichmentOptions())
+    model = train(snapshots, EnrichmentOptions())
     separation = time.perf_counter() - begun
-    errors = check(model, SnapshotSet(out / "heldout"))
+    errors = check(model, fresh)
     model = replace(model, accuracy=accuracy(errors))
     model.save(out / "finger.h5")
     numbers = {
@@ -94,7 +90,7 @@ def surrogate(out: Path) -> tuple[Surrogate, dict]:
         "heldout": held_out,
         "separation_seconds": separation,
         "errors": errors,
-        "parity": report.parity(model, SnapshotSet(out / "heldout"), out / "parity.png"),
+        "parity": report.parity(model, fresh, out / "parity.png"),
     }
     return Surrogate.load(out / "finger.h5"), numbers
 
@@ -169,7 +165,6 @@ def main(out: Path) -> None:
     numbers["scene"] = scene.model_dump(mode="json")
     numbers["unknowns"] = full_order.unknowns
     numbers["seconds"] = time.perf_counter() - begun
-    numbers["peak_memory_MB"] = report.peak_memory()
     (out / "report.json").write_text(json.dumps(numbers, indent=1))
     report.write(numbers, out / "report.html")
     held = [*numbers["grasp"]["force_errors"], *[hold["force_error"] for hold in numbers["holds"]]]

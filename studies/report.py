@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import resource
 from html import escape
 from pathlib import Path
 
@@ -50,11 +49,6 @@ def history(grasp: Grasp, target: float, picture: Path) -> None:
     upper.legend()
     figure.savefig(picture, dpi=110)
     plt.close(figure)
-
-
-def peak_memory() -> float:
-    """Largest resident memory of this process and of its largest child, added [MB]."""
-    return sum(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) / 1024
 
 
 def table(header: list[str], rows: list[list[str]]) -> str:

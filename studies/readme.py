@@ -1,0 +1,56 @@
+"""Write README's measured numbers and picture from a demo's report: python3 studies/readme.py out/demo."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from studies import report  # noqa: E402
+
+BEGIN, END = "<!-- measured: written by `make readme` -->", "<!-- end -->"
+
+
+def table(header: list[str], rows: list[list[str]]) -> str:
+    """A Markdown table."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def measured(numbers: dict) -> str:
+    """The block between the marks."""
+    training, touch, sweep = numbers["training"], numbers["errors"]["touch"], numbers["campaign"]
+    return f"""
+Draft finger, {numbers["unknowns"]:,} unknowns, trained on {training["states"]} full-order states
+({training["newton_iterations"] / training["states"]:.1f} Newton iterations a state, {training["failed"]} failed), against
+{numbers["errors"]["states"]} fresh random ones:
+
+{table(report.ERROR_HEADER, report.error_rows(numbers))}
+
+Touch decided right in {touch["count"] - touch["wrong"]} of {touch["count"]} states. Contact forces held at
+{numbers["grasp"]["target"]:g} N, fed to the full-order model; the grasp's fingers find d themselves and correct by what they feel:
+
+{table(report.HOLD_HEADER, report.hold_rows(numbers))}
+
+The authors' sweep of {sweep["starts"]:,} holds: {sweep["converged"]:,} converged, {sweep["unreachable"]:,} unreachable and flagged,
+{sweep["failed"]} failed, {sweep["out_of_limits"]} outside the limits.
+"""
+
+
+def main(folder: Path) -> None:
+    """Rewrite README.md and docs/finger.png."""
+    numbers = json.loads((folder / "report.json").read_text())
+    readme = ROOT / "README.md"
+    before, rest = readme.read_text().split(BEGIN)
+    after = rest.split(END)[1]
+    readme.write_text(before + BEGIN + measured(numbers) + END + after)
+    (ROOT / "docs").mkdir(exist_ok=True)
+    shutil.copyfile(folder / "s11.png", ROOT / "docs" / "finger.png")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "out" / "demo"))

@@ -1,0 +1,45 @@
+"""README does what it says."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from fingerfem.scene import Scene
+
+ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text()
+
+
+def test_the_python_example_runs_and_holds_the_force(demo):
+    (code,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    assert 10 <= len([line for line in code.splitlines() if line]) <= 15
+    code = code.replace("out/demo", str(demo))
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    first, *_, last = done.stdout.splitlines()
+    assert first.startswith("converged")
+    assert abs(float(last.split()[0]) - 1.0) < 0.03
+
+
+def test_the_table_of_parameters_names_every_key_of_a_scene():
+    listed = set(re.findall(r"^\| `(\w+)\.(\w+)`", README, re.MULTILINE))
+    schema = Scene.model_json_schema()["$defs"]
+    tables = {"geometry": "Geometry", "material": "Material", "tendons": "Tendon", "obstacle": "Obstacle"}
+    tables |= {"mesh": "Mesh", "sampling": "Sampling"}
+    assert listed == {(table, key) for table, name in tables.items() for key in schema[name]["properties"]}
+
+
+def test_the_two_commands_are_those_of_the_makefile_and_of_ci():
+    assert "make demo " in README and "make test " in README
+    targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert {"demo", "test", "clean"} <= set(targets)
+    ci = [line for line in (ROOT / ".ci" / "run").read_text().splitlines() if line and line[0] != "#"]
+    assert ci[-1] == "make test" and len(ci) == 3
+
+
+def test_the_measured_block_was_written():
+    from studies.readme import BEGIN, END
+
+    block = README.split(BEGIN)[1].split(END)[0]
+    assert "contact force" in block and "%" in block
