@@ -13,6 +13,7 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
+import fingerfem
 from fingerfem import contact, geometry, materials
 from fingerfem.forms import Fields, compile_forms, volume_ratio
 from fingerfem.scene import Scene
@@ -227,4 +228,5 @@ class FingerModel:
 
 def versions() -> dict[str, str]:
     """What a number depends on besides the scene."""
-    return {"dolfinx": dolfinx.__version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion()))}
+    petsc = ".".join(map(str, PETSc.Sys.getVersion()))
+    return {"fingerfem": fingerfem.__version__, "dolfinx": dolfinx.__version__, "petsc": petsc}

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from petsc4py import PETSc
 
+from fingerfem.convergence import NotConverged
+
 if TYPE_CHECKING:
     from fingerfem.model import FingerModel
 
@@ -27,7 +29,8 @@ class State:
         channel_shortening: by tendon [m].
         energy: total potential [J].
         smallest_volume_ratio: min J [-].
-        sensitivities: of tip (m/N; m/m), contact_force (N/N; N/m) and channel_shortening (m/N; m/m), by parameter.
+        sensitivities: of tip (m/N; m/m), contact_force (N/N; N/m) and channel_shortening (m/N; m/m), by parameter;
+            None if not asked for, or where the tangent is singular and there are none.
         newton_iterations, steps: what it took from rest.
     """
 
@@ -99,14 +102,17 @@ def observe(model: FingerModel, touch_distance: float | None, seconds: float, se
     )
 
 
-def _sensitivities(model: FingerModel) -> dict[str, dict[str, Any]]:
+def _sensitivities(model: FingerModel) -> dict[str, dict[str, Any]] | None:
     """Derivatives by every parameter p: du/dp = -K^-1 dR/dp, one back-substitution each on the factorised tangent.
 
     dR/dF_k is the gradient of channel k's length and dR/dd minus that of the contact force, so the same vectors also
     differentiate those two quantities.
     """
     scene, forms, newton = model.scene, model.forms, model.stepper.newton
-    newton.factorise()
+    try:
+        newton.factorise()
+    except NotConverged:
+        return None
     count = len(scene.tendons)
     lengths = [_owned(model.load_gradient(unit)) for unit in np.eye(count)]
     tips = [_owned(model.tip_gradient(i)) for i in range(3)]

@@ -110,7 +110,11 @@ class Stepper:
         return 1.0 / max(1, int(np.ceil(turn + approach - 1e-9)))
 
     def _step(self, tensions: np.ndarray, distance: float | None) -> int:
-        """One step, by the first strategy that works; returns the iterations it needed."""
+        """One step, by the first strategy that works; returns the iterations it needed.
+
+        Raises:
+            NotConverged: the model is back at the last good load, its tangent factorised for the next, shorter try.
+        """
         model, newton = self.model, self.newton
         before = model.displacement.copy()
         reason = ""
@@ -133,6 +137,8 @@ class Stepper:
             return needed
         model.displacement[:] = before
         model.set_loads(self.tensions, self.distance)
+        newton.factorise()
+        self._factorised = True
         raise NotConverged(reason)
 
     def _predict(self, tensions: np.ndarray, distance: float | None) -> None:

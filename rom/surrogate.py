@@ -235,11 +235,27 @@ class Surrogate:
             for name, form in self.forms.items():
                 group = file.create_group(name)
                 group["modes"] = form.modes.astype(np.float32) if name.endswith("displacement") else form.modes
+                group["modes"].attrs["unit"] = self._units(name)
                 group["errors"] = form.errors
                 group.attrs["kinds"] = list(form.kinds)
                 for a, (nodes, factor) in enumerate(zip(form.nodes, form.factors, strict=True)):
                     group[f"nodes_{a}"], group[f"factor_{a}"] = nodes, factor
+                    group[f"nodes_{a}"].attrs["axis"], group[f"nodes_{a}"].attrs["unit"] = self._axes(name)[a]
         beside.replace(path)
+
+    def _axes(self, form: str) -> list[tuple[str, str]]:
+        """Name and unit of a form's axes."""
+        tensions = [(parameter["name"], "N") for parameter in self.parameters if parameter["name"] != "d"]
+        if form == "onset":
+            return [axis for k, axis in enumerate(tensions) if k != self.lead]
+        if form.startswith("contact"):
+            tensions[self.lead] = (f"xi of {tensions[self.lead][0]}", "-")
+            return [*tensions, ("s", "-")]
+        return tensions
+
+    def _units(self, form: str) -> str:
+        """Unit of a form's modes; component by component where they differ."""
+        return {"onset": "N", "contact": "m, m, m, N"}.get(form, "m")
 
     @classmethod
     def load(cls, path: str | Path, tolerance: float = 0.0) -> Surrogate:

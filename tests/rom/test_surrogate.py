@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -132,6 +133,18 @@ def test_a_saved_model_is_the_model(surrogate, tmp_path):
     assert list(tmp_path.iterdir()) == [tmp_path / "copy.h5"]
 
 
+def test_the_model_file_names_its_axes_and_units(demo):
+    with h5py.File(demo / "finger.h5") as file:
+        axes = {
+            name: [tuple(file[name][f"nodes_{a}"].attrs[key] for key in ("axis", "unit")) for a in range(n)]
+            for name, n in (("free", 2), ("onset", 1), ("contact", 3))
+        }
+        assert axes["free"] == [("F1", "N"), ("F2", "N")]
+        assert axes["onset"] == [("F2", "N")]
+        assert axes["contact"] == [("xi of F1", "-"), ("F2", "N"), ("s", "-")]
+        assert file["contact/modes"].attrs["unit"] == "m, m, m, N"
+
+
 def test_a_looser_tolerance_keeps_fewer_terms_and_errs_more(surrogate, demo, held_out):
     loose = Surrogate.load(demo / "finger.h5", tolerance=3e-2)
     full, few = (check(model, held_out) for model in (surrogate, loose))
@@ -165,7 +178,7 @@ def test_build_check_and_info_agree(demo, tmp_path):
     assert told == json.loads(built.stdout)
     assert checked["contact_force"]["median"] < 0.02
     assert [p["unit"] for p in told["parameters"]] == ["N", "N", "m"]
-    assert told["provenance"]["versions"].keys() == {"dolfinx", "petsc"}
+    assert told["provenance"]["versions"].keys() == {"fingerfem", "dolfinx", "petsc"}
     assert told["accuracy"]["tip"]["median"] == pytest.approx(checked["tip"]["median"], rel=1e-2)
 
 
