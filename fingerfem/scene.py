@@ -98,7 +98,7 @@ class Sampling(Table):
     """How finely the parameters are sampled for training: nodes along every tension and along contact."""
 
     tension_nodes: Annotated[int, Field(ge=4, le=101)] = 9
-    contact_nodes: Annotated[int, Field(ge=4, le=101)] = 8
+    contact_nodes: Annotated[int, Field(ge=4, le=101)] = 12
 
 
 class Scene(Table):
@@ -147,8 +147,8 @@ class Scene(Table):
         return listed
 
     def fingerprint(self) -> str:
-        """Hash of all that changes the numbers (the name does not)."""
-        text = json.dumps(self.model_dump(exclude={"name"}), sort_keys=True)
+        """Hash of all that changes the finger's answers; name and sampling do not."""
+        text = json.dumps(self.model_dump(exclude={"name", "sampling"}), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

@@ -24,7 +24,7 @@ def build(
     folder: Annotated[Path, typer.Argument(metavar="SET/", help="A complete training set.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="MODEL.h5")],
     tolerance: Annotated[float, typer.Option(min=1e-12, max=0.5, help="Relative error over the snapshots.")] = 1e-4,
-    terms: Annotated[int, typer.Option(min=1, max=1000, help="Most products of one quantity.")] = 60,
+    terms: Annotated[int, typer.Option(min=1, max=1000, help="Most products of one quantity.")] = 80,
     held_out: Annotated[
         Path | None, typer.Option(metavar="HELDOUT/", help="Measure the error on these states.")
     ] = None,
