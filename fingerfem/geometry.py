@@ -1,7 +1,4 @@
-"""The finger's hexahedral mesh with named regions.
-
-The grid lines fit plates and channels at every resolution, so refining the mesh refines the same finger.
-"""
+"""The finger's hexahedral mesh with named regions."""
 
 from __future__ import annotations
 
@@ -11,91 +8,12 @@ import dolfinx
 import numpy as np
 from mpi4py import MPI
 
+from fingerfem.grid import grid_lines, in_channel, plates
 from fingerfem.scene import Scene
 
 # Cells; a CHANNEL cell carries at least one tendon. A tendon ends before the plate it pulls on: the tip's carries none.
 RUBBER, RUBBER_CHANNEL, PLATE, PLATE_CHANNEL, TIP_PLATE = 1, 2, 3, 4, 5
 CLAMP, SURFACE, PAD = 11, 12, 13  # facets; PAD is the tip plate's face towards the plane, part of the surface
-
-
-def subdivide(breakpoints, cells):
-    """Grid lines that contain every breakpoint, with the given number of cells, as even as possible.
-
-    A grid symmetric about its middle stays symmetric.
-
-    Args:
-        breakpoints: ascending positions [m], shape (n,).
-        cells: number of cells between the first and the last.
-
-    Raises:
-        ValueError: the number of cells cannot fit the breakpoints, or not symmetrically.
-    """
-    breakpoints = np.asarray(breakpoints, float)
-    lengths = np.diff(breakpoints)
-    n = len(lengths)
-    symmetric = np.allclose(lengths, lengths[::-1], rtol=1e-6)
-    count = np.ones(n, int)
-    while count.sum() < cells:
-        # Split the widest cells first; a mirrored pair together, the outermost of equals first.
-        for i in np.lexsort((np.arange(n), np.round(-lengths / count, 12))):
-            pair = {int(i), n - 1 - int(i)} if symmetric else {int(i)}
-            if count.sum() + len(pair) <= cells:
-                count[list(pair)] += 1
-                break
-        else:
-            break
-    if count.sum() != cells:
-        parity = ", and even to stay symmetric" if symmetric and n % 2 == 0 else ""
-        raise ValueError(
-            f"must fit {n} intervals between channels and plates (at least {n} cells{parity}), got {cells}"
-        )
-    pieces = [
-        np.linspace(a, b, k, endpoint=False) for a, b, k in zip(breakpoints, breakpoints[1:], count, strict=False)
-    ]
-    return np.append(np.concatenate(pieces), breakpoints[-1])
-
-
-def plates(scene: Scene) -> list[tuple[float, float]]:
-    """Where every segment's plate begins and ends along x [m]."""
-    ends = np.cumsum(scene.geometry.segments)
-    return [(float(end - scene.geometry.plate), float(end)) for end in ends]
-
-
-def grid_lines(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """Grid lines along x and across the section (the same for y and z) [m].
-
-    Raises:
-        ValueError: mesh.cells cannot hold the plates or the channels.
-    """
-    geometry, (along, across) = scene.geometry, scene.mesh.cells
-    half = geometry.channel_width / 2
-    edges = {geometry.side / 2}
-    for tendon in scene.tendons:
-        for offset in tendon.offset:
-            edges |= {abs(abs(offset) - half), abs(offset) + half}
-    positive = np.unique(np.round(sorted(edges), 9))
-    section = np.unique(np.concatenate([-positive, positive]))
-    try:
-        lines = [subdivide([start, inner, outer], along) for start, (inner, outer) in _segments(scene)]
-    except ValueError as error:
-        raise ValueError(f"mesh.cells[0] {error}") from None
-    try:
-        y = subdivide(section, across)
-    except ValueError as error:
-        raise ValueError(f"mesh.cells[1] {error}") from None
-    return np.unique(np.round(np.concatenate(lines), 12)), y
-
-
-def _segments(scene: Scene):
-    ends = plates(scene)
-    return list(zip([0.0, *[outer for _, outer in ends[:-1]]], ends, strict=True))
-
-
-def in_channel(scene: Scene, k: int, x: np.ndarray) -> np.ndarray:
-    """Which of the points x, shape (3, n) [m], lie in the channel of tendon k."""
-    tendon, half = scene.tendons[k], scene.geometry.channel_width / 2
-    end = plates(scene)[tendon.segment - 1][0]
-    return (abs(x[1] - tendon.offset[0]) < half) & (abs(x[2] - tendon.offset[1]) < half) & (x[0] < end)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
 import fingerfem
-from fingerfem import contact, geometry, materials
+from fingerfem import contact, geometry, grid, materials
 from fingerfem.forms import Fields, compile_forms, volume_ratio
 from fingerfem.scene import Scene
 from fingerfem.state import State, observe
@@ -29,9 +29,6 @@ class FingerModel:
     Args:
         scene: what is modelled.
         comm: the ranks that share one finger; alone by default.
-
-    Raises:
-        ValueError: the mesh cannot hold the plates or the channels.
     """
 
     def __init__(self, scene: Scene, comm: MPI.Comm = MPI.COMM_SELF):
@@ -50,7 +47,7 @@ class FingerModel:
         self.tensions = np.zeros(len(scene.tendons))
         self._tip_volume = scene.geometry.plate * scene.geometry.side**2
         midpoints = self.mesh.midpoints
-        self._channels = [geometry.in_channel(scene, k, midpoints) for k in range(len(scene.tendons))]
+        self._channels = [grid.in_channel(scene, k, midpoints) for k in range(len(scene.tendons))]
         clamp = fem.locate_dofs_topological(
             self.space, self.mesh.mesh.topology.dim - 1, self.mesh.facets.find(geometry.CLAMP)
         )

@@ -10,6 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from fingerfem.grid import grid_lines
+
 Length = Annotated[float, Field(gt=0, le=1.0)]  # [m]; a length above 1 m is a length in mm
 Offset = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
 Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
@@ -132,6 +134,7 @@ class Scene(Table):
             _ordered(f"tendons.{k}.tension", tendon.tension)
         if self.obstacle is not None:
             _ordered("obstacle.distance", self.obstacle.distance)
+        grid_lines(self)
         return self
 
     @property

@@ -38,6 +38,8 @@ BROKEN = {
     ),
     "unknown contact": ('method = "penalty"', 'method = "glue"', ["obstacle.method", "penalty", "'glue'"]),
     "no cells": ("cells = [20, 5]", "cells = [20, 0]", ["mesh.cells.1", "at least 1", "0"]),
+    "no room for channels": ("cells = [20, 5]", "cells = [20, 4]", ["mesh.cells[1]", "at least 5 cells", "4"]),
+    "no room for the plate": ("cells = [20, 5]", "cells = [1, 5]", ["mesh.cells[0]", "at least 2 cells", "1"]),
     "half a cell": ("cells = [20, 5]", "cells = [20, 5.5]", ["mesh.cells.1", "whole number", "5.5"]),
     "order 3": ("order = 1", "order = 3", ["mesh.order", "at most 2", "3"]),
     "not TOML": ("[mesh]", "[mesh", ["not a TOML file"]),
