@@ -27,6 +27,8 @@ readme: demo
 
 # A plain virtual environment of this machine's Python, without DOLFINx.
 .venv/ready: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || ! command -v $(PYTHON) >/dev/null \
+	    || { echo "make test needs Python 3.11 or newer, got $$($(PYTHON) -V); name another by PYTHON=" >&2; exit 2; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { $(AS_ROOT) && apt-get update -q && apt-get install -qy --no-install-recommends python3-venv; } \
 	    || { echo "make test needs $(PYTHON) with venv (Debian: python3-venv)" >&2; exit 2; }
 	$(PYTHON) -m venv .venv

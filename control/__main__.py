@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -12,12 +10,11 @@ import typer
 
 from control import Finger, Gripper, SimulatedPlant
 from rom import Surrogate
+from rom.commands import NOTHING_USABLE, AsJson, application, run, show
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
-BAD_INPUT, NOTHING_USABLE = 2, 3
+app = application()
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
-ContactForce = Annotated[float, typer.Option(help="[N]")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+ContactForce = Annotated[float, typer.Option(min=1e-6, help="To hold [N].")]
 
 
 @app.command(context_settings={"ignore_unknown_options": True})
@@ -40,7 +37,11 @@ def hold(
     as_json: AsJson = False,
 ) -> None:
     """Tensions that press on the plane with a contact force."""
-    motion = Finger(Surrogate.load(model)).hold(contact_force, distance)
+    surrogate = Surrogate.load(model)
+    lower, upper = (limits[-1] for limits in surrogate.limits)
+    if surrogate.has_obstacle and not lower <= distance <= upper:
+        raise ValueError(f"distance must lie in [{lower:g}, {upper:g}] m, got {distance:g}")
+    motion = Finger(surrogate).hold(contact_force, distance)
     show(motion.as_json(), as_json, 0 if motion.converged else NOTHING_USABLE)
 
 
@@ -66,42 +67,16 @@ def grasp(
 @app.command()
 def campaign(
     model: ModelFile,
-    starts: Annotated[int, typer.Option(min=1, help="Distances times starting tensions.")] = 10000,
+    starts: Annotated[int, typer.Option(min=4, help="How many: a square, as many distances as lead tensions.")] = 10000,
     contact_force: ContactForce = 1.0,
     as_json: AsJson = False,
 ) -> None:
     """Hold one force at many distances from many starts; count what came of it and how long it took."""
-    from control.campaign import run
+    from control import campaign as authors_sweep
 
-    show(run(Surrogate.load(model), starts, contact_force), as_json)
-
-
-def show(result: dict, as_json: bool, code: int = 0) -> None:
-    """Print as JSON (strict: nan and inf become null), or line by line."""
-    if as_json:
-        print(json.dumps(_strict(result)))
-    else:
-        for name, value in result.items():
-            print(f"{name:16s} {value}")
-    raise SystemExit(code)
-
-
-def _strict(value):
-    if isinstance(value, dict):
-        return {key: _strict(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_strict(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def main() -> None:
-    """Run the command; bad input is one line and exit code 2."""
-    try:
-        app()
-    except ValueError as error:
-        print(error, file=sys.stderr)
-        raise SystemExit(BAD_INPUT) from None
+    result = authors_sweep.run(Surrogate.load(model), starts, contact_force)
+    show(result, as_json, 0 if result["converged"] else NOTHING_USABLE)
 
 
 if __name__ == "__main__":
-    main()
+    run(app)

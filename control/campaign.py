@@ -18,10 +18,16 @@ def run(model: Surrogate, starts: int, contact_force: float) -> dict[str, Any]:
     """Hold `contact_force` [N] at sqrt(starts) distances from sqrt(starts) lead tensions each.
 
     Returns:
-        counts of converged, unreachable and failed answers; out_of_limits: answers beyond the trained tensions;
-        and the time of one call, mean, median, 99th percentile and largest [us].
+        starts: the square that was run, the nearest to what was asked; counts of converged, unreachable and failed
+        answers; out_of_limits: answers beyond the trained tensions; and the time of one call, mean, median, 99th
+        percentile and largest [us].
+
+    Raises:
+        ValueError: a contact force that is not above 0, or a model without an obstacle.
     """
-    side = max(2, int(np.ceil(np.sqrt(starts))))
+    if not (np.isfinite(contact_force) and contact_force > 0):
+        raise ValueError(f"contact_force must be above 0 N, got {contact_force}")
+    side = max(2, round(np.sqrt(starts)))
     lower, upper = model.limits
     finger, lead = Finger(model), model.lead
     cases = [
@@ -29,7 +35,7 @@ def run(model: Surrogate, starts: int, contact_force: float) -> dict[str, Any]:
     ]
     finger.hold(contact_force, float(np.mean([lower[-1], upper[-1]])))  # compile before the clock runs
     microseconds, counts, beyond = [], {"converged": 0, "unreachable": 0}, 0
-    for distance, tension in cases[:starts]:
+    for distance, tension in cases:
         start = lower[:-1].copy()
         start[lead] = tension
         begun = perf_counter_ns()

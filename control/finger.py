@@ -86,25 +86,33 @@ class Finger:
             distance: of the plane [m]; the finger stays this side of it.
             start: tensions to start from [N].
             tolerance: bounds the tip's distance from the point [m].
+
+        Raises:
+            ValueError: a start of the wrong shape.
         """
         goal = np.asarray(point, float)
         if goal.shape != (3,) or not np.isfinite(goal).all() or np.isnan(distance):
             return self._out_of_domain(distance)
         target = goal - self.rest
-        weight = 10.0  # of passing the plane against missing the point
+        starts = [self._middle if start is None else np.asarray(start, float), self._gentle]
+        plane, weight = distance, 10.0  # of passing the plane against missing the point
 
         def residual(tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             out, jacobian = self._free(tensions)
-            passed = out[TOUCH] - distance
+            passed = out[TOUCH] - plane
             r, dr = out[TIP] - target, jacobian[TIP, : self._tensions]
             if not passed > 0:
                 return r, dr
             return np.append(r, weight * passed), np.vstack([dr, weight * jacobian[TOUCH, : self._tensions]])
 
-        best = self._best(
-            residual, [self._middle if start is None else np.asarray(start, float), self._gentle], tolerance
-        )
-        return self._motion(best, best.x, distance, "tip")
+        for _ in range(5):
+            best = self._best(residual, starts, tolerance)
+            passed = self._free(best.x)[0][TOUCH] - distance
+            if not passed > 0:
+                break
+            plane, starts = plane - 1.5 * passed, [best.x]  # the penalty gives a little: ask for that much more
+        miss = float(np.linalg.norm(self._free(best.x)[0][TIP] - target))
+        return self._motion(best, best.x, distance, "tip", miss)
 
     def locate(self, tensions: ArrayLike, contact_force: float) -> Motion:
         """Find the plane from the tensions and the contact force felt; the motion's `distance` is d*.
@@ -112,7 +120,11 @@ class Finger:
         Args:
             tensions: [N], shape (tensions,).
             contact_force: felt [N], above 0.
+
+        Raises:
+            ValueError: a model without an obstacle.
         """
+        self._needs_obstacle()
         pulled = np.asarray(tensions, float)
         lower, upper = self.model.limits
         inside = pulled.shape == (self._tensions,) and np.all((pulled >= lower[:-1]) & (pulled <= upper[:-1]))
@@ -130,7 +142,8 @@ class Finger:
         best = min(
             (minimise(residual, start, bounds, options) for start in starts), key=lambda solution: solution.residual
         )
-        return self._motion(best, pulled, float(best.x[0]), "contact_force")
+        distance = float(best.x[0])
+        return self._motion(best, pulled, distance, "contact_force", self._off(pulled, distance, contact_force))
 
     def hold(
         self, contact_force: float, distance: float, start: ArrayLike | None = None, tolerance: float = 1e-6
@@ -142,7 +155,11 @@ class Finger:
             distance: of the plane [m].
             start: tensions to start from [N].
             tolerance: bounds the force's deviation [N].
+
+        Raises:
+            ValueError: a model without an obstacle, or a start of the wrong shape.
         """
+        self._needs_obstacle()
         lower, upper = self.model.limits
         if not (lower[-1] <= distance <= upper[-1] and np.isfinite(contact_force) and contact_force > 0):
             return self._out_of_domain(distance)
@@ -155,9 +172,13 @@ class Finger:
         highest = self._bounds[0].copy()
         highest[self.model.lead] = self._bounds[1][self.model.lead]
         best = self._best(residual, [begin, self._gentle, highest], tolerance)
-        return self._motion(best, best.x, distance, "contact_force")
+        return self._motion(best, best.x, distance, "contact_force", self._off(best.x, distance, contact_force))
 
     # -- shared ------------------------------------------------------------------------------------------------------
+
+    def _needs_obstacle(self) -> None:
+        if not self.model.has_obstacle:
+            raise ValueError("model must have an obstacle to feel, hold or find it, got a scene without one")
 
     def _free(self, tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Outputs and derivatives with the plane away."""
@@ -190,7 +211,13 @@ class Finger:
                 return solutions[-1]
         return min(solutions, key=lambda solution: solution.residual)
 
-    def _motion(self, solution: Solution, tensions: np.ndarray, distance: float, quantity: str) -> Motion:
+    def _off(self, tensions: np.ndarray, distance: float, contact_force: float) -> float:
+        """How far the model's contact force is from a target [N]."""
+        return abs(float(answer(self._kernel, np.append(tensions, distance))[0][FORCE]) - contact_force)
+
+    def _motion(
+        self, solution: Solution, tensions: np.ndarray, distance: float, quantity: str, residual: float
+    ) -> Motion:
         point = np.append(tensions, distance) if self.model.has_obstacle else tensions
         said = self.model.evaluate(point)
         status = {"stationary": "unreachable"}.get(solution.status, solution.status)
@@ -200,7 +227,7 @@ class Finger:
             tensions=np.array(tensions),
             distance=float(distance),
             status=status,
-            residual=solution.residual,
+            residual=residual,
             error=float(said.error[quantity]),
             iterations=solution.iterations,
         )

@@ -21,15 +21,16 @@ class GraspOptions:
         feel: a force above this is contact [N].
         approach_step: the lead tension's step while nothing is felt [N].
         squeeze_steps: pulls from touch to the held force.
-        tolerance: a held force this near its target needs no correction [-].
-        corrections: most corrections of a finger.
+        tolerance: a held force this near its target needs no correction [-]. Choose it, and `feel`, above three
+            standard deviations of the sensor's noise, or corrections chase the noise.
+        corrections: most corrections of a finger, new approaches after a touch that was none included.
     """
 
     feel: float = 0.05
     approach_step: float = 4.0
     squeeze_steps: int = 3
     tolerance: float = 0.005
-    corrections: int = 4
+    corrections: int = 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +50,8 @@ class Grasp:
     """How a grasp ended.
 
     Attributes:
-        status: of every finger: converged, or why not (see Motion; "no_contact" if it felt nothing at all).
+        status: of every finger: converged, or why not (see Motion; "no_contact" if it felt nothing up to its highest
+            tension, "sensor_failed" if what it felt was no number).
         tensions: of every finger, shape (fingers, tensions) [N].
         contact_forces: last felt, shape (fingers,) [N].
         distances: d* of every finger, shape (fingers,) [m]; nan without contact.
@@ -100,6 +102,8 @@ class Gripper:
     def __init__(self, model: Surrogate, fingers: int = 3, radius: float = 0.025):
         if fingers < 1:
             raise ValueError(f"fingers must be at least 1, got {fingers}")
+        if not model.has_obstacle:
+            raise ValueError("model must have an obstacle to grasp, got a scene without one")
         self.model, self.radius = model, radius
         self.fingers = [Finger(model) for _ in range(fingers)]
         angles = 2 * np.pi * np.arange(fingers) / fingers
@@ -116,7 +120,12 @@ class Gripper:
             contact_force: of every finger [N].
             plants: what each finger drives.
             options: how.
+
+        Raises:
+            ValueError: a contact force that is not above 0, or plants that are not one for each finger.
         """
+        if not (np.isfinite(contact_force) and contact_force > 0):
+            raise ValueError(f"contact_force must be above 0 N, got {contact_force}")
         if len(plants) != len(self.fingers):
             raise ValueError(f"plants must be one for each of the {len(self.fingers)} fingers, got {len(plants)}")
         options = options or GraspOptions()
@@ -176,6 +185,9 @@ class _Closing:
             self.status, self.done = "converged", True
         elif self._corrections >= self._options.corrections:
             self.status, self.done = "iteration_limit", True
+        elif self.felt <= self._options.feel:  # the touch was noise, or contact was lost: close further
+            self._corrections += 1
+            self.distance = None
         else:
             self._corrections += 1
             self._decide(squeeze_steps=1)
@@ -187,7 +199,7 @@ class _Closing:
         ahead = self.tensions.copy()
         ahead[self._lead] = min(ahead[self._lead] + self._options.approach_step, self._highest)
         self._feel(ahead, "approach")
-        if self.felt > self._options.feel:
+        if not self.done and self.felt > self._options.feel:
             self._decide(self._options.squeeze_steps)
 
     def _decide(self, squeeze_steps: int) -> None:
@@ -206,6 +218,8 @@ class _Closing:
 
     def _feel(self, tensions: np.ndarray, stage: str) -> None:
         self.felt, self.tensions = self._plant.pull(tensions.tolist()), tensions
+        if not np.isfinite(self.felt):
+            self.status, self.done = "sensor_failed", True
         self.history.append(
             Pull(
                 finger=self._index,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import sys
 import time
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from fingerfem import LoadNotReached, SceneError, load_scene
+from fingerfem import LoadNotReached, load_scene
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 BAD_INPUT, NOTHING_USABLE = 2, 3
@@ -69,7 +70,7 @@ def solve(
 def snapshots(
     scene_file: SceneFile,
     folder: Annotated[Path, typer.Argument(metavar="SET/", help="The set's folder; begun if new, finished if not.")],
-    random: Annotated[int, typer.Option(help="Held-out points instead of training nodes.")] = 0,
+    random: Annotated[int, typer.Option(min=0, help="How many held-out points, instead of training nodes.")] = 0,
     seed: Annotated[int, typer.Option(help="Seed of the held-out points.")] = 0,
     bar: Annotated[
         bool, typer.Option(help="A progress bar also where stderr is no terminal, as under mpirun.")
@@ -103,6 +104,10 @@ def snapshots(
     failures = [f"{task} {parameters.tolist()}: {reason}" for task, parameters, reason in result.failures]
     for line in failures:
         logging.warning("failed: %s", line)
+    if failures:
+        logging.warning(
+            "to try failed states again, delete their tasks in %s and run this command again", folder / "tasks"
+        )
     report = {
         "tasks": len(description.tasks),
         "solved_by_this_rank": solved,
@@ -112,7 +117,7 @@ def snapshots(
         "seconds": time.perf_counter() - begun,
         "ranks": comm.size,
     }
-    _finish(report, as_json, NOTHING_USABLE if len(failures) == result.states else 0)
+    _finish(report, as_json, NOTHING_USABLE if failures and not (random and result.states > len(failures)) else 0)
 
 
 def _progress(total: int, shown: bool, forced: bool):
@@ -178,12 +183,11 @@ def main() -> None:
     """Run the command; bad input is one line and exit code 2, no equilibrium one line and 3."""
     try:
         app()
-    except (SceneError, ValueError) as error:
-        print(error, file=sys.stderr)
-        raise SystemExit(BAD_INPUT) from None
-    except LoadNotReached as error:
-        print(error, file=sys.stderr)
-        raise SystemExit(NOTHING_USABLE) from None
+    except (ValueError, OSError, LoadNotReached) as error:
+        # All ranks of a job stop for the same reason; one of them says so.
+        if os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMIX_RANK", "0")) == "0":
+            print(error, file=sys.stderr)
+        raise SystemExit(NOTHING_USABLE if isinstance(error, LoadNotReached) else BAD_INPUT) from None
 
 
 if __name__ == "__main__":

@@ -181,7 +181,8 @@ def _ordered(field: str, limits: list[float]) -> None:
 
 def _one_line(error: ValidationError) -> str:
     """The first broken rule as `field rule, got value`."""
-    first = error.errors()[0]
+    # A misspelt key is also a missing one: name what was written.
+    first = min(error.errors(), key=lambda broken: broken["type"] != "extra_forbidden")
     where = [str(part) for part in first["loc"]]
     field = ".".join(where)
     unit = next((UNITS[part] for part in reversed(where) if part in UNITS), None)

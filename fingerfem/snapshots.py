@@ -19,7 +19,7 @@ from mpi4py import MPI
 
 from fingerfem.convergence import LoadNotReached
 from fingerfem.model import FingerModel
-from rom.snapshots import Description, SnapshotError, create, missing, read_task, task_file, write_task
+from rom.snapshots import Description, SnapshotError, create, drop_broken, missing, read_task, task_file, write_task
 
 logger = logging.getLogger(__name__)
 
@@ -49,6 +49,8 @@ def run(
     if comm.rank == 0:
         try:
             create(path, description, solver.nodes)
+            for file in drop_broken(path):
+                logger.warning("%s was not whole; it is solved again", file)
         except SnapshotError as error:
             verdict = str(error)
     verdict = comm.bcast(verdict)

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import json
-import sys
+import logging
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from rom.snapshots import SnapshotError, SnapshotSet
-from rom.surrogate import ModelError, Surrogate
+from rom.commands import AsJson, application, run, show
+from rom.snapshots import SnapshotSet
+from rom.surrogate import Surrogate
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
-BAD_INPUT = 2
+app = application()
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
 
 @app.command()
@@ -35,6 +33,9 @@ def build(
     from rom.errors import accuracy, check
     from rom.training import train
 
+    logging.basicConfig(format="%(message)s")
+    if not output.parent.is_dir():
+        raise ValueError(f"output must be in a folder that exists, got {output}")
     model = train(SnapshotSet(folder), EnrichmentOptions(tolerance=tolerance, terms=terms))
     if held_out is not None:
         model = replace(model, accuracy=accuracy(check(model, SnapshotSet(held_out))))
@@ -46,7 +47,9 @@ def build(
 def check_model(
     model: ModelFile,
     held_out: Annotated[Path, typer.Argument(metavar="HELDOUT/", help="A set made with --random.")],
-    tolerance: Annotated[float, typer.Option(min=0, help="Keep only the terms this relative error needs.")] = 0.0,
+    tolerance: Annotated[
+        float, typer.Option(min=0, max=0.5, help="Keep only the terms this relative error needs.")
+    ] = 0.0,
     as_json: AsJson = False,
 ) -> None:
     """Compare a model with held-out full-order states."""
@@ -74,19 +77,5 @@ def summary(model: Surrogate) -> dict:
     }
 
 
-def show(result: dict, as_json: bool) -> None:
-    """Print as JSON, or as indented lines."""
-    print(json.dumps(result) if as_json else json.dumps(result, indent=2))
-
-
-def main() -> None:
-    """Run the command; bad input is one line and exit code 2."""
-    try:
-        app()
-    except (SnapshotError, ModelError, ValueError) as error:
-        print(error, file=sys.stderr)
-        raise SystemExit(BAD_INPUT) from None
-
-
 if __name__ == "__main__":
-    main()
+    run(app)

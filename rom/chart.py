@@ -7,9 +7,9 @@ one-dimensional functions follows. After touch, two of the parameters are theref
     xi = (F_l - F_c(F')) / (F_l,max - F_c(F'))   the lead tension's way from onset (0) to its highest (1)
 
 D0 is the touch distance, F_l the lead tension (of the tendon that bends the finger most towards the plane), F' the
-others, and F_c the onset: the lead tension at which D0 = d_min, below which no plane of the scene is ever touched. So
-the contact states fill the box of (F', xi, s), and contact force and what contact adds to the free displacement vanish
-on its faces xi = 0 and s = 0.
+others, and F_c the onset: the lead tension at which D0 = d_min, below which no plane of the scene is ever touched, or
+the lowest, where that touches already. So the contact states fill the box of (F', xi, s), and contact force and what
+contact adds to the free displacement vanish on its face s = 0.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def coordinates(
     span = chart.highest - onset[0]
     xi = (point[chart.lead] - onset[0]) / span
     derivative[chart.lead, chart.lead] = 0.0
-    if 0.0 < xi < 1.0 or xi == 1.0:
+    if 0.0 < xi <= 1.0:
         derivative[chart.lead, chart.lead] = 1.0 / span
         k = 0
         for j in range(tensions):

@@ -100,7 +100,7 @@ def _best_product(tensor: np.ndarray, alternations: int) -> list[np.ndarray]:
 def _contract(tensor: np.ndarray, vectors: list[np.ndarray], kept: int) -> np.ndarray:
     for a in reversed(range(tensor.ndim)):
         if a != kept:
-            tensor = np.tensordot(tensor, vectors[a], axes=(a if a < kept or tensor.ndim > 1 else 0, 0))
+            tensor = np.tensordot(tensor, vectors[a], axes=(a, 0))
     return tensor
 
 

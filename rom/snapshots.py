@@ -16,7 +16,7 @@ A task is a line of states solved in a fixed order. Its file holds, state by sta
     iterations          (n,)            Newton iterations
     converged           (n,)            bool; a state that is not is nan everywhere
     reason              (n,)            why not, empty if converged
-    onset               ()              free tasks: lead tension at which the nearest plane is touched [N]
+    onset               ()              free tasks: lead tension that first reaches the nearest plane [N]
 
 Tasks come in three kinds. `free-J` is a line along the lead tension (the tendon that bends the finger most towards the
 plane) at the J-th combination of the others. `contact-J-I` holds the tensions (I-th node of the lead between onset and
@@ -28,6 +28,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
+import zipfile
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from itertools import product
@@ -91,7 +92,7 @@ class Description:
         free = [f"free-{j}" for j in range(len(self.others))]
         if not self.has_obstacle:
             return free
-        return free + [f"contact-{j}-{i}" for j in range(len(self.others)) for i in range(1, len(self.onset_nodes))]
+        return free + [f"contact-{j}-{i}" for j in range(len(self.others)) for i in range(len(self.onset_nodes))]
 
     def insert_lead(self, others: tuple[float, ...], lead: float) -> np.ndarray:
         """Tensions [N] from the others and the lead."""
@@ -109,7 +110,8 @@ def create(path: str | Path, description: Description, nodes: np.ndarray) -> Non
         present = read_description(path)
         for name in ("fingerprint", "format", "tension_nodes", "onset_nodes", "contact_nodes", "random", "versions"):
             if getattr(present, name) != getattr(description, name):
-                raise SnapshotError(f"{path}: holds a set of another {name.replace('_', ' ')}; choose a new folder")
+                what = {"fingerprint": "scene", "random": "held-out points"}.get(name, name.replace("_", " "))
+                raise SnapshotError(f"{path}: holds a set of another {what}; choose a new folder")
         return
     own = {"tasks", "nodes.npy", "claims"}  # what another job that begins the same set may have made
     if path.is_dir() and any(file.name not in own and not file.name.startswith(".") for file in path.iterdir()):
@@ -161,7 +163,17 @@ def read_task(path: str | Path, task: str) -> dict[str, np.ndarray]:
         with np.load(file, allow_pickle=False) as stored:
             return {name: stored[name] for name in stored.files}
     except Exception as error:  # numpy and zipfile raise many kinds for a broken file
-        raise SnapshotError(f"{file}: is missing or not readable ({type(error).__name__}); solve it again") from None
+        raise SnapshotError(
+            f"{file}: is missing or not readable ({type(error).__name__}); run snapshots again"
+        ) from None
+
+
+def drop_broken(path: str | Path) -> list[Path]:
+    """Remove task files that are not whole, which a failing disk leaves or somebody's editor."""
+    broken = [file for file in (Path(path) / "tasks").glob("*.npz") if not zipfile.is_zipfile(file)]
+    for file in broken:
+        file.unlink(missing_ok=True)
+    return broken
 
 
 def missing(path: str | Path, description: Description) -> list[str]:
@@ -231,14 +243,11 @@ class SnapshotSet:
     def contact(self, name: str) -> np.ndarray:
         """A quantity of the contact states, shape (tension 1, ..., way of the plane, *quantity).
 
-        The lead axis runs over `onset_nodes` from its second, the last over `contact_nodes`.
+        The lead axis runs over `onset_nodes`, the last over `contact_nodes`.
         """
         count = len(self.description.onset_nodes)
         lines = np.array(
-            [
-                [self._tasks[f"contact-{j}-{i}"][name] for i in range(1, count)]
-                for j in range(len(self.description.others))
-            ]
+            [[self._tasks[f"contact-{j}-{i}"][name] for i in range(count)] for j in range(len(self.description.others))]
         )
         grid = lines.reshape(*self._other_shape, *lines.shape[1:])
         return np.moveaxis(grid, len(self._other_shape), self.description.lead)

@@ -18,7 +18,6 @@ from rom import chart as contact_chart
 from rom.separated import Packed, Separated, evaluate
 
 FORMAT = 1
-OUTPUTS = ("tip_x", "tip_y", "tip_z", "contact_force", "touch_distance")
 FORMS = ("free", "free_displacement", "onset", "contact", "contact_displacement")
 
 
@@ -34,7 +33,9 @@ class Answer:
         tip: displacement of the tip plate's centre, shape (3,) or (n, 3) [m].
         contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle.
         touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without one.
-        error: bound that 95 % of held-out states kept, by quantity in its unit; nan if the model was not checked.
+        error: bound that 95 % of held-out states kept, by quantity in its unit; nan if the model was not checked with
+            the terms it has. Of the contact force it is a share of the force, so 0 before touch; how sure touch itself
+            is, the error of the touch distance says.
         inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
             Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
     """
@@ -125,7 +126,7 @@ class Surrogate:
         lead: index of the lead tension.
         nodes: the finger's nodes at rest, shape (nodes, 3) [m].
         scene: the scene it was trained on.
-        accuracy: relative error by quantity on held-out states; empty if not checked.
+        accuracy: error by quantity on held-out states, see rom.errors.check; empty if not checked with these terms.
         provenance: versions, states, fingerprint.
     """
 
@@ -201,7 +202,8 @@ class Surrogate:
         """Derivatives of tip x, y, z [m], contact force [N] and touch distance [m], shape (5, p), by the parameters.
 
         At touch itself, a kink, they are those of the free side. Outside the trained box they are zero across its
-        walls.
+        walls. Where a spline swings below zero just after touch, the force is held at zero but not its derivative, so
+        that a solver finds its way.
         """
         return answer(self.kernel, self._point(parameters))[1]
 
@@ -263,7 +265,8 @@ class Surrogate:
 
         Args:
             path: the file.
-            tolerance: keep only the terms needed for this relative snapshot error [-]; 0 keeps all.
+            tolerance: keep only the terms needed for this relative snapshot error [-]; 0 keeps all. The accuracy was
+                measured with all terms: a model that loses some loses it too, and its errors are nan.
 
         Raises:
             ModelError: no file, no model, or a model of another format.
@@ -281,10 +284,14 @@ class Surrogate:
                 lead, nodes = int(file.attrs["lead"]), file["nodes"][:].astype(float)
         except ModelError:
             raise
+        except FileNotFoundError:
+            raise ModelError(f"{path}: No such file") from None
         except (OSError, KeyError, ValueError) as error:
             raise ModelError(f"{path}: is not a model file ({error})") from None
         if tolerance > 0:
-            forms = {name: form.truncated(tolerance) for name, form in forms.items()}
+            fewer = {name: form.truncated(tolerance) for name, form in forms.items()}
+            if any(fewer[name].terms < form.terms for name, form in forms.items()):
+                forms, plain["accuracy"] = fewer, {}
         return cls(forms=forms, lead=lead, nodes=nodes, **plain)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,6 +11,8 @@ from rom.enrichment import EnrichmentOptions, separate
 from rom.separated import Separated
 from rom.snapshots import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
+
+logger = logging.getLogger(__name__)
 
 
 def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
@@ -35,8 +38,8 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
     if description.has_obstacle:
         outputs.append(heights[..., _first_to_touch(heights)])
         forms |= _contact_forms(snapshots, axes, options)
-    forms["free"] = _form(np.concatenate(outputs, axis=-1), axes, "cubic", options)
-    forms["free_displacement"] = _form(field.reshape(*field.shape[:-2], -1), axes, "cubic", options)
+    forms["free"] = _form("free", np.concatenate(outputs, axis=-1), axes, options)
+    forms["free_displacement"] = _form("free_displacement", field.reshape(*field.shape[:-2], -1), axes, options)
     return Surrogate(
         parameters=description.parameters,
         forms=forms,
@@ -72,23 +75,21 @@ def _contact_forms(
     aligned.append(np.array(description.contact_nodes))
 
     def added(name: str) -> np.ndarray:
-        """What contact adds, with the face xi = 0, where it adds nothing."""
+        """What contact adds to the free state at the same tensions."""
         values = snapshots.contact(name)
-        along = len(axes)
-        values = values - np.take(values, [0], axis=along)
-        return np.concatenate([np.zeros_like(np.take(values, [0], axis=lead)), values], axis=lead)
+        return values - np.take(values, [0], axis=len(axes))
 
     answers = np.concatenate([added("tip"), added("contact_force")[..., None]], axis=-1)
     field = added("displacement")
     return {
-        "onset": _form(onset[..., None], others, "cubic", options),
-        "contact": _form(answers, aligned, "cubic", options),
-        "contact_displacement": _form(field.reshape(*field.shape[:-2], -1), aligned, "cubic", options),
+        "onset": _form("onset", onset[..., None], others, options),
+        "contact": _form("contact", answers, aligned, options),
+        "contact_displacement": _form("contact_displacement", field.reshape(*field.shape[:-2], -1), aligned, options),
     }
 
 
-def _form(values: np.ndarray, axes: Sequence[np.ndarray], kind: str, options: EnrichmentOptions) -> Separated:
-    """Separate values, shape (n_1, ..., n_k, m), over axes 1 to k."""
+def _form(name: str, values: np.ndarray, axes: Sequence[np.ndarray], options: EnrichmentOptions) -> Separated:
+    """Separate values, shape (n_1, ..., n_k, m), over axes 1 to k, by splines."""
     if not axes:
         return Separated(nodes=[], kinds=[], factors=[], modes=values.reshape(-1, 1), errors=np.zeros(1))
     unfolded = np.moveaxis(values, -1, 0)
@@ -103,9 +104,13 @@ def _form(values: np.ndarray, axes: Sequence[np.ndarray], kind: str, options: En
     basis, sizes, rows = np.linalg.svd(matrix, full_matrices=False)
     kept = max(1, int(np.count_nonzero(sizes > 0.01 * options.tolerance * max(sizes[0], 1e-300))))
     factors, errors = separate((sizes[:kept, None] * rows[:kept]).reshape(kept, *grid), options)
+    if errors[-1] > options.tolerance:
+        logger.warning(
+            "%s: %d terms leave %.1e of the snapshots, not %.1e", name, len(errors), errors[-1], options.tolerance
+        )
     return Separated(
         nodes=list(axes),
-        kinds=[kind] * len(axes),
+        kinds=["cubic"] * len(axes),
         factors=factors[1:],
         modes=scale[:, None] * (basis[:, :kept] @ factors[0]),
         errors=errors,

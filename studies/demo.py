@@ -103,7 +103,7 @@ def grasp(model: Surrogate, full_order: FingerModel, out: Path) -> tuple[Grasp, 
     plants = [FullOrderFinger(full_order, float(distance)) for distance in true]
     result = gripper.grasp(TARGET, plants)
     forces = [FullOrderFinger(full_order, float(d)).pull(t) for d, t in zip(true, result.tensions, strict=True)]
-    report.history(result, TARGET, out / "grasp.png")
+    report.history(result, TARGET, model.lead, out / "grasp.png")
     numbers = result.as_json() | {
         "target": TARGET,
         "true_distances": true.tolist(),

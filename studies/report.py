@@ -30,7 +30,7 @@ def parity(model: Surrogate, held_out: SnapshotSet, picture: Path) -> dict:
     return {"contact_force": force.tolist(), "surrogate_contact_force": np.asarray(answer.contact_force).tolist()}
 
 
-def history(grasp: Grasp, target: float, picture: Path) -> None:
+def history(grasp: Grasp, target: float, lead: int, picture: Path) -> None:
     """Force felt and lead tension of every finger, pull by pull."""
     figure, (upper, lower) = plt.subplots(2, 1, figsize=(8, 6), sharex=True, layout="constrained")
     for finger in range(len(grasp.status)):
@@ -38,14 +38,14 @@ def history(grasp: Grasp, target: float, picture: Path) -> None:
         time = [pull.time for pull in pulls]
         forces = [pull.contact_force for pull in pulls]
         (line,) = upper.plot(time, forces, "o-", ms=4, label=f"finger {finger + 1}")
-        lower.plot(time, [pull.tensions[0] for pull in pulls], "o-", ms=4, color=line.get_color())
+        lower.plot(time, [pull.tensions[lead] for pull in pulls], "o-", ms=4, color=line.get_color())
         held = [pull for pull in pulls if pull.stage == "hold"]
         upper.plot(
             [p.time for p in held], [p.contact_force for p in held], "s", ms=8, mfc="none", color=line.get_color()
         )
     upper.axhline(target, color="0.5", ls="--", lw=1, label="target")
     upper.set(ylabel="contact force felt [N]", title="Grasp of an object of unknown position (squares: holding)")
-    lower.set(ylabel="tension F1 [N]", xlabel="pull")
+    lower.set(ylabel="lead tension [N]", xlabel="pull")
     upper.legend()
     figure.savefig(picture, dpi=110)
     plt.close(figure)
@@ -168,8 +168,9 @@ The object's centre was found within {1e6 * grasp["centre_error"]:.0f} um.</p>
 <p>Goal ({", ".join(f"{1e3 * value:.2f}" for value in reach["goal"])}) mm: {reach["status"]}, verified miss
 {1e6 * reach["verified_miss"]:.1f} um. A goal 200 mm away: {numbers["unreachable"]["status"]}.</p>
 <h2>The authors' sweep</h2>
-<p>{sweep["starts"]} holds of {sweep["contact_force"]:g} N from 100 distances and 100 starts: {sweep["converged"]} converged,
-{sweep["unreachable"]} unreachable and flagged, {sweep["failed"]} failed, {sweep["out_of_limits"]} out of limits.</p>
+<p>{sweep["starts"]} holds of {sweep["contact_force"]:g} N over distances and starting tensions: {sweep["converged"]} converged,
+{sweep["unreachable"]} unreachable and flagged, {sweep["failed"]} failed, {sweep["out_of_limits"]} out of limits. One call took {sweep["mean_us"]:.0f} us on average,
+{sweep["p99_us"]:.0f} us at the 99th percentile, on the machine that made this page.</p>
 <p>Every number of this page is in <a href="report.json">report.json</a>.</p>
 </body></html>
 """)

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from control.campaign import run
 
@@ -33,7 +34,8 @@ def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(demo):
     assert code == 3 and far["status"] == "unreachable" and far["distance"] is None
     code, grasp = control("grasp")
     assert code == 0 and grasp["status"] == ["converged"] * 3
-    code, sweep = control("campaign", "--starts", "100")
+    code, sweep = control("campaign", "--starts", "105")
+    assert sweep["starts"] == 100
     assert code == 0 and sweep.keys() >= {
         "converged",
         "unreachable",
@@ -44,3 +46,17 @@ def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(demo):
         "p99_us",
         "max_us",
     }
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["hold", "--distance", "10"], "distance must lie in [0.001, 0.031] m, got 10"),
+        (["campaign", "--contact-force", "-1"], "-1.0 is not in the range"),
+        (["grasp", "--radius", "1.0"], "must lie in the trained box"),
+    ],
+)
+def test_bad_input_is_told_and_ends_with_code_2(demo, words, said):
+    command = [sys.executable, "-m", "control", words[0], str(demo / "finger.h5"), *words[1:]]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 2 and done.stdout == "" and said in done.stderr and "Traceback" not in done.stderr

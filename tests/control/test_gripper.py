@@ -40,6 +40,33 @@ def test_a_noisy_sensor_still_holds(surrogate):
     assert grasp.contact_forces == pytest.approx(np.ones(3), rel=0.03)
 
 
+def test_a_touch_that_was_noise_is_not_taken_for_the_object(surrogate):
+    class Nervous(SimulatedPlant):
+        def pull(self, tensions):
+            return super().pull(tensions) + (0.2 if tensions[0] < 5 else 0.0)
+
+    gripper = Gripper(surrogate)
+    plants = [Nervous(surrogate, d) for d in gripper.distances((0.001, 0.0), 0.012)]
+    grasp = gripper.grasp(1.0, plants)
+    assert grasp.converged and grasp.contact_forces == pytest.approx(np.ones(3), rel=0.005)
+
+
+def test_a_dead_sensor_stops_its_finger_at_once(surrogate):
+    class Dead:
+        def pull(self, tensions):
+            return float("nan")
+
+    grasp = Gripper(surrogate).grasp(1.0, [Dead(), SimulatedPlant(surrogate, 0.01), SimulatedPlant(surrogate, 0.01)])
+    assert grasp.status == ["sensor_failed", "converged", "converged"]
+    assert sum(pull.finger == 0 for pull in grasp.history) == 1
+
+
+@pytest.mark.parametrize("force", [0.0, -1.0, np.nan, np.inf])
+def test_a_force_that_is_none_is_refused(surrogate, force):
+    with pytest.raises(ValueError, match="contact_force must be above 0 N"):
+        close(surrogate, (0.0, 0.0), 0.012, force=force)
+
+
 def test_an_empty_gripper_says_no_contact(surrogate):
     grasp = Gripper(surrogate).grasp(1.0, [SimulatedPlant(surrogate, 0.031)] * 3)
     assert grasp.status == ["no_contact"] * 3 and not grasp.converged

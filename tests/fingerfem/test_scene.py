@@ -17,6 +17,7 @@ BROKEN = {
     "negative stiffness": ("C1 = 1.9e6", "C1 = -1.9e6", ["material.C1", "at least 100 Pa", "-1900000.0"]),
     "unknown law": ('law = "neo-hookean"', 'law = "jelly"', ["material.law", "neo-hookean", "'jelly'"]),
     "unknown key": ("plate = 0.001", "plate = 0.001\nplat = 1", ["geometry.plat", "known key", "1"]),
+    "misspelt key": ("side = 0.010", "sied = 0.010", ["geometry.sied", "known key", "0.01"]),
     "unknown table": ("[mesh]", "[colour]\nred = 1\n[mesh]", ["colour", "known key"]),
     "missing value": ("C1 = 1.9e6", "", ["material.C1", "required"]),
     "missing table": ("[mesh]", "[obstacle.x]", ["obstacle.x", "known key"]),

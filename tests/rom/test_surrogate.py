@@ -150,6 +150,9 @@ def test_a_looser_tolerance_keeps_fewer_terms_and_errs_more(surrogate, demo, hel
     full, few = (check(model, held_out) for model in (surrogate, loose))
     assert few["terms"]["contact"] < full["terms"]["contact"]
     assert few["bytes"] < full["bytes"]
+    error = loose.evaluate(TOUCHING).error
+    assert loose.accuracy == {} and all(np.isnan(value) for value in error.values())  # it was measured with all terms
+    assert surrogate.evaluate(TOUCHING).error["contact_force"] > 0
     assert full["displacement"]["median"] < few["displacement"]["median"] < 0.1
 
 
@@ -188,6 +191,8 @@ def test_sets_in_the_wrong_place_are_refused(demo, tmp_path):
         ("check", demo / "finger.h5", demo / "training"),
         ("build", tmp_path, "-o", tmp_path / "m.h5"),
         ("info", demo / "report.json"),
+        ("info", tmp_path / "nowhere.h5"),
+        ("build", demo / "training", "-o", tmp_path / "nowhere" / "m.h5"),
     ):
         done = rom(*words)
         assert done.returncode == 2

@@ -23,6 +23,7 @@ def test_the_python_example_runs_and_holds_the_force(demo):
 
 
 def test_the_table_of_parameters_names_every_key_of_a_scene():
+    assert "| `name` |" in README
     listed = set(re.findall(r"^\| `(\w+)\.(\w+)`", README, re.MULTILINE))
     schema = Scene.model_json_schema()["$defs"]
     tables = {"geometry": "Geometry", "material": "Material", "tendons": "Tendon", "obstacle": "Obstacle"}
