@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -88,10 +89,12 @@ class Finger:
             tolerance: bounds the tip's distance from the point [m].
 
         Raises:
-            ValueError: a start of the wrong shape.
+            ValueError: a start of the wrong shape, or a distance where the model has no obstacle.
         """
+        if np.isfinite(distance):
+            self._needs_obstacle()
         goal = np.asarray(point, float)
-        if goal.shape != (3,) or not np.isfinite(goal).all() or np.isnan(distance):
+        if goal.shape != (3,) or not np.all(np.abs(goal) < 1e6) or np.isnan(distance):
             return self._out_of_domain(distance)
         target = goal - self.rest
         starts = [self._middle if start is None else np.asarray(start, float), self._gentle]
@@ -169,9 +172,7 @@ class Finger:
             return np.array([force - contact_force]), slope[: self._tensions].reshape(1, -1)
 
         begin = self._gentle if start is None else np.asarray(start, float)
-        highest = self._bounds[0].copy()
-        highest[self.model.lead] = self._bounds[1][self.model.lead]
-        best = self._best(residual, [begin, self._gentle, highest], tolerance)
+        best = self._best(residual, [begin, self._gentle], tolerance)
         return self._motion(best, best.x, distance, "contact_force", self._off(best.x, distance, contact_force))
 
     # -- shared ------------------------------------------------------------------------------------------------------
@@ -201,9 +202,10 @@ class Finger:
         return -stiffness * gap, slope
 
     def _best(self, residual: Residual, starts: Sequence[np.ndarray], tolerance: float) -> Solution:
-        """The first start that converges, else the least residual of all."""
+        """The first start that converges, else the least residual of all, from the box's corners too."""
         solutions: list[Solution] = []
-        for start in starts:
+        corners = [np.array(corner) for corner in product(*zip(*self._bounds, strict=True))]
+        for start in [*starts, *corners]:
             if start.shape != (self._tensions,):
                 raise ValueError(f"start must be {self._tensions} tensions in N, got {start.shape}")
             solutions.append(minimise(residual, start, self._bounds, Options(residual=tolerance)))

@@ -55,7 +55,7 @@ class Grasp:
         tensions: of every finger, shape (fingers, tensions) [N].
         contact_forces: last felt, shape (fingers,) [N].
         distances: d* of every finger, shape (fingers,) [m]; nan without contact.
-        centre: of the object in the gripper's plane, shape (2,) [m]; nan if fewer than three fingers feel it.
+        centre: of the object in the gripper's plane, shape (2,) [m], by the fingers that hold; nan if fewer than three.
         radius: from the centre to its faces [m]; likewise.
         history: every pull in order.
     """
@@ -138,7 +138,8 @@ class Gripper:
                 if not hand.done:
                     hand.pull()
         distances = np.array([np.nan if hand.distance is None else hand.distance for hand in closing])
-        centre, radius = self._object(distances)
+        holding = np.array([hand.status == "converged" for hand in closing])
+        centre, radius = self._object(np.where(holding, distances, np.nan))
         history = sorted((pull for hand in closing for pull in hand.history), key=lambda pull: (pull.time, pull.finger))
         return Grasp(
             status=[hand.status for hand in closing],

@@ -18,11 +18,13 @@ class Options:
 
     Attributes:
         residual: converged below this |r| (the residual's own unit).
+        longest: most a step may change a variable, over the bounds' width [-]; far steps land in other valleys.
         step: stationary when a step below this, over the bounds' width, gains less than this, over the cost [-].
         iterations: most evaluations of the residual.
     """
 
     residual: float = 1e-6
+    longest: float = 0.2
     step: float = 1e-9
     iterations: int = 100
 
@@ -81,6 +83,7 @@ def minimise(
         step = np.zeros_like(x)
         some = np.flatnonzero(free)
         step[some] = -np.linalg.solve(normal[np.ix_(some, some)] + damping * np.eye(len(some)), gradient[some])
+        step *= min(1.0, options.longest / max(float(np.abs(step).max()), 1e-300))
         ahead = np.minimum(np.maximum(x + step * width, lower), upper)
         step = (ahead - x) / width
         r_ahead, jacobian_ahead = residual(ahead)

@@ -71,7 +71,7 @@ def snapshots(
     scene_file: SceneFile,
     folder: Annotated[Path, typer.Argument(metavar="SET/", help="The set's folder; begun if new, finished if not.")],
     random: Annotated[int, typer.Option(min=0, help="How many held-out points, instead of training nodes.")] = 0,
-    seed: Annotated[int, typer.Option(help="Seed of the held-out points.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the held-out points.")] = 0,
     bar: Annotated[
         bool, typer.Option(help="A progress bar also where stderr is no terminal, as under mpirun.")
     ] = False,

@@ -181,7 +181,7 @@ class TaskSolver:
         except LoadNotReached as failure:
             record.failed(tensions, point[-1], failure.reason)
         else:
-            record.state(tensions, float(point[-1]), self.model.reach())
+            record.state(tensions, float(point[-1]), self.model.reach(), iterations_before=0)
         return record.arrays()
 
     def sorted(self) -> np.ndarray:
@@ -201,14 +201,23 @@ class Record:
         self._solver, self._broken = solver, ""
         self._rows: list[dict[str, Any]] = []
 
-    def state(self, tensions: np.ndarray, distance: float | None, reach: float | None = None) -> None:
-        """Solve and note one state; `reach` is the free finger's, None in a free state."""
+    def state(
+        self,
+        tensions: np.ndarray,
+        distance: float | None,
+        reach: float | None = None,
+        iterations_before: int | None = None,
+    ) -> None:
+        """Solve and note one state; `reach` is the free finger's, None in a free state.
+
+        Its iterations are counted from `iterations_before`, from now if that is None.
+        """
         model = self._solver.model
         d = np.nan if distance is None else distance
         if self._broken:
             self.failed(tensions, d, self._broken)
             return
-        before = model.stepper.iterations
+        before = model.stepper.iterations if iterations_before is None else iterations_before
         try:
             model.stepper.advance(tensions, distance)
         except LoadNotReached as failure:

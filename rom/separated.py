@@ -49,6 +49,11 @@ class Separated:
         """Number of products."""
         return int(self.modes.shape[1])
 
+    @property
+    def finite(self) -> bool:
+        """Whether every number is one."""
+        return all(np.isfinite(values).all() for values in (self.modes, *self.nodes, *self.factors))
+
     @cached_property
     def packed(self) -> Packed:
         """The form as plain arrays for compiled code."""

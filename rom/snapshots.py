@@ -25,6 +25,7 @@ its highest) and brings the plane from where it touches to its nearest. `random-
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import tempfile
@@ -106,23 +107,32 @@ def create(path: str | Path, description: Description, nodes: np.ndarray) -> Non
         SnapshotError: the folder holds something else.
     """
     path = Path(path)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        names = {file.name for file in path.iterdir()}
+        ours = (".begin", "tasks", "nodes.npy", ".nodes.npy.", ".set.json.")  # what a job that begins it may have made
+        if "set.json" not in names and not all(name.startswith(ours) for name in names):
+            raise SnapshotError(f"{path}: must be a snapshot set or an empty folder")
+        with open(path / ".begin", "a+b") as turn:  # two jobs that begin one set at once take turns
+            fcntl.lockf(turn, fcntl.LOCK_EX)
+            _create(path, description, nodes)
+    except OSError as error:
+        raise SnapshotError(f"{path}: must be a folder that can be written to, got {error.strerror}") from None
+
+
+def _create(path: Path, description: Description, nodes: np.ndarray) -> None:
     if (path / "set.json").exists():
         present = read_description(path)
         for name in ("fingerprint", "format", "tension_nodes", "onset_nodes", "contact_nodes", "random", "versions"):
             if getattr(present, name) != getattr(description, name):
-                what = {"fingerprint": "scene", "random": "held-out points"}.get(name, name.replace("_", " "))
-                raise SnapshotError(f"{path}: holds a set of another {what}; choose a new folder")
+                what = {"fingerprint": "another scene", "random": "other held-out points"}
+                what = what.get(name, f"other {name.replace('_', ' ')}")
+                raise SnapshotError(f"{path}: holds a set of {what}; choose a new folder")
         return
-    own = {"tasks", "nodes.npy", "claims"}  # what another job that begins the same set may have made
-    if path.is_dir() and any(file.name not in own and not file.name.startswith(".") for file in path.iterdir()):
-        raise SnapshotError(f"{path}: must be a snapshot set or an empty folder")
-    try:
-        (path / "tasks").mkdir(parents=True, exist_ok=True)
-        _write(path / "nodes.npy", lambda stream: np.save(stream, nodes))
-        text = json.dumps(asdict(description), indent=1)
-        _write(path / "set.json", lambda stream: stream.write(text.encode()))
-    except OSError as error:
-        raise SnapshotError(f"{path}: must be a folder that can be written to, got {error.strerror}") from None
+    (path / "tasks").mkdir(exist_ok=True)
+    _write(path / "nodes.npy", lambda stream: np.save(stream, nodes))
+    text = json.dumps(asdict(description), indent=1)
+    _write(path / "set.json", lambda stream: stream.write(text.encode()))
 
 
 def read_description(path: str | Path) -> Description:
@@ -204,7 +214,12 @@ class SnapshotSet:
         absent = missing(path, self.description)
         if absent:
             raise SnapshotError(f"{path}: {len(absent)} of {len(self.description.tasks)} tasks are not solved yet")
-        self.nodes = np.load(self.path / "nodes.npy")
+        try:
+            self.nodes = np.load(self.path / "nodes.npy")
+        except Exception as error:  # numpy raises many kinds for a broken file
+            raise SnapshotError(
+                f"{self.path / 'nodes.npy'}: is missing or not readable ({type(error).__name__})"
+            ) from None
 
     @cached_property
     def _tasks(self) -> dict[str, dict[str, np.ndarray]]:

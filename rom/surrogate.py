@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -166,9 +167,9 @@ class Surrogate:
         chart = contact_chart.Chart(self.lead, float(upper[self.lead]), float(lower[-1]), self.forms["onset"].packed)
         return Kernel(free, self.forms["contact"].packed, chart, lower, upper, True)
 
-    def _point(self, parameters: ArrayLike) -> np.ndarray:
-        point = np.asarray(parameters, float)
-        if point.shape[-1:] != (len(self.parameters),) or point.ndim > 2:
+    def _point(self, parameters: ArrayLike, most: int = 1) -> np.ndarray:
+        point = np.ascontiguousarray(parameters, float)
+        if point.shape[-1:] != (len(self.parameters),) or point.ndim > most:
             raise ModelError(f"parameters must be {', '.join(self.names)} (in that order), got shape {point.shape}")
         return point
 
@@ -178,7 +179,7 @@ class Surrogate:
         Raises:
             ModelError: the wrong number of parameters.
         """
-        point = self._point(parameters)
+        point = self._point(parameters, most=2)
         out, inside = answers(self.kernel, np.atleast_2d(point))
         if point.ndim == 1:
             out, inside = out[0], inside[0]
@@ -191,8 +192,8 @@ class Surrogate:
         return Answer(tip=out[..., :3], contact_force=force, touch_distance=out[..., 4], error=error, inside=inside)
 
     def _bound(self, quantity: str, value: Any) -> Any:
-        measured = self.accuracy.get(quantity)
-        if not measured:
+        measured = self.accuracy.get(quantity, {})
+        if "p95" not in measured:
             return np.nan * np.ones_like(value)
         if quantity == "contact_force":
             return measured["p95"] * np.abs(value) * (np.asarray(value) > 0)
@@ -210,7 +211,8 @@ class Surrogate:
     def displacement(self, parameters: ArrayLike) -> np.ndarray:
         """Displacement of all nodes, shape (nodes, 3) [m]."""
         lower, upper = self.limits
-        held = np.clip(self._point(parameters), lower, upper)
+        point = self._point(parameters)
+        held = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
         tensions = held[:-1] if self.has_obstacle else held
         field = self.forms["free_displacement"].value(tensions)
         if self.has_obstacle:
@@ -226,8 +228,12 @@ class Surrogate:
     def save(self, path: str | Path) -> None:
         """Write the model file (HDF5), beside and renamed."""
         path = Path(path)
-        beside = path.with_name(f".{path.name}.part")
-        with h5py.File(beside, "w") as file:
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:
+            self._write(Path(beside) / path.name)
+            (Path(beside) / path.name).replace(path)
+
+    def _write(self, path: Path) -> None:
+        with h5py.File(path, "w") as file:
             file.attrs["format"] = FORMAT
             for name in ("parameters", "scene", "accuracy", "provenance"):
                 file.attrs[name] = json.dumps(getattr(self, name))
@@ -243,7 +249,6 @@ class Surrogate:
                 for a, (nodes, factor) in enumerate(zip(form.nodes, form.factors, strict=True)):
                     group[f"nodes_{a}"], group[f"factor_{a}"] = nodes, factor
                     group[f"nodes_{a}"].attrs["axis"], group[f"nodes_{a}"].attrs["unit"] = self._axes(name)[a]
-        beside.replace(path)
 
     def _axes(self, form: str) -> list[tuple[str, str]]:
         """Name and unit of a form's axes."""
@@ -286,8 +291,12 @@ class Surrogate:
             raise
         except FileNotFoundError:
             raise ModelError(f"{path}: No such file") from None
-        except (OSError, KeyError, ValueError) as error:
-            raise ModelError(f"{path}: is not a model file ({error})") from None
+        except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
+            raise ModelError(f"{path}: is not a model file, or a damaged one ({str(error).splitlines()[0]})") from None
+        needed = FORMS if plain["parameters"][-1]["name"] == "d" else FORMS[:2]
+        damaged = [name for name in needed if name not in forms or not forms[name].finite]
+        if damaged or not 0 <= lead < len(plain["parameters"]):
+            raise ModelError(f"{path}: is a damaged model file ({', '.join(damaged) or 'lead'})")
         if tolerance > 0:
             fewer = {name: form.truncated(tolerance) for name, form in forms.items()}
             if any(fewer[name].terms < form.terms for name, form in forms.items()):

@@ -24,6 +24,8 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
     description = snapshots.description
     if description.random:
         raise SnapshotError(f"{snapshots.path}: must be a training set, got a held-out set (made with --random)")
+    if description.has_obstacle and np.isnan(snapshots.onset()).any():
+        raise SnapshotError(f"{snapshots.path}: at some tensions the finger never reaches the nearest plane")
     if snapshots.failures:
         task, parameters, reason = snapshots.failures[0]
         raise SnapshotError(
@@ -69,8 +71,6 @@ def _contact_forms(
     lead = description.lead
     others = [axis for k, axis in enumerate(axes) if k != lead]
     onset = snapshots.onset()
-    if np.isnan(onset).any():
-        raise SnapshotError(f"{snapshots.path}: the finger never touches the nearest plane at some of the tensions")
     aligned = [np.array(description.onset_nodes) if k == lead else axis for k, axis in enumerate(axes)]
     aligned.append(np.array(description.contact_nodes))
 

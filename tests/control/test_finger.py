@@ -28,6 +28,14 @@ def test_a_point_out_of_reach_comes_back_flagged_with_the_nearest_answer(finger,
     assert motion.residual <= nearest + 1e-6
 
 
+def test_a_point_out_of_reach_anywhere_comes_back_with_the_nearest_answer(finger, surrogate):
+    grid = np.array([[f1, f2, np.inf] for f1 in np.linspace(0, 100, 31) for f2 in np.linspace(0, 100, 31)])
+    tips = finger.rest + surrogate.evaluate(grid).tip
+    for goal in np.random.default_rng(2).uniform(-0.06, 0.06, (60, 3)):
+        motion = finger.reach(goal)
+        assert motion.residual <= np.linalg.norm(tips - goal, axis=1).min() + 1e-5
+
+
 def test_reaching_stays_before_the_plane(finger, surrogate):
     goal = finger.rest + surrogate.evaluate([60.0, 0.0, np.inf]).tip
     assert finger.reach(goal).converged
@@ -49,6 +57,13 @@ def test_holding_starts_from_where_the_finger_is_and_moves_little(finger):
     first = finger.hold(1.0, 0.010)
     second = finger.hold(1.02, 0.010, start=first.tensions)
     assert second.converged and np.abs(second.tensions - first.tensions).max() < 1.0
+
+
+def test_a_plane_a_little_farther_is_held_with_tensions_a_little_different(finger):
+    motions = [finger.hold(1.0, distance) for distance in np.linspace(0.002, 0.026, 401)]
+    assert {motion.status for motion in motions} == {"converged"}
+    steps = np.abs(np.diff([motion.tensions for motion in motions], axis=0)).max(axis=1)
+    assert steps.max() < 1.0  # [N] for 60 um
 
 
 def test_a_start_far_from_touch_still_finds_the_force(finger):
@@ -85,6 +100,7 @@ def test_nothing_raises_for_a_hard_target(finger):
     nothing = [
         finger.reach([np.nan, 0.0, 0.0]),
         finger.reach([0.0, 0.0]),
+        finger.reach([1e200, 0.0, 0.0]),
         finger.hold(1.0, 0.0),
         finger.hold(1.0, np.nan),
         finger.hold(np.nan, 0.01),

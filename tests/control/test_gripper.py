@@ -67,6 +67,14 @@ def test_a_force_that_is_none_is_refused(surrogate, force):
         close(surrogate, (0.0, 0.0), 0.012, force=force)
 
 
+def test_the_object_is_not_placed_by_a_finger_that_does_not_hold(surrogate):
+    gripper = Gripper(surrogate)
+    plants = [SimulatedPlant(surrogate, d) for d in (0.010, 0.012, 0.031)]
+    grasp = gripper.grasp(1.0, plants)
+    assert grasp.status == ["converged", "converged", "no_contact"]
+    assert np.isnan(grasp.centre).all() and np.isnan(grasp.radius)
+
+
 def test_an_empty_gripper_says_no_contact(surrogate):
     grasp = Gripper(surrogate).grasp(1.0, [SimulatedPlant(surrogate, 0.031)] * 3)
     assert grasp.status == ["no_contact"] * 3 and not grasp.converged

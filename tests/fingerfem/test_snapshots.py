@@ -144,6 +144,21 @@ def test_another_scene_or_a_foreign_folder_is_refused_in_one_line(scene, undistu
         assert done.returncode == 2
         said = [line for line in done.stderr.splitlines() if str(folder) in line]
         assert len(said) == 1 and "Traceback" not in done.stderr
+    assert [file.name for file in foreign.iterdir()] == ["thesis.tex"]
+
+
+def test_two_jobs_that_begin_different_sets_in_one_folder_do_not_mix(scene, tmp_path):
+    folder = tmp_path / "contested"
+    jobs = [
+        subprocess.Popen(command(1, scene, folder, *options), cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        for options in (("--random", "2"), ("--random", "3"))
+    ]
+    said = [job.communicate(timeout=120)[1].decode() for job in jobs]
+    codes = [job.returncode for job in jobs]
+    assert sorted(codes) == [0, 2]
+    assert "holds a set of other held-out points" in said[codes.index(2)]
+    snapshots = SnapshotSet(folder)
+    assert len(list(folder.glob("tasks/*.npz"))) == snapshots.states
 
 
 def test_an_unfinished_or_a_broken_set_is_not_read(scene, undisturbed, tmp_path):

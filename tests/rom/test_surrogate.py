@@ -1,8 +1,10 @@
 """The trained draft finger: accuracy on states it never saw, derivatives, continuity, marks, and its file."""
 
 import json
+import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -115,12 +117,20 @@ def test_what_lies_outside_is_marked_and_answered_from_the_nearest_inside(surrog
     assert bool(answer.inside) is inside
     assert np.isfinite(answer.tip).all() and np.isfinite(answer.contact_force)
     assert answer.contact_force >= 0
+    assert np.isfinite(surrogate.displacement(point)).all()
+
+
+def test_accuracy_that_could_not_be_measured_is_nan(surrogate):
+    unmeasured = replace(surrogate, accuracy={**surrogate.accuracy, "contact_force": {"count": 0}})
+    error = unmeasured.evaluate(TOUCHING).error
+    assert np.isnan(error["contact_force"]) and error["tip"] > 0
 
 
 @pytest.mark.parametrize("point", [[1.0, 2.0], [1.0, 2.0, 3.0, 4.0], [], [[[1.0, 2.0, 0.01]]]], ids=str)
 def test_the_wrong_number_of_parameters_is_refused(surrogate, point):
-    with pytest.raises(ModelError, match="parameters must be F1, F2, d"):
-        surrogate.evaluate(point)
+    for ask in (surrogate.evaluate, surrogate.jacobian, surrogate.displacement):
+        with pytest.raises(ModelError, match="parameters must be F1, F2, d"):
+            ask(point)
 
 
 def test_a_saved_model_is_the_model(surrogate, tmp_path):
@@ -162,6 +172,12 @@ def test_what_is_no_model_is_refused_in_one_line(tmp_path, demo):
         with pytest.raises(ModelError, match=str(file)) as caught:
             Surrogate.load(file)
         assert "\n" not in str(caught.value)
+    shutil.copy(demo / "finger.h5", tmp_path / "damaged.h5")
+    with h5py.File(tmp_path / "damaged.h5", "r+") as file:
+        file["contact/modes"][0, 0] = np.nan
+        del file["onset"]
+    with pytest.raises(ModelError, match=r"damaged model file \(onset, contact\)"):
+        Surrogate.load(tmp_path / "damaged.h5")
     with pytest.raises(ModelError, match="tolerance must be"):
         Surrogate.load(demo / "finger.h5", tolerance=-1.0)
 
