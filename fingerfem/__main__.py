@@ -49,11 +49,11 @@ def solve(
     picture: Annotated[Path | None, typer.Option(help="Also write a picture, coloured by S11.")] = None,
 ) -> None:
     """Solve one state from rest with the full-order model."""
-    from fingerfem import FingerModel
+    from fingerfem import FingerModel, compilation
 
     scene = load_scene(scene_file)
     tensions, distance = read_loads(scene, loads or [])
-    model = FingerModel(scene)
+    model = compilation.one_at_a_time(lambda: FingerModel(scene))
     try:
         state = model.solve(tensions, distance)
     except LoadNotReached as failure:
@@ -94,10 +94,10 @@ def snapshots(
     )
     scene = load_scene(scene_file)
     description = describe(scene, versions(), HeldOut(count=random, seed=seed) if random else None)
-    model = compilation.one_rank_first(comm, lambda: FingerModel(scene))
+    model = compilation.one_at_a_time(lambda: FingerModel(scene))
     begun = time.perf_counter()
     with _progress(len(description.tasks), comm.rank == 0, bar) as advance:
-        solved = farm.run(description, model, folder, advance, comm)
+        solved = farm.run(description, model, folder, advance)
     if comm.rank != 0:
         return
     result = SnapshotSet(folder)
@@ -158,12 +158,12 @@ def render(
     case: Annotated[list[str], typer.Option(help="One load case, such as 'F1=50 d=0.005'; may be repeated.")],
 ) -> None:
     """Draw deformed fingers coloured by S11, one panel a load case."""
-    from fingerfem import FingerModel
+    from fingerfem import FingerModel, compilation
     from fingerfem.render import Deformed, draw
 
     scene = load_scene(scene_file)
     cases = [read_loads(scene, words.split()) for words in case]
-    model = FingerModel(scene)
+    model = compilation.one_at_a_time(lambda: FingerModel(scene))
     panels = []
     for tensions, distance in cases:
         panels.append(Deformed.of(model, model.solve(tensions, distance, sensitivities=False)))

@@ -15,28 +15,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 
 from fingerfem.convergence import LoadNotReached
 from fingerfem.model import FingerModel
-from rom.snapshots import Description, SnapshotError, create, drop_broken, missing, read_task, task_file, write_task
+from rom.snapshots import Description, create, drop_broken, missing, read_task, task_file, write_task
 
 logger = logging.getLogger(__name__)
 
 
-def run(
-    description: Description, model: FingerModel, path: str | Path, progress: Callable[[int], None], comm: MPI.Comm
-) -> int:
-    """Work on a set until none of its tasks is missing; every rank of a job calls this.
-
-    The ranks agree on the set once, before the first task, and never speak again.
+def run(description: Description, model: FingerModel, path: str | Path, progress: Callable[[int], None]) -> int:
+    """Work on a set until none of its tasks is missing; every rank of a job calls this, and none waits for another.
 
     Args:
         description: what the set holds.
         model: this rank's model.
         path: the set's folder.
         progress: called with the number of finished tasks, of all jobs.
-        comm: the ranks of this job.
 
     Returns:
         Number of tasks this rank solved.
@@ -45,17 +39,9 @@ def run(
         SnapshotError: the folder holds something else or cannot be written.
     """
     solver = TaskSolver(description, model, path)
-    verdict = None
-    if comm.rank == 0:
-        try:
-            create(path, description, solver.nodes)
-            for file in drop_broken(path):
-                logger.warning("%s was not whole; it is solved again", file)
-        except SnapshotError as error:
-            verdict = str(error)
-    verdict = comm.bcast(verdict)
-    if verdict is not None:
-        raise SnapshotError(verdict)
+    create(path, description, solver.nodes)
+    for file in drop_broken(path):
+        logger.warning("%s was not whole; it is solved again", file)
     tasks = description.tasks
     pending = list(range(len(tasks)))
     solved = 0

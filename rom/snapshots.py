@@ -125,8 +125,8 @@ def _create(path: Path, description: Description, nodes: np.ndarray) -> None:
         present = read_description(path)
         for name in ("fingerprint", "format", "tension_nodes", "onset_nodes", "contact_nodes", "random", "versions"):
             if getattr(present, name) != getattr(description, name):
-                what = {"fingerprint": "another scene", "random": "other held-out points"}
-                what = what.get(name, f"other {name.replace('_', ' ')}")
+                named = {"fingerprint": "another scene", "random": "other held-out points"}
+                what = named.get(name, f"other {name.replace('_', ' ')}")
                 raise SnapshotError(f"{path}: holds a set of {what}; choose a new folder")
         return
     (path / "tasks").mkdir(exist_ok=True)
