@@ -14,7 +14,7 @@ from rom.commands import NOTHING_USABLE, AsJson, application, run, show
 
 app = application()
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
-ContactForce = Annotated[float, typer.Option(min=1e-6, help="To hold [N].")]
+ContactForce = Annotated[float, typer.Option(help="To hold [N], above 0.")]
 
 
 @app.command(context_settings={"ignore_unknown_options": True})
@@ -41,6 +41,8 @@ def hold(
     lower, upper = (limits[-1] for limits in surrogate.limits)
     if surrogate.has_obstacle and not lower <= distance <= upper:
         raise ValueError(f"distance must lie in [{lower:g}, {upper:g}] m, got {distance:g}")
+    if not contact_force > 0:
+        raise ValueError(f"contact_force must be above 0 N, got {contact_force:g}")
     motion = Finger(surrogate).hold(contact_force, distance)
     show(motion.as_json(), as_json, 0 if motion.converged else NOTHING_USABLE)
 

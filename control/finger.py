@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from control.least_squares import Options, Residual, Solution, minimise
 from rom import Surrogate
-from rom.surrogate import answer
+from rom.kernel import answer
 
 TIP, FORCE, TOUCH = slice(0, 3), 3, 4  # rows of the model's outputs
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rom.chart import coordinates
-from rom.surrogate import answer
+from rom.kernel import answer
 
 
 def chart_of(surrogate, point):
