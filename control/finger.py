@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -114,6 +114,8 @@ class Finger:
             if not passed > 0:
                 break
             plane, starts = plane - 1.5 * passed, [best.x]  # the penalty gives a little: ask for that much more
+        if passed > 0:  # nan, without an obstacle, is not above 0
+            best = replace(best, status="stationary")
         miss = float(np.linalg.norm(self._free(best.x)[0][TIP] - target))
         return self._motion(best, best.x, distance, "tip", miss)
 

@@ -140,7 +140,13 @@ class Surrogate:
         return answer(self.kernel, self._point(parameters))[1]
 
     def displacement(self, parameters: ArrayLike) -> np.ndarray:
-        """Displacement of all nodes, shape (nodes, 3) [m]."""
+        """Displacement of all nodes, shape (nodes, 3) [m].
+
+        Outside the trained box it is that of the nearest point inside; `evaluate` says which points are.
+
+        Raises:
+            ModelError: the wrong number of parameters.
+        """
         lower, upper = self.limits
         point = self._point(parameters)
         held = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
@@ -149,7 +155,7 @@ class Surrogate:
         if self.has_obstacle:
             value, gradient = evaluate(self.kernel.free, tensions)
             first = 3 + int(np.argmax(value[3:]))
-            if held[-1] < value[first]:
+            if held[-1] < value[first] and not point[-1] >= value[first]:  # an untouched plane may stand anywhere
                 where, _ = contact_chart.coordinates(self.kernel.chart, held, value[first], gradient[first])
                 field = field + self.forms["contact_displacement"].value(where)
         return field.reshape(-1, 3)

@@ -44,6 +44,16 @@ def test_reaching_stays_before_the_plane(finger, surrogate):
     assert 0.009 < surrogate.evaluate([*motion.tensions, np.inf]).touch_distance <= 0.010 + 1e-9
 
 
+def test_no_reach_before_a_plane_ever_touches_it_and_is_called_converged(finger, surrogate):
+    random = np.random.default_rng(4)
+    for tensions, distance in zip(random.random((150, 2)) * 100, random.uniform(0.001, 0.03, 150), strict=True):
+        goal = finger.rest + surrogate.evaluate([*tensions, np.inf]).tip
+        motion = finger.reach(goal, distance=distance)
+        if motion.converged:
+            assert surrogate.evaluate([*motion.tensions, np.inf]).touch_distance <= distance
+    assert finger.reach(finger.rest, distance=-0.001).status in ("unreachable", "out_of_domain")
+
+
 @pytest.mark.parametrize("force", [0.05, 0.5, 1.0, 3.0])
 @pytest.mark.parametrize("distance", [0.002, 0.010, 0.018])
 def test_a_force_is_held(finger, surrogate, force, distance):

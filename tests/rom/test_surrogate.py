@@ -86,6 +86,15 @@ def test_the_field_and_the_tip_tell_the_same_story(surrogate):
     assert np.abs(surrogate.displacement(TOUCHING)[surrogate.nodes[:, 0] < 1e-9]).max() < 1e-8
 
 
+def test_a_plane_out_of_reach_does_not_change_the_field(surrogate):
+    free = surrogate.displacement([100.0, 0.0, np.inf])
+    touch = float(surrogate.evaluate([100.0, 0.0, np.inf]).touch_distance)
+    lowered = replace(surrogate, parameters=[*surrogate.parameters[:2], surrogate.parameters[2] | {"upper": 0.02}])
+    for model, distance in ((surrogate, touch), (surrogate, 1.0), (lowered, touch), (lowered, np.inf)):
+        assert np.array_equal(model.displacement([100.0, 0.0, distance]), free)
+    assert not np.array_equal(lowered.displacement([100.0, 0.0, 0.015]), free)
+
+
 def test_many_points_at_once_are_the_same_points_one_by_one(surrogate):
     points = np.array([FREE, TOUCHING, [0.0, 0.0, 0.031]])
     together = surrogate.evaluate(points)
