@@ -16,6 +16,7 @@ from petsc4py import PETSc
 import fingerfem
 from fingerfem import contact, geometry, grid, materials
 from fingerfem.forms import Fields, compile_forms, volume_ratio
+from fingerfem.rigid import Plate
 from fingerfem.scene import Scene
 from fingerfem.state import State, observe
 from fingerfem.stepping import Stepper
@@ -164,6 +165,11 @@ class FingerModel:
         """A scalar form over all ranks."""
         return float(self.comm.allreduce(fem.assemble_scalar(form)))
 
+    def energy(self) -> float:
+        """Total potential [J]."""
+        forms = [self.forms.strain_energy, self.forms.tendon_energy]
+        return sum(self.scalar(form) for form in forms + ([self.forms.contact.energy] if self.forms.contact else []))
+
     def tip(self) -> np.ndarray:
         """Displacement of the tip plate's centre, its mean over the plate [m], shape (3,)."""
         return np.array([self.scalar(form) for form in self.forms.tip]) / self._tip_volume
@@ -204,6 +210,22 @@ class FingerModel:
         facets = [self.mesh.facets.find(kind) for kind in (geometry.SURFACE, geometry.PAD)]
         dim = self.mesh.mesh.topology.dim - 1
         return fem.locate_dofs_topological(self.space, dim, np.sort(np.concatenate(facets)))
+
+    @cached_property
+    def _plates(self) -> list[Plate]:
+        """The plates as rigid bodies."""
+        points = self.space.tabulate_dof_coordinates()
+        owned = self.space.dofmap.index_map.size_local
+        found = []
+        for start, end in grid.plates(self.scene):
+            nodes = np.flatnonzero((points[:, 0] > start - 1e-9) & (points[:, 0] < end + 1e-9))
+            found.append(Plate(self.comm, nodes, nodes < owned, points[nodes], mirrored=False))
+        return found
+
+    def move_plates_rigidly(self, before: np.ndarray) -> None:
+        """Replace what plates have moved since the displacement `before` [m] by rigid motions (collective)."""
+        for plate in self._plates:
+            plate.move_rigidly(before.reshape(-1, 3), self.displacement.reshape(-1, 3))
 
     def reach(self) -> float:
         """How far the surface reaches towards the plane, max of X_y + u_y - side/2 [m].

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,10 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fingerfem.convergence import LoadNotReached, NotConverged
-from fingerfem.newton import Newton
+from fingerfem.newton import Newton, Strategy
 
 if TYPE_CHECKING:
     from fingerfem.model import FingerModel
+
+
+STRATEGIES: tuple[Strategy, ...] = ("mixed", "plain", "line search")  # in the order they are tried
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,15 +26,47 @@ class StepOptions:
 
     Attributes:
         turn: most a step's tensions may turn the tip of a slender finger, F e L / EI [rad].
+        first_turn: the same for a step that has no step before it to go by [rad].
         approach: most the plane may move in a step, over the finger's length [-].
-        touch: most it may move in the first step after touch, over the finger's side [-].
-        halvings: how often a failing step is halved before the path is given up.
+        touch: what the plane is moved past the first node it meets to know it, over the finger's side [-].
+        halvings: how often a failing step is halved, all in all, before the path is given up.
     """
 
-    turn: float = 0.7
-    approach: float = 0.08
-    touch: float = 0.04
+    turn: float = 0.75
+    first_turn: float = 0.4
+    approach: float = 0.15
+    touch: float = 1e-7
     halvings: int = 10
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """A step that began at an equilibrium.
+
+    Attributes:
+        load: change of the tensions [N] and of d [m], shape (tensions + 1,).
+        start: owned displacements where it began [m].
+        slope: change of displacement that the tangent expects of the step [m].
+    """
+
+    load: np.ndarray
+    start: np.ndarray
+    slope: np.ndarray
+
+    def change_after(self, last: Step) -> np.ndarray:
+        """Change of displacement by the cubic through both ends of the last step; after a turn by the tangent [m]."""
+        ratio = float(np.max(np.abs(self.load)) / np.max(np.abs(last.load)))
+        if ratio > 2 or not np.allclose(self.load, ratio * last.load, rtol=1e-6, atol=0):
+            return self.slope
+        rise, before, after = self.start - last.start, last.slope, self.slope / ratio
+        t = 1 + ratio
+        value = t**2 * (3 - 2 * t) * rise + t * (1 - t) ** 2 * before + t**2 * (t - 1) * after
+        return value - rise
+
+
+def _strategies(halvings: int) -> Sequence[Strategy]:
+    """A shorter step costs less than a more patient method, at first."""
+    return STRATEGIES[: 1 if halvings < 2 else 2 if halvings < 6 else 3]
 
 
 class Stepper:
@@ -63,6 +99,7 @@ class Stepper:
         self.iterations, self.steps = 0, 0
         self.strategies: Counter[str] = Counter()
         self._factorised = False
+        self._last: Step | None = None
 
     def advance(self, tensions: ArrayLike, distance: float | None) -> None:
         """Go in a straight line from the present load to tensions [N], shape (tendons,), and distance [m].
@@ -76,40 +113,46 @@ class Stepper:
         if self.distance is not None and distance is None:
             raise ValueError("distance must be a number while a plane is there, got None")
         if self.distance is None and distance is not None:
-            # The predictor keeps the nodes that touch on the plane; a first short step finds out which they are.
-            self.distance = max(self.model.reach(), distance)
-            first = self.distance - self.options.touch * self.model.scene.geometry.side
-            if first > distance:
-                self.advance(self.tensions, first)
+            # A hair inside what touches first, so that the tangent moves those nodes with the plane.
+            self.distance = max(self.model.reach() - self.options.touch * self.model.scene.geometry.side, distance)
+            self.model.set_loads(self.tensions, self.distance)
+            self._factorised, self._last = False, None
         origin, origin_distance = self.tensions.copy(), self.distance
 
-        fraction, size, halvings, reason = 0.0, self._first_size(target, distance), 0, ""
+        largest, first = self._sizes(target, distance)
+        fraction, size, failed = 0.0, first, False
         while fraction < 1.0:
-            size = min(size, 1.0 - fraction)
-            nearly = fraction + size > 1 - 1e-12
-            ahead = 1.0 if nearly else fraction + size
+            # No last step shorter than needed: what is left is shared evenly.
+            remaining = 1.0 - fraction
+            share = remaining / max(1.0, np.ceil(remaining / size - 0.05)) if fraction else size
+            nearly = fraction + share > 1 - 1e-12
+            ahead = 1.0 if nearly else fraction + share
             goal = target if nearly else origin + ahead * (target - origin)
             goal_distance = distance
             if distance is not None and origin_distance is not None and not nearly:
                 goal_distance = origin_distance + ahead * (distance - origin_distance)
+            halvings = int(np.log2(max(first / share, 1.0)) + 0.5)
             try:
-                needed = self._step(goal, goal_distance)
+                needed = self._step(goal, goal_distance, _strategies(halvings))
             except NotConverged as failure:
-                reason, halvings, size = failure.reason, halvings + 1, size / 2
-                if halvings > self.options.halvings:
-                    raise LoadNotReached(reason, self.tensions.copy(), self.distance) from None
+                if halvings >= self.options.halvings:
+                    raise LoadNotReached(failure.reason, self.tensions.copy(), self.distance) from None
+                size, failed = share / 2, True
                 continue
-            fraction, halvings = ahead, max(halvings - 1, 0)
-            size *= 1.5 if needed <= 5 else 0.7 if needed > 8 else 1.0
+            if needed <= 6 and not failed:
+                size = min(2 * share, largest)
+            fraction, failed = ahead, False
 
-    def _first_size(self, target: np.ndarray, distance: float | None) -> float:
-        turn = float(np.abs(target - self.tensions) @ self._turn) / self.options.turn
+    def _sizes(self, target: np.ndarray, distance: float | None) -> tuple[float, float]:
+        """Largest and first step, as fractions of the way."""
+        turn = float(np.abs(target - self.tensions) @ self._turn)
         approach = 0.0
         if distance is not None and self.distance is not None:
             approach = abs(distance - self.distance) / (self.options.approach * self.model.scene.geometry.length)
-        return 1.0 / max(1, int(np.ceil(turn + approach - 1e-9)))
+        first_turn = self.options.first_turn if self._last is None else self.options.turn
+        return 1 / max(1.0, turn / self.options.turn + approach), 1 / max(1.0, turn / first_turn + approach)
 
-    def _step(self, tensions: np.ndarray, distance: float | None) -> int:
+    def _step(self, tensions: np.ndarray, distance: float | None, strategies: Sequence[Strategy]) -> int:
         """One step, by the first strategy that works; returns the iterations it needed.
 
         Raises:
@@ -118,32 +161,44 @@ class Stepper:
         model, newton = self.model, self.newton
         before = model.displacement.copy()
         reason = ""
-        for strategy in ("mixed", "plain"):
+        for strategy in strategies:
             model.displacement[:] = before
-            if self._factorised and strategy == "mixed":
-                self._predict(tensions, distance)
+            step = self._predict(tensions, distance) if strategy != "line search" else None
             model.set_loads(tensions, distance)
             try:
-                needed = newton.solve(mixed=strategy == "mixed")
+                needed = newton.solve(strategy)
             except NotConverged as failure:
                 self.iterations += failure.iterations
                 self._factorised = False
-                reason = f"{strategy} Newton: {failure.reason}"
+                reason = f"{strategy}: {failure.reason}"
                 continue
-            self.tensions, self.distance = tensions.copy(), distance
+            self.tensions, self.distance, self._last = tensions.copy(), distance, step
             self.iterations, self.steps = self.iterations + needed, self.steps + 1
             self._factorised = self._factorised or needed > 0
             self.strategies[strategy] += 1
             return needed
         model.displacement[:] = before
         model.set_loads(self.tensions, self.distance)
-        newton.factorise()
-        self._factorised = True
+        self._last = None  # what made this step fail, a cubic would not foresee
         raise NotConverged(reason)
 
-    def _predict(self, tensions: np.ndarray, distance: float | None) -> None:
-        """Move along du/dF and du/dd with the last factorised tangent, the nodes in contact moving with the plane."""
+    def _predict(self, tensions: np.ndarray, distance: float | None) -> Step | None:
+        """Move to where the next equilibrium is expected, by the last factorised tangent.
+
+        The nodes in contact move with the plane. Where the last step went the same way, a cubic goes through both its
+        ends and their tangents; a first step follows the tangent alone. Plates move rigidly.
+        """
+        model = self.model
         moved = 0.0 if distance is None or self.distance is None else distance - self.distance
-        if moved or np.any(tensions != self.tensions):
-            change = self.model.load_gradient(tensions - self.tensions, moved)
-            self.newton.add(-self.newton.linear_solve(change))
+        load = np.append(tensions - self.tensions, moved)
+        if not load.any():
+            return None
+        if not self._factorised:
+            self.newton.factorise()
+            self._factorised = True
+        slope = -self.newton.linear_solve(model.load_gradient(load[:-1], moved))
+        before = model.displacement.copy()
+        step = Step(load=load, start=before[: len(slope)], slope=slope)
+        self.newton.add(slope if self._last is None else step.change_after(self._last))
+        model.move_plates_rigidly(before)
+        return step

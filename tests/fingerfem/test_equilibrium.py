@@ -113,16 +113,17 @@ def test_two_paths_to_the_same_load_end_in_the_same_state(draft):
     assert np.abs(draft.displacement - straight.displacement).max() < 1e-8 * 0.05
 
 
-def test_both_newton_strategies_find_the_same_state_and_the_mixed_one_sooner(draft):
+def test_all_newton_strategies_find_the_same_state_and_the_mixed_one_sooner(draft):
     counts, found = {}, {}
-    for mixed in (True, False):
+    for strategy in ("mixed", "plain", "line search"):
         newton = Newton(draft, NewtonOptions(iterations=40))
         draft.stepper.rest()
         draft.set_loads([20.0, 0.0], None)
-        counts[mixed] = newton.solve(mixed=mixed)
-        found[mixed] = draft.displacement.copy()
-    assert np.abs(found[True] - found[False]).max() < 1e-9 * 0.05
-    assert counts[True] < counts[False]
+        counts[strategy] = newton.solve(strategy)
+        found[strategy] = draft.displacement.copy()
+    for other in ("plain", "line search"):
+        assert np.abs(found["mixed"] - found[other]).max() < 1e-9 * 0.05
+        assert counts["mixed"] < counts[other]
 
 
 def test_touch_begins_exactly_at_the_touch_distance(draft):
