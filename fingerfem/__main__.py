@@ -47,23 +47,39 @@ def solve(
     ] = None,
     as_json: AsJson = False,
     picture: Annotated[Path | None, typer.Option(help="Also write a picture, coloured by S11.")] = None,
+    paraview: Annotated[Path | None, typer.Option(help="Also write the fields for ParaView, a .vtu file.")] = None,
 ) -> None:
-    """Solve one state from rest with the full-order model."""
+    """Solve one state from rest with the full-order model; under mpirun the ranks share the finger."""
+    from mpi4py import MPI
+
     from fingerfem import FingerModel, compilation
 
+    comm = MPI.COMM_WORLD
     scene = load_scene(scene_file)
     tensions, distance = read_loads(scene, loads or [])
-    model = compilation.one_at_a_time(lambda: FingerModel(scene))
+    for file, option in ((picture, "picture"), (paraview, "paraview")):
+        if file is not None and comm.size > 1:
+            raise ValueError(f"{option} must be written by one rank, got {comm.size}")
+    if comm.size > 1:
+        compilation.one_at_a_time(lambda: FingerModel(scene))  # shared, ranks cannot take turns: the cache is then ready
+    model = FingerModel(scene, comm) if comm.size > 1 else compilation.one_at_a_time(lambda: FingerModel(scene))
     try:
         state = model.solve(tensions, distance)
     except LoadNotReached as failure:
         reached = {"tensions": failure.tensions.tolist(), "distance": failure.distance}
-        _finish({"converged": False, "reason": str(failure), "last_good_load": reached}, as_json, NOTHING_USABLE)
+        answer = {"converged": False, "reason": str(failure), "last_good_load": reached}
+        _finish(answer, as_json, NOTHING_USABLE, comm.rank)
+    if state.self_intersecting and comm.rank == 0:
+        print("the finger passes through itself: contact with itself is not modelled", file=sys.stderr)
     if picture is not None:
         from fingerfem.render import Deformed, draw
 
         draw([Deformed.of(model, state)], picture)
-    _finish(state.as_json(), as_json)
+    if paraview is not None:
+        from fingerfem.output import write_vtu
+
+        write_vtu(model, state, paraview)
+    _finish(state.as_json(), as_json, rank=comm.rank)
 
 
 @app.command()
@@ -156,8 +172,9 @@ def render(
     scene_file: SceneFile,
     picture: Annotated[Path, typer.Argument(metavar="PICTURE.png")],
     case: Annotated[list[str], typer.Option(help="One load case, such as 'F1=50 d=0.005'; may be repeated.")],
+    field: Annotated[str, typer.Option(help="S11, von_mises or J.")] = "S11",
 ) -> None:
-    """Draw deformed fingers coloured by S11, one panel a load case."""
+    """Draw deformed fingers coloured by a field of the rubber, one panel a load case."""
     from fingerfem import FingerModel, compilation
     from fingerfem.render import Deformed, draw
 
@@ -166,11 +183,13 @@ def render(
     model = compilation.one_at_a_time(lambda: FingerModel(scene))
     panels = []
     for tensions, distance in cases:
-        panels.append(Deformed.of(model, model.solve(tensions, distance, sensitivities=False)))
+        panels.append(Deformed.of(model, model.solve(tensions, distance, sensitivities=False), field))
     draw(panels, picture)
 
 
-def _finish(result: dict, as_json: bool, code: int = 0) -> None:
+def _finish(result: dict, as_json: bool, code: int = 0, rank: int = 0) -> None:
+    if rank != 0:
+        raise SystemExit(code)
     if as_json:
         print(json.dumps(result))
     else:

@@ -1,11 +1,26 @@
-"""Frictionless contact with the rigid plane y = side/2 + d by a penalty.
+"""Frictionless contact with the rigid plane y = side/2 + d, by a penalty or by Nitsche's method.
 
-The energy is 1/2 gamma <-g>^2 per area of the undeformed surface [J/m^2], with the gap g [m] and the penalty gamma
-[N/m^3]. It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach the
-plane is the first to feel it, edges and corners included, and touch needs no tolerance.
+Both are one potential per area of the undeformed surface [J/m^2], with the gap g [m], a stiffness gamma [N/m^3] and the
+pressure q [Pa] that the rubber's own stress exerts along y:
+
+    (p^2 - q^2) / (2 gamma),    p = <q - gamma g>
+
+The penalty has q = 0, which leaves gamma/2 <-g>^2. With q = -e_y . P N, P the first Piola-Kirchhoff stress and N the
+normal, it is Nitsche's symmetric variant at finite strain, consistent: the exact solution, with p = q, fulfils it at
+every gamma (Mlika, Renard, Chouly, Comput. Methods Appl. Mech. Eng. 325, 2017, doi:10.1016/j.cma.2017.07.015, without
+friction). In both, p is the contact pressure, and -dP/dd of the potential is the integral of p: the contact force.
+
+Plates are rigid: their stress says nothing about the pressure on them, so they are held off by the penalty in both methods.
+
+It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach the plane is the
+first to feel it, edges and corners included.
 """
 
 import ufl
+
+from fingerfem import kinematics, materials
+
+PLATES = 2.0  # stiffness of the plates' penalty over that of Nitsche's method beside it [-]
 
 
 def gap(u, x, side, distance):
@@ -13,17 +28,23 @@ def gap(u, x, side, distance):
     return side / 2 + distance - (x[1] + u[1])
 
 
-def pressure(gap, penalty):
-    """Contact pressure p = gamma <-g> [Pa] on the undeformed surface."""
-    return penalty * ufl.conditional(ufl.lt(gap, 0), -gap, 0)
+def surface_pressure(energy, u, normal):
+    """Pressure q = -e_y . P N [Pa] of the body's own stress on its undeformed surface."""
+    S = materials.stress(energy, kinematics.right_cauchy_green(u))
+    return -ufl.dot(kinematics.deformation_gradient(u)[1, :], S * normal)
 
 
-def energy(gap, penalty):
-    """Energy density 1/2 gamma <-g>^2 [J/m^2]."""
-    return penalty / 2 * ufl.conditional(ufl.lt(gap, 0), gap**2, 0)
+def pressure(gap, stiffness, q=0):
+    """Contact pressure p = <q - gamma g> [Pa] on the undeformed surface."""
+    return ufl.max_value(q - stiffness * gap, 0)
 
 
-def penalty_stiffness(factor, young_modulus, mesh_size):
+def energy(gap, stiffness, q=0):
+    """Energy density (p^2 - q^2) / (2 gamma) [J/m^2]."""
+    return (ufl.conditional(ufl.gt(q - stiffness * gap, 0), (q - stiffness * gap) ** 2, 0) - q**2) / (2 * stiffness)
+
+
+def stiffness(factor, young_modulus, mesh_size):
     """Gamma = factor E / h [N/m^3]: factor times the stiffness of a layer of cells."""
     return factor * young_modulus / mesh_size
 

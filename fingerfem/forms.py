@@ -1,6 +1,7 @@
 """The compiled forms of a scene: one density per energy, one place that derives residual and tangent from them.
 
-Total potential P(u; F, d) = rubber + plates + tendons + contact. Every volume energy is a density W(C):
+Total potential P(u; F, d) = rubber + plates + tendons + contact. Every volume energy but that of straight tendons is a
+density W(C):
 
     residual   R(u; v)    = sum of  S : dE(v)                        S = 2 dW/dC
     tangent    K(u; v, w) = sum of  dS(w) : dE(v) + S* : d2E(v, w)
@@ -9,17 +10,25 @@ With S* = S(u) this is Newton's tangent. The mixed-integration-point form (Magis
 Meth. Eng. 109, 2017, doi:10.1002/nme.5228) takes the stress for an unknown of its own at every quadrature point and
 eliminates it there, which leaves S* = S(u0) + dS(u0)(u - u0), the stress that the last iterate u0 predicted. Both are
 one form here: with u0 = u and a zero step it is Newton's.
+
+Nearly incompressible rubber, W(C) + U(J), has a pressure p = -U'(J) for an unknown of its own, discontinuous from cell to
+cell and given by its values at the points of a reduced Gauss rule, one point for order 1 and eight for order 2. The
+constraint on p couples no two points, so p is eliminated where it stands, which leaves U integrated by that rule:
+Malkus, Hughes, Comput. Methods Appl. Mech. Eng. 15, 1978, doi:10.1016/0045-7825(78)90005-1.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import ufl
 from dolfinx import fem
 
 from fingerfem import contact, geometry, kinematics, materials, tendons
+from fingerfem.laws import STEEL, Law
 from fingerfem.scene import Scene
 
 
@@ -30,9 +39,9 @@ class Fields:
     u: fem.Function  # displacement [m]
     previous: fem.Function  # the last iterate u0 [m]
     step: fem.Function  # u - u0 [m]
-    tension_density: fem.Function  # sum of F_k / A_k over the channels through a cell [Pa]
+    tension_density: fem.Function  # of the tendons in a cell, per area [Pa] or, in a hole, volume [N/m^3]
     distance: fem.Constant  # of the plane [m]
-    penalty: fem.Constant  # of contact [N/m^3]
+    stiffness: fem.Constant  # of contact, gamma = factor E / h with Young's modulus E of the rubber [N/m^3]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,10 +49,12 @@ class ContactForms:
     """What the plane adds; none of it is compiled without an obstacle."""
 
     energy: fem.Form  # [J]
-    force: fem.Form  # N = integral of the pressure = -dP/dd [N]
+    force: fem.Form  # N = integral of the pressure p = -dP/dd [N]
     force_gradient: fem.Form  # dN/du [N/m]
     stiffness: fem.Form  # -dN/dd at fixed u [N/m]
-    pad_force: fem.Form  # the part of N that rests on the pad [N]
+    gap_work: fem.Form  # integral of p |g|, which the exact solution does not have [J]
+    pad_force: fem.Form | None  # the part of N that rests on the pad [N]
+    pad_area: fem.Form | None  # [m^2]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,76 +64,152 @@ class Forms:
     residual: fem.Form
     tangent: fem.Form
     strain_energy: fem.Form  # of rubber and plates [J]
-    tendon_energy: fem.Form  # [J]; at unit tension a channel's length [m]
-    tendon_force: fem.Form  # its gradient [N]; at unit tension that of a channel's length [-]
+    tendon_energy: fem.Form  # [J]; at unit tension a tendon's length [m]
+    tendon_force: fem.Form  # its gradient [N]; at unit tension that of a tendon's length [-]
     tip: list[fem.Form]  # integral of the displacement over the tip plate, three components [m^4]
     tip_gradient: list[fem.Form]  # [m^3]
     contact: ContactForms | None
 
 
-def compile_forms(scene: Scene, mesh: geometry.FingerMesh, fields: Fields, rubber: materials.NeoHookean) -> Forms:
+Term = tuple[materials.Energy, Any]  # an energy density of C and the measure it is integrated with
+
+
+def rubber_terms(law: Law, dx: ufl.Measure, regions: Sequence[int], order: int) -> list[Term]:
+    """The rubber's energy, split where its pressure is an unknown of its own."""
+    if not law.is_mixed:
+        return [(materials.energy(law), dx(tuple(regions)))]
+    distortional, volumetric = materials.parts(law)
+    assert volumetric is not None  # a law without one stays below where mixed begins
+    terms = []
+    for k, region in enumerate(regions):
+        # DOLFINx 0.9 assembles the first of two integrals over one region twice and drops the second. UFL makes them two
+        # where it sees the same integrand in other regions too; written differently, it does not.
+        whole, reduced = dx(region), dx(region, metadata={"quadrature_degree": 2 * order - 1})
+        terms += [(_written(distortional, k), whole), (_written(volumetric, k), reduced)]
+    return terms
+
+
+def _written(energy: materials.Energy, k: int) -> materials.Energy:
+    """The same energy, in a way of writing it that depends on k."""
+    return lambda C: 2.0**k * (0.5**k * energy(C))
+
+
+def residual_and_tangent(terms: Sequence[Term], fields: Fields) -> tuple[Any, Any]:
+    """Residual and mixed-integration-point tangent of energies W(C)."""
+    u, space = fields.u, fields.u.function_space
+    v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
+    C, C0 = kinematics.right_cauchy_green(u), kinematics.right_cauchy_green(fields.previous)
+    dE, d2E = kinematics.strain_variation(u, v), kinematics.strain_second_variation(v, w)
+    residual, tangent = 0, 0
+    for energy, where in terms:
+        S, S0 = materials.stress(energy, C), materials.stress(energy, C0)
+        predicted = S0 + ufl.derivative(S0, fields.previous, fields.step)
+        residual += ufl.inner(S, dE) * where
+        tangent += (ufl.inner(ufl.derivative(S, u, w), dE) + ufl.inner(predicted, d2E)) * where
+    return residual, tangent
+
+
+def compiled(form: Any) -> fem.Form:
+    """A compiled form that DOLFINx 0.9 assembles whole: one integral a region."""
+    made = fem.form(form)
+    for kind in (fem.IntegralType.cell, fem.IntegralType.exterior_facet):
+        regions = list(made._cpp_object.integral_ids(kind))
+        if len(set(regions)) < len(regions):
+            raise AssertionError(f"a form has two integrals over one of the regions {regions}")
+    return made
+
+
+def total(terms: Sequence[Term], u: fem.Function) -> Any:
+    """The energy itself [J]."""
+    C = kinematics.right_cauchy_green(u)
+    return sum(energy(C) * where for energy, where in terms)
+
+
+def compile_forms(scene: Scene, mesh: geometry.FingerMesh, fields: Fields) -> Forms:
     """Derive and compile what the scene names (collective: FFCx compiles once and caches)."""
     space, u = fields.u.function_space, fields.u
     v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
     metadata = {"quadrature_degree": 2 * scene.mesh.order}
     dx = ufl.Measure("dx", mesh.mesh, subdomain_data=mesh.cells, metadata=metadata)
-    in_rubber = dx((geometry.RUBBER, geometry.RUBBER_CHANNEL))
-    through_plates = len(scene.geometry.segments) > 1
-    in_plate = dx(
-        (geometry.PLATE, geometry.PLATE_CHANNEL, geometry.TIP_PLATE) if through_plates else geometry.TIP_PLATE
-    )
-    in_channel = dx((geometry.RUBBER_CHANNEL, geometry.PLATE_CHANNEL) if through_plates else geometry.RUBBER_CHANNEL)
-    fibre = tendons.energy(fields.tension_density)
+    x = ufl.SpatialCoordinate(mesh.mesh)
 
-    C, C0 = kinematics.right_cauchy_green(u), kinematics.right_cauchy_green(fields.previous)
-    dE, d2E = kinematics.strain_variation(u, v), kinematics.strain_second_variation(v, w)
-    residual, tangent = 0, 0
-    for energy, where in ((rubber, in_rubber), (materials.STEEL, in_plate), (fibre, in_channel)):
-        S, S0 = materials.stress(energy, C), materials.stress(energy, C0)
-        predicted = S0 + ufl.derivative(S0, fields.previous, fields.step)
-        residual += ufl.inner(S, dE) * where
-        tangent += (ufl.inner(ufl.derivative(S, u, w), dE) + ufl.inner(predicted, d2E)) * where
+    bodies = [
+        *rubber_terms(scene.law, dx, geometry.RUBBERS, scene.mesh.order),
+        (materials.energy(STEEL), dx(geometry.PLATES)),
+    ]
+    paths = {tendon.path for tendon in scene.tendons}
+    fibres = [(tendons.channelled(fields.tension_density), dx(geometry.CHANNELS))] if "channel" in paths else []
+    residual, tangent = residual_and_tangent([*bodies, *fibres], fields)
+    tendon_energy = total(fibres, u)
+    if "straight" in paths:
+        holes = dx((geometry.PLATE_HOLE, geometry.TIP_HOLE))
+        cables = tendons.straight(fields.tension_density, x, u) * holes
+        residual += ufl.derivative(cables, u, v)
+        tangent += ufl.derivative(ufl.derivative(cables, u, v), u, w)
+        tendon_energy += cables
 
     contact_forms = None
     if scene.obstacle is not None:
-        rule = contact.quadrature(scene.mesh.order)
-        ds = ufl.Measure("ds", mesh.mesh, subdomain_data=mesh.facets, metadata=rule)
-        surface = ds((geometry.SURFACE, geometry.PAD))
-        g = contact.gap(u, ufl.SpatialCoordinate(mesh.mesh), scene.geometry.side, fields.distance)
-        p = contact.pressure(g, fields.penalty)
-        contact_energy = contact.energy(g, fields.penalty) * surface
-        push = ufl.derivative(contact_energy, u, v)
-        residual += push
-        tangent += ufl.derivative(push, u, w)
-        contact_forms = ContactForms(
-            energy=fem.form(contact_energy),
-            force=fem.form(p * surface),
-            force_gradient=fem.form(ufl.derivative(p * surface, u, v)),
-            stiffness=fem.form(fields.penalty * ufl.conditional(ufl.lt(g, 0), 1.0, 0.0) * surface),
-            pad_force=fem.form(p * ds(geometry.PAD)),
-        )
+        energy, contact_forms = _contact(scene, surface_measure(scene, mesh), fields)
+        residual += ufl.derivative(energy, u, v)
+        tangent += ufl.derivative(ufl.derivative(energy, u, v), u, w)
 
-    tip = [u[i] * dx(geometry.TIP_PLATE) for i in range(3)]
+    tip = [u[i] * dx(geometry.TIP) for i in range(3)]
     return Forms(
-        residual=fem.form(residual),
-        tangent=fem.form(tangent),
-        strain_energy=fem.form(rubber(C) * in_rubber + materials.STEEL(C) * in_plate),
-        tendon_energy=fem.form(fibre(C) * in_channel),
-        tendon_force=fem.form(ufl.derivative(fibre(C) * in_channel, u, v)),
-        tip=[fem.form(form) for form in tip],
-        tip_gradient=[fem.form(ufl.derivative(form, u, v)) for form in tip],
+        residual=compiled(residual),
+        tangent=compiled(tangent),
+        strain_energy=compiled(total(bodies, u)),
+        tendon_energy=compiled(tendon_energy),
+        tendon_force=compiled(ufl.derivative(tendon_energy, u, v)),
+        tip=[compiled(form) for form in tip],
+        tip_gradient=[compiled(ufl.derivative(form, u, v)) for form in tip],
         contact=contact_forms,
     )
+
+
+def surface_measure(scene: Scene, mesh: geometry.FingerMesh) -> ufl.Measure:
+    """The surface, integrated at its nodes."""
+    rule = contact.quadrature(scene.mesh.order)
+    return ufl.Measure("ds", mesh.mesh, subdomain_data=mesh.facets, metadata=rule)
+
+
+def contact_groups(scene: Scene, ds: ufl.Measure, fields: Fields) -> list[tuple[tuple[int, ...], Any, Any, Any]]:
+    """Facets held off the plane alike: their tags, gap g [m], stiffness gamma [N/m^3] and own pressure q [Pa]."""
+    g = contact.gap(fields.u, ufl.SpatialCoordinate(ds.ufl_domain()), scene.geometry.side, fields.distance)
+    if scene.obstacle is None or scene.obstacle.method == "penalty":
+        return [(geometry.SURFACE, g, fields.stiffness, 0)]
+    q = contact.surface_pressure(materials.energy(scene.law), fields.u, ufl.FacetNormal(ds.ufl_domain()))
+    return [
+        (geometry.RUBBER_FACETS, g, fields.stiffness, q),
+        (geometry.PLATE_FACETS, g, contact.PLATES * fields.stiffness, 0),
+    ]
+
+
+def _contact(scene: Scene, ds: ufl.Measure, fields: Fields) -> tuple[Any, ContactForms]:
+    """The contact energy in UFL, and what is compiled of it besides residual and tangent."""
+    u, v = fields.u, ufl.TestFunction(fields.u.function_space)
+    groups = contact_groups(scene, ds, fields)
+    pressures = [(facets, contact.pressure(g, gamma, q)) for facets, g, gamma, q in groups]
+    energy = sum(contact.energy(g, gamma, q) * ds(facets) for facets, g, gamma, q in groups)
+    force = sum(p * ds(facets) for facets, p in pressures)
+    touching = [ufl.conditional(ufl.gt(p, 0), gamma, 0.0) for (_, p), (*_, gamma, _) in zip(pressures, groups, strict=True)]
+    made = ContactForms(
+        energy=compiled(energy),
+        force=compiled(force),
+        force_gradient=compiled(ufl.derivative(force, u, v)),
+        stiffness=compiled(sum(gamma * ds(group[0]) for gamma, group in zip(touching, groups, strict=True))),
+        gap_work=compiled(sum(p * abs(group[1]) * ds(facets) for (facets, p), group in zip(pressures, groups, strict=True))),
+        pad_force=None,
+        pad_area=None,
+    )
+    if scene.obstacle is None or scene.obstacle.pad is None:
+        return energy, made
+    on_pad = sum(p * ds(tuple(set(facets) & set(geometry.PAD))) for facets, p in pressures)
+    area = fem.Constant(ds.ufl_domain(), 1.0) * ds(geometry.PAD)
+    return energy, replace(made, pad_force=compiled(on_pad), pad_area=compiled(area))
 
 
 def volume_ratio(u: fem.Function) -> fem.Expression:
     """J = det F [-] at the corners, midpoints and centre of every cell."""
     points = np.array([[i, j, k] for i in (0, 0.5, 1) for j in (0, 0.5, 1) for k in (0, 0.5, 1)], float)
     return fem.Expression(ufl.det(kinematics.deformation_gradient(u)), points)
-
-
-def axial_stress(u: fem.Function, rubber: materials.NeoHookean, space: fem.FunctionSpace) -> fem.Expression:
-    """Axial second Piola-Kirchhoff stress S11 of the rubber [Pa] at the points of a cell-wise space."""
-    points = space.element.interpolation_points
-    S = materials.stress(rubber, kinematics.right_cauchy_green(u))
-    return fem.Expression(S[0, 0], points() if callable(points) else points)

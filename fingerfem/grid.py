@@ -50,38 +50,71 @@ def plates(scene: Scene) -> list[tuple[float, float]]:
     return [(float(end - scene.geometry.plate), float(end)) for end in ends]
 
 
-def grid_lines(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """Grid lines along x and across the section (the same for y and z) [m].
+def grid_lines(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Grid lines along x, y and z [m]; z begins at 0 where half the finger is modelled.
 
     Raises:
-        ValueError: mesh.cells cannot hold the plates or the channels.
+        ValueError: mesh.cells cannot hold the plates, the channels or the pad.
     """
-    geometry, (along, across) = scene.geometry, scene.mesh.cells
-    half = geometry.channel_width / 2
-    edges = {geometry.side / 2}
-    for tendon in scene.tendons:
-        for offset in tendon.offset:
-            edges |= {abs(abs(offset) - half), abs(offset) + half}
-    positive = np.unique(np.round(sorted(edges), 9))
-    section = np.unique(np.concatenate([-positive, positive]))
+    along, across = scene.mesh.cells
     try:
-        lines = [subdivide([start, inner, outer], along) for start, (inner, outer) in _segments(scene)]
+        lines = [subdivide(breakpoints, along) for breakpoints in _along(scene)]
     except ValueError as error:
         raise ValueError(f"mesh.cells[0] {error}") from None
+    x = np.unique(np.round(np.concatenate(lines), 12))
     try:
-        y = subdivide(section, across, symmetric=True)
+        if not scene.planar:
+            # The same for both, so that mirrored pulls give mirrored states.
+            y = subdivide(_both_sides(_edges(scene, 0) | _edges(scene, 1)), across, symmetric=True)
+            return x, y, y
+        y = subdivide(_both_sides(_edges(scene, 0)), across, symmetric=True)
+        half = subdivide([0.0, *sorted(_edges(scene, 1))], (across + 1) // 2)
     except ValueError as error:
         raise ValueError(f"mesh.cells[1] {error}") from None
-    return np.unique(np.round(np.concatenate(lines), 12)), y
+    return x, y, half if scene.is_half else np.concatenate([-half[:0:-1], half])
 
 
-def _segments(scene: Scene):
+def _along(scene: Scene) -> list[list[float]]:
+    """Per segment, what must lie on grid lines along x [m]."""
     ends = plates(scene)
-    return list(zip([0.0, *[outer for _, outer in ends[:-1]]], ends, strict=True))
+    pad = scene.obstacle.pad if scene.obstacle else None
+    segments = []
+    for start, (inner, outer) in zip([0.0, *[outer for _, outer in ends[:-1]]], ends, strict=True):
+        points = {start, inner, outer} | {edge for edge in (pad.x if pad else []) if start < edge < outer}
+        segments.append(np.unique(np.round(sorted(points), 9)).tolist())
+    return segments
+
+
+def _edges(scene: Scene, axis: int) -> set[float]:
+    """Positive distances from the axis, along y (0) or z (1), that must lie on grid lines [m]."""
+    half = scene.geometry.channel_width / 2
+    edges = {scene.geometry.side / 2}
+    for tendon in scene.tendons:
+        offset = abs(tendon.offset[axis])
+        edges |= {abs(offset - half), offset + half}
+    pad = scene.obstacle.pad if scene.obstacle else None
+    if axis == 1 and pad is not None and pad.width is not None:
+        edges.add(pad.width / 2)
+    return {edge for edge in np.round(sorted(edges), 9).tolist() if edge > 0}
+
+
+def _both_sides(edges: set[float]) -> np.ndarray:
+    positive = sorted(edges)
+    return np.array([-edge for edge in reversed(positive)] + positive)
+
+
+def in_column(scene: Scene, k: int, x: np.ndarray) -> np.ndarray:
+    """Which of the points x, shape (3, n) [m], lie in the column of cells around tendon k's line."""
+    offset, half = scene.tendons[k].offset, scene.geometry.channel_width / 2
+    return (abs(x[1] - offset[0]) < half) & (abs(x[2] - offset[1]) < half)
 
 
 def in_channel(scene: Scene, k: int, x: np.ndarray) -> np.ndarray:
-    """Which of the points x, shape (3, n) [m], lie in the channel of tendon k."""
-    tendon, half = scene.tendons[k], scene.geometry.channel_width / 2
-    end = plates(scene)[tendon.segment - 1][0]
-    return (abs(x[1] - tendon.offset[0]) < half) & (abs(x[2] - tendon.offset[1]) < half) & (x[0] < end)
+    """Which of the points x, shape (3, n) [m], lie in the channel of tendon k; it ends before its plate."""
+    return in_column(scene, k, x) & (x[0] < plates(scene)[scene.tendons[k].segment - 1][0])
+
+
+def in_hole(scene: Scene, k: int, x: np.ndarray) -> np.ndarray:
+    """Which of the points x, shape (3, n) [m], lie in the hole of tendon k in its plate."""
+    start, end = plates(scene)[scene.tendons[k].segment - 1]
+    return in_column(scene, k, x) & (x[0] > start) & (x[0] < end)

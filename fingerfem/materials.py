@@ -2,68 +2,64 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from functools import singledispatch
+from typing import Any
 
 import ufl
 
+from fingerfem.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff
 
-@dataclass(frozen=True, kw_only=True)
-class NeoHookean:
-    """W = C1 (I1bar - 3) + (J - 1)^2 / D1, with I1bar = J^(-2/3) tr C and J = sqrt(det C).
+Energy = Callable[[Any], Any]  # C -> W
 
-    Chenevier et al., PLoS ONE 13(2): e0192052 (2018), eq. 4, read so that its units fit.
 
-    C1 [Pa] and D1 [1/Pa] are positive.
+@singledispatch
+def parts(law: Law) -> tuple[Energy, Energy | None]:
+    """A law's energy as W(C) + U(J(C)), where U alone grows without bound as the rubber becomes incompressible.
+
+    U is None for a law that has no such part.
     """
-
-    C1: float
-    D1: float
-
-    def __post_init__(self) -> None:
-        for name in ("C1", "D1"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
-
-    def __call__(self, C):
-        """Energy density [J/m^3] at C."""
-        J = ufl.sqrt(ufl.det(C))
-        return self.C1 * (ufl.det(C) ** (-1 / 3) * ufl.tr(C) - 3) + (J - 1) ** 2 / self.D1
-
-    @property
-    def shear_modulus(self) -> float:
-        """Mu = 2 C1 [Pa], at small strain."""
-        return 2 * self.C1
-
-    @property
-    def bulk_modulus(self) -> float:
-        """K = 2 / D1 [Pa], at small strain."""
-        return 2 / self.D1
-
-    @property
-    def young_modulus(self) -> float:
-        """E = 9 K mu / (3 K + mu) [Pa], at small strain."""
-        mu, K = self.shear_modulus, self.bulk_modulus
-        return 9 * K * mu / (3 * K + mu)
-
-    @property
-    def poisson(self) -> float:
-        """Nu = (3 K - 2 mu) / (6 K + 2 mu) [-], at small strain."""
-        mu, K = self.shear_modulus, self.bulk_modulus
-        return (3 * K - 2 * mu) / (6 * K + 2 * mu)
+    raise NotImplementedError(type(law).__name__)
 
 
-def neo_hookean_from(young_modulus: float, poisson: float) -> NeoHookean:
-    """The neo-Hookean law with the given small-strain moduli E [Pa] and nu [-]."""
-    return NeoHookean(
-        C1=young_modulus / (4 * (1 + poisson)),
-        D1=6 * (1 - 2 * poisson) / young_modulus,
-    )
+@parts.register
+def _(law: NeoHookean):
+    return lambda C: law.C1 * (ufl.det(C) ** (-1 / 3) * ufl.tr(C) - 3), lambda C: _dilatation(C) ** 2 / law.D1
 
 
-STEEL = neo_hookean_from(young_modulus=200e9, poisson=0.3)
+@parts.register
+def _(law: MooneyRivlin):
+    def distortional(C):
+        I2 = (ufl.tr(C) ** 2 - ufl.tr(C * C)) / 2
+        first = law.C10 * (ufl.det(C) ** (-1 / 3) * ufl.tr(C) - 3)
+        return first + law.C01 * (I2 - 3 - 2 * ufl.ln(ufl.det(C)))
+
+    return distortional, lambda C: _dilatation(C) ** 2 / law.D1
 
 
-def stress(energy, C):
+@parts.register
+def _(law: SaintVenantKirchhoff):
+    mu = law.shear_modulus
+    lame = law.bulk_modulus - 2 / 3 * mu
+
+    def energy(C):
+        E = (C - ufl.Identity(3)) / 2
+        return lame / 2 * ufl.tr(E) ** 2 + mu * ufl.inner(E, E)
+
+    return energy, None
+
+
+def _dilatation(C):
+    return ufl.sqrt(ufl.det(C)) - 1
+
+
+def energy(law: Law) -> Energy:
+    """The whole energy density [J/m^3] as a function of C."""
+    distortional, volumetric = parts(law)
+    return distortional if volumetric is None else lambda C: distortional(C) + volumetric(C)
+
+
+def stress(energy: Energy, C):
     """Second Piola-Kirchhoff stress S = 2 dW/dC [Pa] of an energy density."""
     C = ufl.variable(C)
     return 2 * ufl.diff(energy(C), C)

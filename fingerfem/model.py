@@ -14,10 +14,11 @@ from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
 import fingerfem
-from fingerfem import contact, geometry, grid, materials
+from fingerfem import contact, geometry, grid
 from fingerfem.forms import Fields, compile_forms, volume_ratio
 from fingerfem.rigid import Plate
 from fingerfem.scene import Scene
+from fingerfem.self_contact import Surface
 from fingerfem.state import State, observe
 from fingerfem.stepping import Stepper
 
@@ -33,9 +34,8 @@ class FingerModel:
     """
 
     def __init__(self, scene: Scene, comm: MPI.Comm = MPI.COMM_SELF):
-        self.scene, self.comm = scene, comm
+        self.scene, self.comm, self.law = scene, comm, scene.law
         self.mesh = geometry.build_mesh(scene, comm)
-        self.rubber = materials.NeoHookean(C1=scene.material.C1, D1=scene.material.D1)
         self.space = fem.functionspace(self.mesh.mesh, ("Lagrange", scene.mesh.order, (3,)))
         self.fields = Fields(
             u=fem.Function(self.space, name="displacement"),
@@ -43,29 +43,46 @@ class FingerModel:
             step=fem.Function(self.space),
             tension_density=fem.Function(fem.functionspace(self.mesh.mesh, ("DG", 0))),
             distance=fem.Constant(self.mesh.mesh, FAR),
-            penalty=fem.Constant(self.mesh.mesh, self._penalty()),
+            stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
         )
+        self.copies = 2 if scene.is_half else 1  # of what is modelled, in the whole finger
         self.tensions = np.zeros(len(scene.tendons))
         self._tip_volume = scene.geometry.plate * scene.geometry.side**2
-        midpoints = self.mesh.midpoints
-        self._channels = [grid.in_channel(scene, k, midpoints) for k in range(len(scene.tendons))]
-        clamp = fem.locate_dofs_topological(
-            self.space, self.mesh.mesh.topology.dim - 1, self.mesh.facets.find(geometry.CLAMP)
-        )
-        self._clamp = fem.dirichletbc(np.zeros(3), clamp, self.space)
-        owned = clamp[clamp < self.space.dofmap.index_map.size_local]
-        self._clamped = (3 * owned[:, None] + np.arange(3)).ravel()
-        self.forms = compile_forms(scene, self.mesh, self.fields, self.rubber)
+        self._tendon_cells = [self._spread(k) for k in range(len(scene.tendons))]
+        self._supports, self._clamped, self._held = self._boundary_conditions()
+        self.forms = compile_forms(scene, self.mesh, self.fields)
         self.matrix = create_matrix(self.forms.tangent)
         self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self.clamp_reaction = np.zeros(3)  # on the finger, at the last residual [N]
         self._volume_ratio = volume_ratio(self.fields.u)
+        self.rest_lengths = np.array([self.tendon_length(k) for k in range(len(scene.tendons))])  # [m]
         self.stepper = Stepper(self)
 
-    def _penalty(self) -> float:
-        if self.scene.obstacle is None:
+    def _contact_stiffness(self) -> float:
+        obstacle = self.scene.obstacle
+        if obstacle is None:
             return 0.0
-        return contact.penalty_stiffness(self.scene.obstacle.stiffness, self.rubber.young_modulus, self.mesh.smallest)
+        return contact.stiffness(obstacle.stiffness_factor, self.law.young_modulus, self.mesh.smallest)
+
+    def _spread(self, k: int) -> tuple[np.ndarray, float]:
+        """Cells over which tendon k's tension is spread, and the area [m^2] or volume [m^3] of the whole finger's."""
+        area = self.scene.geometry.channel_width**2
+        if self.scene.tendons[k].path == "channel":
+            return grid.in_channel(self.scene, k, self.mesh.midpoints), area
+        return grid.in_hole(self.scene, k, self.mesh.midpoints), area * self.scene.geometry.plate
+
+    def _boundary_conditions(self) -> tuple[list[fem.DirichletBC], np.ndarray, np.ndarray]:
+        """The supports; owned indices of the clamp's unknowns, and of all that are held."""
+        dim = self.mesh.mesh.topology.dim - 1
+        owned = self.space.dofmap.index_map.size_local
+        nodes = fem.locate_dofs_topological(self.space, dim, self.mesh.facets.find(geometry.CLAMP))
+        supports = [fem.dirichletbc(np.zeros(3), nodes, self.space)]
+        clamped = (3 * nodes[nodes < owned][:, None] + np.arange(3)).ravel()
+        if not self.scene.is_half:
+            return supports, clamped, clamped
+        across = fem.locate_dofs_topological(self.space.sub(2), dim, self.mesh.facets.find(geometry.CUT))
+        supports.append(fem.dirichletbc(0.0, across, self.space.sub(2)))
+        return supports, clamped, np.union1d(clamped, across[across < 3 * owned])
 
     def solve(self, tensions: ArrayLike, distance: float | None = None, sensitivities: bool = True) -> State:
         """The equilibrium reached from rest: tensions first, then the plane comes from where it touches to its place.
@@ -119,8 +136,8 @@ class FingerModel:
     def _set_tension_density(self, tensions: np.ndarray) -> None:
         density = self.fields.tension_density.x.array
         density[:] = 0.0
-        for tension, cells in zip(tensions, self._channels, strict=True):
-            density[cells] += tension / self.scene.geometry.channel_width**2
+        for tension, (cells, size) in zip(tensions, self._tendon_cells, strict=True):
+            density[cells] = tension / size
 
     @property
     def unknowns(self) -> int:
@@ -130,22 +147,39 @@ class FingerModel:
     @property
     def force_scale(self) -> float:
         """E a^2 [N]: what a force is small or large against."""
-        return self.rubber.young_modulus * self.scene.geometry.side**2
+        return self.law.young_modulus * self.scene.geometry.side**2
 
     # -- assembly ----------------------------------------------------------------------------------------------------
 
     def residual(self) -> PETSc.Vec:
-        """Residual R(u) [N], zero on the clamp; sets `clamp_reaction`. The caller destroys the vector."""
+        """Residual R(u) [N], zero where held; sets `clamp_reaction`. The caller destroys the vector."""
         b = self._vector(self.forms.residual)
-        self.clamp_reaction = np.array(self.comm.allreduce(b.array_r[self._clamped].reshape(-1, 3).sum(axis=0)))
-        b.array[self._clamped] = 0.0
+        reaction = self.copies * b.array_r[self._clamped].reshape(-1, 3).sum(axis=0)
+        self.clamp_reaction = np.array(self.comm.allreduce(reaction))
+        if self.scene.is_half:
+            self.clamp_reaction[2] = 0.0
+        b.array[self._held] = 0.0
         return b
 
     def gradient(self, form: fem.Form) -> PETSc.Vec:
-        """A linear form, zero on the clamp. The caller destroys the vector."""
+        """A linear form, zero where held. The caller destroys the vector."""
         b = self._vector(form)
-        b.array[self._clamped] = 0.0
+        b.array[self._held] = 0.0
         return b
+
+    def nodal(self, form: fem.Form) -> np.ndarray:
+        """A linear form at this rank's nodes, ghosts included, shape (nodes, 3)."""
+        holder = fem.Function(self.space)
+        b = self._vector(form)
+        holder.x.array[: b.local_size] = b.array_r
+        b.destroy()
+        holder.x.scatter_forward()
+        return holder.x.array.reshape(-1, 3)
+
+    def take(self, state: State) -> None:
+        """Be in a state that was solved before: its displacement and its loads."""
+        tensions = [state.parameters[tendon.name] for tendon in self.scene.tendons]
+        self.stepper.start(tensions, state.parameters.get("d"), state.displacement)
 
     def _vector(self, form: fem.Form) -> PETSc.Vec:
         b = assemble_vector(form)
@@ -157,13 +191,13 @@ class FingerModel:
         fields = self.fields
         fields.step.x.array[:] = fields.u.x.array - fields.previous.x.array
         self.matrix.zeroEntries()
-        assemble_matrix(self.matrix, self.forms.tangent, bcs=[self._clamp])
+        assemble_matrix(self.matrix, self.forms.tangent, bcs=self._supports)
         self.matrix.assemble()
         return self.matrix
 
     def scalar(self, form: fem.Form) -> float:
-        """A scalar form over all ranks."""
-        return float(self.comm.allreduce(fem.assemble_scalar(form)))
+        """A scalar form over all ranks, of the whole finger."""
+        return self.copies * float(self.comm.allreduce(fem.assemble_scalar(form)))
 
     def energy(self) -> float:
         """Total potential [J]."""
@@ -172,16 +206,17 @@ class FingerModel:
 
     def tip(self) -> np.ndarray:
         """Displacement of the tip plate's centre, its mean over the plate [m], shape (3,)."""
-        return np.array([self.scalar(form) for form in self.forms.tip]) / self._tip_volume
+        moved = np.array([self.scalar(form) for form in self.forms.tip]) / self._tip_volume
+        return moved * [1, 1, 0] if self.scene.is_half else moved
 
     def tip_gradient(self, i: int) -> PETSc.Vec:
         """Gradient of the tip's i-th component [-]. The caller destroys the vector."""
         b = self.gradient(self.forms.tip_gradient[i])
-        b.scale(1 / self._tip_volume)
+        b.scale(0.0 if i == 2 and self.scene.is_half else 1 / self._tip_volume)
         return b
 
-    def channel_length(self, k: int) -> float:
-        """Length of channel k [m]: the tendon energy at unit tension."""
+    def tendon_length(self, k: int) -> float:
+        """Length of tendon k between its ends [m]: the tendon energy at unit tension."""
         self._set_tension_density(np.eye(len(self.tensions))[k])
         length = self.scalar(self.forms.tendon_energy)
         self._set_tension_density(self.tensions)
@@ -190,7 +225,7 @@ class FingerModel:
     def load_gradient(self, tensions: ArrayLike, distance: float = 0.0) -> PETSc.Vec:
         """Change of the residual with the loads, dR/dF . tensions + dR/dd distance [N]. The caller destroys the vector.
 
-        For a unit tension it is the gradient of that channel's length [-], for a unit distance minus that of the
+        For a unit tension it is the gradient of that tendon's length [-], for a unit distance minus that of the
         contact force [N/m].
         """
         self._set_tension_density(np.asarray(tensions, float))
@@ -207,7 +242,7 @@ class FingerModel:
     @cached_property
     def surface_nodes(self) -> np.ndarray:
         """Local indices of the nodes that may touch the plane."""
-        facets = [self.mesh.facets.find(kind) for kind in (geometry.SURFACE, geometry.PAD)]
+        facets = [self.mesh.facets.find(kind) for kind in geometry.SURFACE]
         dim = self.mesh.mesh.topology.dim - 1
         return fem.locate_dofs_topological(self.space, dim, np.sort(np.concatenate(facets)))
 
@@ -219,13 +254,21 @@ class FingerModel:
         found = []
         for start, end in grid.plates(self.scene):
             nodes = np.flatnonzero((points[:, 0] > start - 1e-9) & (points[:, 0] < end + 1e-9))
-            found.append(Plate(self.comm, nodes, nodes < owned, points[nodes], mirrored=False))
+            found.append(Plate(self.comm, nodes, nodes < owned, points[nodes], mirrored=self.scene.is_half))
         return found
 
     def move_plates_rigidly(self, before: np.ndarray) -> None:
         """Replace what plates have moved since the displacement `before` [m] by rigid motions (collective)."""
         for plate in self._plates:
             plate.move_rigidly(before.reshape(-1, 3), self.displacement.reshape(-1, 3))
+
+    @cached_property
+    def _surface(self) -> Surface:
+        return Surface(self)
+
+    def passes_through_itself(self) -> bool:
+        """Whether the surface does, which nothing in the model prevents (collective)."""
+        return self._surface.passes_through_itself(self.displacement.reshape(-1, 3))
 
     def reach(self) -> float:
         """How far the surface reaches towards the plane, max of X_y + u_y - side/2 [m].

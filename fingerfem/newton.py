@@ -84,7 +84,7 @@ class Newton:
                 reason = self._factorise()
             if reason is None:
                 self._ksp.solve(residual, self._update)
-                slope = -residual.dot(self._update)
+                slope = -model.copies * residual.dot(self._update)
                 if not np.isfinite(slope):
                     reason = "the linear solver returned NaN"
             if reason is None and strategy == "line search":

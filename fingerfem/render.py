@@ -1,4 +1,4 @@
-"""Pictures of deformed fingers, coloured by the axial second Piola-Kirchhoff stress S11.
+"""Pictures of deformed fingers, coloured by a field: the axial second Piola-Kirchhoff stress S11 unless told otherwise.
 
 VTK aborts the process where there is no display, so drawing happens in a process of its own under Xvfb.
 """
@@ -22,21 +22,26 @@ if TYPE_CHECKING:
     from fingerfem.state import State
 
 
+FIELDS = {"S11": ("S11 [MPa]", 1e-6), "von_mises": ("von Mises [MPa]", 1e-6), "J": ("J [-]", 1.0)}  # label, scale
+
+
 class NoDisplay(ValueError):
     """Pictures need a display or Xvfb."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Deformed:
-    """One panel: a deformed mesh with S11.
+    """One panel: a deformed mesh with a field.
 
     Attributes:
         title: above the panel.
         cells, kinds: VTK connectivity and cell types.
         points: nodes at rest, shape (nodes, 3) [m].
         displacement: shape (nodes, 3) [m].
-        stress: S11 of the rubber, mean of each cell, shape (cells,) [Pa]; nan in plates.
+        field: one of FIELDS.
+        values: of the field in each cell, shape (cells,), in SI units; nan in plates.
         plane: y of the obstacle [m], or None.
+        half: the mesh is the half z >= 0, to be drawn with its mirror image.
     """
 
     title: str
@@ -44,25 +49,26 @@ class Deformed:
     kinds: np.ndarray
     points: np.ndarray
     displacement: np.ndarray
-    stress: np.ndarray
+    field: str
+    values: np.ndarray
     plane: float | None
+    half: bool
 
     @classmethod
-    def of(cls, model: FingerModel, state: State) -> Deformed:
-        """The panel of a state that `model` has just solved."""
-        from dolfinx import fem, plot
+    def of(cls, model: FingerModel, state: State, field: str = "S11") -> Deformed:
+        """The panel of a state that `model` has solved.
 
-        from fingerfem import geometry
-        from fingerfem.forms import axial_stress
+        Raises:
+            ValueError: the field is none of FIELDS.
+        """
+        from dolfinx import plot
 
-        mesh = model.mesh.mesh
+        from fingerfem.fields import cell_fields
+
+        if field not in FIELDS:
+            raise ValueError(f"field must be one of {', '.join(FIELDS)}, got {field}")
+        model.take(state)
         cells, kinds, points = plot.vtk_mesh(model.space)
-        flat = fem.Function(fem.functionspace(mesh, ("DG", 0)))
-        model.displacement[:] = state.displacement
-        flat.interpolate(axial_stress(model.fields.u, model.rubber, flat.function_space))
-        stress = flat.x.array.copy()
-        tags = model.mesh.cells
-        stress[tags.indices[tags.values >= geometry.PLATE]] = np.nan
         d = state.parameters.get("d")
         return cls(
             title=", ".join(
@@ -73,8 +79,10 @@ class Deformed:
             kinds=kinds,
             points=points,
             displacement=state.displacement.reshape(-1, 3),
-            stress=stress,
+            field=field,
+            values=cell_fields(model)[field],
             plane=None if d is None else model.scene.geometry.side / 2 + d,
+            half=model.scene.is_half,
         )
 
 
@@ -102,11 +110,13 @@ def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
     plotter = pyvista.Plotter(
         shape=(rows, columns), off_screen=True, window_size=[800 * columns, 520 * rows], border=False
     )
-    shown = np.concatenate([panel.stress for panel in panels]) / 1e6
+    label, scale = FIELDS[panels[0].field]
+    shown = np.concatenate([panel.values for panel in panels]) * scale
     limit = float(np.nanpercentile(np.abs(shown), 99)) or 1.0
+    limits = [-limit, limit] if panels[0].field == "S11" else [float(np.nanmin(shown)), limit]
     length, side = panels[0].points[:, 0].max(), np.ptp(panels[0].points[:, 1])
     bar = {
-        "title": "S11 [MPa]",
+        "title": label,
         "vertical": True,
         "position_x": 0.88,
         "position_y": 0.15,
@@ -119,12 +129,14 @@ def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
     for k, panel in enumerate(panels):
         plotter.subplot(k // 2, k % 2)
         grid = pyvista.UnstructuredGrid(panel.cells, panel.kinds, panel.points + panel.displacement)
-        grid.cell_data["S11 [MPa]"] = panel.stress / 1e6
+        grid.cell_data[label] = panel.values * scale
+        if panel.half:
+            grid = grid.merge(grid.reflect((0, 0, 1)))
         plotter.add_mesh(
             grid,
-            scalars="S11 [MPa]",
-            cmap="coolwarm",
-            clim=[-limit, limit],
+            scalars=label,
+            cmap="coolwarm" if limits[0] < 0 else "viridis",
+            clim=limits,
             nan_color="gray",
             show_edges=True,
             line_width=0.5,

@@ -8,12 +8,14 @@ import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from fingerfem.grid import grid_lines
+from fingerfem.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff, Table
 
 Length = Annotated[float, Field(gt=0, le=1.0)]  # [m]; a length above 1 m is a length in mm
 Offset = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
+Position = Annotated[float, Field(ge=0, le=2.0)]  # [m]
 Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
 UNITS = {
     "side": "m",
@@ -22,20 +24,20 @@ UNITS = {
     "channel": "m",
     "offset": "m",
     "distance": "m",
+    "x": "m",
+    "width": "m",
     "C1": "Pa",
+    "C10": "Pa",
+    "C01": "Pa",
+    "E": "Pa",
     "D1": "1/Pa",
     "tension": "N",
 }
+LAWS = ("neo-hookean", "mooney-rivlin", "saint-venant-kirchhoff")
 
 
 class SceneError(ValueError):
     """A scene that breaks a rule: one line naming file, field, rule and value."""
-
-
-class Table(BaseModel):
-    """A table of the scene: every key known, nothing converted silently, nothing changed afterwards."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 class Geometry(Table):
@@ -64,29 +66,39 @@ class Geometry(Table):
         return self
 
 
-class Material(Table):
-    """Rubber. neo-Hookean: W = C1 (I1bar - 3) + (J - 1)^2 / D1."""
-
-    law: Literal["neo-hookean"]
-    C1: Annotated[float, Field(ge=1e2, le=1e9)]  # [Pa]
-    D1: Annotated[float, Field(ge=1e-12, le=1e-2)]  # [1/Pa]
-
-
 class Tendon(Table):
-    """A tendon in a frictionless channel parallel to the axis, anchored in the clamp and in a segment's plate."""
+    """A tendon parallel to the axis, anchored in the clamp and in a segment's plate.
+
+    In its channel it slides without friction; a straight one runs freely from the plate to the clamp.
+    """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+    path: Literal["channel", "straight"] = "channel"
     offset: Annotated[list[Offset], Field(min_length=2, max_length=2)]  # (y, z) [m]
     segment: Annotated[int, Field(ge=1)]
     tension: Annotated[list[Force], Field(min_length=2, max_length=2)]  # [lowest, highest] [N]
+
+
+class Pad(Table):
+    """A tactile pad: a patch of the face towards the plane, across the finger or centred of the given width."""
+
+    name: str
+    x: Annotated[list[Position], Field(min_length=2, max_length=2)]  # from, to along the axis at rest [m]
+    width: Length | None = None
 
 
 class Obstacle(Table):
     """A frictionless rigid plane y = side/2 + d."""
 
     distance: Annotated[list[Length], Field(min_length=2, max_length=2)]  # [nearest, farthest] [m]
-    method: Literal["penalty"]
-    stiffness: Annotated[float, Field(ge=1, le=1e6)] = 1000.0  # penalty times mesh size over Young's modulus [-]
+    method: Literal["penalty", "nitsche"]
+    stiffness: Annotated[float, Field(ge=1, le=1e6)] | None = None  # of contact, times mesh size over E [-]
+    pad: Pad | None = None
+
+    @property
+    def stiffness_factor(self) -> float:
+        """The stiffness asked for, or the method's own [-]."""
+        return self.stiffness or {"penalty": 2000.0, "nitsche": 1000.0}[self.method]
 
 
 class Mesh(Table):
@@ -94,6 +106,7 @@ class Mesh(Table):
 
     cells: Annotated[list[Annotated[int, Field(ge=1, le=4000)]], Field(min_length=2, max_length=2)]
     order: Annotated[int, Field(ge=1, le=2)] = 1
+    symmetry: bool | None = None  # model the half z >= 0; if absent, wherever all tendons lie in the plane z = 0
 
 
 class Sampling(Table):
@@ -108,7 +121,7 @@ class Scene(Table):
 
     name: str
     geometry: Geometry
-    material: Material
+    material: Annotated[NeoHookean | MooneyRivlin | SaintVenantKirchhoff, Field(discriminator="law")]
     tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
     obstacle: Obstacle | None = None
     mesh: Mesh
@@ -117,7 +130,8 @@ class Scene(Table):
     @model_validator(mode="after")
     def _tables_agree(self) -> Scene:
         names = [tendon.name for tendon in self.tendons]
-        reach = self.geometry.side / 2 - self.geometry.channel_width / 2
+        width = self.geometry.channel_width
+        reach = self.geometry.side / 2 - width / 2
         for k, tendon in enumerate(self.tendons):
             if tendon.name == "d" or names.count(tendon.name) > 1:
                 raise ValueError(f"tendons.{k}.name must be unique and not d, got {tendon.name}")
@@ -131,11 +145,53 @@ class Scene(Table):
                     f"tendons.{k}.offset must keep its channel inside the section (at most {reach:g} m from the axis), "
                     f"got {tendon.offset}"
                 )
+            for other in self.tendons[:k]:
+                apart = max(abs(a - b) for a, b in zip(tendon.offset, other.offset, strict=True))
+                if apart < width * (1 - 1e-9):
+                    raise ValueError(
+                        f"tendons.{k}.offset must keep channels apart (geometry.channel is {width:g} m wide), "
+                        f"got {tendon.offset} beside {other.name} at {other.offset}"
+                    )
             _ordered(f"tendons.{k}.tension", tendon.tension)
+        if self.mesh.symmetry and not self.planar:
+            raise ValueError("mesh.symmetry must be false where a tendon is off the plane z = 0, got true")
         if self.obstacle is not None:
-            _ordered("obstacle.distance", self.obstacle.distance)
+            self._check_obstacle(self.obstacle)
         grid_lines(self)
         return self
+
+    def _check_obstacle(self, obstacle: Obstacle) -> None:
+        _ordered("obstacle.distance", obstacle.distance)
+        if obstacle.method == "nitsche" and self.material.is_mixed:
+            raise ValueError(
+                "obstacle.method must be penalty where the rubber is nearly incompressible: its stress on the surface, "
+                "which nitsche needs, is not that of the displacements, got nitsche"
+            )
+        if obstacle.pad is not None:
+            _ordered("obstacle.pad.x", obstacle.pad.x)
+            if obstacle.pad.x[1] > self.geometry.length * (1 + 1e-9):
+                raise ValueError(
+                    f"obstacle.pad.x must lie on the finger, [0, {self.geometry.length:g}] m, got {obstacle.pad.x}"
+                )
+            if (obstacle.pad.width or 0) > self.geometry.side:
+                raise ValueError(
+                    f"obstacle.pad.width must be at most the side, {self.geometry.side:g} m, got {obstacle.pad.width}"
+                )
+
+    @property
+    def planar(self) -> bool:
+        """Whether all tendons lie in the plane z = 0, so that the finger's two halves are mirror images."""
+        return all(tendon.offset[1] == 0 for tendon in self.tendons)
+
+    @property
+    def is_half(self) -> bool:
+        """Whether only the half z >= 0 is modelled."""
+        return self.planar if self.mesh.symmetry is None else self.mesh.symmetry
+
+    @property
+    def law(self) -> Law:
+        """The rubber's law."""
+        return self.material
 
     @property
     def parameters(self) -> list[dict[str, Any]]:
@@ -183,7 +239,7 @@ def _one_line(error: ValidationError) -> str:
     """The first broken rule as `field rule, got value`."""
     # A misspelt key is also a missing one: name what was written.
     first = min(error.errors(), key=lambda broken: broken["type"] != "extra_forbidden")
-    where = [str(part) for part in first["loc"]]
+    where = [str(part) for part in first["loc"] if part not in LAWS]
     field = ".".join(where)
     unit = next((UNITS[part] for part in reversed(where) if part in UNITS), None)
     of_unit = f" {unit}" if unit else ""
@@ -204,6 +260,10 @@ def _one_line(error: ValidationError) -> str:
     if kind in rules:
         text, key = rules[kind]
         rule = text.format(f"{context[key]:g}") + of_unit
+    elif kind == "union_tag_invalid":
+        return f"{field}.law must be {' or '.join(map(repr, LAWS))}, got {first['input']['law']!r}"
+    elif kind == "union_tag_not_found":
+        return f"{field}.law is required and missing"
     elif kind == "literal_error":
         rule = f"must be {context['expected']}"
     elif kind in ("float_type", "int_type"):

@@ -24,14 +24,21 @@ class State:
         tip: displacement of the tip plate's centre, shape (3,) [m].
         touch_distance: how far the finger reaches towards the plane in free space at these tensions [m].
         contact_force: integral of the contact pressure [N].
-        pad_pressure: mean contact pressure over the tip plate's face towards the plane [Pa].
+        pad, pad_pressure: name of the scene's tactile pad, and the mean contact pressure on it [Pa].
+        penetration: how far the surface's nodes pass the plane at most [m].
+        complementarity: integral of contact pressure times |gap| over contact force times side [-]; exactly zero would
+            be pressure only where the gap is closed. (Pressure is never negative.)
         clamp_reaction: force of the clamp on the finger, shape (3,) [N].
-        channel_shortening: by tendon [m].
+        channel_shortening: by tendon, how much shorter it has become between its ends [m].
         energy: total potential [J].
         smallest_volume_ratio: min J [-].
+        self_intersecting: whether the surface passes through itself, which the model does not prevent.
+        stable: whether the potential has a minimum here, by the signs of the factorised tangent; None if not asked for.
         sensitivities: of tip (m/N; m/m), contact_force (N/N; N/m) and channel_shortening (m/N; m/m), by parameter;
             None if not asked for, or where the tangent is singular and there are none.
+        displacement_sensitivities: of the displacement by parameter, owned nodes, shape (3 nodes,) [m/N; m/m].
         newton_iterations, steps: what it took from rest.
+        strategies: steps that each Newton strategy won.
     """
 
     parameters: dict[str, float]
@@ -39,12 +46,18 @@ class State:
     tip: np.ndarray
     touch_distance: float | None = None
     contact_force: float | None = None
+    pad: str | None = None
     pad_pressure: float | None = None
+    penetration: float | None = None
+    complementarity: float | None = None
     clamp_reaction: np.ndarray
     channel_shortening: dict[str, float]
     energy: float
     smallest_volume_ratio: float
+    self_intersecting: bool
+    stable: bool | None = None
     sensitivities: dict[str, dict[str, Any]] | None = None
+    displacement_sensitivities: dict[str, np.ndarray] | None = field(default=None, repr=False)
     newton_iterations: int
     steps: int
     strategies: dict[str, int]
@@ -53,8 +66,9 @@ class State:
     converged: bool = True
 
     def as_json(self) -> dict[str, Any]:
-        """Plain numbers, without the field; quantities the scene does not have are left out."""
-        listed = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "displacement"}
+        """Plain numbers, without fields; quantities the scene does not have are left out."""
+        fields = ("displacement", "displacement_sensitivities")
+        listed = {name: getattr(self, name) for name in self.__dataclass_fields__ if name not in fields}
         return {name: _plain(value) for name, value in listed.items() if value is not None}
 
 
@@ -66,34 +80,26 @@ def _plain(value: Any) -> Any:
 
 def observe(model: FingerModel, touch_distance: float | None, seconds: float, sensitivities: bool) -> State:
     """Report the equilibrium that `model` is in (collective)."""
-    scene, forms, stepper = model.scene, model.forms, model.stepper
+    scene, stepper = model.scene, model.stepper
     model.residual().destroy()  # the clamp's reaction at this very state
     names = [tendon.name for tendon in scene.tendons]
-    rest_lengths = np.array(
-        [np.sum(scene.geometry.segments[: t.segment]) - scene.geometry.plate for t in scene.tendons]
-    )
-    lengths = np.array([model.channel_length(k) for k in range(len(names))])
-    energy = model.scalar(forms.strain_energy) + model.scalar(forms.tendon_energy)
-    force, pressure = None, None
-    if forms.contact is not None:
-        energy += model.scalar(forms.contact.energy)
-        force = model.scalar(forms.contact.force)
-        pressure = model.scalar(forms.contact.pad_force) / (scene.geometry.side * scene.geometry.plate)
+    shortening = model.rest_lengths - [model.tendon_length(k) for k in range(len(names))]
     parameters = dict(zip(names, stepper.tensions.tolist(), strict=True))
     if stepper.distance is not None:
         parameters["d"] = float(stepper.distance)
+    derived = _sensitivities(model) if sensitivities else {}
     return State(
         parameters=parameters,
         displacement=model.displacement.copy(),
         tip=model.tip(),
         touch_distance=touch_distance,
-        contact_force=force,
-        pad_pressure=pressure,
+        **_contact(model),
         clamp_reaction=model.clamp_reaction.copy(),
-        channel_shortening=dict(zip(names, (rest_lengths - lengths).tolist(), strict=True)),
-        energy=energy,
+        channel_shortening=dict(zip(names, shortening.tolist(), strict=True)),
+        energy=model.energy(),
         smallest_volume_ratio=model.smallest_volume_ratio(),
-        sensitivities=_sensitivities(model) if sensitivities else None,
+        self_intersecting=model.passes_through_itself(),
+        **derived,
         newton_iterations=stepper.iterations,
         steps=stepper.steps,
         strategies=dict(stepper.strategies),
@@ -102,22 +108,39 @@ def observe(model: FingerModel, touch_distance: float | None, seconds: float, se
     )
 
 
-def _sensitivities(model: FingerModel) -> dict[str, dict[str, Any]] | None:
+def _contact(model: FingerModel) -> dict[str, Any]:
+    """What the plane makes to report."""
+    forms, obstacle, distance = model.forms.contact, model.scene.obstacle, model.stepper.distance
+    if forms is None or obstacle is None:
+        return {}
+    force = model.scalar(forms.force)
+    found: dict[str, Any] = {"contact_force": force}
+    if forms.pad_force is not None and obstacle.pad is not None:
+        pressure = model.scalar(forms.pad_force) / model.scalar(forms.pad_area)
+        found |= {"pad": obstacle.pad.name, "pad_pressure": pressure}
+    if distance is not None:
+        away = model.scalar(forms.gap_work) / (force * model.scene.geometry.side) if force else 0.0
+        found |= {"penetration": max(model.reach() - distance, 0.0), "complementarity": away}
+    return found
+
+
+def _sensitivities(model: FingerModel) -> dict[str, Any]:
     """Derivatives by every parameter p: du/dp = -K^-1 dR/dp, one back-substitution each on the factorised tangent.
 
-    dR/dF_k is the gradient of channel k's length and dR/dd minus that of the contact force, so the same vectors also
+    dR/dF_k is the gradient of tendon k's length and dR/dd minus that of the contact force, so the same vectors also
     differentiate those two quantities.
     """
     scene, forms, newton = model.scene, model.forms, model.stepper.newton
     try:
         newton.factorise()
     except NotConverged:
-        return None
+        return {"stable": False}
     count = len(scene.tendons)
     lengths = [_owned(model.load_gradient(unit)) for unit in np.eye(count)]
     tips = [_owned(model.tip_gradient(i)) for i in range(3)]
     loads = {tendon.name: (unit, 0.0) for tendon, unit in zip(scene.tendons, np.eye(count), strict=True)}
     answer: dict[str, dict[str, Any]] = {"tip": {}, "channel_shortening": {}}
+    fields: dict[str, np.ndarray] = {}
     in_contact = forms.contact is not None and model.stepper.distance is not None
     if forms.contact is not None and in_contact:
         loads["d"] = (np.zeros(count), 1.0)
@@ -127,6 +150,7 @@ def _sensitivities(model: FingerModel) -> dict[str, dict[str, Any]] | None:
 
     for name, (tensions, distance) in loads.items():
         change = -newton.linear_solve(model.load_gradient(tensions, distance))
+        fields[name] = change
         answer["tip"][name] = [_along(model, gradient, change) for gradient in tips]
         answer["channel_shortening"][name] = {
             tendon.name: -_along(model, gradient, change)
@@ -134,11 +158,16 @@ def _sensitivities(model: FingerModel) -> dict[str, dict[str, Any]] | None:
         }
         if in_contact:
             answer["contact_force"][name] = _along(model, force, change) + by_distance.get(name, 0.0)
-    return answer
+    return {
+        "stable": newton.negative_pivots == 0,
+        "sensitivities": answer,
+        "displacement_sensitivities": fields,
+    }
 
 
 def _along(model: FingerModel, gradient: np.ndarray, change: np.ndarray) -> float:
-    return float(model.comm.allreduce(gradient @ change))
+    """Change of a quantity of the whole finger, of whose gradient the model has its own part."""
+    return model.copies * float(model.comm.allreduce(gradient @ change))
 
 
 def _owned(b: PETSc.Vec) -> np.ndarray:

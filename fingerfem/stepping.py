@@ -78,13 +78,13 @@ class Stepper:
     def __init__(self, model: FingerModel, options: StepOptions | None = None):
         self.model, self.options, self.newton = model, options or StepOptions(), Newton(model)
         geometry, scene = model.scene.geometry, model.scene
-        bending = model.rubber.young_modulus * geometry.side**4 / 12  # [N m^2]
+        bending = model.law.young_modulus * geometry.side**4 / 12  # [N m^2]
         ends = np.cumsum(geometry.segments)
         self._turn = np.array(
             [float(np.linalg.norm(tendon.offset)) * ends[tendon.segment - 1] / bending for tendon in scene.tendons]
         )  # [rad/N]
         # A tendon on the axis bends nothing but shortens: count its strain for a turn.
-        self._turn += 1 / (model.rubber.young_modulus * geometry.side**2)
+        self._turn += 1 / (model.law.young_modulus * geometry.side**2)
         self.rest()
 
     def rest(self) -> None:

@@ -1,0 +1,49 @@
+"""What a state looks like in every cell and on the surface: stresses, volume ratio, contact pressure. Compiled on demand."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from fingerfem import contact, forms, geometry, kinematics, materials
+
+if TYPE_CHECKING:
+    from fingerfem.model import FingerModel
+
+
+def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
+    """Fields of the rubber at the cells' midpoints, nan in plates, each of shape (cells,) of this rank.
+
+    S11 is the axial second Piola-Kirchhoff stress [Pa], von_mises that of the Cauchy stress [Pa], both without the
+    tendons' own tension; J is the volume ratio [-].
+    """
+    u, mesh = model.fields.u, model.mesh.mesh
+    S = materials.stress(materials.energy(model.law), kinematics.right_cauchy_green(u))
+    F = kinematics.deformation_gradient(u)
+    J = ufl.det(F)
+    deviator = ufl.dev(F * S * F.T / J)
+    sought = {"S11": S[0, 0], "von_mises": ufl.sqrt(1.5 * ufl.inner(deviator, deviator)), "J": J}
+    cells = np.arange(len(model.mesh.midpoints.T), dtype=np.int32)
+    middle = np.array([[0.5, 0.5, 0.5]])
+    found = {name: fem.Expression(value, middle).eval(mesh, cells).ravel() for name, value in sought.items()}
+    tags = model.mesh.cells
+    for values in found.values():
+        values[tags.indices[tags.values >= geometry.PLATE]] = np.nan
+    return found
+
+
+def contact_pressure(model: FingerModel) -> np.ndarray:
+    """Contact pressure at the nodes [Pa], shape (nodes,) of this rank: what a node's share of the surface bears."""
+    nodes = len(model.displacement) // 3
+    if model.scene.obstacle is None:
+        return np.zeros(nodes)
+    v = ufl.TestFunction(model.space)
+    ds = forms.surface_measure(model.scene, model.mesh)
+    groups = forms.contact_groups(model.scene, ds, model.fields)
+    borne = sum(contact.pressure(g, gamma, q) * v[1] * ds(facets) for facets, g, gamma, q in groups)
+    share = v[1] * ds(geometry.SURFACE)
+    force, area = (model.nodal(forms.compiled(form)) for form in (borne, share))
+    return np.divide(force[:, 1], area[:, 1], out=np.zeros(nodes), where=area[:, 1] > 0)

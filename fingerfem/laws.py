@@ -1,0 +1,130 @@
+"""Laws of the rubber: their parameters, their range, and the small-strain moduli they mean. Energies are in materials."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Formulation = Literal["displacement", "mixed"]
+NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which displacements alone begin to lock
+
+
+class Table(BaseModel):
+    """A table of the scene: every key known, nothing converted silently, nothing changed afterwards."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Law(Table):
+    """Any isotropic law, by its shear modulus mu and bulk modulus K at small strain [Pa].
+
+    Attributes:
+        formulation: `mixed` takes a pressure for an unknown of its own; chosen by Poisson's ratio if left out.
+    """
+
+    formulation: Formulation | None = None
+
+    @property
+    def shear_modulus(self) -> float:
+        """Mu [Pa], at small strain."""
+        raise NotImplementedError
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K [Pa], at small strain."""
+        raise NotImplementedError
+
+    @property
+    def young_modulus(self) -> float:
+        """E = 9 K mu / (3 K + mu) [Pa], at small strain."""
+        mu, K = self.shear_modulus, self.bulk_modulus
+        return 9 * K * mu / (3 * K + mu)
+
+    @property
+    def poisson(self) -> float:
+        """Nu = (3 K - 2 mu) / (6 K + 2 mu) [-], at small strain."""
+        mu, K = self.shear_modulus, self.bulk_modulus
+        return (3 * K - 2 * mu) / (6 * K + 2 * mu)
+
+    @property
+    def is_mixed(self) -> bool:
+        """Whether the pressure is an unknown of its own."""
+        return (self.formulation or ("mixed" if self.poisson > NEARLY_INCOMPRESSIBLE else "displacement")) == "mixed"
+
+
+class NeoHookean(Law):
+    """W = C1 (I1bar - 3) + (J - 1)^2 / D1, polyconvex for all positive C1 [Pa] and D1 [1/Pa].
+
+    Chenevier et al., PLoS ONE 13(2): e0192052 (2018), eq. 4, read so that its units fit.
+    """
+
+    law: Literal["neo-hookean"] = "neo-hookean"
+    C1: Annotated[float, Field(ge=1e2, le=1e12)]
+    D1: Annotated[float, Field(ge=1e-13, le=1e-2)]
+
+    @property
+    def shear_modulus(self) -> float:
+        """Mu = 2 C1 [Pa]."""
+        return 2 * self.C1
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K = 2 / D1 [Pa]."""
+        return 2 / self.D1
+
+
+class MooneyRivlin(Law):
+    """W = C10 (I1bar - 3) + C01 (I2 - 3 - 4 ln J) + (J - 1)^2 / D1, for C10 > 0, C01 >= 0 [Pa] and D1 > 0 [1/Pa].
+
+    At J = 1 it is Mooney's and Rivlin's law. The usual compressible form has I2bar = J^(-4/3) I2 instead, which is not
+    polyconvex (Hartmann, Neff, Int. J. Solids Struct. 40, 2003, doi:10.1016/S0020-7683(03)00086-6); I2 - 4 ln J is:
+    the squared cofactor plus a convex function of J.
+    """
+
+    law: Literal["mooney-rivlin"] = "mooney-rivlin"
+    C10: Annotated[float, Field(ge=1e2, le=1e12)]
+    C01: Annotated[float, Field(ge=0, le=1e12)]
+    D1: Annotated[float, Field(ge=1e-13, le=1e-2)]
+
+    @property
+    def shear_modulus(self) -> float:
+        """Mu = 2 (C10 + C01) [Pa]."""
+        return 2 * (self.C10 + self.C01)
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K = 2 / D1 + 16/3 C01 [Pa]."""
+        return 2 / self.D1 + 16 / 3 * self.C01
+
+
+class SaintVenantKirchhoff(Law):
+    """W = lambda/2 (tr e)^2 + mu tr e^2, with e = (C - I)/2: Hooke's law at any rotation, for small strains.
+
+    Parameters are Young's modulus E [Pa] and Poisson's ratio nu [-].
+    It has no polyconvex range and softens under compression. It has no volumetric part to split off, so it stays below
+    the Poisson's ratio that would need one.
+    """
+
+    law: Literal["saint-venant-kirchhoff"] = "saint-venant-kirchhoff"
+    formulation: Literal["displacement"] | None = None
+    E: Annotated[float, Field(ge=1e2, le=1e12)]
+    nu: Annotated[float, Field(gt=-1, le=NEARLY_INCOMPRESSIBLE)]
+
+    @property
+    def shear_modulus(self) -> float:
+        """Mu = E / (2 + 2 nu) [Pa]."""
+        return self.E / (2 + 2 * self.nu)
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K = E / (3 - 6 nu) [Pa]."""
+        return self.E / (3 - 6 * self.nu)
+
+
+def neo_hookean_from(young_modulus: float, poisson: float) -> NeoHookean:
+    """The neo-Hookean law with the given small-strain moduli E [Pa] and nu [-]."""
+    return NeoHookean(C1=young_modulus / (4 * (1 + poisson)), D1=6 * (1 - 2 * poisson) / young_modulus)
+
+
+STEEL = neo_hookean_from(young_modulus=200e9, poisson=0.3)

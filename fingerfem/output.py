@@ -1,0 +1,41 @@
+"""Files for ParaView."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fingerfem.fields import cell_fields, contact_pressure
+
+if TYPE_CHECKING:
+    from fingerfem.model import FingerModel
+    from fingerfem.state import State
+
+
+def write_vtu(model: FingerModel, state: State, file: str | Path) -> None:
+    """Write a state as VTK unstructured grid: points at rest [m]; displacement [m] and contact_pressure [Pa] on them;
+    S11 [Pa], von_mises [Pa], J [-] and region in cells. ParaView's filter Warp By Vector shows the finger deformed.
+
+    Raises:
+        ValueError: the file is no .vtu, or the finger is shared by ranks.
+    """  # noqa: D205
+    import pyvista
+    from dolfinx import plot
+
+    if Path(file).suffix != ".vtu":
+        raise ValueError(f"a file for ParaView must end in .vtu, got {file}")
+    if model.comm.size > 1:
+        raise ValueError(f"a file for ParaView must be written by one rank, got {model.comm.size}")
+    model.take(state)
+    grid = pyvista.UnstructuredGrid(*plot.vtk_mesh(model.space))
+    grid.point_data["displacement"] = state.displacement.reshape(-1, 3)
+    grid.point_data["contact_pressure"] = contact_pressure(model)
+    for name, values in cell_fields(model).items():
+        grid.cell_data[name] = values
+    region = np.zeros(grid.n_cells, np.int32)
+    region[model.mesh.cells.indices] = model.mesh.cells.values
+    grid.cell_data["region"] = region
+    Path(file).parent.mkdir(parents=True, exist_ok=True)
+    grid.save(file)
