@@ -61,7 +61,9 @@ def solve(
         if file is not None and comm.size > 1:
             raise ValueError(f"{option} must be written by one rank, got {comm.size}")
     if comm.size > 1:
-        compilation.one_at_a_time(lambda: FingerModel(scene))  # shared, ranks cannot take turns: the cache is then ready
+        compilation.one_at_a_time(
+            lambda: FingerModel(scene)
+        )  # shared, ranks cannot take turns: the cache is then ready
     model = FingerModel(scene, comm) if comm.size > 1 else compilation.one_at_a_time(lambda: FingerModel(scene))
     try:
         state = model.solve(tensions, distance)

@@ -10,7 +10,7 @@ normal, it is Nitsche's symmetric variant at finite strain, consistent: the exac
 every gamma (Mlika, Renard, Chouly, Comput. Methods Appl. Mech. Eng. 325, 2017, doi:10.1016/j.cma.2017.07.015, without
 friction). In both, p is the contact pressure, and -dP/dd of the potential is the integral of p: the contact force.
 
-Plates are rigid: their stress says nothing about the pressure on them, so they are held off by the penalty in both methods.
+Plates are rigid: their stress says nothing about the pressure on them. The penalty holds them off in both methods.
 
 It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach the plane is the
 first to feel it, edges and corners included.

@@ -1,4 +1,4 @@
-"""What a state looks like in every cell and on the surface: stresses, volume ratio, contact pressure. Compiled on demand."""
+"""A state seen in every cell and on the surface: stresses, volume ratio, contact pressure; compiled on demand."""
 
 from __future__ import annotations
 

@@ -11,8 +11,8 @@ Meth. Eng. 109, 2017, doi:10.1002/nme.5228) takes the stress for an unknown of i
 eliminates it there, which leaves S* = S(u0) + dS(u0)(u - u0), the stress that the last iterate u0 predicted. Both are
 one form here: with u0 = u and a zero step it is Newton's.
 
-Nearly incompressible rubber, W(C) + U(J), has a pressure p = -U'(J) for an unknown of its own, discontinuous from cell to
-cell and given by its values at the points of a reduced Gauss rule, one point for order 1 and eight for order 2. The
+Nearly incompressible rubber, W(C) + U(J), has a pressure p = U'(J) for an unknown of its own, discontinuous from cell
+to cell and given by its values at the points of a reduced Gauss rule, one point for order 1 and eight for order 2. The
 constraint on p couples no two points, so p is eliminated where it stands, which leaves U integrated by that rule:
 Malkus, Hughes, Comput. Methods Appl. Mech. Eng. 15, 1978, doi:10.1016/0045-7825(78)90005-1.
 """
@@ -42,6 +42,7 @@ class Fields:
     tension_density: fem.Function  # of the tendons in a cell, per area [Pa] or, in a hole, volume [N/m^3]
     distance: fem.Constant  # of the plane [m]
     stiffness: fem.Constant  # of contact, gamma = factor E / h with Young's modulus E of the rubber [N/m^3]
+    pad_share: fem.Function | None  # y: share of a node's contact force that rests on the pad [-]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,8 +83,8 @@ def rubber_terms(law: Law, dx: ufl.Measure, regions: Sequence[int], order: int) 
     assert volumetric is not None  # a law without one stays below where mixed begins
     terms = []
     for k, region in enumerate(regions):
-        # DOLFINx 0.9 assembles the first of two integrals over one region twice and drops the second. UFL makes them two
-        # where it sees the same integrand in other regions too; written differently, it does not.
+        # DOLFINx 0.9 assembles the first of two integrals over one region twice and drops the second. UFL makes them
+        # two where it sees the same integrand in other regions too; written differently, it does not.
         whole, reduced = dx(region), dx(region, metadata={"quadrature_degree": 2 * order - 1})
         terms += [(_written(distortional, k), whole), (_written(volumetric, k), reduced)]
     return terms
@@ -192,21 +193,36 @@ def _contact(scene: Scene, ds: ufl.Measure, fields: Fields) -> tuple[Any, Contac
     pressures = [(facets, contact.pressure(g, gamma, q)) for facets, g, gamma, q in groups]
     energy = sum(contact.energy(g, gamma, q) * ds(facets) for facets, g, gamma, q in groups)
     force = sum(p * ds(facets) for facets, p in pressures)
-    touching = [ufl.conditional(ufl.gt(p, 0), gamma, 0.0) for (_, p), (*_, gamma, _) in zip(pressures, groups, strict=True)]
+    touching = [
+        ufl.conditional(ufl.gt(p, 0), gamma, 0.0) for (_, p), (*_, gamma, _) in zip(pressures, groups, strict=True)
+    ]
     made = ContactForms(
         energy=compiled(energy),
         force=compiled(force),
         force_gradient=compiled(ufl.derivative(force, u, v)),
         stiffness=compiled(sum(gamma * ds(group[0]) for gamma, group in zip(touching, groups, strict=True))),
-        gap_work=compiled(sum(p * abs(group[1]) * ds(facets) for (facets, p), group in zip(pressures, groups, strict=True))),
+        gap_work=compiled(
+            sum(p * abs(group[1]) * ds(facets) for (facets, p), group in zip(pressures, groups, strict=True))
+        ),
         pad_force=None,
         pad_area=None,
     )
     if scene.obstacle is None or scene.obstacle.pad is None:
         return energy, made
-    on_pad = sum(p * ds(tuple(set(facets) & set(geometry.PAD))) for facets, p in pressures)
+    assert fields.pad_share is not None
+    on_pad = sum(p * fields.pad_share[1] * ds(facets) for facets, p in pressures)
     area = fem.Constant(ds.ufl_domain(), 1.0) * ds(geometry.PAD)
     return energy, replace(made, pad_force=compiled(on_pad), pad_area=compiled(area))
+
+
+def pad_areas(ds: ufl.Measure, space: fem.FunctionSpace) -> tuple[fem.Form, fem.Form]:
+    """Areas around the nodes, in y, of the pad and of the whole face it lies on [m^2].
+
+    At the finger's edges a node's force comes from both faces that meet there; all of it rests on the pad.
+    """
+    v, normal = ufl.TestFunction(space), ufl.FacetNormal(ds.ufl_domain())
+    face = ufl.conditional(ufl.gt(normal[1], 0.5), v[1], 0.0) * ds(geometry.SURFACE)
+    return compiled(v[1] * ds(geometry.PAD)), compiled(face)
 
 
 def volume_ratio(u: fem.Function) -> fem.Expression:

@@ -87,9 +87,7 @@ def _faces(scene: Scene, x: np.ndarray) -> np.ndarray:
         pad = (x[1] > scene.geometry.side / 2 - tolerance) & (abs(x[2]) < width / 2)
         pad &= (x[0] > patch.x[0]) & (x[0] < patch.x[1])
     in_plate = np.any([(x[0] > a) & (x[0] < b + tolerance) for a, b in plates(scene)], axis=0)
-    kinds = np.where(
-        in_plate, np.where(pad, PLATE_PAD, PLATE_SURFACE), np.where(pad, RUBBER_PAD, RUBBER_SURFACE)
-    )
+    kinds = np.where(in_plate, np.where(pad, PLATE_PAD, PLATE_SURFACE), np.where(pad, RUBBER_PAD, RUBBER_SURFACE))
     if scene.is_half:
         kinds[abs(x[2]) < tolerance] = CUT
     kinds[x[0] < tolerance] = CLAMP

@@ -1,4 +1,4 @@
-"""Laws of the rubber: their parameters, their range, and the small-strain moduli they mean. Energies are in materials."""
+"""Laws of the rubber: parameters, their range, and the small-strain moduli they mean. Energies are in materials."""
 
 from __future__ import annotations
 

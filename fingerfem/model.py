@@ -15,7 +15,7 @@ from petsc4py import PETSc
 
 import fingerfem
 from fingerfem import contact, geometry, grid
-from fingerfem.forms import Fields, compile_forms, volume_ratio
+from fingerfem.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
 from fingerfem.rigid import Plate
 from fingerfem.scene import Scene
 from fingerfem.self_contact import Surface
@@ -44,6 +44,7 @@ class FingerModel:
             tension_density=fem.Function(fem.functionspace(self.mesh.mesh, ("DG", 0))),
             distance=fem.Constant(self.mesh.mesh, FAR),
             stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
+            pad_share=self._pad_share(),
         )
         self.copies = 2 if scene.is_half else 1  # of what is modelled, in the whole finger
         self.tensions = np.zeros(len(scene.tendons))
@@ -63,6 +64,14 @@ class FingerModel:
         if obstacle is None:
             return 0.0
         return contact.stiffness(obstacle.stiffness_factor, self.law.young_modulus, self.mesh.smallest)
+
+    def _pad_share(self) -> fem.Function | None:
+        if self.scene.obstacle is None or self.scene.obstacle.pad is None:
+            return None
+        share = fem.Function(self.space)
+        pad, face = (self.nodal(form).ravel() for form in pad_areas(surface_measure(self.scene, self.mesh), self.space))
+        np.divide(pad, face, out=share.x.array, where=face > 0)
+        return share
 
     def _spread(self, k: int) -> tuple[np.ndarray, float]:
         """Cells over which tendon k's tension is spread, and the area [m^2] or volume [m^3] of the whole finger's."""

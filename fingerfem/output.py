@@ -15,12 +15,13 @@ if TYPE_CHECKING:
 
 
 def write_vtu(model: FingerModel, state: State, file: str | Path) -> None:
-    """Write a state as VTK unstructured grid: points at rest [m]; displacement [m] and contact_pressure [Pa] on them;
-    S11 [Pa], von_mises [Pa], J [-] and region in cells. ParaView's filter Warp By Vector shows the finger deformed.
+    """Write a state as a VTK unstructured grid; ParaView's filter Warp By Vector shows the finger deformed.
+
+    Points at rest [m] with displacement [m], contact_pressure [Pa]; cells with S11, von_mises [Pa], J [-], region.
 
     Raises:
         ValueError: the file is no .vtu, or the finger is shared by ranks.
-    """  # noqa: D205
+    """
     import pyvista
     from dolfinx import plot
 

@@ -46,7 +46,8 @@ def describe(scene: Scene, versions: dict[str, str], held_out: HeldOut | None = 
 
 def _lead(scene: Scene) -> int:
     """The tendon that bends the finger most towards the plane."""
-    lever = [tendon.offset[0] for tendon in scene.tendons]
+    ends = np.cumsum(scene.geometry.segments)
+    lever = [tendon.offset[0] * ends[tendon.segment - 1] for tendon in scene.tendons]
     lead = int(np.argmax(lever))
     if scene.obstacle is not None and lever[lead] <= 0:
         raise SceneError("tendons must have one on the plane's side (offset y > 0) to sample contact, got none")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Surface:
-    """The triangulated surface of a finger, whole on every rank; edges follow the cells' edges, straight at order 2 too."""
+    """The triangulated surface of a finger, whole on every rank; straight between the cells' corners at order 2 too."""
 
     def __init__(self, model: FingerModel):
         self._comm = model.comm

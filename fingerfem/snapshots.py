@@ -211,6 +211,9 @@ class Record:
             self._broken = failure.reason
             self.failed(tensions, d, failure.reason)
             return
+        if model.passes_through_itself():
+            self.failed(tensions, d, "the finger passes through itself")
+            return
         row = {
             "parameters": self._parameters(tensions, d),
             "displacement": self._solver.sorted(),

@@ -139,18 +139,6 @@ def test_nothing_passes_the_plane_by_more_than_a_ten_thousandth_of_the_side(draf
     assert draft.reach() - load[1] < 1e-4 * 0.010
 
 
-def test_contact_force_hardly_depends_on_the_penalty(table):
-    """Tenfold each way. What is left is the plate's edge sinking in by micrometres."""
-    forces = []
-    for stiffness in (100.0, 1000.0, 10000.0):
-        table["obstacle"]["stiffness"] = stiffness
-        forces.append(
-            FingerModel(Scene.model_validate(table)).solve([50.0, 20.0], 0.005, sensitivities=False).contact_force
-        )
-    assert forces[1] == pytest.approx(forces[2], rel=5e-4)
-    assert forces[0] == pytest.approx(forces[2], rel=5e-3)
-
-
 def test_a_small_pull_bends_the_finger_as_beam_theory_says(table):
     """w = F e L^2 / 2EI to first order in F, on quadratic cells; the rubber is 49 mm long, the tip is seen at 49.5 mm.
 
@@ -159,7 +147,7 @@ def test_a_small_pull_bends_the_finger_as_beam_theory_says(table):
     table["mesh"] = {"cells": [20, 5], "order": 2}
     del table["obstacle"]
     model = FingerModel(Scene.model_validate(table))
-    F, e, L, EI = 0.1, 0.004, 0.049, model.rubber.young_modulus * 0.010**4 / 12
+    F, e, L, EI = 0.1, 0.004, 0.049, model.law.young_modulus * 0.010**4 / 12
     w = F * e / EI * (L**2 / 2 + L * 0.0005)
     assert model.solve([F, 0.0], sensitivities=False).tip[1] == pytest.approx(w, rel=0.02)
 

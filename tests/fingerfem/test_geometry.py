@@ -32,9 +32,10 @@ def test_the_section_is_symmetric_at_every_resolution(cells):
 
 def test_the_papers_grid_is_uniform(table):
     table["mesh"]["cells"] = [100, 10]
-    x, y = grid.grid_lines(Scene.model_validate(table))
+    x, y, z = grid.grid_lines(Scene.model_validate(table))
     assert np.allclose(np.diff(x), 0.5e-3, rtol=1e-9)
     assert np.allclose(np.diff(y), 1e-3, rtol=1e-9)
+    assert np.array_equal(y, z)
 
 
 @pytest.mark.mpi
@@ -52,9 +53,33 @@ def test_regions_have_the_volumes_and_areas_of_the_finger_at_every_resolution(ta
     def size(measure):
         return MPI.COMM_WORLD.allreduce(fem.assemble_scalar(fem.form(one * measure)))
 
-    assert size(dx(geometry.TIP_PLATE)) == pytest.approx(1e-3 * 1e-4, rel=1e-12)
+    assert size(dx(geometry.TIP)) == pytest.approx(1e-3 * 1e-4, rel=1e-12)
     assert size(dx(geometry.RUBBER_CHANNEL)) == pytest.approx(2 * 49e-3 * 4e-6, rel=1e-12)
     assert size(dx) == pytest.approx(50e-3 * 1e-4, rel=1e-12)
     assert size(ds(geometry.CLAMP)) == pytest.approx(1e-4, rel=1e-12)
     assert size(ds(geometry.PAD)) == pytest.approx(1e-5, rel=1e-12)
-    assert size(ds((geometry.SURFACE, geometry.PAD))) == pytest.approx(4 * 50e-5 + 1e-4, rel=1e-12)
+    assert size(ds(geometry.SURFACE)) == pytest.approx(4 * 50e-5 + 1e-4, rel=1e-12)
+
+
+@pytest.mark.parametrize("across", [5, 6, 9])
+def test_half_a_finger_is_half_of_the_whole_on_the_same_lines(table, across):
+    table["tendons"] = table["tendons"][:1]
+    table["mesh"]["cells"][1] = across
+    half = grid.grid_lines(Scene.model_validate(table))
+    table["mesh"]["symmetry"] = False
+    whole = grid.grid_lines(Scene.model_validate(table))
+    assert np.array_equal(half[0], whole[0]) and np.array_equal(half[1], whole[1])
+    assert half[2][0] == 0.0
+    assert np.allclose(whole[2], np.concatenate([-half[2][:0:-1], half[2]]), atol=1e-15)
+
+
+def test_the_pad_is_the_patch_that_the_scene_names(table):
+    from dolfinx import fem
+    from ufl import Measure
+
+    table["mesh"]["cells"] = [20, 8]
+    table["obstacle"]["pad"] = {"name": "belly", "x": [0.031, 0.0475], "width": 0.005}
+    finger = geometry.build_mesh(Scene.model_validate(table), MPI.COMM_SELF)
+    ds = Measure("ds", finger.mesh, subdomain_data=finger.facets)
+    area = fem.assemble_scalar(fem.form(fem.Constant(finger.mesh, 1.0) * ds(geometry.PAD)))
+    assert area == pytest.approx(0.0165 * 0.005, rel=1e-12)

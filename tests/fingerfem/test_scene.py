@@ -43,6 +43,22 @@ BROKEN = {
     "no room for the plate": ("cells = [20, 5]", "cells = [1, 5]", ["mesh.cells[0]", "at least 2 cells", "1"]),
     "half a cell": ("cells = [20, 5]", "cells = [20, 5.5]", ["mesh.cells.1", "whole number", "5.5"]),
     "order 3": ("order = 1", "order = 3", ["mesh.order", "at most 2", "3"]),
+    "law without name": ('law = "neo-hookean"', "", ["material.law", "required"]),
+    "law of another": ('law = "neo-hookean"', 'law = "mooney-rivlin"', ["material.C1", "known key"]),
+    "overlapping channels": (
+        "offset = [0.0, 0.004]",
+        "offset = [0.003, 0.001]",
+        ["tendons.1.offset", "apart", "0.002 m", "[0.003, 0.001]", "F1"],
+    ),
+    "unknown path": (
+        "segment = 1 ",
+        'path = "loose"\nsegment = 1 ',
+        ["tendons.0.path", "'channel' or 'straight'", "'loose'"],
+    ),
+    "symmetry without": ("order = 1", "order = 1\nsymmetry = true", ["mesh.symmetry", "plane z = 0", "true"]),
+    "pad beyond the tip": ("x = [0.049, 0.050]", "x = [0.049, 0.060]", ["obstacle.pad.x", "on the finger", "0.06"]),
+    "pad without length": ("x = [0.049, 0.050]", "x = [0.05, 0.05]", ["obstacle.pad.x", "lowest < highest"]),
+    "pad too wide": ("x = [0.049, 0.050]", "x = [0.049, 0.05]\nwidth = 0.02", ["obstacle.pad.width", "side", "0.02"]),
     "not TOML": ("[mesh]", "[mesh", ["not a TOML file"]),
 }
 
@@ -59,6 +75,27 @@ def test_a_broken_rule_is_one_line_with_file_field_rule_and_value(case, tmp_path
     assert "\n" not in message
     for word in [str(file), *words]:
         assert word in message
+
+
+def test_nitsche_is_refused_for_nearly_incompressible_rubber(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(DRAFT.replace("D1 = 2.43e-7", "D1 = 1e-9").replace('"penalty"', '"nitsche"'))
+    with pytest.raises(SceneError, match=r"obstacle\.method must be penalty where the rubber is nearly incompressible"):
+        load_scene(file)
+
+
+@pytest.mark.parametrize(
+    ("scene", "names", "is_half"),
+    [
+        ("free", ["F1"], True),
+        ("two_segments", ["F_s", "F_l", "d"], True),
+        ("four_tendons", ["F_s1", "F_s2", "F_l1", "F_l2", "d"], False),
+    ],
+)
+def test_shipped_scenes_model_what_they_name(scene, names, is_half):
+    found = load_scene(ROOT / "scenes" / f"{scene}.toml")
+    assert [parameter["name"] for parameter in found.parameters] == names
+    assert found.is_half is is_half
 
 
 @pytest.mark.parametrize("scene", ["draft", "one_segment"])
