@@ -1,4 +1,4 @@
-"""Homogeneous states of a block, from scalar equations for the stretches; pressed on the plane, the contact patch test."""
+"""Homogeneous states of a block, from scalar equations for the stretches; the contact patch test."""
 
 import dolfinx
 import numpy as np
@@ -104,7 +104,7 @@ class Block:
 
 
 def rest(block: Block) -> np.ndarray:
-    return block.space.tabulate_dof_coordinates() + [0.0, 0.5, 0.0]
+    return block.space.tabulate_dof_coordinates() + np.array([0.0, 0.5, 0.0])
 
 
 @pytest.mark.parametrize("order", [1, 2])

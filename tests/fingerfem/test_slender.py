@@ -1,7 +1,7 @@
 """Slender fingers are beams: elastica, tendon arc, tendon arc against a plane, buckling.
 
-Rubber of Poisson's ratio 0, a plate as thin as side^2 / length, quadratic cells; what differs from a beam without thickness
-falls with side over length and is extrapolated away.
+Rubber of Poisson's ratio 0, a plate as thin as side^2 / length, quadratic cells; what differs from a beam without
+thickness falls with side over length and is extrapolated away.
 """
 
 import numpy as np
@@ -9,8 +9,8 @@ import pytest
 from scipy.optimize import brentq
 
 from fingerfem import FingerModel
-from fingerfem.newton import NewtonOptions
 from fingerfem.laws import neo_hookean_from
+from fingerfem.newton import NewtonOptions
 from fingerfem.scene import Scene
 
 SIDE, E = 0.010, 1e7
