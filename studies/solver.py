@@ -1,0 +1,203 @@
+"""The full-order solver, measured: factorisations, wall time against plain Newton's, growth with the unknowns.
+
+python3 studies/solver.py [OUT] [--quick]    prints tables, writes OUT/solver.json (out/solver by default); one core
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from petsc4py import PETSc
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from fingerfem import FingerModel, load_scene
+from fingerfem.convergence import LoadNotReached
+from fingerfem.scene import Scene
+
+SCENES = Path(__file__).resolve().parents[1] / "scenes"
+LINES = [[30.0, 0.0], [50.0, 20.0], [70.0, 40.0], [60.0, 80.0], [100.0, 60.0]]  # tensions of contact lines [N]
+STATES = 9  # a line's
+SIZES = [[12, 5], [25, 6], [50, 8], [100, 10], [150, 15], [220, 20]]  # cells, 1,500 to 300,000 unknowns
+
+
+def line_distances(reach: float, nearest: float) -> np.ndarray:
+    """Distances of a training line's contact states [m]: dense where contact begins."""
+    fractions = 1 - np.cos(np.pi / 2 * np.arange(1, STATES + 1) / STATES)
+    return reach - fractions * (reach - nearest)
+
+
+def from_rest(model: FingerModel) -> dict:
+    """From rest to 100 N on one tendon."""
+    newton = model.stepper.newton
+    newton.factorisations, begun = 0, time.perf_counter()
+    model.stepper.rest()
+    model.stepper.advance([100.0] + [0.0] * (len(model.scene.tendons) - 1), None)
+    return {
+        "unknowns": model.unknowns,
+        "factorisations": newton.factorisations,
+        "steps": model.stepper.steps,
+        "seconds": time.perf_counter() - begun,
+    }
+
+
+def contact_line(model: FingerModel, tensions: list[float]) -> dict:
+    """A training line: the plane comes nearer, state by state, each starting from the last."""
+    stepper, newton = model.stepper, model.stepper.newton
+    stepper.rest()
+    stepper.advance(tensions, None)
+    newton.factorisations, begun = 0, time.perf_counter()
+    distances = line_distances(model.reach(), model.scene.parameters[-1]["lower"])
+    forces = []
+    for distance in distances:
+        stepper.advance(tensions, float(distance))
+        forces.append(model.scalar(model.forms.contact.force))
+    return {
+        "tensions": tensions,
+        "distances": distances.tolist(),
+        "contact_forces": forces,
+        "factorisations": newton.factorisations,
+        "seconds": time.perf_counter() - begun,
+    }
+
+
+class PlainNewton:
+    """The usual set-up: SNES with full Newton steps and MUMPS LU, the plane in place, increments of 25 N."""
+
+    def __init__(self, model: FingerModel):
+        self.model, self.factorisations = model, 0
+        snes = PETSc.SNES().create(model.comm)
+        snes.setType("newtonls")
+        prefix = "plain_newton_"
+        snes.setOptionsPrefix(prefix)
+        settings = PETSc.Options()
+        settings[prefix + "snes_linesearch_type"] = "basic"
+        snes.setFromOptions()
+        settings.delValue(prefix + "snes_linesearch_type")
+        snes.getKSP().setType("preonly")
+        snes.getKSP().getPC().setType("lu")
+        snes.getKSP().getPC().setFactorSolverType("mumps")
+        # The same accuracy as the project's own solver asks for.
+        snes.setTolerances(rtol=0, atol=1e-10 * model.force_scale, stol=0, max_it=50)
+        self._residual = model.matrix.createVecRight()
+        snes.setFunction(self._function, self._residual)
+        snes.setJacobian(self._jacobian, model.matrix)
+        self._snes, self._x = snes, model.matrix.createVecRight()
+
+    def _set(self, x: PETSc.Vec) -> None:
+        self.model.displacement[: x.local_size] = x.array_r
+        self.model.fields.previous.x.array[:] = self.model.displacement
+
+    def _function(self, _, x: PETSc.Vec, f: PETSc.Vec) -> None:
+        self._set(x)
+        b = self.model.residual()
+        b.copy(f)
+        b.destroy()
+
+    def _jacobian(self, _, x: PETSc.Vec, matrix: PETSc.Mat, __) -> None:
+        self._set(x)
+        self.model.tangent()
+        self.factorisations += 1
+
+    def solve(self, tensions: list[float], distance: float) -> float | None:
+        """Contact force [N] of a state solved from rest, None where it does not converge."""
+        self._x.set(0.0)
+        for fraction in np.arange(1, int(np.ceil(max(tensions) / 25)) + 1) * 25 / max(tensions):
+            self.model.set_loads(min(fraction, 1.0) * np.array(tensions), distance)
+            try:
+                self._snes.solve(None, self._x)
+            except PETSc.Error:  # a NaN in the tangent
+                return None
+            if self._snes.getConvergedReason() <= 0:
+                return None
+        self._set(self._x)
+        return self.model.scalar(self.model.forms.contact.force)
+
+
+def against_plain_newton(model: FingerModel, tensions: list[float]) -> dict:
+    """The same nine states, on the line and each from rest by plain Newton, in one run."""
+    begun = time.perf_counter()
+    model.stepper.newton.factorisations = 0
+    line = contact_line(model, tensions)
+    ours = time.perf_counter() - begun  # the way from rest included
+    plain, begun = PlainNewton(model), time.perf_counter()
+    forces = [plain.solve(tensions, distance) for distance in line["distances"]]
+    theirs = time.perf_counter() - begun
+    both = [(a, b) for a, b in zip(line["contact_forces"], forces, strict=True) if b is not None]
+    return {
+        "tensions": tensions,
+        "seconds": ours,
+        "plain_seconds": theirs,
+        "plain_factorisations": plain.factorisations,
+        "plain_not_converged": forces.count(None),
+        "times_faster": theirs / ours,
+        "largest_difference": max((abs(a - b) / a for a, b in both), default=None),
+    }
+
+
+def sizes(scene: Scene, quick: bool) -> list[dict]:
+    """From rest to 100 N on meshes of 1,500 to 300,000 unknowns."""
+    found = []
+    for cells in SIZES[: 3 if quick else None]:
+        table = scene.model_dump()
+        table["mesh"]["cells"] = cells
+        del table["obstacle"]
+        model = FingerModel(Scene.model_validate(table))
+        try:
+            found.append({"cells": cells, **from_rest(model)})
+        except LoadNotReached as failure:
+            found.append({"cells": cells, "unknowns": model.unknowns, "failed": str(failure)})
+        say(found[-1])
+    return found
+
+
+def say(row: dict) -> None:
+    """Print a row of a table."""
+    print("  ".join(f"{name} {_short(value)}" for name, value in row.items() if name not in HIDDEN), flush=True)
+
+
+HIDDEN = ("distances", "contact_forces")
+
+
+def _short(value) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+def main() -> None:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("out", nargs="?", default="out/solver")
+    parser.add_argument("--quick", action="store_true", help="the draft mesh instead of the paper's; three sizes")
+    options = parser.parse_args()
+    scene = load_scene(SCENES / ("draft.toml" if options.quick else "one_segment.toml"))
+    model = FingerModel(scene)
+    model.stepper.rest()
+    model.stepper.advance([1.0, 0.0], None)  # what is done once: compiled forms, symbolic factorisation
+    print(f"{scene.name}: from rest to 100 N")
+    result: dict = {"scene": scene.name, "from_rest": from_rest(model)}
+    say(result["from_rest"])
+    print(f"contact lines of {STATES} states")
+    result["lines"] = []
+    for tensions in LINES:
+        result["lines"].append(contact_line(model, tensions))
+        say(result["lines"][-1])
+    total = sum(line["factorisations"] for line in result["lines"])
+    result["factorisations_per_contact_state"] = total / (STATES * len(LINES))
+    print(f"factorisations a contact state: {result['factorisations_per_contact_state']:.2f}")
+    print("against plain Newton, each state from rest")
+    result["against_plain_newton"] = against_plain_newton(model, LINES[1])
+    say(result["against_plain_newton"])
+    print("number of unknowns")
+    result["sizes"] = sizes(scene, options.quick)
+    folder = Path(options.out)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "solver.json").write_text(json.dumps(result, indent=1))
+
+
+if __name__ == "__main__":
+    main()
