@@ -76,9 +76,12 @@ class PlainNewton:
         prefix = "plain_newton_"
         snes.setOptionsPrefix(prefix)
         settings = PETSc.Options()
-        settings[prefix + "snes_linesearch_type"] = "basic"
+        chosen = {"snes_linesearch_type": "basic", "snes_divergence_tolerance": 1e50}  # never gives up for growth
+        for name, value in chosen.items():
+            settings[prefix + name] = value
         snes.setFromOptions()
-        settings.delValue(prefix + "snes_linesearch_type")
+        for name in chosen:
+            settings.delValue(prefix + name)
         snes.getKSP().setType("preonly")
         snes.getKSP().getPC().setType("lu")
         snes.getKSP().getPC().setFactorSolverType("mumps")
