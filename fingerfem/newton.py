@@ -94,10 +94,10 @@ class Newton:
                 slope = -model.copies * residual.dot(self._update)
                 if not np.isfinite(slope):
                     reason = "the linear solver returned NaN"
+                moved = self._update.norm(PETSc.NormType.NORM_INFINITY)  # whole, not what a search leaves of it
             if reason is None and strategy == "line search":
                 reason = self._search(slope)
             residual.destroy()
-            moved = self._update.norm(PETSc.NormType.NORM_INFINITY)
             if reason is not None:
                 model.fields.u.x.array[:] = start
                 raise NotConverged(reason, iteration)
