@@ -60,11 +60,9 @@ def solve(
     for file, option in ((picture, "picture"), (paraview, "paraview")):
         if file is not None and comm.size > 1:
             raise ValueError(f"{option} must be written by one rank, got {comm.size}")
-    if comm.size > 1:
-        compilation.one_at_a_time(
-            lambda: FingerModel(scene)
-        )  # shared, ranks cannot take turns: the cache is then ready
-    model = FingerModel(scene, comm) if comm.size > 1 else compilation.one_at_a_time(lambda: FingerModel(scene))
+    model = compilation.one_at_a_time(lambda: FingerModel(scene))
+    if comm.size > 1:  # the ranks of one finger cannot take turns, but find every form compiled now
+        model = FingerModel(scene, comm)
     try:
         state = model.solve(tensions, distance)
     except LoadNotReached as failure:
@@ -102,8 +100,8 @@ def snapshots(
     petsc4py.init(comm=MPI.COMM_SELF)  # or PETSc would wait at its end for ranks that were killed
     from fingerfem import FingerModel, compilation
     from fingerfem import snapshots as farm
-    from fingerfem.model import versions
     from fingerfem.sampling import HeldOut, describe
+    from fingerfem.versions import versions
     from rom.snapshots import SnapshotSet
 
     comm = MPI.COMM_WORLD

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cached_property
 from time import perf_counter
 
-import dolfinx
 import numpy as np
 from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix, assemble_vector, create_matrix
@@ -13,7 +12,6 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
-import fingerfem
 from fingerfem import contact, geometry, grid
 from fingerfem.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
 from fingerfem.rigid import Plate
@@ -295,9 +293,3 @@ class FingerModel:
         cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
         values = self._volume_ratio.eval(self.mesh.mesh, cells)
         return float(self.comm.allreduce(values.min() if values.size else np.inf, op=MPI.MIN))
-
-
-def versions() -> dict[str, str]:
-    """What a number depends on besides the scene."""
-    petsc = ".".join(map(str, PETSc.Sys.getVersion()))
-    return {"fingerfem": fingerfem.__version__, "dolfinx": dolfinx.__version__, "petsc": petsc}

@@ -103,37 +103,40 @@ def draw(panels: Sequence[Deformed], picture: str | Path) -> None:
         raise NoDisplay(f"VTK could not draw {picture}: {done.stderr.decode().strip()[-300:]}")
 
 
+VIEW = np.array([0.0, -0.25, 1.0])  # from the finger towards the eye: upright, from a little below the plane
+PANEL = 800  # width [pixels]
+
+
 def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
     import pyvista
 
-    rows, columns = (len(panels) + 1) // 2, min(2, len(panels))
-    plotter = pyvista.Plotter(
-        shape=(rows, columns), off_screen=True, window_size=[800 * columns, 520 * rows], border=False
-    )
     label, scale = FIELDS[panels[0].field]
     shown = np.concatenate([panel.values for panel in panels]) * scale
     limit = float(np.nanpercentile(np.abs(shown), 99)) or 1.0
     limits = [-limit, limit] if panels[0].field == "S11" else [float(np.nanmin(shown)), limit]
-    length, side = panels[0].points[:, 0].max(), np.ptp(panels[0].points[:, 1])
-    bar = {
-        "title": label,
-        "vertical": True,
-        "position_x": 0.88,
-        "position_y": 0.15,
-        "height": 0.7,
-        "n_labels": 5,
-        "color": "black",
-        "label_font_size": 18,
-        "title_font_size": 18,
-    }
-    for k, panel in enumerate(panels):
-        plotter.subplot(k // 2, k % 2)
-        grid = pyvista.UnstructuredGrid(panel.cells, panel.kinds, panel.points + panel.displacement)
-        grid.cell_data[label] = panel.values * scale
-        if panel.half:
-            grid = grid.merge(grid.reflect((0, 0, 1)))
+    fingers = [_finger(panel, label, scale) for panel in panels]
+    planes = [_plane(panel) for panel in panels]
+
+    # One camera for all panels, which sees whatever any of them shows, with room for title and colour bar.
+    right = np.cross([0.0, 1.0, 0.0], VIEW)
+    right /= np.linalg.norm(right)
+    up = np.cross(VIEW, right) / np.linalg.norm(VIEW)
+    points = np.concatenate([mesh.points for mesh in [*fingers, *planes] if mesh is not None])
+    width, height = 1.3 * np.ptp(points @ right), 1.25 * np.ptp(points @ up)
+    centre = (points.max(axis=0) + points.min(axis=0)) / 2 + 0.08 * width * right + 0.05 * height * up
+    pixels = int(np.clip(PANEL * height / width, 300, 800))
+    columns = min(2, len(panels))
+    plotter = pyvista.Plotter(
+        shape=(-(-len(panels) // columns), columns),
+        off_screen=True,
+        window_size=[PANEL * columns, pixels * -(-len(panels) // columns)],
+        border=False,
+    )
+    for k, (panel, finger, plane) in enumerate(zip(panels, fingers, planes, strict=True)):
+        plotter.subplot(k // columns, k % columns)
+        last = k == len(panels) - 1
         plotter.add_mesh(
-            grid,
+            finger,
             scalars=label,
             cmap="coolwarm" if limits[0] < 0 else "viridis",
             clim=limits,
@@ -142,20 +145,48 @@ def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
             line_width=0.5,
             ambient=0.5,
             diffuse=0.5,
-            show_scalar_bar=k == len(panels) - 1,
-            scalar_bar_args=bar,
+            show_scalar_bar=last,
+            scalar_bar_args=BAR | {"title": label},
         )
-        if panel.plane is not None:
-            middle = (length / 2, panel.plane, 0)
-            plane = pyvista.Plane(center=middle, direction=(0, 1, 0), i_size=1.2 * length, j_size=4 * side)
-            plotter.add_mesh(plane, color="tan", opacity=0.4)
+        if plane is not None:
+            plotter.add_mesh(plane, color="tan", opacity=0.5, lighting=False)
         plotter.add_text(panel.title, font_size=12, color="black")
         plotter.set_background("white")
-        centre = np.array([0.52 * length, 0.3 * length, 0.0])
-        plotter.camera_position = [tuple(centre + length * np.array([0.5, 0.7, 3.0])), tuple(centre), (0, 1, 0)]
+        plotter.camera_position = [tuple(centre + np.ptp(points) * VIEW), tuple(centre), (0, 1, 0)]
         plotter.enable_parallel_projection()
-        plotter.camera.parallel_scale = 0.45 * length
+        plotter.camera.parallel_scale = max(height, width * pixels / PANEL) / 2
     plotter.screenshot(picture)
+
+
+BAR = {
+    "vertical": True,
+    "position_x": 0.88,
+    "position_y": 0.15,
+    "height": 0.7,
+    "n_labels": 5,
+    "color": "black",
+    "label_font_size": 18,
+    "title_font_size": 18,
+}
+
+
+def _finger(panel: Deformed, label: str, scale: float):
+    """The deformed mesh, whole."""
+    import pyvista
+
+    grid = pyvista.UnstructuredGrid(panel.cells, panel.kinds, panel.points + panel.displacement)
+    grid.cell_data[label] = panel.values * scale
+    return grid.merge(grid.reflect((0, 0, 1))) if panel.half else grid
+
+
+def _plane(panel: Deformed):
+    """The obstacle, a thin plate above the finger."""
+    import pyvista
+
+    if panel.plane is None:
+        return None
+    length, side = panel.points[:, 0].max(), np.ptp(panel.points[:, 1])
+    return pyvista.Box((0, 1.05 * length, panel.plane, panel.plane + 0.1 * side, -1.5 * side, 1.5 * side))
 
 
 if __name__ == "__main__":

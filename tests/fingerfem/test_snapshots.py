@@ -110,7 +110,7 @@ def test_killing_a_rank_and_running_again_ends_in_the_undisturbed_set(scene, und
         victims = [pid for pid in ranks if b"fingerfem" in Path(f"/proc/{pid}/cmdline").read_bytes()]
         assert len(victims) == 2
         os.kill(victims[1], signal.SIGKILL)
-        job.wait(timeout=120)
+        job.wait(timeout=300)
     finally:
         if job.poll() is None:
             os.killpg(job.pid, signal.SIGKILL)

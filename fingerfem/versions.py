@@ -1,0 +1,14 @@
+"""What a number depends on besides the scene."""
+
+from __future__ import annotations
+
+import dolfinx
+from petsc4py import PETSc
+
+import fingerfem
+
+
+def versions() -> dict[str, str]:
+    """Versions by name of software."""
+    petsc = ".".join(map(str, PETSc.Sys.getVersion()))
+    return {"fingerfem": fingerfem.__version__, "dolfinx": dolfinx.__version__, "petsc": petsc}
