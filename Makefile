@@ -1,10 +1,11 @@
 # make demo   train the draft finger, grasp, verify, report to out/demo
 # make test   all tests, lint, types, import contracts
+# make readme, solver, figures   what README and docs/ show (see below)
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test clean readme
+.PHONY: demo test clean readme solver figures
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -24,6 +25,22 @@ test: .venv/ready
 # README's numbers and picture, from the last demo.
 readme: demo
 	docker/run python3 studies/readme.py out/demo
+
+# docs/solver.md, from the studies of the full-order solver: about an hour on one core.
+solver:
+	docker/run env OMP_NUM_THREADS=1 python3 studies/solver.py out/solver
+	docker/run env OMP_NUM_THREADS=1 python3 studies/choices.py out/solver
+	docker/run env OMP_NUM_THREADS=1 python3 studies/scenes.py out/solver
+	docker/run python3 studies/solver_page.py out/solver
+
+# The pictures of docs/figures.md: free states, contact states, two segments, as figures 3, 4 and 6 of the paper.
+figures:
+	docker/run python3 -m fingerfem render scenes/one_segment.toml docs/free.png \
+	    --case 'F1=50' --case 'F1=100' --case 'F1=50 F2=50' --case 'F1=100 F2=100'
+	docker/run python3 -m fingerfem render scenes/one_segment.toml docs/contact.png \
+	    --case 'F1=50 d=0.005' --case 'F1=100 d=0.005' --case 'F1=50 F2=50 d=0.005' --case 'F1=100 F2=50 d=0.015'
+	docker/run python3 -m fingerfem render scenes/two_segments.toml docs/two_segments.png \
+	    --case 'F_l=40' --case 'F_s=40' --case 'F_s=20 F_l=20 d=0.03' --case 'F_s=40 F_l=40 d=0.03'
 
 # A plain virtual environment of this machine's Python, without DOLFINx.
 .venv/ready: pyproject.toml

@@ -126,11 +126,16 @@ def total(terms: Sequence[Term], u: fem.Function) -> Any:
     return sum(energy(C) * where for energy, where in terms)
 
 
+def quadrature_degree(order: int) -> int:
+    """Of the Gauss rule in the volume: higher ones change nothing that counts (docs/solver.md)."""
+    return 2 * order
+
+
 def compile_forms(scene: Scene, mesh: geometry.FingerMesh, fields: Fields) -> Forms:
     """Derive and compile what the scene names (collective: FFCx compiles once and caches)."""
     space, u = fields.u.function_space, fields.u
     v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
-    metadata = {"quadrature_degree": 2 * scene.mesh.order}
+    metadata = {"quadrature_degree": quadrature_degree(scene.mesh.order)}
     dx = ufl.Measure("dx", mesh.mesh, subdomain_data=mesh.cells, metadata=metadata)
     x = ufl.SpatialCoordinate(mesh.mesh)
 

@@ -1,0 +1,219 @@
+"""What the solver was chosen from, measured: orderings, factorisations, compiler flags, quadrature, element order.
+
+python3 studies/choices.py [OUT] [--quick]    prints tables, writes OUT/choices.json (out/solver by default); one core
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from petsc4py import PETSc
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from fingerfem import FingerModel, forms, load_scene  # noqa: E402
+from fingerfem.scene import Scene  # noqa: E402
+from studies.solver import SCENES, say  # noqa: E402
+
+ORDERINGS = {"AMD": 0, "AMF": 2, "Scotch": 3, "PORD": 4, "METIS": 5, "QAMD": 6, "automatic": 7}  # MUMPS' ICNTL(7)
+FLAGS = ["-O1 -g0", "-O2 -g0", "-O3 -g0", "-O3 -march=native -g0", "-Ofast -march=native -g0"]
+LOADS = [60.0, 0.0], 0.005  # of the states compared: tensions [N], d [m]
+MESHES = {1: [[20, 5], [50, 5], [50, 8], [100, 10], [150, 15]], 2: [[10, 5], [20, 5], [25, 8], [50, 8]]}
+REFERENCE = [80, 10], 2  # cells and order that errors are counted from
+
+
+def timed(call, repeats: int = 3) -> float:
+    """Shortest of some calls [s]."""
+    seconds = []
+    for _ in range(repeats):
+        begun = time.perf_counter()
+        call()
+        seconds.append(time.perf_counter() - begun)
+    return min(seconds)
+
+
+def factorisations(model: FingerModel) -> list[dict]:
+    """The tangent of a bent finger, factorised by MUMPS in every way."""
+    model.solve(*LOADS, sensitivities=False)
+    matrix = model.tangent()
+    right, found = model.residual(), []
+    for kind, ordering in [("cholesky", name) for name in ORDERINGS] + [("lu", "METIS")]:
+        ksp = PETSc.KSP().create(model.comm)
+        ksp.setType("preonly")
+        ksp.getPC().setType(kind)
+        ksp.getPC().setFactorSolverType("mumps")
+        ksp.setOperators(matrix)
+        ksp.getPC().setFactorSetUpSolverType()
+        factor = ksp.getPC().getFactorMatrix()
+        factor.setMumpsIcntl(7, ORDERINGS[ordering])
+        factor.setMumpsIcntl(14, 80)
+        begun = time.perf_counter()
+        ksp.setUp()
+        first = time.perf_counter() - begun
+
+        def again(ksp=ksp, matrix=matrix) -> None:
+            matrix.stateIncrease()
+            ksp.setUp()
+
+        update = matrix.createVecRight()
+        row = {
+            "factorisation": "LDL^T" if kind == "cholesky" else "LU",
+            "ordering": ordering,
+            "first_seconds": first,  # the analysis included, once a model
+            "seconds": timed(again),
+            "solve_seconds": timed(lambda ksp=ksp, update=update: ksp.solve(right, update)),
+            "entries": _entries(factor.getMumpsInfog(9)),
+        }
+        found.append(row)
+        say(row)
+        ksp.destroy()
+    return found
+
+
+def _entries(value: int) -> int:
+    """MUMPS counts in millions, negatively, where the number is large."""
+    return value if value >= 0 else -value * 1_000_000
+
+
+def assembly(scene_file: Path) -> dict:
+    """Seconds of one tangent and one residual, with whatever flags this process compiles with; some of its numbers."""
+    begun = time.perf_counter()
+    model = FingerModel(load_scene(scene_file))
+    built = time.perf_counter() - begun
+    generator = np.random.default_rng(0)
+    model.displacement[:] = 1e-6 * generator.standard_normal(len(model.displacement))
+    model.set_loads(*LOADS)
+    residual = model.residual().norm()
+    return {
+        "build_seconds": built,
+        "tangent_seconds": timed(model.tangent),
+        "residual_seconds": timed(lambda: model.residual().destroy()),
+        "residual": residual,
+        "tangent": model.matrix.norm(),
+    }
+
+
+def compiler_flags(scene_file: Path) -> list[dict]:
+    """Every set of flags in a process and a cache of its own."""
+    found = []
+    for flags in FLAGS:
+        with tempfile.TemporaryDirectory(dir=ROOT / "out") as folder:
+            settings = Path(folder) / "dolfinx" / "dolfinx_jit_options.json"
+            settings.parent.mkdir()
+            settings.write_text(json.dumps({"cffi_extra_compile_args": flags.split()}))
+            done = subprocess.run(
+                [sys.executable, __file__, "--assembly", str(scene_file)],
+                env=os.environ | {"XDG_CONFIG_HOME": folder, "XDG_CACHE_HOME": folder},
+                stdout=subprocess.PIPE,
+                check=True,
+            )
+        found.append({"flags": flags, **json.loads(done.stdout)})
+        reference = found[0]
+        for name in ("residual", "tangent"):
+            found[-1][f"{name}_differs"] = abs(found[-1][name] / reference[name] - 1)
+        say(found[-1])
+    return found
+
+
+def variant(scene: Scene, cells: list[int], order: int) -> Scene:
+    """The scene on another mesh, with the one tendon that bends it towards the plane: half the finger is enough."""
+    table = scene.model_dump()
+    table["mesh"] |= {"cells": cells, "order": order}
+    table["tendons"] = table["tendons"][:1]
+    return Scene.model_validate(table)
+
+
+def state(model: FingerModel) -> dict:
+    """Tip [m] and contact force [N] of the state compared, and what they cost."""
+    tensions, distance = LOADS[0][: len(model.tensions)], LOADS[1]
+    model.stepper.newton.factorisations = 0
+    begun = time.perf_counter()
+    solved = model.solve(tensions, distance, sensitivities=False)
+    return {
+        "unknowns": model.unknowns,
+        "factorisations": model.stepper.newton.factorisations,
+        "seconds": time.perf_counter() - begun,
+        "tip": solved.tip.tolist(),
+        "contact_force": solved.contact_force,
+    }
+
+
+def quadrature(scene: Scene, cells: list[int]) -> list[dict]:
+    """Degrees of the volume's quadrature, order 1 and 2; differences from the highest."""
+    found = []
+    chosen = forms.quadrature_degree
+    for order, degrees in ((1, (1, 2, 3, 5)), (2, (2, 3, 4, 5, 7))):
+        rows = []
+        for degree in degrees:
+            forms.quadrature_degree = lambda order, degree=degree: degree
+            try:
+                model = FingerModel(variant(scene, cells, order))
+                row = {"order": order, "degree": degree, "chosen": degree == chosen(order), **state(model)}
+                row["tangent_seconds"] = timed(model.tangent)
+            except Exception as failure:  # under-integrated elements have modes without energy
+                row = {"order": order, "degree": degree, "failed": f"{type(failure).__name__}: {failure}"}
+            finally:
+                forms.quadrature_degree = chosen
+            rows.append(row)
+        compare(rows, rows[-1])
+        found += rows
+    return found
+
+
+def compare(rows: list[dict], reference: dict) -> None:
+    """Add errors of tip [m] and of contact force [-] against the reference, and print."""
+    for row in rows:
+        if "failed" not in row:
+            row["tip_error"] = float(np.linalg.norm(np.subtract(row["tip"], reference["tip"])))
+            row["contact_force_error"] = abs(row["contact_force"] / reference["contact_force"] - 1)
+        say({name: value for name, value in row.items() if name != "tip"})
+
+
+def orders(scene: Scene, quick: bool) -> list[dict]:
+    """Order 1 and order 2 on finer and finer meshes."""
+    reference = state(FingerModel(variant(scene, *(([50, 8], 2) if quick else REFERENCE))))
+    rows = [
+        {"order": order, "cells": cells, **state(FingerModel(variant(scene, cells, order)))}
+        for order, meshes in MESHES.items()
+        for cells in meshes[: 2 if quick else None]
+    ]
+    compare(rows, reference)
+    return rows
+
+
+def main() -> None:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("out", nargs="?", default="out/solver")
+    parser.add_argument("--quick", action="store_true", help="the draft mesh instead of the paper's")
+    parser.add_argument("--assembly", type=Path, help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.assembly:
+        print(json.dumps(assembly(options.assembly)))
+        return
+    folder = Path(options.out)
+    folder.mkdir(parents=True, exist_ok=True)
+    file = SCENES / ("draft.toml" if options.quick else "one_segment.toml")
+    scene = load_scene(file)
+    print("factorisation of the tangent", flush=True)
+    result: dict = {"scene": scene.name, "factorisations": factorisations(FingerModel(scene))}
+    print("compiler flags", flush=True)
+    result["flags"] = compiler_flags(file)
+    print("quadrature degree", flush=True)
+    result["quadrature"] = quadrature(scene, [20, 5] if options.quick else [50, 8])
+    print("element order", flush=True)
+    result["orders"] = orders(scene, options.quick)
+    (folder / "choices.json").write_text(json.dumps(result, indent=1))
+
+
+if __name__ == "__main__":
+    main()
