@@ -94,10 +94,11 @@ def snapshots(
     as_json: AsJson = False,
 ) -> None:
     """Solve what is missing of a snapshot set; run it under mpirun, as often as needed."""
+    os.environ.setdefault("OMPI_MCA_async_mpi_finalize", "1")  # or Open MPI would wait at its end for killed ranks
     import petsc4py
     from mpi4py import MPI
 
-    petsc4py.init(comm=MPI.COMM_SELF)  # or PETSc would wait at its end for ranks that were killed
+    petsc4py.init(comm=MPI.COMM_SELF)  # and so would PETSc
     from fingerfem import FingerModel, compilation
     from fingerfem import snapshots as farm
     from fingerfem.sampling import HeldOut, describe

@@ -48,18 +48,21 @@ class Newton:
     def __init__(self, model: FingerModel, options: NewtonOptions | None = None):
         self.model, self.options = model, options or NewtonOptions()
         self.factorisations = 0
-        ksp = PETSc.KSP().create(model.comm)
-        ksp.setType("preonly")
-        ksp.setErrorIfNotConverged(False)
-        preconditioner = ksp.getPC()
+        self._ksp = PETSc.KSP().create(model.comm)
+        self._ksp.setType("preonly")
+        self._ksp.setErrorIfNotConverged(False)
+        self._prepare()
+        self._update = model.matrix.createVecRight()
+
+    def _prepare(self) -> None:
+        preconditioner = self._ksp.getPC()
+        preconditioner.reset()
         preconditioner.setType("cholesky")
         preconditioner.setFactorSolverType("mumps")
-        ksp.setOperators(model.matrix)
+        self._ksp.setOperators(self.model.matrix)
         preconditioner.setFactorSetUpSolverType()
         self._factor = preconditioner.getFactorMatrix()
         self._factor.setMumpsIcntl(14, 80)  # room for the fill that pivoting adds [%]
-        self._ksp = ksp
-        self._update = model.matrix.createVecRight()
 
     def solve(self, strategy: Strategy = "mixed") -> int:
         """Bring the model's displacement to equilibrium; returns the iterations.
@@ -141,12 +144,16 @@ class Newton:
     def _factorise(self) -> str | None:
         self.model.tangent()
         self.factorisations += 1
+        self._ksp.setOperators(self.model.matrix)  # or PETSc would put the factorisation off to the next solve
         try:
             self._ksp.setUp()
         except PETSc.Error as error:
+            self._prepare()
             return f"factorisation failed (PETSc error {error.ierr})"
         if self._ksp.getPC().getFailedReason() != PETSc.PC.FailedReason.NOERROR:
-            return "factorisation failed"
+            code = self._factor.getMumpsInfog(1)
+            self._prepare()  # a factor that failed once would refuse every later matrix
+            return f"factorisation failed (MUMPS error {code})"
         return None
 
     def factorise(self) -> None:

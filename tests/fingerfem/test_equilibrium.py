@@ -177,6 +177,17 @@ def test_a_failed_newton_attempt_leaves_the_model_as_it_was(draft):
     assert np.array_equal(draft.displacement, before)
 
 
+def test_a_singular_tangent_is_refused_when_it_is_factorised(draft, monkeypatch):
+    newton = draft.stepper.newton
+    newton.factorise()
+    monkeypatch.setattr(draft, "tangent", lambda: draft.matrix.zeroEntries())
+    with pytest.raises(NotConverged, match="factorisation failed"):
+        newton.factorise()
+    monkeypatch.undo()
+    newton.factorise()
+    assert newton.negative_pivots == 0
+
+
 def test_a_nan_never_leaves_as_a_result(draft):
     draft.stepper.rest()
     draft.set_loads([np.nan, 0.0], None)

@@ -11,7 +11,10 @@ from mpi4py import MPI
 from fingerfem import FingerModel, LoadNotReached, geometry, load_scene, materials
 from fingerfem.fields import cell_fields, contact_pressure
 from fingerfem.laws import neo_hookean_from
+from fingerfem.sampling import describe
 from fingerfem.scene import Scene
+from fingerfem.snapshots import TaskSolver
+from fingerfem.versions import versions
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 
@@ -255,8 +258,22 @@ def test_a_finger_that_curls_into_itself_is_marked(planar):
     assert model.solve([150.0], sensitivities=False).self_intersecting
 
 
+def test_a_finger_that_curls_into_itself_is_a_failed_snapshot(planar, tmp_path):
+    planar["geometry"]["segments"], planar["mesh"]["cells"] = [0.120], [48, 5]
+    planar["tendons"][0]["tension"] = [0.0, 150.0]
+    planar["sampling"] = {"tension_nodes": 4}
+    del planar["obstacle"]
+    model = model_of(planar)
+    line = TaskSolver(describe(model.scene, versions()), model, tmp_path).solve("free-0")
+    assert line["parameters"][[0, -1], 0] == pytest.approx([0, 150])
+    assert line["converged"][0] and not line["converged"][-1]
+    assert line["reason"][-1] == "the finger passes through itself"
+    assert np.isnan(line["displacement"][-1]).all() and np.isnan(line["tip"][-1]).all()
+
+
 @pytest.mark.parametrize(
-    ("scene", "tensions"), [("draft", [100.0, 100.0]), ("draft", [100.0, 0.0]), ("four_tendons", [30.0] * 4)]
+    ("scene", "tensions"),
+    [("draft", [100.0, 100.0]), ("draft", [100.0, 0.0]), ("four_tendons", [30.0] * 4), ("two_segments", [40.0, 40.0])],
 )
 def test_shipped_scenes_stay_clear_of_themselves(scene, tensions):
     assert not FingerModel(load_scene(SCENES / f"{scene}.toml")).solve(tensions, sensitivities=False).self_intersecting
