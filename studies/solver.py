@@ -128,17 +128,21 @@ def against_plain_newton(model: FingerModel, tensions: list[float]) -> dict:
     model.stepper.newton.factorisations = 0
     line = contact_line(model, tensions)
     ours = time.perf_counter() - begun  # the way from rest included
-    plain, begun = PlainNewton(model), time.perf_counter()
-    forces = [plain.solve(tensions, distance) for distance in line["distances"]]
-    theirs = time.perf_counter() - begun
+    plain, forces, seconds = PlainNewton(model), [], []
+    for distance in line["distances"]:
+        begun = time.perf_counter()
+        forces.append(plain.solve(tensions, distance))
+        seconds.append(time.perf_counter() - begun)
     both = [(a, b) for a, b in zip(line["contact_forces"], forces, strict=True) if b is not None]
+    converged = [each for each, force in zip(seconds, forces, strict=True) if force is not None]
     return {
         "tensions": tensions,
         "seconds": ours,
-        "plain_seconds": theirs,
+        "plain_seconds": sum(seconds),
         "plain_factorisations": plain.factorisations,
         "plain_not_converged": forces.count(None),
-        "times_faster": theirs / ours,
+        "times_faster": sum(seconds) / ours,
+        "times_faster_where_plain_converged": np.mean(converged) / (ours / STATES) if converged else None,
         "largest_difference": max((abs(a - b) / a for a, b in both), default=None),
     }
 

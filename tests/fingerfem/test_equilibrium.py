@@ -8,6 +8,7 @@ from fingerfem.convergence import NotConverged
 from fingerfem.newton import Newton, NewtonOptions
 from fingerfem.scene import Scene
 from fingerfem.stepping import StepOptions, Stepper
+from studies import solver as solver_study
 
 LOADS = [([50.0, 0.0], 0.005), ([60.0, 40.0], 0.010), ([100.0, 30.0], 0.020)]
 
@@ -210,3 +211,13 @@ def test_the_whole_range_of_tensions_is_reached_in_few_iterations(draft):
         state = draft.solve(tensions, sensitivities=False)
         assert state.smallest_volume_ratio > 0
         assert state.newton_iterations <= 30 * (1 + (min(tensions) > 0) * 1.5)
+
+
+def test_a_contact_line_takes_at_most_five_factorisations_a_state(draft):
+    line = solver_study.contact_line(draft, [70.0, 40.0])
+    assert len(line["contact_forces"]) == solver_study.STATES and np.all(np.diff(line["contact_forces"]) > 0)
+    assert line["factorisations"] <= 5 * solver_study.STATES
+
+
+def test_rest_to_the_strongest_pull_takes_at_most_22_factorisations(draft):
+    assert solver_study.from_rest(draft)["factorisations"] <= 22
