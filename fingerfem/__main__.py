@@ -1,12 +1,14 @@
-"""python3 -m fingerfem solve | snapshots | render."""
+"""python3 -m fingerfem solve | snapshots | status | retry | render | doctor."""
 
 from __future__ import annotations
 
 import json
 import logging
 import os
+import signal
 import sys
 import time
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -52,17 +54,13 @@ def solve(
     """Solve one state from rest with the full-order model; under mpirun the ranks share the finger."""
     from mpi4py import MPI
 
-    from fingerfem import FingerModel, compilation
-
     comm = MPI.COMM_WORLD
     scene = load_scene(scene_file)
     tensions, distance = read_loads(scene, loads or [])
     for file, option in ((picture, "picture"), (paraview, "paraview")):
         if file is not None and comm.size > 1:
             raise ValueError(f"{option} must be written by one rank, got {comm.size}")
-    model = compilation.one_at_a_time(lambda: FingerModel(scene))
-    if comm.size > 1:  # the ranks of one finger cannot take turns, but find every form compiled now
-        model = FingerModel(scene, comm)
+    model = _model(scene, comm)
     try:
         state = model.solve(tensions, distance)
     except LoadNotReached as failure:
@@ -88,9 +86,10 @@ def snapshots(
     folder: Annotated[Path, typer.Argument(metavar="SET/", help="The set's folder; begun if new, finished if not.")],
     random: Annotated[int, typer.Option(min=0, help="How many held-out points, instead of training nodes.")] = 0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the held-out points.")] = 0,
-    bar: Annotated[
-        bool, typer.Option(help="A progress bar also where stderr is no terminal, as under mpirun.")
-    ] = False,
+    ranks_per_finger: Annotated[int, typer.Option(min=1, help="Ranks that solve one finger together.")] = 1,
+    progress: Annotated[
+        str, typer.Option(help="bar, plain or json lines on stderr; auto: a bar on a terminal, which mpirun is not.")
+    ] = "auto",
     as_json: AsJson = False,
 ) -> None:
     """Solve what is missing of a snapshot set; run it under mpirun, as often as needed."""
@@ -99,73 +98,112 @@ def snapshots(
     from mpi4py import MPI
 
     petsc4py.init(comm=MPI.COMM_SELF)  # and so would PETSc
-    from fingerfem import FingerModel, compilation
     from fingerfem import snapshots as farm
+    from fingerfem.ledger import Ledger
+    from fingerfem.progress import STYLES, Reporter
     from fingerfem.sampling import HeldOut, describe
     from fingerfem.versions import versions
-    from rom.snapshots import SnapshotSet
+    from rom.snapshots import create, missing, set_aside_strangers
 
-    comm = MPI.COMM_WORLD
-    logging.basicConfig(
-        level=logging.INFO if comm.rank == 0 else logging.WARNING, format="%(message)s", stream=sys.stderr
-    )
+    world, begun = MPI.COMM_WORLD, time.perf_counter()
+    first = world.rank == 0
+    logging.basicConfig(level=logging.INFO if first else logging.ERROR, format="%(message)s", stream=sys.stderr)
+    if progress not in STYLES:
+        raise ValueError(f"progress must be one of {', '.join(STYLES)}, got {progress}")
+    if world.size % ranks_per_finger:
+        raise ValueError(f"ranks-per-finger must divide the number of ranks, {world.size}, got {ranks_per_finger}")
     scene = load_scene(scene_file)
     description = describe(scene, versions(), HeldOut(count=random, seed=seed) if random else None)
-    model = compilation.one_at_a_time(lambda: FingerModel(scene))
-    begun = time.perf_counter()
-    with _progress(len(description.tasks), comm.rank == 0, bar) as advance:
-        solved = farm.run(description, model, folder, advance)
-    if comm.rank != 0:
+    create(folder, description)
+    if ranks_per_finger == 1:  # else ranks may be waiting for each other in MPI: they end at once
+        signal.signal(signal.SIGTERM, _terminated)
+    ledger = Ledger(folder, description)
+    if first:
+        for file in set_aside_strangers(folder, description):
+            logging.warning(
+                "%s was not whole, or another set's: moved to %s and solved again", file, folder / "set-aside"
+            )
+    group = world.Split(world.rank // ranks_per_finger) if ranks_per_finger > 1 else MPI.COMM_SELF
+    solved = 0
+    with Reporter(ledger, progress) if first else nullcontext(lambda: None) as report:
+        if missing(folder, description):
+            solved = farm.run(description, _model(scene, group), folder, report)
+    if not first:
         return
-    result = SnapshotSet(folder)
-    failures = [f"{task} {parameters.tolist()}: {reason}" for task, parameters, reason in result.failures]
-    for line in failures:
-        logging.warning("failed: %s", line)
-    if failures:
-        logging.warning(
-            "to try failed states again, delete their tasks in %s and run this command again", folder / "tasks"
-        )
-    report = {
-        "tasks": len(description.tasks),
+    ledger.refresh()
+    for task, parameters, last_good, reason in ledger.failures:
+        logging.warning("failed: %s", _failure(description, task, parameters, last_good, reason))
+    if ledger.failures:
+        logging.warning("to try them again: python3 -m fingerfem retry %s, then this command", folder)
+    result = ledger.summary() | {
         "solved_by_this_rank": solved,
-        "states": result.states,
-        "failed": len(failures),
-        "newton_iterations": result.iterations,
         "seconds": time.perf_counter() - begun,
-        "ranks": comm.size,
+        "ranks": world.size,
     }
-    _finish(report, as_json, NOTHING_USABLE if failures and not (random and result.states > len(failures)) else 0)
+    unusable = ledger.failures and not (random and result["solved"])
+    _finish(result, as_json, NOTHING_USABLE if unusable else 0)
 
 
-def _progress(total: int, shown: bool, forced: bool):
-    """A bar on a terminal, a plain line now and then elsewhere."""
-    from contextlib import contextmanager
+def _model(scene, comm):
+    """The finger of a group of ranks, its forms compiled once for all."""
+    from fingerfem import FingerModel, compilation
+    from fingerfem.versions import versions
 
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    key = "-".join([scene.fingerprint(), *versions().values()])
+    return compilation.once(lambda: FingerModel(scene, comm), key, comm)
 
-    console = Console(stderr=True, force_terminal=forced or None)
 
-    @contextmanager
-    def bar():
-        if not shown:
-            yield lambda done: None
-        elif console.is_terminal:
-            columns = TextColumn("lines of states"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-            with Progress(*columns, console=console) as progress:
-                task = progress.add_task("", total=total)
-                yield lambda done: progress.update(task, completed=done)
-        else:
-            said = [-1]
+def _terminated(*_) -> None:
+    """A scheduler's SIGTERM: drop the line of states at hand, give back its claim, and end."""
+    print("stopped by SIGTERM: what was being solved is dropped; run the same command again", file=sys.stderr)
+    raise SystemExit(128 + signal.SIGTERM)
 
-            def say(done: int) -> None:
-                if done * 10 // total > said[0]:
-                    said[0] = done * 10 // total
-                    logging.info("%d of %d lines of states", done, total)
 
-            yield say
+def _failure(description, task: str, parameters, last_good, reason: str) -> str:
+    """One line about a state that has no answer."""
+    import numpy as np
 
-    return bar()
+    def loads(values) -> str:
+        named = zip(description.parameters, values, strict=True)
+        return " ".join(f"{one['name']}={value:.6g}" for one, value in named if np.isfinite(value))
+
+    where = f"{task} {loads(parameters)}: {reason}"
+    return where + (f"; last good load {loads(last_good)}" if np.isfinite(last_good).any() else "")
+
+
+SetFolder = Annotated[Path, typer.Argument(metavar="SET/", help="The set's folder.")]
+
+
+@app.command()
+def status(folder: SetFolder, as_json: AsJson = False) -> None:
+    """Say what became of every state of a snapshot set; while others work on it, too."""
+    from fingerfem.ledger import Ledger
+    from rom.snapshots import read_description
+
+    description = read_description(folder)
+    ledger = Ledger(folder, description)
+    ledger.refresh()
+    summary = ledger.summary()
+    if as_json:
+        summary["failures"] = [
+            {"task": task, "parameters": parameters.tolist(), "last_good": last_good.tolist(), "reason": reason}
+            for task, parameters, last_good, reason in ledger.failures
+        ]
+    else:
+        for failure in ledger.failures:
+            print(_failure(description, *failure))
+    _finish(summary, as_json)
+
+
+@app.command()
+def retry(folder: SetFolder) -> None:
+    """Forget the lines of a set that have failed or quarantined states, so that snapshots solves them again."""
+    from fingerfem.ledger import Ledger
+    from rom.snapshots import read_description
+
+    ledger = Ledger(folder, read_description(folder))
+    ledger.refresh()
+    print(f"{len(ledger.forget_failures())} lines will be solved again")
 
 
 @app.command()
@@ -176,12 +214,13 @@ def render(
     field: Annotated[str, typer.Option(help="S11, von_mises or J.")] = "S11",
 ) -> None:
     """Draw deformed fingers coloured by a field of the rubber, one panel a load case."""
-    from fingerfem import FingerModel, compilation
+    from mpi4py import MPI
+
     from fingerfem.render import Deformed, draw
 
     scene = load_scene(scene_file)
     cases = [read_loads(scene, words.split()) for words in case]
-    model = compilation.one_at_a_time(lambda: FingerModel(scene))
+    model = _model(scene, MPI.COMM_SELF)
     panels = []
     for tensions, distance in cases:
         panels.append(Deformed.of(model, model.solve(tensions, distance, sensitivities=False), field))

@@ -16,6 +16,9 @@ A task is a line of states solved in a fixed order. Its file holds, state by sta
     iterations          (n,)            Newton iterations
     converged           (n,)            bool; a state that is not is nan everywhere
     reason              (n,)            why not, empty if converged
+    last_good           (n, p)          last load with an equilibrium on the way to a state that did not converge
+    seconds             ()              that solving the line took
+    task, fingerprint   ()              whose states these are
     onset               ()              free tasks: lead tension that first reaches the nearest plane [N]
 
 Tasks come in three kinds. `free-J` is a line along the lead tension (the tendon that bends the finger most towards the
@@ -25,20 +28,19 @@ its highest) and brings the plane from where it touches to its nearest. `random-
 
 from __future__ import annotations
 
-import fcntl
+import contextlib
 import json
 import os
-import tempfile
-import zipfile
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from itertools import product
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 
-FORMAT = 1
+FORMAT = 2
 
 
 class SnapshotError(ValueError):
@@ -100,39 +102,40 @@ class Description:
         return np.insert(np.array(others, float), self.lead, lead)
 
 
-def create(path: str | Path, description: Description, nodes: np.ndarray) -> None:
+OURS = ("tasks", "claim", "attempts", "set-aside", "progress.log", ".set.json.")  # may be there before set.json
+
+
+def create(path: str | Path, description: Description) -> None:
     """Begin a set, or find that it was begun with the same description.
 
     Raises:
         SnapshotError: the folder holds something else.
     """
     path = Path(path)
+    file = path / "set.json"
     try:
         path.mkdir(parents=True, exist_ok=True)
-        names = {file.name for file in path.iterdir()}
-        ours = (".begin", "tasks", "nodes.npy", ".nodes.npy.", ".set.json.")  # what a job that begins it may have made
-        if "set.json" not in names and not all(name.startswith(ours) for name in names):
+        if not file.exists() and not all(there.name.startswith(OURS) for there in path.iterdir()):
             raise SnapshotError(f"{path}: must be a snapshot set or an empty folder")
-        with open(path / ".begin", "a+b") as turn:  # two jobs that begin one set at once take turns
-            fcntl.lockf(turn, fcntl.LOCK_EX)
-            _create(path, description, nodes)
+        (path / "tasks").mkdir(exist_ok=True)
+        if not file.exists():
+            text = json.dumps(asdict(description), indent=1)
+            _write(file, lambda stream: stream.write(text.encode()), once=True)
     except OSError as error:
         raise SnapshotError(f"{path}: must be a folder that can be written to, got {error.strerror}") from None
+    present = read_description(path)  # of several jobs that begin a set at once, one has begun it
+    for name in ("fingerprint", "tension_nodes", "onset_nodes", "contact_nodes", "random", "versions"):
+        if getattr(present, name) != getattr(description, name):
+            named = {"fingerprint": "another scene", "random": "other held-out points"}
+            what = named.get(name, f"other {name.replace('_', ' ')}")
+            raise SnapshotError(f"{path}: holds a set of {what}; choose a new folder")
 
 
-def _create(path: Path, description: Description, nodes: np.ndarray) -> None:
-    if (path / "set.json").exists():
-        present = read_description(path)
-        for name in ("fingerprint", "format", "tension_nodes", "onset_nodes", "contact_nodes", "random", "versions"):
-            if getattr(present, name) != getattr(description, name):
-                named = {"fingerprint": "another scene", "random": "other held-out points"}
-                what = named.get(name, f"other {name.replace('_', ' ')}")
-                raise SnapshotError(f"{path}: holds a set of {what}; choose a new folder")
-        return
-    (path / "tasks").mkdir(exist_ok=True)
-    _write(path / "nodes.npy", lambda stream: np.save(stream, nodes))
-    text = json.dumps(asdict(description), indent=1)
-    _write(path / "set.json", lambda stream: stream.write(text.encode()))
+def write_nodes(path: str | Path, nodes: np.ndarray) -> None:
+    """Write the finger's nodes at rest, shape (nodes, 3) [m]; everyone who does writes the same."""
+    file = Path(path) / "nodes.npy"
+    if not file.exists():
+        _write(file, lambda stream: np.save(stream, nodes))
 
 
 def read_description(path: str | Path) -> Description:
@@ -157,33 +160,52 @@ def task_file(path: str | Path, task: str) -> Path:
     return Path(path) / "tasks" / f"{task}.npz"
 
 
-def write_task(path: str | Path, task: str, arrays: dict[str, np.ndarray]) -> None:
+def write_task(path: str | Path, task: str, fingerprint: str, arrays: dict[str, np.ndarray]) -> None:
     """Write a task's file; it appears whole or not at all."""
-    _write(task_file(path, task), lambda stream: np.savez(stream, **arrays))  # type: ignore[arg-type]
+    stored = arrays | {"task": np.array(task), "fingerprint": np.array(fingerprint)}
+    _write(task_file(path, task), lambda stream: np.savez(stream, **stored))  # type: ignore[arg-type]
 
 
-def read_task(path: str | Path, task: str) -> dict[str, np.ndarray]:
-    """The arrays of a task.
+def read_task(path: str | Path, task: str, names: tuple[str, ...] = ()) -> dict[str, np.ndarray]:
+    """The arrays of a task: those named, or all.
 
     Raises:
-        SnapshotError: the file is missing or no task's.
+        SnapshotError: the file is missing or not this task's.
     """
     file = task_file(path, task)
     try:
         with np.load(file, allow_pickle=False) as stored:
-            return {name: stored[name] for name in stored.files}
+            if stored["task"] != task:
+                raise SnapshotError(f"{file}: must hold {task}, got {stored['task']}")
+            return {name: stored[name] for name in names or stored.files}
+    except SnapshotError:
+        raise
     except Exception as error:  # numpy and zipfile raise many kinds for a broken file
         raise SnapshotError(
             f"{file}: is missing or not readable ({type(error).__name__}); run snapshots again"
         ) from None
 
 
-def drop_broken(path: str | Path) -> list[Path]:
-    """Remove task files that are not whole, which a failing disk leaves or somebody's editor."""
-    broken = [file for file in (Path(path) / "tasks").glob("*.npz") if not zipfile.is_zipfile(file)]
-    for file in broken:
-        file.unlink(missing_ok=True)
-    return broken
+def set_aside_strangers(path: str | Path, description: Description) -> list[Path]:
+    """Move task files that are not whole, or another set's, to `set-aside`; returns where they were.
+
+    A failing disk leaves such, or somebody's editor.
+    """
+    tasks, files = set(description.tasks), sorted((Path(path) / "tasks").glob("*.npz"))
+    strangers = [file for file in files if file.stem not in tasks or _is_strange(file, description)]
+    for file in strangers:
+        aside = Path(path) / "set-aside"
+        aside.mkdir(exist_ok=True)
+        os.replace(file, aside / file.name)
+    return strangers
+
+
+def _is_strange(file: Path, description: Description) -> bool:
+    try:
+        stored = read_task(file.parent.parent, file.stem, ("fingerprint", "converged"))
+    except SnapshotError:
+        return True
+    return str(stored["fingerprint"]) != description.fingerprint
 
 
 def missing(path: str | Path, description: Description) -> list[str]:
@@ -192,18 +214,24 @@ def missing(path: str | Path, description: Description) -> list[str]:
     return [task for task in description.tasks if task not in present]
 
 
-def _write(file: Path, write) -> None:
-    """Write beside and rename; nothing half written is ever found under the name."""
-    handle, beside = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
+def _write(file: Path, write, once: bool = False) -> None:
+    """Write beside and rename; nothing half written is ever found under the name.
+
+    Once: whoever comes first writes it.
+    """
+    beside = file.with_name(f".{file.name}.{uuid4().hex}")
     try:
-        with os.fdopen(handle, "wb") as stream:
+        with beside.open("xb") as stream:
             write(stream)
             stream.flush()
             os.fsync(stream.fileno())
-        os.replace(beside, file)
-    except BaseException:
-        Path(beside).unlink(missing_ok=True)
-        raise
+        if once:
+            with contextlib.suppress(FileExistsError):
+                os.link(beside, file)
+        else:
+            os.replace(beside, file)
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 class SnapshotSet:
@@ -214,12 +242,11 @@ class SnapshotSet:
         absent = missing(path, self.description)
         if absent:
             raise SnapshotError(f"{path}: {len(absent)} of {len(self.description.tasks)} tasks are not solved yet")
+        file = self.path / "nodes.npy"
         try:
-            self.nodes = np.load(self.path / "nodes.npy")
+            self.nodes = np.load(file)
         except Exception as error:  # numpy raises many kinds for a broken file
-            raise SnapshotError(
-                f"{self.path / 'nodes.npy'}: is missing or not readable ({type(error).__name__})"
-            ) from None
+            raise SnapshotError(f"{file}: is missing or not readable ({type(error).__name__})") from None
 
     @cached_property
     def _tasks(self) -> dict[str, dict[str, np.ndarray]]:

@@ -9,7 +9,8 @@ def test_what_a_killed_compilation_left_is_cleared_and_what_is_whole_stays(tmp_p
     folder.mkdir()
     for name in ("whole.c", "whole.c.cached", "half.c"):
         (folder / name).touch()
-    assert compilation.one_at_a_time(lambda: sorted(file.name for file in folder.glob("*.c*"))) == [
-        "whole.c",
-        "whole.c.cached",
-    ]
+    sources = lambda: sorted(file.name for file in folder.glob("*.c*"))  # noqa: E731
+    assert compilation.once(sources, "scene") == ["whole.c", "whole.c.cached"]
+    (folder / "half.c").touch()
+    assert compilation.once(sources, "scene") == ["whole.c", "whole.c.cached"]
+    assert (folder / "scene.whole").exists()

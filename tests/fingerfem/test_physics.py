@@ -11,9 +11,9 @@ from mpi4py import MPI
 from fingerfem import FingerModel, LoadNotReached, geometry, load_scene, materials
 from fingerfem.fields import cell_fields, contact_pressure
 from fingerfem.laws import neo_hookean_from
+from fingerfem.lines import LineSolver
 from fingerfem.sampling import describe
 from fingerfem.scene import Scene
-from fingerfem.snapshots import TaskSolver
 from fingerfem.versions import versions
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
@@ -264,7 +264,7 @@ def test_a_finger_that_curls_into_itself_is_a_failed_snapshot(planar, tmp_path):
     planar["sampling"] = {"tension_nodes": 4}
     del planar["obstacle"]
     model = model_of(planar)
-    line = TaskSolver(describe(model.scene, versions()), model, tmp_path).solve("free-0")
+    line = LineSolver(describe(model.scene, versions()), model, tmp_path).solve("free-0")
     assert line["parameters"][[0, -1], 0] == pytest.approx([0, 150])
     assert line["converged"][0] and not line["converged"][-1]
     assert line["reason"][-1] == "the finger passes through itself"

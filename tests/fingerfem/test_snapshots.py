@@ -11,52 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from farm import ROOT, assert_same, assert_same_task, command, run
+
 from rom.snapshots import SnapshotError, SnapshotSet, read_description, read_task, task_file
-
-ROOT = Path(__file__).resolve().parents[2]
-
-
-@pytest.fixture(scope="module")
-def scene(tmp_path_factory) -> Path:
-    """The draft finger, coarser and on fewer nodes."""
-    text = (ROOT / "scenes" / "draft.toml").read_text().replace("cells = [20, 5]", "cells = [10, 5]")
-    file = tmp_path_factory.mktemp("scene") / "small.toml"
-    file.write_text(text + "\n[sampling]\ntension_nodes = 4\ncontact_nodes = 4\n")
-    return file
-
-
-def command(ranks: int, scene: Path, folder: Path, *options: str) -> list[str]:
-    farm = [sys.executable, "-m", "fingerfem", "snapshots", str(scene), str(folder), "--json", *options]
-    return ["mpirun", "-n", str(ranks), *farm]
-
-
-def run(ranks: int, scene: Path, folder: Path, *options: str) -> dict:
-    done = subprocess.run(
-        command(ranks, scene, folder, *options), cwd=ROOT, capture_output=True, text=True, timeout=300
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout.splitlines()[-1])
-
-
-@pytest.fixture(scope="module")
-def undisturbed(scene, tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("sets") / "undisturbed"
-    run(1, scene, folder)
-    return folder
-
-
-def assert_same_task(ours: dict, theirs: dict) -> None:
-    assert ours.keys() == theirs.keys()
-    for name in ours:
-        assert np.array_equal(ours[name], theirs[name], equal_nan=ours[name].dtype.kind == "f"), name
-
-
-def assert_same(one: Path, other: Path) -> None:
-    tasks = read_description(one).tasks
-    assert tasks == read_description(other).tasks
-    for task in tasks:
-        assert_same_task(read_task(one, task), read_task(other, task))
-
 
 def test_a_set_keeps_free_states_and_contact_states_apart(undisturbed):
     snapshots = SnapshotSet(undisturbed)

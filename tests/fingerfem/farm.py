@@ -1,0 +1,48 @@
+"""How tests run the farm and compare what it made."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from rom.snapshots import read_description, read_task
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def command(ranks: int, scene: Path, folder: Path, *options: str) -> list[str]:
+    farm = [sys.executable, "-m", "fingerfem", "snapshots", str(scene), str(folder), "--json", *options]
+    return ["mpirun", "-n", str(ranks), *farm]
+
+
+def run(ranks: int, scene: Path, folder: Path, *options: str, **settings: str) -> dict:
+    done = subprocess.run(
+        command(ranks, scene, folder, *options),
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        env=os.environ | settings,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def assert_same_task(ours: dict, theirs: dict, tolerance: float = 0.0) -> None:
+    """All but the time it took."""
+    assert ours.keys() == theirs.keys()
+    for name in ours.keys() - {"seconds"}:
+        if ours[name].dtype.kind == "f" and tolerance:
+            assert np.allclose(ours[name], theirs[name], rtol=tolerance, atol=1e-12, equal_nan=True), name
+        else:
+            assert np.array_equal(ours[name], theirs[name], equal_nan=ours[name].dtype.kind == "f"), name
+
+
+def assert_same(one: Path, other: Path, tolerance: float = 0.0) -> None:
+    tasks = read_description(one).tasks
+    assert tasks == read_description(other).tasks
+    for task in tasks:
+        assert_same_task(read_task(one, task), read_task(other, task), tolerance)

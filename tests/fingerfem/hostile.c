@@ -1,0 +1,56 @@
+/* A hostile machine, by LD_PRELOAD: what a file system without locks, or a clock that is set, does to a process.
+
+   HOSTILE_LOCKS=none    locks fail, as on a file system that has none
+   HOSTILE_LOCKS=lying   locks always succeed and keep nobody out
+   HOSTILE_CLOCK=jumping the wall clock jumps a day to and fro at every look */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static int hostile(const char *name, const char *value) {
+    const char *set = getenv(name);
+    return set && strcmp(set, value) == 0;
+}
+
+static int is_lock(int command) {
+    return command == F_SETLK || command == F_SETLKW || command == F_OFD_SETLK || command == F_OFD_SETLKW;
+}
+
+static int control(const char *symbol, int file, int command, void *argument) {
+    int (*real)(int, int, ...) = (int (*)(int, int, ...))dlsym(RTLD_NEXT, symbol);
+    if (is_lock(command) && hostile("HOSTILE_LOCKS", "none")) {
+        errno = ENOLCK;
+        return -1;
+    }
+    if (is_lock(command) && hostile("HOSTILE_LOCKS", "lying")) return 0;
+    return real(file, command, argument);
+}
+
+int fcntl(int file, int command, ...) {
+    va_list list;
+    va_start(list, command);
+    void *argument = va_arg(list, void *);
+    va_end(list);
+    return control("fcntl", file, command, argument);
+}
+
+int fcntl64(int file, int command, ...) {
+    va_list list;
+    va_start(list, command);
+    void *argument = va_arg(list, void *);
+    va_end(list);
+    return control("fcntl64", file, command, argument);
+}
+
+int clock_gettime(clockid_t clock, struct timespec *now) {
+    static int looks = 0;
+    int (*real)(clockid_t, struct timespec *) = (int (*)(clockid_t, struct timespec *))dlsym(RTLD_NEXT, "clock_gettime");
+    int answer = real(clock, now);
+    if (clock == CLOCK_REALTIME && hostile("HOSTILE_CLOCK", "jumping")) now->tv_sec += 86400 * (looks++ % 3 - 1);
+    return answer;
+}
