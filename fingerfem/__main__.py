@@ -52,7 +52,7 @@ def solve(
     """Solve one state from rest with the full-order model; under mpirun the ranks share the finger."""
     from mpi4py import MPI
 
-    from fingerfem import FingerModel, compilation
+    from fingerfem import FingerModel
 
     comm = MPI.COMM_WORLD
     scene = load_scene(scene_file)
@@ -60,9 +60,7 @@ def solve(
     for file, option in ((picture, "picture"), (paraview, "paraview")):
         if file is not None and comm.size > 1:
             raise ValueError(f"{option} must be written by one rank, got {comm.size}")
-    model = compilation.one_at_a_time(lambda: FingerModel(scene))
-    if comm.size > 1:  # the ranks of one finger cannot take turns, but find every form compiled now
-        model = FingerModel(scene, comm)
+    model = FingerModel(scene, comm)
     try:
         state = model.solve(tensions, distance)
     except LoadNotReached as failure:
@@ -71,6 +69,8 @@ def solve(
         _finish(answer, as_json, NOTHING_USABLE, comm.rank)
     if state.self_intersecting and comm.rank == 0:
         print("the finger passes through itself: contact with itself is not modelled", file=sys.stderr)
+    if not state.stable and comm.rank == 0:
+        print("the equilibrium is not stable: the finger would leave it", file=sys.stderr)
     if picture is not None:
         from fingerfem.render import Deformed, draw
 
@@ -99,7 +99,7 @@ def snapshots(
     from mpi4py import MPI
 
     petsc4py.init(comm=MPI.COMM_SELF)  # and so would PETSc
-    from fingerfem import FingerModel, compilation
+    from fingerfem import FingerModel
     from fingerfem import snapshots as farm
     from fingerfem.sampling import HeldOut, describe
     from fingerfem.versions import versions
@@ -111,7 +111,7 @@ def snapshots(
     )
     scene = load_scene(scene_file)
     description = describe(scene, versions(), HeldOut(count=random, seed=seed) if random else None)
-    model = compilation.one_at_a_time(lambda: FingerModel(scene))
+    model = FingerModel(scene)
     begun = time.perf_counter()
     with _progress(len(description.tasks), comm.rank == 0, bar) as advance:
         solved = farm.run(description, model, folder, advance)
@@ -176,12 +176,12 @@ def render(
     field: Annotated[str, typer.Option(help="S11, von_mises or J.")] = "S11",
 ) -> None:
     """Draw deformed fingers coloured by a field of the rubber, one panel a load case."""
-    from fingerfem import FingerModel, compilation
+    from fingerfem import FingerModel
     from fingerfem.render import Deformed, draw
 
     scene = load_scene(scene_file)
     cases = [read_loads(scene, words.split()) for words in case]
-    model = compilation.one_at_a_time(lambda: FingerModel(scene))
+    model = FingerModel(scene)
     panels = []
     for tensions, distance in cases:
         panels.append(Deformed.of(model, model.solve(tensions, distance, sensitivities=False), field))

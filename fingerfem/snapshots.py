@@ -211,6 +211,9 @@ class Record:
             self._broken = failure.reason
             self.failed(tensions, d, failure.reason)
             return
+        if not model.stability.stable():
+            self.failed(tensions, d, "the equilibrium is not stable")
+            return
         if model.passes_through_itself():
             self.failed(tensions, d, "the finger passes through itself")
             return
