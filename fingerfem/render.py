@@ -157,7 +157,7 @@ def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
         plotter.enable_parallel_projection()
         plotter.camera.parallel_scale = max(height, width * pixels / PANEL) / 2
     image = Image.fromarray(plotter.screenshot(None, return_img=True))
-    image.quantize(256).save(picture, optimize=True)  # a third of the bytes
+    image.quantize(256, Image.Quantize.MAXCOVERAGE).save(picture, optimize=True)  # a third of the bytes
 
 
 BAR = {
