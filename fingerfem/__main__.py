@@ -14,6 +14,7 @@ from typing import Annotated
 
 import typer
 
+import fingerfem
 from fingerfem import LoadNotReached, load_scene
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -60,7 +61,7 @@ def solve(
     for file, option in ((picture, "picture"), (paraview, "paraview")):
         if file is not None and comm.size > 1:
             raise ValueError(f"{option} must be written by one rank, got {comm.size}")
-    model = _model(scene, comm)
+    model = fingerfem.FingerModel(scene, comm)
     try:
         state = model.solve(tensions, distance)
     except LoadNotReached as failure:
@@ -69,6 +70,8 @@ def solve(
         _finish(answer, as_json, NOTHING_USABLE, comm.rank)
     if state.self_intersecting and comm.rank == 0:
         print("the finger passes through itself: contact with itself is not modelled", file=sys.stderr)
+    if not state.stable and comm.rank == 0:
+        print("the equilibrium is not stable: the finger would leave it", file=sys.stderr)
     if picture is not None:
         from fingerfem.render import Deformed, draw
 
@@ -127,7 +130,7 @@ def snapshots(
     solved = 0
     with Reporter(ledger, progress) if first else nullcontext(lambda: None) as report:
         if missing(folder, description):
-            solved = farm.run(description, _model(scene, group), folder, report)
+            solved = farm.run(description, fingerfem.FingerModel(scene, group), folder, report)
     if not first:
         return
     ledger.refresh()
@@ -142,15 +145,6 @@ def snapshots(
     }
     unusable = ledger.failures and not (random and result["solved"])
     _finish(result, as_json, NOTHING_USABLE if unusable else 0)
-
-
-def _model(scene, comm):
-    """The finger of a group of ranks, its forms compiled once for all."""
-    from fingerfem import FingerModel, compilation
-    from fingerfem.versions import versions
-
-    key = "-".join([scene.fingerprint(), *versions().values()])
-    return compilation.once(lambda: FingerModel(scene, comm), key, comm)
 
 
 def _terminated(*_) -> None:
@@ -214,13 +208,11 @@ def render(
     field: Annotated[str, typer.Option(help="S11, von_mises or J.")] = "S11",
 ) -> None:
     """Draw deformed fingers coloured by a field of the rubber, one panel a load case."""
-    from mpi4py import MPI
-
     from fingerfem.render import Deformed, draw
 
     scene = load_scene(scene_file)
     cases = [read_loads(scene, words.split()) for words in case]
-    model = _model(scene, MPI.COMM_SELF)
+    model = fingerfem.FingerModel(scene)
     panels = []
     for tensions, distance in cases:
         panels.append(Deformed.of(model, model.solve(tensions, distance, sensitivities=False), field))

@@ -1,46 +1,69 @@
-"""FFCx's cache of compiled forms, shared by all processes of a machine."""
+"""Compiled forms in a cache of the project's own, shared by all processes of a machine."""
 
 from __future__ import annotations
 
 import fcntl
 import os
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeVar
+from typing import Any
 
+import numpy as np
+from dolfinx import fem
 from mpi4py import MPI
 
-T = TypeVar("T")
+from fingerfem.scene import Scene
+from fingerfem.versions import versions
 
 
 def cache_folder() -> Path:
-    """Where DOLFINx keeps compiled forms."""
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "fenics"
+    """Where compiled forms are kept; nobody else's are."""
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "fingerfem" / "forms"
 
 
-def once(build: Callable[[], T], key: str, comm: MPI.Comm = MPI.COMM_SELF) -> T:
-    """Call what compiles forms so that every form is compiled once, by one group of ranks.
+def form(integrals: Any) -> fem.Form:
+    """A compiled form that DOLFINx 0.9 assembles whole: one integral a region."""
+    made = fem.form(integrals, jit_options={"cache_dir": cache_folder()})
+    for kind in (fem.IntegralType.cell, fem.IntegralType.exterior_facet):
+        regions = list(made._cpp_object.integral_ids(kind))
+        if len(set(regions)) < len(regions):
+            raise AssertionError(f"a form has two integrals over one of the regions {regions}")
+    return made
 
-    The first to come compiles under a lock; once all that `key` names is compiled, the others load it at once. A lock,
-    not a barrier: a process that is killed while it compiles frees it, and what it left half done, for which FFCx would
-    wait in vain, is cleared by the next.
+
+def expression(value: Any, points: np.ndarray) -> fem.Expression:
+    """An expression compiled for points of the reference cell, shape (n, 3)."""
+    return fem.Expression(value, points, jit_options={"cache_dir": cache_folder()})
+
+
+@contextmanager
+def turn(scene: Scene, what: str, comm: MPI.Comm) -> Iterator[None]:
+    """Where a group of ranks compiles `what` a scene needs, so that every form is compiled once by one of many groups.
+
+    The first to come compiles under a lock; once all is compiled, the others load it at once. A lock, not a barrier: a
+    process that is killed while it compiles frees it, and what it left half done, for which FFCx would wait in vain, is
+    cleared by the next.
     """
     if comm.rank != 0:
-        return build()
+        yield
+        return
     folder = cache_folder()
     folder.mkdir(parents=True, exist_ok=True)
-    whole = folder / f"{key}.whole"
+    whole = folder / "-".join([scene.fingerprint(), *versions().values(), what])
     if whole.exists() and not _half_done(folder):
-        return build()
-    with open(folder / "compiling", "a+b") as turn:
-        fcntl.lockf(turn, fcntl.LOCK_EX)
-        for source in _half_done(folder):
-            source.unlink(missing_ok=True)
-        built = build()
+        yield
+        return
+    with open(folder / "compiling", "a+b") as lock:
+        fcntl.lockf(lock, fcntl.LOCK_EX)
+        for file in _half_done(folder):
+            file.unlink(missing_ok=True)
+        yield
         whole.touch()
-        return built
 
 
 def _half_done(folder: Path) -> list[Path]:
-    """Sources that a process which compiles them now, or was killed, has left."""
-    return [source for source in folder.glob("*.c") if not source.with_suffix(".c.cached").exists()]
+    """Sources and marks without each other, which a process that compiles now, or was killed, has left."""
+    sources = {file.stem: file for file in folder.glob("*.c")}
+    marks = {file.name.removesuffix(".c.cached"): file for file in folder.glob("*.c.cached")}
+    return [(sources | marks)[name] for name in sources.keys() ^ marks.keys()]

@@ -7,8 +7,9 @@ pressure q [Pa] that the rubber's own stress exerts along y:
 
 The penalty has q = 0, which leaves gamma/2 <-g>^2. With q = -e_y . P N, P the first Piola-Kirchhoff stress and N the
 normal, it is Nitsche's symmetric variant at finite strain, consistent: the exact solution, with p = q, fulfils it at
-every gamma (Mlika, Renard, Chouly, Comput. Methods Appl. Mech. Eng. 325, 2017, doi:10.1016/j.cma.2017.07.015, without
-friction). In both, p is the contact pressure, and -dP/dd of the potential is the integral of p: the contact force.
+every gamma large enough for the potential to have a minimum (Mlika, Renard, Chouly, Comput. Methods Appl. Mech. Eng.
+325, 2017, doi:10.1016/j.cma.2017.07.015, without friction). In both, p is the contact pressure, and -dP/dd of the
+potential is the integral of p: the contact force.
 
 Plates are rigid: their stress says nothing about the pressure on them. The penalty holds them off in both methods.
 
@@ -44,9 +45,13 @@ def energy(gap, stiffness, q=0):
     return (ufl.conditional(ufl.gt(q - stiffness * gap, 0), (q - stiffness * gap) ** 2, 0) - q**2) / (2 * stiffness)
 
 
-def stiffness(factor, young_modulus, mesh_size):
-    """Gamma = factor E / h [N/m^3]: factor times the stiffness of a layer of cells."""
-    return factor * young_modulus / mesh_size
+def stiffness(factor, modulus, mesh_size):
+    """Gamma = factor M / h [N/m^3]: factor times the stiffness of a layer of cells.
+
+    The modulus M is Young's for the penalty. For Nitsche's method, whose potential is bounded from below only where
+    gamma exceeds what the layer's own stress can do, it is that of uniaxial strain, K + 4/3 mu.
+    """
+    return factor * modulus / mesh_size
 
 
 def quadrature(order):

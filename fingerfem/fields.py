@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import ufl
-from dolfinx import fem
 
-from fingerfem import contact, forms, geometry, kinematics, materials
+from fingerfem import compilation, contact, forms, geometry, kinematics, materials
 
 if TYPE_CHECKING:
     from fingerfem.model import FingerModel
@@ -28,7 +27,9 @@ def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
     sought = {"S11": S[0, 0], "von_mises": ufl.sqrt(1.5 * ufl.inner(deviator, deviator)), "J": J}
     cells = np.arange(len(model.mesh.midpoints.T), dtype=np.int32)
     middle = np.array([[0.5, 0.5, 0.5]])
-    found = {name: fem.Expression(value, middle).eval(mesh, cells).ravel() for name, value in sought.items()}
+    with compilation.turn(model.scene, "fields", model.comm):
+        compiled = {name: compilation.expression(value, middle) for name, value in sought.items()}
+    found = {name: expression.eval(mesh, cells).ravel() for name, expression in compiled.items()}
     tags = model.mesh.cells
     for values in found.values():
         values[tags.indices[tags.values >= geometry.PLATE]] = np.nan
@@ -45,5 +46,7 @@ def contact_pressure(model: FingerModel) -> np.ndarray:
     groups = forms.contact_groups(model.scene, ds, model.fields)
     borne = sum(contact.pressure(g, gamma, q) * v[1] * ds(facets) for facets, g, gamma, q in groups)
     share = v[1] * ds(geometry.SURFACE)
-    force, area = (model.nodal(forms.compiled(form)) for form in (borne, share))
+    with compilation.turn(model.scene, "contact pressure", model.comm):
+        compiled = [compilation.form(form) for form in (borne, share)]
+    force, area = (model.nodal(form) for form in compiled)
     return np.divide(force[:, 1], area[:, 1], out=np.zeros(nodes), where=area[:, 1] > 0)

@@ -27,7 +27,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from fingerfem import contact, geometry, kinematics, materials, tendons
+from fingerfem import compilation, contact, geometry, kinematics, materials, tendons
 from fingerfem.laws import STEEL, Law
 from fingerfem.scene import Scene
 
@@ -110,16 +110,6 @@ def residual_and_tangent(terms: Sequence[Term], fields: Fields) -> tuple[Any, An
     return residual, tangent
 
 
-def compiled(form: Any) -> fem.Form:
-    """A compiled form that DOLFINx 0.9 assembles whole: one integral a region."""
-    made = fem.form(form)
-    for kind in (fem.IntegralType.cell, fem.IntegralType.exterior_facet):
-        regions = list(made._cpp_object.integral_ids(kind))
-        if len(set(regions)) < len(regions):
-            raise AssertionError(f"a form has two integrals over one of the regions {regions}")
-    return made
-
-
 def total(terms: Sequence[Term], u: fem.Function) -> Any:
     """The energy itself [J]."""
     C = kinematics.right_cauchy_green(u)
@@ -162,13 +152,13 @@ def compile_forms(scene: Scene, mesh: geometry.FingerMesh, fields: Fields) -> Fo
 
     tip = [u[i] * dx(geometry.TIP) for i in range(3)]
     return Forms(
-        residual=compiled(residual),
-        tangent=compiled(tangent),
-        strain_energy=compiled(total(bodies, u)),
-        tendon_energy=compiled(tendon_energy),
-        tendon_force=compiled(ufl.derivative(tendon_energy, u, v)),
-        tip=[compiled(form) for form in tip],
-        tip_gradient=[compiled(ufl.derivative(form, u, v)) for form in tip],
+        residual=compilation.form(residual),
+        tangent=compilation.form(tangent),
+        strain_energy=compilation.form(total(bodies, u)),
+        tendon_energy=compilation.form(tendon_energy),
+        tendon_force=compilation.form(ufl.derivative(tendon_energy, u, v)),
+        tip=[compilation.form(form) for form in tip],
+        tip_gradient=[compilation.form(ufl.derivative(form, u, v)) for form in tip],
         contact=contact_forms,
     )
 
@@ -202,11 +192,11 @@ def _contact(scene: Scene, ds: ufl.Measure, fields: Fields) -> tuple[Any, Contac
         ufl.conditional(ufl.gt(p, 0), gamma, 0.0) for (_, p), (*_, gamma, _) in zip(pressures, groups, strict=True)
     ]
     made = ContactForms(
-        energy=compiled(energy),
-        force=compiled(force),
-        force_gradient=compiled(ufl.derivative(force, u, v)),
-        stiffness=compiled(sum(gamma * ds(group[0]) for gamma, group in zip(touching, groups, strict=True))),
-        gap_work=compiled(
+        energy=compilation.form(energy),
+        force=compilation.form(force),
+        force_gradient=compilation.form(ufl.derivative(force, u, v)),
+        stiffness=compilation.form(sum(gamma * ds(group[0]) for gamma, group in zip(touching, groups, strict=True))),
+        gap_work=compilation.form(
             sum(p * abs(group[1]) * ds(facets) for (facets, p), group in zip(pressures, groups, strict=True))
         ),
         pad_force=None,
@@ -217,7 +207,7 @@ def _contact(scene: Scene, ds: ufl.Measure, fields: Fields) -> tuple[Any, Contac
     assert fields.pad_share is not None
     on_pad = sum(p * fields.pad_share[1] * ds(facets) for facets, p in pressures)
     area = fem.Constant(ds.ufl_domain(), 1.0) * ds(geometry.PAD)
-    return energy, replace(made, pad_force=compiled(on_pad), pad_area=compiled(area))
+    return energy, replace(made, pad_force=compilation.form(on_pad), pad_area=compilation.form(area))
 
 
 def pad_areas(ds: ufl.Measure, space: fem.FunctionSpace) -> tuple[fem.Form, fem.Form]:
@@ -227,10 +217,10 @@ def pad_areas(ds: ufl.Measure, space: fem.FunctionSpace) -> tuple[fem.Form, fem.
     """
     v, normal = ufl.TestFunction(space), ufl.FacetNormal(ds.ufl_domain())
     face = ufl.conditional(ufl.gt(normal[1], 0.5), v[1], 0.0) * ds(geometry.SURFACE)
-    return compiled(v[1] * ds(geometry.PAD)), compiled(face)
+    return compilation.form(v[1] * ds(geometry.PAD)), compilation.form(face)
 
 
 def volume_ratio(u: fem.Function) -> fem.Expression:
     """J = det F [-] at the corners, midpoints and centre of every cell."""
     points = np.array([[i, j, k] for i in (0, 0.5, 1) for j in (0, 0.5, 1) for k in (0, 0.5, 1)], float)
-    return fem.Expression(ufl.det(kinematics.deformation_gradient(u)), points)
+    return compilation.expression(ufl.det(kinematics.deformation_gradient(u)), points)

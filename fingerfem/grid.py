@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from fingerfem.scene import Scene
 
 
+SLIVER = 50  # mean over thinnest cell at which a mesh is refused: contact stiffness goes with the thinnest
+
+
 def subdivide(breakpoints: ArrayLike, cells: int, symmetric: bool = False) -> np.ndarray:
     """Grid lines that contain every breakpoint, with the given number of cells, as even as possible.
 
@@ -61,17 +64,29 @@ def grid_lines(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         lines = [subdivide(breakpoints, along) for breakpoints in _along(scene)]
     except ValueError as error:
         raise ValueError(f"mesh.cells[0] {error}") from None
-    x = np.unique(np.round(np.concatenate(lines), 12))
+    x = np.unique(np.concatenate(lines))
     try:
         if not scene.planar:
             # The same for both, so that mirrored pulls give mirrored states.
             y = subdivide(_both_sides(_edges(scene, 0) | _edges(scene, 1)), across, symmetric=True)
+            _no_slivers(y)
             return x, y, y
         y = subdivide(_both_sides(_edges(scene, 0)), across, symmetric=True)
         half = subdivide([0.0, *sorted(_edges(scene, 1))], (across + 1) // 2)
+        _no_slivers(y)
+        _no_slivers(half)
     except ValueError as error:
         raise ValueError(f"mesh.cells[1] {error}") from None
     return x, y, half if scene.is_half else np.concatenate([-half[:0:-1], half])
+
+
+def _no_slivers(lines: np.ndarray) -> None:
+    thinnest, mean = np.diff(lines).min(), (lines[-1] - lines[0]) / (len(lines) - 1)
+    if thinnest < mean / SLIVER:
+        raise ValueError(
+            f"must not be forced to cells thinner than 1/{SLIVER} of the mean, {mean:.3g} m, by channels and pad that "
+            f"almost touch, got {thinnest:.3g} m"
+        )
 
 
 def _along(scene: Scene) -> list[list[float]]:
@@ -81,8 +96,13 @@ def _along(scene: Scene) -> list[list[float]]:
     segments = []
     for start, (inner, outer) in zip([0.0, *[outer for _, outer in ends[:-1]]], ends, strict=True):
         points = {start, inner, outer} | {edge for edge in (pad.x if pad else []) if start < edge < outer}
-        segments.append(np.unique(np.round(sorted(points), 9)).tolist())
+        segments.append(np.unique(_snap(scene, sorted(points))).tolist())
     return segments
+
+
+def _snap(scene: Scene, positions: ArrayLike) -> np.ndarray:
+    """Positions [m] on a raster so fine that only round-off of what is meant to be equal is lost."""
+    return np.round(np.asarray(positions, float) / scene.geometry.side, 7) * scene.geometry.side
 
 
 def _edges(scene: Scene, axis: int) -> set[float]:
@@ -95,7 +115,7 @@ def _edges(scene: Scene, axis: int) -> set[float]:
     pad = scene.obstacle.pad if scene.obstacle else None
     if axis == 1 and pad is not None and pad.width is not None:
         edges.add(pad.width / 2)
-    return {edge for edge in np.round(sorted(edges), 9).tolist() if edge > 0}
+    return {edge for edge in _snap(scene, sorted(edges)).tolist() if edge > 0}
 
 
 def _both_sides(edges: set[float]) -> np.ndarray:

@@ -48,6 +48,11 @@ class Law(Table):
         return (3 * K - 2 * mu) / (6 * K + 2 * mu)
 
     @property
+    def p_wave_modulus(self) -> float:
+        """M = K + 4/3 mu [Pa], of uniaxial strain."""
+        return self.bulk_modulus + 4 / 3 * self.shear_modulus
+
+    @property
     def is_mixed(self) -> bool:
         """Whether the pressure is an unknown of its own."""
         return (self.formulation or ("mixed" if self.poisson > NEARLY_INCOMPRESSIBLE else "displacement")) == "mixed"
@@ -120,6 +125,11 @@ class SaintVenantKirchhoff(Law):
     def bulk_modulus(self) -> float:
         """K = E / (3 - 6 nu) [Pa]."""
         return self.E / (3 - 6 * self.nu)
+
+    @property
+    def poisson(self) -> float:
+        """Nu [-], without the round-off of computing it from moduli."""
+        return self.nu
 
 
 def neo_hookean_from(young_modulus: float, poisson: float) -> NeoHookean:

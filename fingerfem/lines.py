@@ -178,6 +178,9 @@ class Record:
             self._last_good = failure.tensions, np.nan if failure.distance is None else failure.distance
             self.failed(tensions, d, failure.reason, last_good=self._last_good)
             return
+        if not model.stability.stable():
+            self.failed(tensions, d, "the equilibrium is not stable")
+            return
         if model.passes_through_itself():
             self.failed(tensions, d, "the finger passes through itself")
             return

@@ -12,11 +12,12 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
-from fingerfem import contact, geometry, grid
+from fingerfem import compilation, contact, geometry, grid
 from fingerfem.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
 from fingerfem.rigid import Plate
 from fingerfem.scene import Scene
 from fingerfem.self_contact import Surface
+from fingerfem.stability import Stability
 from fingerfem.state import State, observe
 from fingerfem.stepping import Stepper
 
@@ -35,33 +36,35 @@ class FingerModel:
         self.scene, self.comm, self.law = scene, comm, scene.law
         self.mesh = geometry.build_mesh(scene, comm)
         self.space = fem.functionspace(self.mesh.mesh, ("Lagrange", scene.mesh.order, (3,)))
-        self.fields = Fields(
-            u=fem.Function(self.space, name="displacement"),
-            previous=fem.Function(self.space),
-            step=fem.Function(self.space),
-            tension_density=fem.Function(fem.functionspace(self.mesh.mesh, ("DG", 0))),
-            distance=fem.Constant(self.mesh.mesh, FAR),
-            stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
-            pad_share=self._pad_share(),
-        )
         self.copies = 2 if scene.is_half else 1  # of what is modelled, in the whole finger
-        self.tensions = np.zeros(len(scene.tendons))
-        self._tip_volume = scene.geometry.plate * scene.geometry.side**2
-        self._tendon_cells = [self._spread(k) for k in range(len(scene.tendons))]
         self._supports, self._clamped, self._held = self._boundary_conditions()
-        self.forms = compile_forms(scene, self.mesh, self.fields)
+        with compilation.turn(scene, "model", comm):
+            self.fields = Fields(
+                u=fem.Function(self.space, name="displacement"),
+                previous=fem.Function(self.space),
+                step=fem.Function(self.space),
+                tension_density=fem.Function(fem.functionspace(self.mesh.mesh, ("DG", 0))),
+                distance=fem.Constant(self.mesh.mesh, FAR),
+                stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
+                pad_share=self._pad_share(),
+            )
+            self.forms = compile_forms(scene, self.mesh, self.fields)
+            self._volume_ratio = volume_ratio(self.fields.u)
         self.matrix = create_matrix(self.forms.tangent)
         self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self.clamp_reaction = np.zeros(3)  # on the finger, at the last residual [N]
-        self._volume_ratio = volume_ratio(self.fields.u)
+        self.tensions = np.zeros(len(scene.tendons))
+        self._tip_volume = scene.geometry.plate * scene.geometry.side**2
+        self._tendon_cells = [self._spread(k) for k in range(len(scene.tendons))]
         self.rest_lengths = np.array([self.tendon_length(k) for k in range(len(scene.tendons))])  # [m]
-        self.stepper = Stepper(self)
+        self.stepper, self.stability = Stepper(self), Stability(self)
 
     def _contact_stiffness(self) -> float:
         obstacle = self.scene.obstacle
         if obstacle is None:
             return 0.0
-        return contact.stiffness(obstacle.stiffness_factor, self.law.young_modulus, self.mesh.smallest)
+        modulus = self.law.p_wave_modulus if obstacle.method == "nitsche" else self.law.young_modulus
+        return contact.stiffness(obstacle.stiffness_factor, modulus, self.mesh.smallest)
 
     def _pad_share(self) -> fem.Function | None:
         if self.scene.obstacle is None or self.scene.obstacle.pad is None:

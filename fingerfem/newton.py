@@ -9,6 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from fingerfem.convergence import NotConverged
+from fingerfem.factorisation import Factorisation
 
 if TYPE_CHECKING:
     from fingerfem.model import FingerModel
@@ -48,21 +49,8 @@ class Newton:
     def __init__(self, model: FingerModel, options: NewtonOptions | None = None):
         self.model, self.options = model, options or NewtonOptions()
         self.factorisations = 0
-        self._ksp = PETSc.KSP().create(model.comm)
-        self._ksp.setType("preonly")
-        self._ksp.setErrorIfNotConverged(False)
-        self._prepare()
+        self._factorisation = Factorisation(model.matrix)
         self._update = model.matrix.createVecRight()
-
-    def _prepare(self) -> None:
-        preconditioner = self._ksp.getPC()
-        preconditioner.reset()
-        preconditioner.setType("cholesky")
-        preconditioner.setFactorSolverType("mumps")
-        self._ksp.setOperators(self.model.matrix)
-        preconditioner.setFactorSetUpSolverType()
-        self._factor = preconditioner.getFactorMatrix()
-        self._factor.setMumpsIcntl(14, 80)  # room for the fill that pivoting adds [%]
 
     def solve(self, strategy: Strategy = "mixed") -> int:
         """Bring the model's displacement to equilibrium; returns the iterations.
@@ -93,7 +81,7 @@ class Newton:
             if reason is None:
                 reason = self._factorise()
             if reason is None:
-                self._ksp.solve(residual, self._update)
+                self._factorisation.solve(residual, self._update)
                 slope = -model.copies * residual.dot(self._update)
                 if not np.isfinite(slope):
                     reason = "the linear solver returned NaN"
@@ -144,17 +132,7 @@ class Newton:
     def _factorise(self) -> str | None:
         self.model.tangent()
         self.factorisations += 1
-        self._ksp.setOperators(self.model.matrix)  # or PETSc would put the factorisation off to the next solve
-        try:
-            self._ksp.setUp()
-        except PETSc.Error as error:
-            self._prepare()
-            return f"factorisation failed (PETSc error {error.ierr})"
-        if self._ksp.getPC().getFailedReason() != PETSc.PC.FailedReason.NOERROR:
-            code = self._factor.getMumpsInfog(1)
-            self._prepare()  # a factor that failed once would refuse every later matrix
-            return f"factorisation failed (MUMPS error {code})"
-        return None
+        return self._factorisation.update()
 
     def factorise(self) -> None:
         """Factorise Newton's tangent at the model's displacement, for `linear_solve`.
@@ -170,11 +148,11 @@ class Newton:
     @property
     def negative_pivots(self) -> int:
         """Negative eigenvalues of the last factorised tangent (Sylvester); an equilibrium with none is stable."""
-        return self._factor.getMumpsInfog(12)
+        return self._factorisation.negative_pivots
 
     def linear_solve(self, right_hand_side: PETSc.Vec) -> np.ndarray:
         """Solve with the last factorised tangent; returns owned values, and destroys the right-hand side."""
-        self._ksp.solve(right_hand_side, self._update)
+        self._factorisation.solve(right_hand_side, self._update)
         right_hand_side.destroy()
         return self._update.array_r.copy()
 

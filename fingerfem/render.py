@@ -103,12 +103,13 @@ def draw(panels: Sequence[Deformed], picture: str | Path) -> None:
         raise NoDisplay(f"VTK could not draw {picture}: {done.stderr.decode().strip()[-300:]}")
 
 
-VIEW = np.array([0.0, -0.25, 1.0])  # from the finger towards the eye: upright, from a little below the plane
+VIEW = np.array([0.0, -0.15, 1.0])  # from the finger towards the eye: upright, from a little below the plane
 PANEL = 800  # width [pixels]
 
 
 def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
     import pyvista
+    from PIL import Image
 
     label, scale = FIELDS[panels[0].field]
     shown = np.concatenate([panel.values for panel in panels]) * scale
@@ -149,13 +150,14 @@ def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
             scalar_bar_args=BAR | {"title": label},
         )
         if plane is not None:
-            plotter.add_mesh(plane, color="tan", opacity=0.5, lighting=False)
+            plotter.add_mesh(plane, color="tan", opacity=0.5, lighting=False, show_edges=True, edge_color="gray")
         plotter.add_text(panel.title, font_size=12, color="black")
         plotter.set_background("white")
         plotter.camera_position = [tuple(centre + np.ptp(points) * VIEW), tuple(centre), (0, 1, 0)]
         plotter.enable_parallel_projection()
         plotter.camera.parallel_scale = max(height, width * pixels / PANEL) / 2
-    plotter.screenshot(picture)
+    image = Image.fromarray(plotter.screenshot(None, return_img=True))
+    image.quantize(256, Image.Quantize.MAXCOVERAGE).save(picture, optimize=True)  # a third of the bytes
 
 
 BAR = {
@@ -180,13 +182,15 @@ def _finger(panel: Deformed, label: str, scale: float):
 
 
 def _plane(panel: Deformed):
-    """The obstacle, a thin plate above the finger."""
+    """The obstacle seen from below, ruled by squares as wide as the finger."""
     import pyvista
 
     if panel.plane is None:
         return None
     length, side = panel.points[:, 0].max(), np.ptp(panel.points[:, 1])
-    return pyvista.Box((0, 1.05 * length, panel.plane, panel.plane + 0.1 * side, -1.5 * side, 1.5 * side))
+    columns = round(1.05 * length / side) + 1
+    plane = pyvista.Plane((columns * side / 2, panel.plane, 0.0), (0, 1, 0), 3 * side, columns * side, 3, columns)
+    return plane
 
 
 if __name__ == "__main__":

@@ -13,7 +13,8 @@ from pydantic import Field, ValidationError, model_validator
 from fingerfem.grid import grid_lines
 from fingerfem.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff, Table
 
-Length = Annotated[float, Field(gt=0, le=1.0)]  # [m]; a length above 1 m is a length in mm
+Length = Annotated[float, Field(ge=1e-6, le=1.0)]  # [m]; a length above 1 m is a length in mm
+Distance = Annotated[float, Field(gt=0, le=1.0)]  # [m]
 Offset = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
 Position = Annotated[float, Field(ge=0, le=2.0)]  # [m]
 Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
@@ -59,6 +60,13 @@ class Geometry(Table):
         return sum(self.segments)
 
     @model_validator(mode="after")
+    def _nothing_vanishes(self) -> Geometry:
+        for name, value in (("plate", self.plate), ("channel", self.channel_width)):
+            if value < self.side / 100:
+                raise ValueError(f"{name} must be at least a hundredth of the side ({self.side} m), got {value}")
+        return self
+
+    @model_validator(mode="after")
     def _plate_fits(self) -> Geometry:
         for length in self.segments:
             if self.plate >= length:
@@ -90,9 +98,9 @@ class Pad(Table):
 class Obstacle(Table):
     """A frictionless rigid plane y = side/2 + d."""
 
-    distance: Annotated[list[Length], Field(min_length=2, max_length=2)]  # [nearest, farthest] [m]
+    distance: Annotated[list[Distance], Field(min_length=2, max_length=2)]  # [nearest, farthest] [m]
     method: Literal["penalty", "nitsche"]
-    stiffness: Annotated[float, Field(ge=1, le=1e6)] | None = None  # of contact, times mesh size over E [-]
+    stiffness: Annotated[float, Field(ge=1, le=1e6)] | None = None  # of contact, times mesh size over a modulus [-]
     pad: Pad | None = None
 
     @property
@@ -167,8 +175,19 @@ class Scene(Table):
                 "obstacle.method must be penalty where the rubber is nearly incompressible: its stress on the surface, "
                 "which nitsche needs, is not that of the displacements, got nitsche"
             )
+        if obstacle.method == "nitsche" and obstacle.stiffness_factor < 20:
+            raise ValueError(
+                "obstacle.stiffness must be at least 20 for nitsche, below which its potential has no minimum, "
+                f"got {obstacle.stiffness_factor:g}"
+            )
         if obstacle.pad is not None:
             _ordered("obstacle.pad.x", obstacle.pad.x)
+            least = self.geometry.side / 100
+            if min(obstacle.pad.x[1] - obstacle.pad.x[0], obstacle.pad.width or least) < least * (1 - 1e-9):
+                raise ValueError(
+                    f"obstacle.pad must be at least a hundredth of the side long and wide ({least:g} m), "
+                    f"got x {obstacle.pad.x}, width {obstacle.pad.width}"
+                )
             if obstacle.pad.x[1] > self.geometry.length * (1 + 1e-9):
                 raise ValueError(
                     f"obstacle.pad.x must lie on the finger, [0, {self.geometry.length:g}] m, got {obstacle.pad.x}"

@@ -21,7 +21,7 @@ class Surface:
     """The triangulated surface of a finger, whole on every rank; straight between the cells' corners at order 2 too."""
 
     def __init__(self, model: FingerModel):
-        self._comm = model.comm
+        self._comm, self._half, self._side = model.comm, model.scene.is_half, model.scene.geometry.side
         mesh = model.mesh.mesh
         dim = mesh.topology.dim
         facets = np.sort(np.concatenate([model.mesh.facets.find(kind) for kind in geometry.SURFACE]))
@@ -35,7 +35,7 @@ class Surface:
         _, self._first, ids = np.unique(np.round(rest, 9), axis=0, return_index=True, return_inverse=True)
         quads = ids.reshape(-1, 4)
         self._triangles = np.concatenate([quads[:, [0, 1, 3]], quads[:, [0, 3, 2]]])
-        sides = np.concatenate([quads[:, pair] for pair in ([0, 1], [1, 3], [3, 2], [2, 0])])
+        sides = np.concatenate([quads[:, pair] for pair in ([0, 1], [1, 3], [3, 2], [2, 0], [0, 3])])
         self._edges = np.unique(np.sort(sides, axis=1), axis=0)
         self._rest = points[self._nodes]
 
@@ -43,6 +43,8 @@ class Surface:
         """Whether it does, displaced by this rank's nodal displacements, shape (nodes, 3) [m] (collective)."""
         moved = self._rest + displacement[self._nodes]
         points = np.concatenate(self._comm.allgather(moved))[self._first]
+        if self._half and points[:, 2].min() < -1e-6 * self._side:
+            return True  # beyond its mirror plane it meets its mirror image
         ends, corners = points[self._edges], points[self._triangles]
         middles, centres = ends.mean(axis=1), corners.mean(axis=1)
         reach = np.linalg.norm(ends - middles[:, None], axis=2).max()
@@ -70,5 +72,5 @@ def _cross(ends: np.ndarray, corners: np.ndarray) -> np.ndarray:
     u = scale * np.einsum("ij,ij->i", from_corner, normal)
     v = scale * np.einsum("ij,ij->i", along, other)
     t = scale * np.einsum("ij,ij->i", second, other)
-    margin = 1e-9
-    return ~flat & (u > margin) & (v > margin) & (u + v < 1 - margin) & (t > margin) & (t < 1 - margin)
+    margin = 1e-9  # inclusive: nodes of a symmetric finger may meet edge on edge
+    return ~flat & (u > -margin) & (v > -margin) & (u + v < 1 + margin) & (t > -margin) & (t < 1 + margin)

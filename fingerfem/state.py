@@ -33,7 +33,8 @@ class State:
         energy: total potential [J].
         smallest_volume_ratio: min J [-].
         self_intersecting: whether the surface passes through itself, which the model does not prevent.
-        stable: whether the potential has a minimum here, by the signs of the factorised tangent; None if not asked for.
+        stable: whether the potential has a minimum here, by the signs of the factorised tangent, against motions of the
+            whole finger; None if sensitivities were not asked for.
         sensitivities: of tip (m/N; m/m), contact_force (N/N; N/m) and channel_shortening (m/N; m/m), by parameter;
             None if not asked for, or where the tangent is singular and there are none.
         displacement_sensitivities: of the displacement by parameter, owned nodes, shape (3 nodes,) [m/N; m/m].
@@ -159,7 +160,7 @@ def _sensitivities(model: FingerModel) -> dict[str, Any]:
         if in_contact:
             answer["contact_force"][name] = _along(model, force, change) + by_distance.get(name, 0.0)
     return {
-        "stable": newton.negative_pivots == 0,
+        "stable": model.stability.stable(),
         "sensitivities": answer,
         "displacement_sensitivities": fields,
     }

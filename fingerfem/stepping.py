@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -112,6 +113,7 @@ class Stepper:
         target = np.array(tensions, float)
         if self.distance is not None and distance is None:
             raise ValueError("distance must be a number while a plane is there, got None")
+        comes = self.distance is None
         if self.distance is None and distance is not None:
             # A hair inside what touches first, so that the tangent moves those nodes with the plane.
             self.distance = max(self.model.reach() - self.options.touch * self.model.scene.geometry.side, distance)
@@ -136,6 +138,9 @@ class Stepper:
                 needed = self._step(goal, goal_distance, _strategies(halvings))
             except NotConverged as failure:
                 if halvings >= self.options.halvings:
+                    if comes and not fraction:
+                        self.distance = None  # nothing was solved with the plane
+                        self.model.set_loads(self.tensions, None)
                     raise LoadNotReached(failure.reason, self.tensions.copy(), self.distance) from None
                 size, failed = share / 2, True
                 continue
@@ -156,14 +161,18 @@ class Stepper:
         """One step, by the first strategy that works; returns the iterations it needed.
 
         Raises:
-            NotConverged: the model is back at the last good load, its tangent factorised for the next, shorter try.
+            NotConverged: the model is back at the last good load.
         """
         model, newton = self.model, self.newton
         before = model.displacement.copy()
         reason = ""
         for strategy in strategies:
             model.displacement[:] = before
-            step = self._predict(tensions, distance) if strategy != "line search" else None
+            model.set_loads(self.tensions, self.distance)
+            step = None
+            if strategy != "line search":
+                with contextlib.suppress(NotConverged):  # where the tangent is singular there is no prediction
+                    step = self._predict(tensions, distance)
             model.set_loads(tensions, distance)
             try:
                 needed = newton.solve(strategy)

@@ -3,8 +3,9 @@
 from pathlib import Path
 
 import pytest
+from farm import ROOT, run
 
-SCENES = Path(__file__).resolve().parents[2] / "scenes"
+SCENES = ROOT / "scenes"
 
 
 @pytest.fixture(scope="session")

@@ -85,7 +85,9 @@ def test_three_deaths_at_one_line_quarantine_it_and_what_needs_it_and_retry_solv
     assert "free-0 has states without an answer" in done.stderr
     assert not read_task(folder, "free-0")["converged"].any()
     assert np.isnan(read_task(folder, "free-0")["tip"]).all()
-    said = subprocess.run([sys.executable, "-m", "fingerfem", "status", str(folder)], cwd=ROOT, capture_output=True, text=True)
+    said = subprocess.run(
+        [sys.executable, "-m", "fingerfem", "status", str(folder)], cwd=ROOT, capture_output=True, text=True
+    )
     assert "quarantined              4" in said.stdout and "failed                   16" in said.stdout
     subprocess.run([sys.executable, "-m", "fingerfem", "retry", str(folder)], cwd=ROOT, check=True)
     run(1, scene, folder)
@@ -117,9 +119,7 @@ def test_a_folder_that_cannot_be_written_to_is_one_line(scene, tmp_path):
     for part in folder.parents:
         if user and str(part).startswith("/tmp/pytest"):
             part.chmod(0o755)
-    done = subprocess.run(
-        command(1, scene, folder / "set")[3:], cwd=ROOT, capture_output=True, text=True, **user
-    )
+    done = subprocess.run(command(1, scene, folder / "set")[3:], cwd=ROOT, capture_output=True, text=True, **user)
     assert done.returncode == 2
     assert "must be a folder that can be written to, got Permission denied" in only_line(done.stderr, "read only")
 
@@ -195,8 +195,12 @@ def test_truncated_and_foreign_files_are_set_aside_and_solved_again(scene, undis
 def test_a_compilation_that_was_killed_does_not_stop_the_next_job(scene, undisturbed, tmp_path):
     cache = {"XDG_CACHE_HOME": str(tmp_path / "cache")}
     first = subprocess.Popen(
-        command(1, scene, tmp_path / "set")[3:], cwd=ROOT, env=os.environ | cache, start_new_session=True,
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        command(1, scene, tmp_path / "set")[3:],
+        cwd=ROOT,
+        env=os.environ | cache,
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     )
     compiled = tmp_path / "cache" / "fenics"
     while not [file for file in compiled.glob("*.c") if not file.with_suffix(".c.cached").exists()]:

@@ -8,9 +8,9 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from fingerfem import FingerModel, LoadNotReached, geometry, load_scene, materials
+from fingerfem import FingerModel, LoadNotReached, forms, geometry, load_scene, materials
 from fingerfem.fields import cell_fields, contact_pressure
-from fingerfem.laws import neo_hookean_from
+from fingerfem.laws import STEEL, neo_hookean_from
 from fingerfem.lines import LineSolver
 from fingerfem.sampling import describe
 from fingerfem.scene import Scene
@@ -84,9 +84,13 @@ def test_a_pad_under_all_that_touches_bears_the_whole_force(planar, cells):
 
 
 def test_nodal_contact_pressure_sums_up_to_the_contact_force(draft):
-    draft.take(draft.solve([60.0, 40.0], 0.010, sensitivities=False))
+    state = draft.solve([60.0, 40.0], 0.010, sensitivities=False)
+    draft.take(state)
     pressure = contact_pressure(draft)
     assert pressure.min() == 0.0
+    ds = forms.surface_measure(draft.scene, draft.mesh)
+    shares = draft.nodal(fem.form(ufl.TestFunction(draft.space)[1] * ds(geometry.SURFACE)))[:, 1]
+    assert pressure @ shares == pytest.approx(state.contact_force, rel=1e-9)
     touched = draft.space.tabulate_dof_coordinates()[pressure > 0]
     assert np.all(touched[:, 1] > 0.005 - 1e-9) and np.all(touched[:, 0] > 0.049 - 1e-9)
 
@@ -190,14 +194,16 @@ def test_the_eliminated_pressure_is_the_unknown_of_a_saddle_point(planar):
     volume = fem.assemble_vector(fem.form(q * one_point)).array
     rubber = np.isin(model.mesh.cells.values, geometry.RUBBERS)
     p.x.array[model.mesh.cells.indices] = np.where(rubber, 2 * constraint / volume / law.D1, 0.0)
-    # Compare the pressure's forces, p dJ : grad v, with those of the eliminated form.
-    explicit = fem.assemble_vector(fem.form(ufl.derivative(p * J * one_point, u, v))).array
-    dx = ufl.Measure("dx", mesh, subdomain_data=model.mesh.cells, metadata={"quadrature_degree": 1})
-    _, volumetric = materials.parts(law)
-    F = ufl.Identity(3) + ufl.grad(u)
-    eliminated = fem.assemble_vector(fem.form(ufl.derivative(volumetric(F.T * F) * dx(geometry.RUBBERS), u, v))).array
-    assert np.abs(explicit - eliminated).max() < 1e-9 * np.abs(eliminated).max()
-    assert np.abs(eliminated).max() > 1.0  # the pressure does bear on the answer
+    # With it, the rubber's other part, the plates' and the tendon's forces must be those of the model.
+    distortional, _ = materials.parts(law)
+    dx = ufl.Measure("dx", mesh, subdomain_data=model.mesh.cells, metadata={"quadrature_degree": 2})
+    body = distortional(C) * dx(geometry.RUBBERS) + materials.energy(STEEL)(C) * dx(geometry.PLATES)
+    pressure = fem.assemble_vector(fem.form(ufl.derivative(p * J * one_point, u, v))).array
+    explicit = pressure + fem.assemble_vector(fem.form(ufl.derivative(body, u, v))).array
+    explicit += fem.assemble_vector(model.forms.tendon_force).array
+    ours = fem.assemble_vector(model.forms.residual).array
+    assert np.abs(explicit - ours).max() < 1e-9 * np.abs(pressure).max()
+    assert np.abs(pressure).max() > 1.0  # the pressure does bear on the answer
 
 
 # -- tendons --
@@ -302,3 +308,37 @@ def test_more_ranks_than_cells_along_an_edge_do_not_change_the_answer(planar):
     assert shared["tip"] == pytest.approx(alone["tip"], abs=1e-9 * 0.05)
     assert shared["contact_force"] == pytest.approx(alone["contact_force"], rel=1e-9)
     assert shared["self_intersecting"] == alone["self_intersecting"]
+
+
+# -- stability --
+
+
+def test_half_a_finger_knows_when_the_whole_one_falls_to_the_side(planar):
+    """A plane props the tip in y; across, a straight tendon on the axis makes it a column clamped at one end."""
+    planar["tendons"][0]["tension"] = [0.0, 100.0]
+    planar["tendons"].append(planar["tendons"][0] | {"name": "F2", "path": "straight", "offset": [0.0, 0.0]})
+    planar["obstacle"] = {"distance": [0.001, 0.031], "method": "penalty"}
+    for axial, stable in ((20.0, True), (60.0, False)):
+        for symmetry in (True, False):
+            planar["mesh"]["symmetry"] = symmetry
+            model = model_of(planar)
+            for tensions, distance in (([5.0, 0.0], None), ([5.0, 0.0], 0.001), ([5.0, axial], 0.001)):
+                model.stepper.advance(tensions, distance)
+            assert model.stability.stable() is stable
+            assert model.stepper.newton.negative_pivots == (0 if stable or symmetry else 1)
+
+
+def test_an_unstable_equilibrium_is_a_failed_snapshot(planar, tmp_path):
+    planar["tendons"] = [planar["tendons"][0] | {"path": "straight", "offset": [0.0, 0.0], "tension": [0.0, 60.0]}]
+    planar["sampling"] = {"tension_nodes": 4}
+    del planar["obstacle"]
+    model = model_of(planar)
+    line = LineSolver(describe(model.scene, versions()), model, tmp_path).solve("free-0")
+    assert line["parameters"][:, 0] == pytest.approx([0, 15, 45, 60])
+    assert line["converged"].tolist() == [True, True, False, False]  # Euler's load is some 33 N
+    assert line["reason"][-1] == "the equilibrium is not stable"
+
+
+def test_saint_venant_kirchhoff_rubber_is_taken_up_to_its_limit(planar):
+    planar["material"] = {"law": "saint-venant-kirchhoff", "E": 9.88e6, "nu": 0.45}
+    assert model_of(planar).solve([5.0]).stable

@@ -1,19 +1,17 @@
 """The farm: the same numbers whoever solves them, nothing solved twice, nothing lost to a killed rank."""
 
-import json
 import os
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
-
 from farm import ROOT, assert_same, assert_same_task, command, run
 
 from rom.snapshots import SnapshotError, SnapshotSet, read_description, read_task, task_file
+
 
 def test_a_set_keeps_free_states_and_contact_states_apart(undisturbed):
     snapshots = SnapshotSet(undisturbed)
