@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 import fingerfem
-from fingerfem import LoadNotReached, load_scene
+from fingerfem.convergence import LoadNotReached
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 BAD_INPUT, NOTHING_USABLE = 2, 3
@@ -56,7 +56,7 @@ def solve(
     from mpi4py import MPI
 
     comm = MPI.COMM_WORLD
-    scene = load_scene(scene_file)
+    scene = fingerfem.load_scene(scene_file)
     tensions, distance = read_loads(scene, loads or [])
     for file, option in ((picture, "picture"), (paraview, "paraview")):
         if file is not None and comm.size > 1:
@@ -115,7 +115,7 @@ def snapshots(
         raise ValueError(f"progress must be one of {', '.join(STYLES)}, got {progress}")
     if world.size % ranks_per_finger:
         raise ValueError(f"ranks-per-finger must divide the number of ranks, {world.size}, got {ranks_per_finger}")
-    scene = load_scene(scene_file)
+    scene = fingerfem.load_scene(scene_file)
     description = describe(scene, versions(), HeldOut(count=random, seed=seed) if random else None)
     create(folder, description)
     if ranks_per_finger == 1:  # else ranks may be waiting for each other in MPI: they end at once
@@ -201,6 +201,26 @@ def retry(folder: SetFolder) -> None:
 
 
 @app.command()
+def doctor(as_json: AsJson = False) -> None:
+    """Say what this installation has, what is wrong with it, and how to mend it."""
+    from dataclasses import asdict
+
+    from fingerfem.doctor import examine
+
+    findings = []
+    for finding in examine():
+        findings.append(asdict(finding))
+        if not as_json:
+            print(f"{finding.verdict:6s} {finding.name:12s} {finding.found}")
+            if finding.verdict != "ok":
+                print(f"{'':19s} -> {finding.remedy}")
+    wrong = [finding["name"] for finding in findings if finding["verdict"] == "wrong"]
+    if as_json:
+        print(json.dumps({"wrong": wrong, "findings": findings}))
+    raise SystemExit(NOTHING_USABLE if wrong else 0)
+
+
+@app.command()
 def render(
     scene_file: SceneFile,
     picture: Annotated[Path, typer.Argument(metavar="PICTURE.png")],
@@ -210,7 +230,7 @@ def render(
     """Draw deformed fingers coloured by a field of the rubber, one panel a load case."""
     from fingerfem.render import Deformed, draw
 
-    scene = load_scene(scene_file)
+    scene = fingerfem.load_scene(scene_file)
     cases = [read_loads(scene, words.split()) for words in case]
     model = fingerfem.FingerModel(scene)
     panels = []
