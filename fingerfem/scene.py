@@ -224,6 +224,11 @@ class Scene(Table):
             listed.append({"name": "d", "unit": "m", "lower": lower, "upper": upper})
         return listed
 
+    @property
+    def parameter_names(self) -> list[str]:
+        """Names of the parameters, in their order."""
+        return [parameter["name"] for parameter in self.parameters]
+
     def fingerprint(self) -> str:
         """Hash of all that changes the finger's answers; name and sampling do not."""
         text = json.dumps(self.model_dump(exclude={"name", "sampling"}), sort_keys=True)

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from fingerfem.convergence import NotConverged
+from fingerfem.sensitivities import differentiate
 
 if TYPE_CHECKING:
     from fingerfem.model import FingerModel
@@ -126,52 +126,24 @@ def _contact(model: FingerModel) -> dict[str, Any]:
 
 
 def _sensitivities(model: FingerModel) -> dict[str, Any]:
-    """Derivatives by every parameter p: du/dp = -K^-1 dR/dp, one back-substitution each on the factorised tangent.
-
-    dR/dF_k is the gradient of tendon k's length and dR/dd minus that of the contact force, so the same vectors also
-    differentiate those two quantities.
-    """
-    scene, forms, newton = model.scene, model.forms, model.stepper.newton
+    """Derivatives by name, and whether the state is stable."""
     try:
-        newton.factorise()
+        found = differentiate(model)
     except NotConverged:
         return {"stable": False}
-    count = len(scene.tendons)
-    lengths = [_owned(model.load_gradient(unit)) for unit in np.eye(count)]
-    tips = [_owned(model.tip_gradient(i)) for i in range(3)]
-    loads = {tendon.name: (unit, 0.0) for tendon, unit in zip(scene.tendons, np.eye(count), strict=True)}
-    answer: dict[str, dict[str, Any]] = {"tip": {}, "channel_shortening": {}}
-    fields: dict[str, np.ndarray] = {}
-    in_contact = forms.contact is not None and model.stepper.distance is not None
-    if forms.contact is not None and in_contact:
-        loads["d"] = (np.zeros(count), 1.0)
-        force = _owned(model.gradient(forms.contact.force_gradient))
-        by_distance = {"d": -model.scalar(forms.contact.stiffness)}  # at fixed displacement
-        answer["contact_force"] = {}
-
-    for name, (tensions, distance) in loads.items():
-        change = -newton.linear_solve(model.load_gradient(tensions, distance))
-        fields[name] = change
-        answer["tip"][name] = [_along(model, gradient, change) for gradient in tips]
-        answer["channel_shortening"][name] = {
-            tendon.name: -_along(model, gradient, change)
-            for tendon, gradient in zip(scene.tendons, lengths, strict=True)
-        }
-        if in_contact:
-            answer["contact_force"][name] = _along(model, force, change) + by_distance.get(name, 0.0)
+    names = list(model.scene.parameter_names[: len(found.tip)])
+    tendons = [tendon.name for tendon in model.scene.tendons]
+    answer: dict[str, dict[str, Any]] = {
+        "tip": dict(zip(names, found.tip, strict=True)),
+        "channel_shortening": {
+            name: dict(zip(tendons, row.tolist(), strict=True))
+            for name, row in zip(names, found.channel_shortening, strict=True)
+        },
+    }
+    if found.contact_force is not None:
+        answer["contact_force"] = dict(zip(names, found.contact_force.tolist(), strict=True))
     return {
         "stable": model.stability.stable(),
         "sensitivities": answer,
-        "displacement_sensitivities": fields,
+        "displacement_sensitivities": dict(zip(names, found.displacement, strict=True)),
     }
-
-
-def _along(model: FingerModel, gradient: np.ndarray, change: np.ndarray) -> float:
-    """Change of a quantity of the whole finger, of whose gradient the model has its own part."""
-    return model.copies * float(model.comm.allreduce(gradient @ change))
-
-
-def _owned(b: PETSc.Vec) -> np.ndarray:
-    values = b.array_r.copy()
-    b.destroy()
-    return values

@@ -1,0 +1,88 @@
+"""Derivatives of what a state reports by every tension and by d.
+
+du/dp = -K^-1 dR/dp, one back-substitution each on the tangent factorised at the state. dR/dF_k is the gradient of
+tendon k's length and dR/dd minus that of the contact force, so the same vectors also differentiate those two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+if TYPE_CHECKING:
+    from fingerfem.model import FingerModel
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensitivities:
+    """Derivatives at one state; p parameters: the tensions [1/N], then d [1/m] where there is a plane.
+
+    Attributes:
+        displacement: of this rank's owned nodes, shape (p, 3 nodes) [m].
+        tip: shape (p, 3) [m].
+        channel_shortening: shape (p, tendons) [m].
+        touch_distance: of a free state as the parameters grow, shape (p,) [m]; None without an obstacle or in contact.
+        contact_force: shape (p,) [N]; None without a plane.
+    """
+
+    displacement: np.ndarray
+    tip: np.ndarray
+    channel_shortening: np.ndarray
+    touch_distance: np.ndarray | None
+    contact_force: np.ndarray | None
+
+
+def differentiate(model: FingerModel) -> Sensitivities:
+    """Differentiate at the equilibrium that a model is in (collective).
+
+    Raises:
+        NotConverged: the tangent is singular, and there are no derivatives.
+    """
+    scene, forms, newton = model.scene, model.forms, model.stepper.newton
+    newton.factorise()
+    count, plane = len(scene.tendons), model.stepper.distance is not None
+    loads = [(unit, 0.0) for unit in np.eye(count)] + ([(np.zeros(count), 1.0)] if plane else [])
+    changes = np.array([-newton.linear_solve(model.load_gradient(*load)) for load in loads])
+    lengths = [_owned(model.load_gradient(unit)) for unit in np.eye(count)]
+    tips = [_owned(model.tip_gradient(i)) for i in range(3)]
+    contact_force = touch_distance = None
+    if plane and forms.contact is not None:
+        contact_force = _along(model, [_owned(model.gradient(forms.contact.force_gradient))], changes)[:, 0]
+        contact_force[-1] -= model.scalar(forms.contact.stiffness)  # at fixed displacement
+    elif scene.obstacle is not None:
+        touch_distance = np.array([_reach_change(model, change) for change in changes])
+    return Sensitivities(
+        displacement=changes,
+        tip=_along(model, tips, changes),
+        channel_shortening=-_along(model, lengths, changes),
+        touch_distance=touch_distance,
+        contact_force=contact_force,
+    )
+
+
+def _along(model: FingerModel, gradients: list[np.ndarray], changes: np.ndarray) -> np.ndarray:
+    """Changes of quantities of the whole finger, of whose gradients the model has its own part: (p, quantities)."""
+    return model.copies * np.asarray(model.comm.allreduce(changes @ np.array(gradients).T))
+
+
+def _reach_change(model: FingerModel, change: np.ndarray) -> float:
+    """How the reach sets out to change [m] with owned displacements, shape (3 nodes,).
+
+    Where several nodes reach equally far, the one that goes farthest leads.
+    """
+    nodes = model.surface_nodes[3 * model.surface_nodes < len(change)]
+    heights = model.space.tabulate_dof_coordinates()[nodes, 1] + model.displacement[3 * nodes + 1]
+    side = model.scene.geometry.side
+    leading = nodes[heights > model.reach() + side * (0.5 - 1e-9)]
+    moved = change[3 * leading + 1]
+    return float(model.comm.allreduce(moved.max() if moved.size else -np.inf, op=MPI.MAX))
+
+
+def _owned(b: PETSc.Vec) -> np.ndarray:
+    values = b.array_r.copy()
+    b.destroy()
+    return values
