@@ -117,11 +117,18 @@ class Mesh(Table):
     symmetry: bool | None = None  # model the half z >= 0; if absent, wherever all tendons lie in the plane z = 0
 
 
+Quantity = Literal["displacement", "pad_pressure", "channel_shortening"]
+
+
 class Sampling(Table):
-    """How finely the parameters are sampled for training: nodes along every tension and along contact."""
+    """How finely the parameters are sampled for training: nodes along every tension and along contact.
+
+    Tip, contact force and touch distance of a state are always kept; `store` says what else.
+    """
 
     tension_nodes: Annotated[int, Field(ge=4, le=101)] = 9
     contact_nodes: Annotated[int, Field(ge=4, le=101)] = 12
+    store: list[Quantity] = ["displacement"]
 
 
 class Scene(Table):
@@ -166,6 +173,12 @@ class Scene(Table):
         if self.obstacle is not None:
             self._check_obstacle(self.obstacle)
         grid_lines(self)
+        return self
+
+    @model_validator(mode="after")
+    def _pressure_has_a_pad(self) -> Scene:
+        if "pad_pressure" in self.sampling.store and (self.obstacle is None or self.obstacle.pad is None):
+            raise ValueError("sampling.store must not ask for pad_pressure of a scene without obstacle.pad")
         return self
 
     def _check_obstacle(self, obstacle: Obstacle) -> None:

@@ -84,7 +84,7 @@ def observe(model: FingerModel, touch_distance: float | None, seconds: float, se
     scene, stepper = model.scene, model.stepper
     model.residual().destroy()  # the clamp's reaction at this very state
     names = [tendon.name for tendon in scene.tendons]
-    shortening = model.rest_lengths - [model.tendon_length(k) for k in range(len(names))]
+    shortening = channel_shortening(model)
     parameters = dict(zip(names, stepper.tensions.tolist(), strict=True))
     if stepper.distance is not None:
         parameters["d"] = float(stepper.distance)
@@ -109,6 +109,18 @@ def observe(model: FingerModel, touch_distance: float | None, seconds: float, se
     )
 
 
+def channel_shortening(model: FingerModel) -> np.ndarray:
+    """How much shorter every tendon has become between its ends, shape (tendons,) [m] (collective)."""
+    return model.rest_lengths - [model.tendon_length(k) for k in range(len(model.rest_lengths))]
+
+
+def pad_pressure(model: FingerModel) -> float:
+    """Mean contact pressure on the pad of a scene that has one [Pa] (collective)."""
+    forms = model.forms.contact
+    assert forms is not None and forms.pad_force is not None
+    return model.scalar(forms.pad_force) / model.scalar(forms.pad_area)
+
+
 def _contact(model: FingerModel) -> dict[str, Any]:
     """What the plane makes to report."""
     forms, obstacle, distance = model.forms.contact, model.scene.obstacle, model.stepper.distance
@@ -116,9 +128,8 @@ def _contact(model: FingerModel) -> dict[str, Any]:
         return {}
     force = model.scalar(forms.force)
     found: dict[str, Any] = {"contact_force": force}
-    if forms.pad_force is not None and obstacle.pad is not None:
-        pressure = model.scalar(forms.pad_force) / model.scalar(forms.pad_area)
-        found |= {"pad": obstacle.pad.name, "pad_pressure": pressure}
+    if obstacle.pad is not None:
+        found |= {"pad": obstacle.pad.name, "pad_pressure": pad_pressure(model)}
     if distance is not None:
         away = model.scalar(forms.gap_work) / (force * model.scene.geometry.side) if force else 0.0
         found |= {"penetration": max(model.reach() - distance, 0.0), "complementarity": away}

@@ -30,9 +30,10 @@ def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
     result: dict[str, Any] = {"states": len(points), "failed": len(held_out.failures)}
     tip = held_out.random("tip")
     result["tip"] = _statistics(_norm(answer.tip - tip), _norm(tip))
-    field = held_out.random("displacement").reshape(len(points), -1)
-    ours = np.array([model.displacement(point).ravel() for point in points])
-    result["displacement"] = _statistics(_norm(ours - field), _norm(field))
+    if model.has_field and held_out.description.has_field:
+        field = held_out.random("displacement").reshape(len(points), -1)
+        ours = np.array([model.displacement(point).ravel() for point in points])
+        result["displacement"] = _statistics(_norm(ours - field), _norm(field))
     if model.has_obstacle:
         touch, force = held_out.random("touch_distance"), held_out.random("contact_force")
         touches, felt = force > 0, answer.contact_force > 0

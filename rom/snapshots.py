@@ -9,10 +9,15 @@ A set is a folder:
 A task is a line of states solved in a fixed order. Its file holds, state by state (n of them):
 
     parameters          (n, p)          tensions [N], then d [m] (nan in a free state)
-    displacement        (n, nodes, 3)   [m]
     tip                 (n, 3)          [m]
+    corner_heights      (n, corners)    of the plates' corners over the rest position of the face towards the plane [m]
     touch_distance      (n,)            [m] free reach at these tensions; scenes with an obstacle
     contact_force       (n,)            [N] scenes with an obstacle
+    X_jacobian          (n, *X, p)      derivatives of tip, touch_distance and contact_force by the parameters
+    displacement        (n, nodes, 3)   [m], if sampling.store asks for it, as for the next three
+    displacement_jacobian (n, p, nodes, 3) derivatives of the displacement, in single precision
+    pad_pressure        (n,)            [Pa]
+    channel_shortening  (n, tendons)    [m], and its jacobian
     iterations          (n,)            Newton iterations
     converged           (n,)            bool; a state that is not is nan everywhere
     reason              (n,)            why not, empty if converged
@@ -76,6 +81,11 @@ class Description:
     def has_obstacle(self) -> bool:
         """Whether the scene has a plane."""
         return self.parameters[-1]["name"] == "d"
+
+    @property
+    def has_field(self) -> bool:
+        """Whether the displacement of all nodes is stored."""
+        return "displacement" in self.scene["sampling"]["store"]
 
     @property
     def tensions(self) -> int:

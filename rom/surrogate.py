@@ -80,6 +80,11 @@ class Surrogate:
         """Whether the last parameter is the plane's distance."""
         return self.names[-1] == "d"
 
+    @property
+    def has_field(self) -> bool:
+        """Whether it knows the displacement of all nodes."""
+        return "free_displacement" in self.forms
+
     @cached_property
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper end of the trained box, shapes (p,)."""
@@ -145,8 +150,10 @@ class Surrogate:
         Outside the trained box it is that of the nearest point inside; `evaluate` says which points are.
 
         Raises:
-            ModelError: the wrong number of parameters.
+            ModelError: the wrong number of parameters, or a model without the field.
         """
+        if not self.has_field:
+            raise ModelError("displacement must be in the scene's sampling.store to be known, got a model without it")
         lower, upper = self.limits
         point = self._point(parameters)
         held = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
@@ -230,7 +237,9 @@ class Surrogate:
             raise ModelError(f"{path}: No such file") from None
         except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
             raise ModelError(f"{path}: is not a model file, or a damaged one ({str(error).splitlines()[0]})") from None
-        needed = FORMS if plain["parameters"][-1]["name"] == "d" else FORMS[:2]
+        needed = ["free", "onset", "contact"] if plain["parameters"][-1]["name"] == "d" else ["free"]
+        if "displacement" in plain["scene"]["sampling"]["store"]:
+            needed += [f"{name}_displacement" for name in needed if name != "onset"]
         damaged = [name for name in needed if name not in forms or not forms[name].finite]
         if damaged or not 0 <= lead < len(plain["parameters"]):
             raise ModelError(f"{path}: is a damaged model file ({', '.join(damaged) or 'lead'})")

@@ -33,15 +33,20 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
             f"first {task} at {parameters.tolist()}: {reason}"
         )
     axes = [np.array(nodes) for nodes in description.tension_nodes]
-    tip, field = snapshots.free("tip"), snapshots.free("displacement")
-    heights = field[..., 1] + snapshots.nodes[:, 1] - snapshots.nodes[:, 1].max()
-    outputs = [tip]
+    outputs = [snapshots.free("tip")]
     forms: dict[str, Separated] = {}
     if description.has_obstacle:
+        heights = snapshots.free("corner_heights")
+        if np.abs(heights.max(axis=-1) - snapshots.free("touch_distance")).max() > 1e-6:
+            raise SnapshotError(
+                f"{snapshots.path}: in some state rubber reaches farther towards the plane than plates do"
+            )
         outputs.append(heights[..., _first_to_touch(heights)])
         forms |= _contact_forms(snapshots, axes, options)
     forms["free"] = _form("free", np.concatenate(outputs, axis=-1), axes, options)
-    forms["free_displacement"] = _form("free_displacement", field.reshape(*field.shape[:-2], -1), axes, options)
+    if description.has_field:
+        field = snapshots.free("displacement")
+        forms["free_displacement"] = _form("free_displacement", field.reshape(*field.shape[:-2], -1), axes, options)
     return Surrogate(
         parameters=description.parameters,
         forms=forms,
@@ -60,7 +65,7 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
 
 
 def _first_to_touch(heights: np.ndarray) -> np.ndarray:
-    """Nodes that lead the finger's reach in some free state; corners of the plate, as a rule."""
+    """Corners of plates that lead the finger's reach in some free state."""
     return np.unique(heights.reshape(-1, heights.shape[-1]).argmax(axis=1))
 
 
@@ -80,12 +85,15 @@ def _contact_forms(
         return values - np.take(values, [0], axis=len(axes))
 
     answers = np.concatenate([added("tip"), added("contact_force")[..., None]], axis=-1)
-    field = added("displacement")
-    return {
+    forms = {
         "onset": _form("onset", onset[..., None], others, options),
         "contact": _form("contact", answers, aligned, options),
-        "contact_displacement": _form("contact_displacement", field.reshape(*field.shape[:-2], -1), aligned, options),
     }
+    if description.has_field:
+        field = added("displacement")
+        flat = field.reshape(*field.shape[:-2], -1)
+        forms["contact_displacement"] = _form("contact_displacement", flat, aligned, options)
+    return forms
 
 
 def _form(name: str, values: np.ndarray, axes: Sequence[np.ndarray], options: EnrichmentOptions) -> Separated:

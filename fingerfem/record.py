@@ -1,0 +1,183 @@
+"""What is kept of the states of a line, and what is said of those that have no answer."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+import numpy as np
+
+from fingerfem import grid
+from fingerfem.convergence import LoadNotReached, NotConverged
+from fingerfem.model import FingerModel
+from fingerfem.numbering import Numbering
+from fingerfem.scene import Scene
+from fingerfem.sensitivities import Sensitivities, differentiate
+from fingerfem.state import channel_shortening, pad_pressure
+
+logger = logging.getLogger(__name__)
+
+
+class Record:
+    """Collects the states of one line; after a load that was not reached the line's further states are failed too.
+
+    Attributes:
+        displacements: of this rank's nodes, state by state, as the model has them.
+        reaches: of the finger towards the plane, state by state [m].
+    """
+
+    def __init__(self, model: FingerModel, numbering: Numbering):
+        self._model, self._numbering, self._broken = model, numbering, ""
+        self._store, self._parameter_count = model.scene.sampling.store, len(model.scene.parameters)
+        self._corners = _plate_corners(model.scene, numbering.nodes)
+        self._last_good: tuple[np.ndarray, float] | None = None
+        self._touch: dict[str, Any] = {}
+        self._rows: list[dict[str, Any]] = []
+        self.displacements: list[np.ndarray] = []
+        self.reaches: list[float] = []
+
+    def state(self, tensions: np.ndarray, distance: float | None, iterations_before: int | None = None) -> None:
+        """Solve and note one state; the touch distance of one in contact is that of the last free state.
+
+        Its iterations are counted from `iterations_before`, from now if that is None.
+        """
+        model = self._model
+        d = np.nan if distance is None else distance
+        if distance is not None and np.isnan(distance):  # of a plane that stands where the free finger has no answer
+            self._broken = self._broken or self._rows[-1]["reason"]
+        if self._broken:
+            self.failed(tensions, d, self._broken, last_good=self._last_good)
+            return
+        before = model.stepper.iterations if iterations_before is None else iterations_before
+        try:
+            model.stepper.advance(tensions, distance)
+        except LoadNotReached as failure:
+            self._broken = failure.reason
+            self._last_good = failure.tensions, np.nan if failure.distance is None else failure.distance
+            self.failed(tensions, d, failure.reason, last_good=self._last_good)
+            return
+        try:
+            found = differentiate(model)
+        except NotConverged:
+            found = None
+        if found is None or not model.stability.stable():
+            self.failed(tensions, d, "the equilibrium is not stable")
+        elif model.passes_through_itself():
+            self.failed(tensions, d, "the finger passes through itself")
+        else:
+            self.displacements.append(model.displacement.copy())
+            self.reaches.append(model.reach())
+            solved = self._solved(found)
+            self._rows.append(
+                solved
+                | {
+                    "parameters": self._parameters(tensions, d),
+                    "iterations": model.stepper.iterations - before,
+                    "converged": True,
+                    "reason": "",
+                    "last_good": self._parameters(np.full_like(tensions, np.nan), np.nan),
+                }
+            )
+
+    def touch(self) -> None:
+        """Note where the plane would be touched: the model is in a free state."""
+        model = self._model
+        slopes = differentiate(model).touch_distance
+        assert slopes is not None
+        self._touch = {
+            "touch_distance": model.reach(),
+            "touch_distance_jacobian": self._padded(slopes),
+        }
+
+    def _solved(self, found: Sensitivities) -> dict[str, Any]:
+        """What is kept of the state that the model is in; fields on the model's first rank only."""
+        model, numbering, store = self._model, self._numbering, self._store
+        field = numbering.gather(model.displacement)
+        row: dict[str, Any] = {"tip": model.tip(), "tip_jacobian": self._padded(found.tip).T}
+        if model.forms.contact is not None:
+            if found.touch_distance is not None:
+                slopes = self._padded(found.touch_distance)
+                self._touch = {"touch_distance": model.reach(), "touch_distance_jacobian": slopes}
+            row |= self._touch
+            row["contact_force"] = model.scalar(model.forms.contact.force)
+            pressed = found.contact_force if found.contact_force is not None else np.zeros(0)
+            row["contact_force_jacobian"] = self._padded(pressed)
+        if "pad_pressure" in store:
+            row["pad_pressure"] = pad_pressure(model)
+        if "channel_shortening" in store:
+            row["channel_shortening"] = channel_shortening(model)
+            row["channel_shortening_jacobian"] = self._padded(found.channel_shortening).T
+        if "displacement" in store:
+            changes = [numbering.gather(change) for change in found.displacement]
+            row |= {"displacement": field, "displacement_jacobian": self._padded(np.array(changes)).astype(np.float32)}
+        if model.comm.rank == 0:
+            rest = numbering.nodes[self._corners, 1] - model.scene.geometry.side / 2
+            row["corner_heights"] = field[self._corners, 1] + rest
+        return row
+
+    def _padded(self, slopes: np.ndarray) -> np.ndarray:
+        """Derivatives by all parameters, first axis; by d they are zero while there is no plane."""
+        count = self._parameter_count - len(slopes)
+        return np.concatenate([slopes, np.zeros((count, *slopes.shape[1:]))])
+
+    def failed(
+        self,
+        tensions: np.ndarray,
+        distance: float,
+        reason: str,
+        count: int = 1,
+        last_good: tuple[np.ndarray, float] | None = None,
+    ) -> None:
+        """Note states that have no answer, and the last load with an equilibrium on the way to them."""
+        logger.warning("no state at %s: %s", self._parameters(tensions, distance).tolist(), reason)
+        row = {
+            "parameters": self._parameters(tensions, distance),
+            "iterations": 0,
+            "converged": False,
+            "reason": reason,
+            "last_good": self._parameters(*(last_good or (np.full_like(tensions, np.nan), np.nan))),
+        }
+        self._rows += [row] * count
+        self.displacements += [np.full_like(self._model.displacement, np.nan)] * count
+        self.reaches += [np.nan] * count
+
+    def _parameters(self, tensions: np.ndarray, distance: float) -> np.ndarray:
+        return np.append(tensions, distance) if self._model.scene.obstacle is not None else np.array(tensions)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The states collected, quantity by quantity, nan where there is no answer; on the model's first rank."""
+        if self._model.comm.rank:
+            return {}
+        blank: dict[str, Any] = {name: np.full(shape, np.nan, kind) for name, (shape, kind) in self._schema.items()}
+        rows = [blank | row for row in self._rows]
+        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+    @property
+    def _schema(self) -> dict[str, tuple[tuple[int, ...], type]]:
+        """Shape and kind of every quantity of a state that may be missing."""
+        p, tendons, field = self._parameter_count, len(self._model.scene.tendons), self._numbering.nodes.shape
+        found: dict[str, tuple[tuple[int, ...], type]] = {
+            "tip": ((3,), float),
+            "tip_jacobian": ((3, p), float),
+            "corner_heights": ((len(self._corners),), float),
+        }
+        if self._model.scene.obstacle is not None:
+            for name in ("contact_force", "touch_distance"):
+                found |= {name: ((), float), f"{name}_jacobian": ((p,), float)}
+        if "pad_pressure" in self._store:
+            found["pad_pressure"] = ((), float)
+        if "channel_shortening" in self._store:
+            found["channel_shortening"] = ((tendons,), float)
+            found["channel_shortening_jacobian"] = ((tendons, p), float)
+        if "displacement" in self._store:
+            # Slopes are for interpolation, which errs far more than single precision does.
+            found |= {"displacement": (field, float), "displacement_jacobian": ((p, *field), np.float32)}
+        return found
+
+
+def _plate_corners(scene: Scene, nodes: np.ndarray) -> np.ndarray:
+    """Nodes at the plates' corners: plates are rigid, so that one of these reaches farthest, unless rubber does."""
+    side, edges = scene.geometry.side, np.ravel(grid.plates(scene))
+    at_edge = np.isclose(nodes[:, :1], edges, atol=1e-6 * side).any(axis=1)
+    outermost = np.isclose(np.abs(nodes[:, 1:]), side / 2, atol=1e-6 * side).all(axis=1)
+    return np.flatnonzero(at_edge & outermost)
