@@ -9,6 +9,7 @@ import signal
 import sys
 import time
 from contextlib import nullcontext
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -127,10 +128,10 @@ def snapshots(
                 "%s was not whole, or another set's: moved to %s and solved again", file, folder / "set-aside"
             )
     group = world.Split(world.rank // ranks_per_finger) if ranks_per_finger > 1 else MPI.COMM_SELF
-    solved = 0
+    work = farm.Work()
     with Reporter(ledger, progress) if first else nullcontext(lambda: None) as report:
         if missing(folder, description):
-            solved = farm.run(description, fingerfem.FingerModel(scene, group), folder, report)
+            work = farm.run(description, fingerfem.FingerModel(scene, group), folder, report)
     if not first:
         return
     ledger.refresh()
@@ -139,7 +140,7 @@ def snapshots(
     if ledger.failures:
         logging.warning("to try them again: python3 -m fingerfem retry %s, then this command", folder)
     result = ledger.summary() | {
-        "solved_by_this_rank": solved,
+        "this_rank": asdict(work),
         "seconds": time.perf_counter() - begun,
         "ranks": world.size,
     }
@@ -203,8 +204,6 @@ def retry(folder: SetFolder) -> None:
 @app.command()
 def doctor(as_json: AsJson = False) -> None:
     """Say what this installation has, what is wrong with it, and how to mend it."""
-    from dataclasses import asdict
-
     from fingerfem.doctor import examine
 
     findings = []

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Self, TypeVar
 
@@ -23,7 +24,16 @@ from rom.snapshots import Description, missing, task_file, write_nodes, write_ta
 T = TypeVar("T")
 
 
-def run(description: Description, model: FingerModel, path: str | Path, progress: Callable[[], None]) -> int:
+@dataclass
+class Work:
+    """What a group of ranks did: lines of states, the time solving them took, and the time in all [s]."""
+
+    lines: int = 0
+    solve_seconds: float = 0.0
+    seconds: float = 0.0
+
+
+def run(description: Description, model: FingerModel, path: str | Path, progress: Callable[[], None]) -> Work:
     """Work on a set until none of its tasks is missing; every group of a job calls this, and none waits for another.
 
     Args:
@@ -32,13 +42,11 @@ def run(description: Description, model: FingerModel, path: str | Path, progress
         path: the set's folder.
         progress: called on the group's first rank whenever it looks for a task.
 
-    Returns:
-        Number of tasks this group solved.
-
     Raises:
         SnapshotError: the folder holds something else or cannot be written.
     """
-    solver, comm, solved = LineSolver(description, model, path), model.comm, 0
+    begun, work = time.perf_counter(), Work()
+    solver, comm = LineSolver(description, model, path), model.comm
     on_first(comm, lambda: write_nodes(path, solver.numbering.nodes))
     with Queue(description, path, solver.ready, progress) if comm.rank == 0 else nullcontext() as queue:
         while (claimed := on_first(comm, lambda: queue.claim())) is not None:  # type: ignore[union-attr]
@@ -48,8 +56,10 @@ def run(description: Description, model: FingerModel, path: str | Path, progress
             else:
                 arrays = solver.give_up(task, f"{ledger.QUARANTINED}: {deaths} processes died at it")
             on_first(comm, lambda arrays=arrays: queue.finish(arrays))  # type: ignore[union-attr, misc]
-            solved += 1
-    return solved
+            work.lines += 1
+            work.solve_seconds += float(arrays["seconds"])
+    work.seconds = time.perf_counter() - begun
+    return work
 
 
 def on_first(comm: MPI.Comm, call: Callable[[], T]) -> T:

@@ -18,7 +18,7 @@ from rom import chart as contact_chart
 from rom.kernel import Kernel, answer, answers
 from rom.separated import Separated, evaluate
 
-FORMAT = 1
+FORMAT = 2
 FORMS = ("free", "free_displacement", "onset", "contact", "contact_displacement")
 
 

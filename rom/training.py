@@ -38,9 +38,7 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
     if description.has_obstacle:
         heights = snapshots.free("corner_heights")
         if np.abs(heights.max(axis=-1) - snapshots.free("touch_distance")).max() > 1e-6:
-            raise SnapshotError(
-                f"{snapshots.path}: in some state rubber reaches farther towards the plane than plates do"
-            )
+            raise SnapshotError(f"{snapshots.path}: somewhere rubber reaches farther towards the plane than plates")
         outputs.append(heights[..., _first_to_touch(heights)])
         forms |= _contact_forms(snapshots, axes, options)
     forms["free"] = _form("free", np.concatenate(outputs, axis=-1), axes, options)

@@ -41,11 +41,11 @@ def test_the_numbers_do_not_depend_on_the_number_of_ranks(scene, undisturbed, tm
 
 def test_a_complete_set_is_not_solved_again_and_a_missing_task_alone(scene, undisturbed):
     stamps = {file: file.stat().st_mtime_ns for file in (undisturbed / "tasks").iterdir()}
-    assert run(2, scene, undisturbed)["solved_by_this_rank"] == 0
+    assert run(2, scene, undisturbed)["this_rank"]["lines"] == 0
     lost = task_file(undisturbed, "contact-2-1")
     before = read_task(undisturbed, "contact-2-1")
     lost.unlink()
-    assert run(1, scene, undisturbed)["solved_by_this_rank"] == 1
+    assert run(1, scene, undisturbed)["this_rank"]["lines"] == 1
     assert_same_task(read_task(undisturbed, "contact-2-1"), before)
     assert all(file.stat().st_mtime_ns == stamp for file, stamp in stamps.items() if file != lost)
 
