@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ sys.path.insert(0, str(ROOT))
 from rom.snapshots import create, read_description, read_task, write_nodes  # noqa: E402
 from studies.solver import say  # noqa: E402
 
+LINES = 4000  # for the contention of claims
 DRAFT = ROOT / "scenes" / "draft.toml"
 
 
@@ -109,8 +111,8 @@ from pathlib import Path
 from fingerfem.snapshots import Queue
 from rom.snapshots import read_description, read_task
 ours, theirs = map(Path, sys.argv[1:])
-description = read_description(theirs)
-arrays = read_task(theirs, description.tasks[0])
+description = read_description(ours)
+arrays = read_task(theirs, "contact-0-0")
 spent, claims = 0.0, 0
 while not (ours / "go").exists():
     time.sleep(0.01)
@@ -129,7 +131,8 @@ def contention(folder: Path, processes: int) -> dict:
     """Processes that claim and write lines as fast as they can, the solving left out: the farm's own limit."""
     ours, theirs = folder / "claims", folder / "set"
     shutil.rmtree(ours, ignore_errors=True)
-    description = read_description(theirs)
+    point = [0.0] * len(read_description(theirs).parameters)
+    description = replace(read_description(theirs), random=[point] * LINES)
     create(ours, description)
     write_nodes(ours, np.load(theirs / "nodes.npy"))
     command = [sys.executable, "-c", CLAIMING, str(ours), str(theirs)]

@@ -131,3 +131,44 @@ def test_an_unfinished_or_a_broken_set_is_not_read(scene, undisturbed, tmp_path)
         SnapshotSet(copy)
     with pytest.raises(SnapshotError, match="is not a snapshot set"):
         SnapshotSet(tmp_path)
+
+
+def test_stored_derivatives_are_differences_of_states(scene, undisturbed):
+    """Of a contact state, and of a free one: by every parameter, against states solved beside it."""
+    from fingerfem import FingerModel, load_scene
+
+    model = FingerModel(load_scene(scene))
+    line, free = read_task(undisturbed, "contact-1-2"), read_task(undisturbed, "free-1")
+    tensions, d = line["parameters"][2, :2], line["parameters"][2, 2]
+    for k, h in enumerate((1e-3, 1e-3, 1e-7)):
+        low, high = (
+            model.solve(tensions + side * h * np.eye(3)[k, :2], d + side * h * (k == 2), sensitivities=False)
+            for side in (-1, 1)
+        )
+        for name in ("tip", "contact_force"):
+            slope = (np.array(getattr(high, name)) - getattr(low, name)) / (2 * h)
+            assert line[f"{name}_jacobian"][2, ..., k] == pytest.approx(slope, rel=1e-4, abs=1e-8), name
+        field = (high.displacement - low.displacement).reshape(-1, 3) / (2 * h)
+        order = np.lexsort(np.round(model.space.tabulate_dof_coordinates(), 9).T[::-1])
+        stored = line["displacement_jacobian"][2, k]
+        assert np.abs(stored - field[order]).max() < 1e-4 * np.abs(stored).max()
+        assert line["displacement_jacobian"].dtype == np.float32
+    tensions = free["parameters"][2, :2]
+    for k in range(2):
+        low, high = (model.solve(tensions + side * 1e-3 * np.eye(2)[k], sensitivities=False) for side in (-1, 1))
+        slope = (high.touch_distance - low.touch_distance) / 2e-3
+        assert free["touch_distance_jacobian"][2, k] == pytest.approx(slope, rel=1e-4)
+    assert np.all(free["touch_distance_jacobian"][:, 2] == 0) and np.all(free["contact_force_jacobian"] == 0)
+    assert np.array_equal(line["touch_distance_jacobian"][0], line["touch_distance_jacobian"][-1])
+
+
+def test_only_what_a_scene_asks_for_is_stored(scene, undisturbed, tmp_path):
+    frugal = tmp_path / "frugal.toml"
+    frugal.write_text(scene.read_text() + 'store = ["pad_pressure"]\n')
+    report = run(2, frugal, tmp_path / "set")
+    assert report["failed"] == 0 and report["bytes_per_state"] < 1500
+    line, whole = read_task(tmp_path / "set", "contact-2-3"), read_task(undisturbed, "contact-2-3")
+    assert whole.keys() - line.keys() == {"displacement", "displacement_jacobian"}
+    assert line.keys() - whole.keys() == {"pad_pressure"}
+    assert line["contact_force"] == pytest.approx(whole["contact_force"], rel=1e-8)
+    assert line["pad_pressure"][-1] > 0 == line["pad_pressure"][0]
