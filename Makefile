@@ -1,11 +1,11 @@
 # make demo   train the draft finger, grasp, verify, report to out/demo
 # make test   all tests, lint, types, import contracts
-# make readme, solver, figures   what README and docs/ show (see below)
+# make readme, solver, training, figures   what README and docs/ show (see below)
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test clean readme solver figures
+.PHONY: demo test clean readme solver training figures
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -32,6 +32,11 @@ solver:
 	docker/run env OMP_NUM_THREADS=1 python3 studies/choices.py out/solver
 	docker/run env OMP_NUM_THREADS=1 python3 studies/scenes.py out/solver
 	docker/run python3 studies/solver_page.py out/solver
+
+# docs/training.md, from the study of the farm; docs/solver.md's study must have run before.
+training:
+	docker/run python3 studies/training.py out/farm
+	docker/run python3 studies/training_page.py out/farm/training.json out/solver/solver.json
 
 # The pictures of docs/figures.md: free states, contact states, two segments, as figures 3, 4 and 6 of the paper.
 figures:

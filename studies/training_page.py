@@ -1,0 +1,117 @@
+"""Write docs/training.md from what studies/training.py and studies/solver.py measured.
+
+python3 studies/training_page.py out/farm/training.json out/solver/solver.json
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from studies.readme import table  # noqa: E402
+
+RANKS = (1, 8, 64, 1000)
+STATES = (1_000, 10_000)
+DRAFT = [25, 6]  # cells of the row of the solver's study that is nearest to the draft finger
+
+
+def seconds_a_state(found: dict, sizes: list[dict]) -> list[tuple[int, float]]:
+    """Unknowns and seconds a state on one core: the draft's, and in proportion to a factorisation's time on other meshes."""
+    draft = next(row for row in sizes if row["cells"] == DRAFT)
+    each = 1 / found["scaling"]["states_per_second"]["1"]
+
+    def factorisation(row: dict) -> float:
+        return row["seconds"] / row["factorisations"]
+
+    return [(row["unknowns"], each * factorisation(row) / factorisation(draft)) for row in sizes]
+
+
+def duration(seconds: float) -> str:
+    """For people."""
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.0f} h"
+
+
+def projection(found: dict, sizes: list[dict]) -> str:
+    """How long sets take, by mesh, states and ranks."""
+    start = found["scaling"]["start_seconds"]
+    header = ["unknowns", "s a state, one core", *(f"{n:,} states, {ranks:,} ranks" for n in STATES for ranks in RANKS)]
+    rows = []
+    for unknowns, each in seconds_a_state(found, sizes):
+        times = [duration(start + each * states / ranks) for states in STATES for ranks in RANKS]
+        rows.append([f"{unknowns:,}", f"{each:.2g}", *times])
+    return table(header, rows)
+
+
+def page(found: dict, sizes: list[dict]) -> str:
+    """The page's text."""
+    scaling, long_run, busiest = found["scaling"], found["long_run"], found["contention"][-1]
+    claims = table(
+        ["processes", "lines claimed and written a second", "in all"],
+        [[str(row["processes"]), f"{row['lines_per_second']:.0f}", f"{row['lines']:,}"] for row in found["contention"]],
+    )
+    needed = 1000 / (13 / scaling["states_per_second"]["1"])
+    return f"""# Training
+
+Numbers written by `make training` from `studies/training.py`, on {found["cores"]} cores.
+
+## How long a set takes
+
+The draft finger, {scaling["states"]:,} states, {scaling["newton_iterations_per_state"]:.1f} Newton iterations and {scaling["bytes_per_state"]:,} bytes a state. Two ranks solve
+**{scaling["two_over_one"]:.2f} times** the states per second of one; claims, files and waiting take **{scaling["farm_overhead"]:.2%}** of a rank's time.
+A job starts in {scaling["start_seconds"]:.1f} s, and finds a whole set of {long_run["states"]:,} states whole in **{long_run["restart_seconds"]:.1f} s**. While a rank solved {long_run["states_per_rank"]:,}
+states, its memory went from {long_run["memory_after_a_quarter"]:.0f} MB (after a quarter) to {long_run["memory_at_the_end"]:.0f} MB.
+
+From these and from the time of a factorisation on finer meshes ([solver.md](solver.md)), one rank a finger; **projected, not measured**,
+and with as many lines of states as ranks or more:
+
+{projection(found, sizes)}
+
+Lines that are claimed and written while nothing is solved, by as many processes, which is as fast as the farm itself can be:
+
+{claims}
+
+A thousand ranks on draft states, the fastest there are, would ask for {needed:.0f} lines a second; on the paper's mesh for some {needed / 20:.0f}.
+
+## Where it runs
+
+- **One machine**: `mpirun --enable-recovery -n CORES python3 -m fingerfem snapshots SCENE.toml SET/`, as often as needed.
+- **Slurm with Apptainer**: `docker/cluster/apptainer.def` makes the image of the Dockerfile's train target, `sbatch
+  docker/cluster/slurm.sh SCENE.toml SET/` trains. Submit it several times: jobs share a set.
+- **Several machines that share a folder**: `docker/cluster/multinode.sh HOSTFILE SCENE.toml SET/`.
+- **A finger too large for one core**: `--ranks-per-finger 4`. A rank that dies then takes its group along; use plain mpirun.
+
+Compiled forms belong on a disk of the machine's own (`XDG_CACHE_HOME`), sets on the shared one. Where a file system has no working
+locks, as some cluster mounts, the farm notices, says so, and claims by files that their owners keep touching.
+
+## What can go wrong, and what becomes of it
+
+| what | what becomes of it |
+| --- | --- |
+| a rank or a job is killed | the lines of states at hand are lost, and solved by others or by the next job |
+| SIGTERM | the line at hand is dropped; it does not count as a death |
+| a line at which three processes died | quarantined: its states count as failed; `retry` tries again |
+| a state without equilibrium, unstable, or through itself | failed, with its reason and the last good load; it never reaches the surrogate |
+| full disk, folder that cannot be written to | one line, exit code 2; what was written is whole |
+| truncated or foreign files in the set | moved to `set-aside/` and solved again |
+| another scene, other nodes, other versions | refused in one line |
+| a compilation that was killed | cleared by the next job |
+| a clock that jumps | nothing: no clock of the wall is used |
+
+Each is tried by `tests/fingerfem/test_disasters.py`.
+"""
+
+
+def main(training: Path, solver: Path) -> None:
+    """Write the page."""
+    sizes = [row for row in json.loads(solver.read_text())["sizes"] if "failed" not in row]
+    (ROOT / "docs" / "training.md").write_text(page(json.loads(training.read_text()), sizes))
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:]))
