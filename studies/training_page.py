@@ -50,7 +50,7 @@ def projection(found: dict, sizes: list[dict]) -> str:
 
 def page(found: dict, sizes: list[dict]) -> str:
     """The page's text."""
-    scaling, long_run, busiest = found["scaling"], found["long_run"], found["contention"][-1]
+    scaling, long_run = found["scaling"], found["long_run"]
     claims = table(
         ["processes", "lines claimed and written a second", "in all"],
         [[str(row["processes"]), f"{row['lines_per_second']:.0f}", f"{row['lines']:,}"] for row in found["contention"]],
