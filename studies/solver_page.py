@@ -132,7 +132,8 @@ def choices(found: dict) -> str:
 
 Times are multiples of the chosen row's, taken in one run.
 
-**Factorisation** of the tangent of a bent finger, scene *{found["scene"]}*. The project takes LDL^T and MUMPS' automatic ordering.
+**Factorisation** of the tangent of a bent finger, scene *{found["scene"]}*. The project takes LDL^T and MUMPS' automatic
+ordering. Orderings that the MUMPS at hand was built without are left out.
 
 {factorised}
 
