@@ -132,12 +132,14 @@ def choices(found: dict) -> str:
 
 Times are multiples of the chosen row's, taken in one run.
 
-**Factorisation** of the tangent of a bent finger, scene *{found["scene"]}*. The project takes LDL^T and MUMPS' automatic ordering.
+**Factorisation** of the tangent of a bent finger, scene *{found["scene"]}*. The project takes LDL^T and MUMPS' automatic
+ordering. Orderings that the MUMPS at hand was built without are left out.
 
 {factorised}
 
-**Compiler flags** of the forms, each with a cache of its own. The project leaves DOLFINx's `-O2 -g0`; `-Ofast` may also assume that no
-number is NaN, which this project cannot afford.
+**Compiler flags** of the forms, each with a cache of its own. The project leaves DOLFINx's `-O2 -g0`: machines
+of a cluster may share a cache, and code made for one of them (`native`) ends another's job; `-Ofast` may also assume that no number is
+NaN. Who trains for days on machines of one kind can set faster flags in `dolfinx_jit_options.json`.
 
 {compiled}
 
