@@ -101,7 +101,8 @@ def snapshots(
     import petsc4py
     from mpi4py import MPI
 
-    petsc4py.init(comm=MPI.COMM_SELF)  # and so would PETSc
+    # PETSc, too, would wait for killed ranks; and its signal handlers hang in MPI_Abort where mpirun itself is gone.
+    petsc4py.init(["-no_signal_handler"], comm=MPI.COMM_SELF)
     from fingerfem import snapshots as farm
     from fingerfem.ledger import Ledger
     from fingerfem.progress import STYLES, Reporter
