@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from fingerfem import grid
 from fingerfem.convergence import LoadNotReached, NotConverged
 from fingerfem.model import FingerModel
 from fingerfem.numbering import Numbering
@@ -29,7 +28,7 @@ class Record:
     def __init__(self, model: FingerModel, numbering: Numbering):
         self._model, self._numbering, self._broken = model, numbering, ""
         self._store, self._parameter_count = model.scene.sampling.store, len(model.scene.parameters)
-        self._corners = _plate_corners(model.scene, numbering.nodes)
+        self._edges = _long_edges(model.scene, numbering.nodes)
         self._last_good: tuple[np.ndarray, float] | None = None
         self._touch: dict[str, Any] = {}
         self._rows: list[dict[str, Any]] = []
@@ -111,8 +110,8 @@ class Record:
             changes = [numbering.gather(change) for change in found.displacement]
             row |= {"displacement": field, "displacement_jacobian": self._padded(np.array(changes)).astype(np.float32)}
         if model.comm.rank == 0:
-            rest = numbering.nodes[self._corners, 1] - model.scene.geometry.side / 2
-            row["corner_heights"] = field[self._corners, 1] + rest
+            rest = numbering.nodes[self._edges, 1] - model.scene.geometry.side / 2
+            row["edge_heights"] = field[self._edges, 1] + rest
         return row
 
     def _padded(self, slopes: np.ndarray) -> np.ndarray:
@@ -159,7 +158,7 @@ class Record:
         found: dict[str, tuple[tuple[int, ...], type]] = {
             "tip": ((3,), float),
             "tip_jacobian": ((3, p), float),
-            "corner_heights": ((len(self._corners),), float),
+            "edge_heights": ((len(self._edges),), float),
         }
         if self._model.scene.obstacle is not None:
             for name in ("contact_force", "touch_distance"):
@@ -175,9 +174,7 @@ class Record:
         return found
 
 
-def _plate_corners(scene: Scene, nodes: np.ndarray) -> np.ndarray:
-    """Nodes at the plates' corners: plates are rigid, so that one of these reaches farthest, unless rubber does."""
-    side, edges = scene.geometry.side, np.ravel(grid.plates(scene))
-    at_edge = np.isclose(nodes[:, :1], edges, atol=1e-6 * side).any(axis=1)
-    outermost = np.isclose(np.abs(nodes[:, 1:]), side / 2, atol=1e-6 * side).all(axis=1)
-    return np.flatnonzero(at_edge & outermost)
+def _long_edges(scene: Scene, nodes: np.ndarray) -> np.ndarray:
+    """Nodes on the long edges: of a section that stays plane, a corner reaches farthest."""
+    side = scene.geometry.side
+    return np.flatnonzero(np.isclose(np.abs(nodes[:, 1:]), side / 2, atol=1e-6 * side).all(axis=1))

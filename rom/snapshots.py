@@ -10,7 +10,7 @@ A task is a line of states solved in a fixed order. Its file holds, state by sta
 
     parameters          (n, p)          tensions [N], then d [m] (nan in a free state)
     tip                 (n, 3)          [m]
-    corner_heights      (n, corners)    of the plates' corners over the rest position of the face towards the plane [m]
+    edge_heights        (n, edge nodes) of the long edges over the rest position of the face towards the plane [m]
     touch_distance      (n,)            [m] free reach at these tensions; scenes with an obstacle
     contact_force       (n,)            [N] scenes with an obstacle
     X_jacobian          (n, *X, p)      derivatives of tip, touch_distance and contact_force by the parameters

@@ -36,9 +36,9 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
     outputs = [snapshots.free("tip")]
     forms: dict[str, Separated] = {}
     if description.has_obstacle:
-        heights = snapshots.free("corner_heights")
+        heights = snapshots.free("edge_heights")
         if np.abs(heights.max(axis=-1) - snapshots.free("touch_distance")).max() > 1e-6:
-            raise SnapshotError(f"{snapshots.path}: somewhere rubber reaches farther towards the plane than plates")
+            raise SnapshotError(f"{snapshots.path}: somewhere a face bulges farther towards the plane than its edges")
         outputs.append(heights[..., _first_to_touch(heights)])
         forms |= _contact_forms(snapshots, axes, options)
     forms["free"] = _form("free", np.concatenate(outputs, axis=-1), axes, options)
@@ -63,7 +63,7 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
 
 
 def _first_to_touch(heights: np.ndarray) -> np.ndarray:
-    """Corners of plates that lead the finger's reach in some free state."""
+    """Nodes that lead the finger's reach in some free state."""
     return np.unique(heights.reshape(-1, heights.shape[-1]).argmax(axis=1))
 
 
