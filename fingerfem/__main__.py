@@ -13,7 +13,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
-import typer
+try:
+    import typer
+except ModuleNotFoundError:
+    raise SystemExit("typer is missing; python3 -m fingerfem.doctor says what else is, and what to do") from None
 
 import fingerfem
 from fingerfem.convergence import LoadNotReached
@@ -205,18 +208,12 @@ def retry(folder: SetFolder) -> None:
 @app.command()
 def doctor(as_json: AsJson = False) -> None:
     """Say what this installation has, what is wrong with it, and how to mend it."""
-    from fingerfem.doctor import examine
+    from fingerfem.doctor import examine, report
 
-    findings = []
-    for finding in examine():
-        findings.append(asdict(finding))
-        if not as_json:
-            print(f"{finding.verdict:6s} {finding.name:12s} {finding.found}")
-            if finding.verdict != "ok":
-                print(f"{'':19s} -> {finding.remedy}")
-    wrong = [finding["name"] for finding in findings if finding["verdict"] == "wrong"]
+    findings = list(examine()) if as_json else report()
+    wrong = [finding.name for finding in findings if finding.verdict == "wrong"]
     if as_json:
-        print(json.dumps({"wrong": wrong, "findings": findings}))
+        print(json.dumps({"wrong": wrong, "findings": [asdict(finding) for finding in findings]}))
     raise SystemExit(NOTHING_USABLE if wrong else 0)
 
 

@@ -159,3 +159,18 @@ def _display() -> Iterator[Finding]:
 
 def _judge(name: str, well: bool, found: str, remedy: str) -> Finding:
     return Finding(name, "ok" if well else "wrong", found, remedy)
+
+
+def report() -> list[Finding]:
+    """Print every finding as it is made, with the remedy where one is needed."""
+    findings = []
+    for finding in examine():
+        findings.append(finding)
+        print(f"{finding.verdict:6s} {finding.name:12s} {finding.found}", flush=True)
+        if finding.verdict != "ok":
+            print(f"{'':19s} -> {finding.remedy}", flush=True)
+    return findings
+
+
+if __name__ == "__main__":  # where even the command line's own packages are missing
+    raise SystemExit(3 if any(finding.verdict == "wrong" for finding in report()) else 0)
