@@ -108,9 +108,9 @@ class ClaimFiles:
             if self._dead(i):
                 self._file(i).unlink(missing_ok=True)  # whoever comes first has it
             return False
-        os.write(handle, self._me.encode())
         with self._turn:
-            self._held[i] = handle
+            self._held[i] = handle  # first: a claim that cannot be written, on a full disk, is given back at the end
+        os.write(handle, self._me.encode())
         return True
 
     def _dead(self, i: int) -> bool:
