@@ -166,7 +166,7 @@ def test_only_what_a_scene_asks_for_is_stored(scene, undisturbed, tmp_path):
     frugal = tmp_path / "frugal.toml"
     frugal.write_text(scene.read_text() + 'store = ["pad_pressure"]\n')
     report = run(2, frugal, tmp_path / "set")
-    assert report["failed"] == 0 and report["bytes_per_state"] < 1500
+    assert report["failed"] == 0 and report["bytes_per_state"] < 2500
     line, whole = read_task(tmp_path / "set", "contact-2-3"), read_task(undisturbed, "contact-2-3")
     assert whole.keys() - line.keys() == {"displacement", "displacement_jacobian"}
     assert line.keys() - whole.keys() == {"pad_pressure"}
