@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fingerfem.convergence import LoadNotReached
     from fingerfem.model import FingerModel
-    from fingerfem.scene import Scene, SceneError, load_scene
+    from fingerfem.scene import Scene, SceneError
+    from fingerfem.scene_file import load_scene
     from fingerfem.state import State
 
 __version__ = "0.1.0"
@@ -14,7 +15,7 @@ _HOMES = {
     "FingerModel": "model",
     "Scene": "scene",
     "SceneError": "scene",
-    "load_scene": "scene",
+    "load_scene": "scene_file",
     "State": "state",
     "LoadNotReached": "convergence",
 }

@@ -1,14 +1,12 @@
-"""What is modelled: the TOML scene, read and checked. Leave a table out and it is not modelled, sampled or stored."""
+"""What is modelled: a scene and its rules. Leave a table out and it is not modelled, sampled or stored."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import tomllib
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from fingerfem.grid import grid_lines
 from fingerfem.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff, Table
@@ -18,23 +16,6 @@ Distance = Annotated[float, Field(gt=0, le=1.0)]  # [m]
 Offset = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
 Position = Annotated[float, Field(ge=0, le=2.0)]  # [m]
 Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
-UNITS = {
-    "side": "m",
-    "segments": "m",
-    "plate": "m",
-    "channel": "m",
-    "offset": "m",
-    "distance": "m",
-    "x": "m",
-    "width": "m",
-    "C1": "Pa",
-    "C10": "Pa",
-    "C01": "Pa",
-    "E": "Pa",
-    "D1": "1/Pa",
-    "tension": "N",
-}
-LAWS = ("neo-hookean", "mooney-rivlin", "saint-venant-kirchhoff")
 
 
 class SceneError(ValueError):
@@ -248,63 +229,6 @@ class Scene(Table):
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def load_scene(path: str | Path) -> Scene:
-    """Read a scene.
-
-    Raises:
-        SceneError: one line naming file, field, rule and value.
-    """
-    try:
-        with open(path, "rb") as stream:
-            table = tomllib.load(stream)
-    except OSError as error:
-        raise SceneError(f"{path}: {error.strerror or error}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SceneError(f"{path}: not a TOML file: {error}") from None
-    try:
-        return Scene.model_validate(table)
-    except ValidationError as error:
-        raise SceneError(f"{path}: {_one_line(error)}") from None
-
-
 def _ordered(field: str, limits: list[float]) -> None:
     if limits[0] >= limits[1]:
         raise ValueError(f"{field} must be [lowest, highest] with lowest < highest, got {limits}")
-
-
-def _one_line(error: ValidationError) -> str:
-    """The first broken rule as `field rule, got value`."""
-    # A misspelt key is also a missing one: name what was written.
-    first = min(error.errors(), key=lambda broken: broken["type"] != "extra_forbidden")
-    where = [str(part) for part in first["loc"] if part not in LAWS]
-    field = ".".join(where)
-    unit = next((UNITS[part] for part in reversed(where) if part in UNITS), None)
-    of_unit = f" {unit}" if unit else ""
-    kind, context = first["type"], first.get("ctx", {})
-    if kind == "missing":
-        return f"{field} is required and missing"
-    if kind == "extra_forbidden":
-        return f"{field} is not a known key, got {first['input']!r}"
-    if kind == "value_error":
-        prefix = "" if not where else f"{field}."
-        return prefix + str(context["error"])
-    rules = {
-        "greater_than": ("must be above {}", "gt"),
-        "greater_than_equal": ("must be at least {}", "ge"),
-        "less_than": ("must be below {}", "lt"),
-        "less_than_equal": ("must be at most {}", "le"),
-    }
-    if kind in rules:
-        text, key = rules[kind]
-        rule = text.format(f"{context[key]:g}") + of_unit
-    elif kind == "union_tag_invalid":
-        return f"{field}.law must be {' or '.join(map(repr, LAWS))}, got {first['input']['law']!r}"
-    elif kind == "union_tag_not_found":
-        return f"{field}.law is required and missing"
-    elif kind == "literal_error":
-        rule = f"must be {context['expected']}"
-    elif kind in ("float_type", "int_type"):
-        rule = f"must be a {'number' if kind == 'float_type' else 'whole number'}{f' in {unit}' if unit else ''}"
-    else:
-        rule = first["msg"][0].lower() + first["msg"][1:]
-    return f"{field} {rule}, got {first['input']!r}"
