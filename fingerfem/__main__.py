@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 import os
+import re
 import signal
 import sys
 import time
@@ -94,6 +96,12 @@ def snapshots(
     random: Annotated[int, typer.Option(min=0, help="How many held-out points, instead of training nodes.")] = 0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the held-out points.")] = 0,
     ranks_per_finger: Annotated[int, typer.Option(min=1, help="Ranks that solve one finger together.")] = 1,
+    until: Annotated[
+        float | None, typer.Option(min=0, max=1, help="Refine a coarse grid until this estimated relative error.")
+    ] = None,
+    budget: Annotated[
+        str | None, typer.Option(help="Refine a coarse grid for so long: 90s, 30min, 2h; then finish lines at hand.")
+    ] = None,
     progress: Annotated[
         str, typer.Option(help="bar, plain or json lines on stderr; auto: a bar on a terminal, which mpirun is not.")
     ] = "auto",
@@ -111,7 +119,8 @@ def snapshots(
     from fingerfem.progress import STYLES, Reporter
     from fingerfem.sampling import HeldOut, describe
     from fingerfem.versions import versions
-    from rom.snapshots import create, missing, set_aside_strangers
+    from rom.refinement import next_round
+    from rom.snapshots import SnapshotSet, create, set_aside_strangers
 
     world, begun = MPI.COMM_WORLD, time.perf_counter()
     first = world.rank == 0
@@ -121,7 +130,12 @@ def snapshots(
     if world.size % ranks_per_finger:
         raise ValueError(f"ranks-per-finger must divide the number of ranks, {world.size}, got {ranks_per_finger}")
     scene = fingerfem.load_scene(scene_file)
-    description = describe(scene, versions(), HeldOut(count=random, seed=seed) if random else None)
+    refines = until is not None or budget is not None
+    if refines and random:
+        raise ValueError(f"random must not be given with until or budget, got {random}")
+    seconds = _seconds(budget) if budget is not None else math.inf
+    held_out = HeldOut(count=random, seed=seed) if random else None
+    description = describe(scene, versions(), held_out, refines)
     create(folder, description)
     if ranks_per_finger == 1:  # else ranks may be waiting for each other in MPI: they end at once
         signal.signal(signal.SIGTERM, _terminated)
@@ -134,8 +148,10 @@ def snapshots(
     group = world.Split(world.rank // ranks_per_finger) if ranks_per_finger > 1 else MPI.COMM_SELF
     work = farm.Work()
     with Reporter(ledger, progress) if first else nullcontext(lambda: None) as report:
-        if missing(folder, description):
-            work = farm.run(description, fingerfem.FingerModel(scene, group), folder, report)
+        if refines or ledger.plan.missing():
+            refine = lambda tolerance: next_round(SnapshotSet(folder), tolerance)  # noqa: E731
+            goal = farm.Goal(refine=refine, error=until or 0.0, seconds=seconds)
+            work = farm.run(description, fingerfem.FingerModel(scene, group), folder, report, goal)
     if not first:
         return
     ledger.refresh()
@@ -150,6 +166,18 @@ def snapshots(
     }
     unusable = ledger.failures and not (random and result["solved"])
     _finish(result, as_json, NOTHING_USABLE if unusable else 0)
+
+
+def _seconds(text: str) -> float:
+    """A time such as 90s, 30min or 2h [s].
+
+    Raises:
+        ValueError: it is none.
+    """
+    found = re.fullmatch(r"([0-9]*\.?[0-9]+)\s*(s|min|h)", text)
+    if found is None or float(found[1]) == 0:
+        raise ValueError(f"budget must be a time such as 90s, 30min or 2h, got {text!r}")
+    return float(found[1]) * {"s": 1.0, "min": 60.0, "h": 3600.0}[found[2]]
 
 
 def _terminated(*_) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.plan import Plan
 from rom.snapshots import Description, SnapshotError, read_task, task_file
 
 DEATHS = 3  # of processes at one task, after which nobody tries it again
@@ -100,11 +101,15 @@ class Ledger:
     description: Description
     outcomes: dict[str, Outcome] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        self.plan = Plan(self.path, self.description)
+
     def refresh(self) -> None:
         """Read what is new, forget what is gone."""
+        self.plan.refresh()
         present = {file.stem for file in (self.path / "tasks").glob("*.npz")}
         self.outcomes = {task: outcome for task, outcome in self.outcomes.items() if task in present}
-        for task in self.description.tasks:
+        for task in self.plan.lines:
             if task in present and task not in self.outcomes:
                 with contextlib.suppress(SnapshotError):  # whatever is not whole is missing
                     self.outcomes[task] = Outcome.read(self.path, task)
@@ -112,7 +117,7 @@ class Ledger:
     @property
     def missing(self) -> list[str]:
         """Tasks that are still to be solved."""
-        return [task for task in self.description.tasks if task not in self.outcomes]
+        return [task for task in self.plan.lines if task not in self.outcomes]
 
     @property
     def states(self) -> int:
@@ -138,7 +143,7 @@ class Ledger:
         failures, size = self.failures, sum(outcome.size for outcome in self.outcomes.values())
         quarantined = sum(reason.startswith(QUARANTINED) for *_, reason in failures)
         return {
-            "tasks": len(self.description.tasks),
+            "tasks": len(self.plan.lines),
             "missing": len(self.missing),
             "states": self.states,
             "solved": self.states - len(failures),

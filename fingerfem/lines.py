@@ -5,7 +5,6 @@ What a task computes depends on the set's description and on the files of tasks 
 
 from __future__ import annotations
 
-import logging
 import time
 from pathlib import Path
 
@@ -15,10 +14,13 @@ from fingerfem.convergence import LoadNotReached
 from fingerfem.model import FingerModel
 from fingerfem.numbering import Numbering
 from fingerfem.record import Record
-from rom.snapshots import Description, read_task, task_file
+from fingerfem.sensitivities import differentiate
+from rom.description import Description, Line
+from rom.plan import Plan
+from rom.snapshots import read_task, task_file
 
-logger = logging.getLogger(__name__)
 Arrays = dict[str, np.ndarray]
+SAME_PLACE = 1e-8  # [m]: a plane that has no more way than that from touch to its nearest does not move
 
 
 class LineSolver:
@@ -26,67 +28,109 @@ class LineSolver:
 
     def __init__(self, description: Description, model: FingerModel, path: str | Path):
         self.description, self.model, self.path = description, model, Path(path)
-        self.numbering = Numbering(model)
+        self.numbering, self.plan = Numbering(model), Plan(path, description)
         self._nearest: float = description.parameters[-1]["lower"] if description.has_obstacle else np.nan
 
     def ready(self, task: str) -> bool:
         """Whether all that the task needs is there."""
-        kind, *index = task.split("-")
-        return kind != "contact" or task_file(self.path, f"free-{index[0]}").exists()
+        return self._begins(task) or task_file(self.path, f"free-{self._line(task).index[0]}").exists()
 
     def solve(self, task: str) -> Arrays:
         """The arrays of a task's file, whole on the model's first rank; states without an answer are marked."""
-        begun = time.perf_counter()
-        kind, *index = task.split("-")
-        if kind == "free":
-            arrays = self._free(int(index[0]))
+        begun, line = time.perf_counter(), self._line(task)
+        if line.kind == "random":
+            arrays = self._random(line.index[0])
+        elif line.kind == "contact":
+            arrays = self._contact(task, line)
         else:
-            arrays = self._contact(int(index[0]), int(index[1])) if kind == "contact" else self._random(int(index[0]))
+            arrays = self._free(line, self._begins(task))
         return arrays | {"seconds": np.array(time.perf_counter() - begun)}
 
     def give_up(self, task: str, reason: str) -> Arrays:
         """The arrays of a task that nobody shall try again."""
-        description, record = self.description, Record(self.model, self.numbering)
-        kind, *index = task.split("-")
-        if kind == "random":
-            point = np.array(description.random[int(index[0])])
+        description, record, line = self.description, Record(self.model, self.numbering), self._line(task)
+        if line.kind == "random":
+            point = np.array(description.random[line.index[0]])
             record.failed(point[: description.tensions], point[-1], reason)
-        elif kind == "free":
-            for tension in description.tension_nodes[description.lead]:
-                record.failed(description.insert_lead(description.others[int(index[0])], tension), np.nan, reason)
+            return record.arrays() | {"seconds": np.array(0.0)}
+        if line.kind == "contact":
+            self._no_contact(record, line, reason)
+            return record.arrays() | {"nodes": np.array(line.nodes), "seconds": np.array(0.0)}
+        for node in line.nodes:
+            record.failed(self._free_tensions(line.index[0], node), np.nan, reason)
+        arrays = record.arrays() | {"nodes": np.array(line.nodes), "seconds": np.array(0.0)}
+        unknown = {"onset": np.array(np.nan), "onset_jacobian": np.full(len(description.parameters), np.nan)}
+        return arrays | (unknown if self._begins(task) else {})
+
+    def _begins(self, task: str) -> bool:
+        """Whether the task needs no other: a held-out state, or the first free states at its other tensions."""
+        line = self._line(task)
+        return task in (f"free-{line.index[0]}", f"random-{line.index[0]}")
+
+    def _line(self, task: str) -> Line:
+        if task not in self.plan.lines:
+            self.plan.refresh()
+        return self.plan.lines[task]
+
+    def _free_tensions(self, j: int, node: int) -> np.ndarray:
+        description = self.description
+        return description.insert_lead(description.others[j], description.tension_nodes[description.lead][node])
+
+    def _free(self, line: Line, begins: bool) -> Arrays:
+        j, record = line.index[0], Record(self.model, self.numbering)
+        if begins:
+            self.model.stepper.rest()
+        for node in line.nodes:
+            if not begins:
+                self._start_free(j, self._free_tensions(j, node))
+            record.state(self._free_tensions(j, node), None)
+        arrays = record.arrays() | {"nodes": np.array(line.nodes)}
+        if not begins:
+            return arrays
+        slopes = np.full(len(self.description.parameters), np.nan)
+        onset = self._onset(line, record, slopes) if self.description.has_obstacle else np.nan
+        return arrays | {"onset": np.array(onset), "onset_jacobian": slopes}
+
+    def _start_free(self, j: int, tensions: np.ndarray) -> None:
+        """Bring the model to the last free state known before these tensions, or to rest."""
+        stored = ("displacement",) if self.description.has_field else ()
+        free, lead = read_task(self.path, f"free-{j}", ("parameters", "converged", *stored)), self.description.lead
+        before = np.flatnonzero((free["parameters"][:, lead] <= tensions[lead]) & free["converged"])
+        if "displacement" in free and before.size:
+            start = self.numbering.scatter(free["displacement"][before[-1]])
+            self.model.stepper.start(free["parameters"][before[-1], : len(tensions)], None, start)
         else:
-            self._no_contact(record, int(index[0]), int(index[1]), reason)
-        return record.arrays() | {"seconds": np.array(0.0)} | ({"onset": np.array(np.nan)} if kind == "free" else {})
+            self.model.stepper.rest()
 
-    def _free(self, j: int) -> Arrays:
-        others, lead = self.description.others[j], self.description.tension_nodes[self.description.lead]
-        record = Record(self.model, self.numbering)
-        self.model.stepper.rest()
-        for tension in lead:
-            record.state(self.description.insert_lead(others, tension), None)
-        onset = self._onset(others, record) if self.description.has_obstacle else np.nan
-        return record.arrays() | {"onset": np.array(onset)}
+    def _onset(self, line: Line, record: Record, slopes: np.ndarray) -> float:
+        """Lead tension at which the free finger reaches the nearest plane [N]; nan if it never does.
 
-    def _onset(self, others: tuple[float, ...], record: Record) -> float:
-        """Lead tension at which the free finger reaches the nearest plane [N]; nan if it never does."""
-        lead = np.array(self.description.tension_nodes[self.description.lead])
+        Its derivatives by the other tensions [-] are written into `slopes`, shape (p,).
+        """
+        others, description = self.description.others[line.index[0]], self.description
+        lead = np.array(description.tension_nodes[description.lead])[list(line.nodes)]
         reach = np.array(record.reaches)
         beyond = np.flatnonzero(reach >= self._nearest)
         if not beyond.size or np.isnan(reach[: beyond[0] + 1]).any():
             return np.nan
         if beyond[0] == 0:
+            slopes[:] = 0.0
             return float(lead[0])
         k = int(beyond[0]) - 1
         a, b, fa, fb = lead[k], lead[k + 1], reach[k] - self._nearest, reach[k + 1] - self._nearest
-        self.model.stepper.start(self.description.insert_lead(others, a), None, record.displacements[k])
+        self.model.stepper.start(description.insert_lead(others, a), None, record.displacements[k])
         for _ in range(40):  # regula falsi, Illinois variant: the bracket never leaves equilibria known to exist
             tension = (a * fb - b * fa) / (fb - fa)
             try:
-                self.model.stepper.advance(self.description.insert_lead(others, tension), None)
+                self.model.stepper.advance(description.insert_lead(others, tension), None)
             except LoadNotReached:
                 return np.nan
             f = self.model.reach() - self._nearest
             if abs(f) < 1e-9:
+                turned = differentiate(self.model).touch_distance
+                assert turned is not None
+                slopes[: len(turned)] = -turned / turned[description.lead]  # along D0 = d_min
+                slopes[[description.lead, -1]] = 0.0
                 return float(tension)
             if f * fb < 0:
                 a, fa = b, fb
@@ -95,37 +139,67 @@ class LineSolver:
             b, fb = tension, f
         return np.nan
 
-    def _contact_tensions(self, j: int, i: int, onset: float) -> np.ndarray:
-        description = self.description
+    def _contact_tensions(self, line: Line, onset: float) -> np.ndarray:
+        description, (j, i) = self.description, line.index
         tension = onset + description.onset_nodes[i] * (description.parameters[description.lead]["upper"] - onset)
         return description.insert_lead(description.others[j], tension)
 
-    def _no_contact(self, record: Record, j: int, i: int, reason: str) -> None:
-        onset = float(read_task(self.path, f"free-{j}", ("onset",))["onset"])
-        tensions = self._contact_tensions(j, i, onset)
-        record.failed(tensions, np.nan, reason, len(self.description.contact_nodes))
+    def _no_contact(self, record: Record, line: Line, reason: str) -> None:
+        onset = float(read_task(self.path, f"free-{line.index[0]}", ("onset",))["onset"])
+        record.failed(self._contact_tensions(line, onset), np.nan, reason, len(line.nodes))
 
-    def _contact(self, j: int, i: int) -> Arrays:
-        description, record = self.description, Record(self.model, self.numbering)
-        free = read_task(self.path, f"free-{j}")
+    def _contact(self, task: str, line: Line) -> Arrays:
+        description, record, nodes = self.description, Record(self.model, self.numbering), list(line.nodes)
+        free = read_task(self.path, f"free-{line.index[0]}", ("onset", "converged"))
         if np.isnan(free["onset"]):
-            unsolved = f"free-{j} has states without an answer"
+            unsolved = f"free-{line.index[0]} has states without an answer"
             reason = unsolved if not free["converged"].all() else "the free finger does not reach the nearest plane"
-            self._no_contact(record, j, i, reason)
-            return record.arrays()
-        tensions = self._contact_tensions(j, i, float(free["onset"]))
-        lead = description.tension_nodes[description.lead]
-        below = int(np.searchsorted(lead, tensions[description.lead], side="right")) - 1
-        if "displacement" in free and free["converged"][below]:
-            start = self.numbering.scatter(free["displacement"][below])
-            self.model.stepper.start(free["parameters"][below, : len(tensions)], None, start)
-        else:
-            self.model.stepper.rest()
-        record.state(tensions, None)
-        reach = record.reaches[0]
-        for s in description.contact_nodes[1:]:
-            record.state(tensions, reach - s * (reach - self._nearest))
-        return record.arrays()
+            self._no_contact(record, line, reason)
+            return record.arrays() | {"nodes": np.array(nodes)}
+        tensions = self._contact_tensions(line, float(free["onset"]))
+        known = self._known(task, line)
+        self._start_free(line.index[0], tensions)
+        if 0 in known:
+            self.model.stepper.start(tensions, None, self.numbering.scatter(known[0][1]))
+        reach = self._touch(record, tensions, nodes)
+        if reach - self._nearest < SAME_PLACE:
+            return record.arrays() | {"nodes": np.array(nodes[:1])}
+        at, counted = 0, None if nodes[0] == 0 else 0
+        for node in [node for node in nodes if node > 0]:
+            before = max((other for other in known if other < node), default=0)
+            if before > at:
+                self.model.stepper.start(tensions, known[before][0], self.numbering.scatter(known[before][1]))
+            record.state(tensions, reach - description.contact_nodes[node] * (reach - self._nearest), counted)
+            at, counted = node, None
+        return record.arrays() | {"nodes": np.array(nodes)}
+
+    def _touch(self, record: Record, tensions: np.ndarray, nodes: list[int]) -> float:
+        """Bring the model to where the plane would be touched and note that; returns the reach there [m].
+
+        The state itself is noted if it is one of the line's.
+        """
+        if nodes[0] == 0:
+            record.state(tensions, None)
+            return record.reaches[0]
+        try:
+            self.model.stepper.advance(tensions, None)
+        except LoadNotReached as failure:
+            record.broken(failure)
+            return np.nan
+        record.touch()
+        return self.model.reach()
+
+    def _known(self, task: str, line: Line) -> dict[int, tuple[float, np.ndarray]]:
+        """Distance [m] and displacement of the line's states that tasks before this one have, by their nodes."""
+        found: dict[int, tuple[float, np.ndarray]] = {}
+        for name, other in self.plan.lines.items():
+            if name == task or not self.description.has_field:
+                break
+            if (other.kind, other.index) == (line.kind, line.index) and task_file(self.path, name).exists():
+                stored = read_task(self.path, name, ("nodes", "parameters", "converged", "displacement"))
+                for k in np.flatnonzero(stored["converged"]):
+                    found[int(stored["nodes"][k])] = (float(stored["parameters"][k, -1]), stored["displacement"][k])
+        return found
 
     def _random(self, k: int) -> Arrays:
         point = np.array(self.description.random[k])

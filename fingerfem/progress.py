@@ -27,7 +27,7 @@ class Reporter:
         self._log: IO[str] | None = None
         columns = TextColumn("lines of states"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
         self._bar = Progress(*columns, TextColumn("{task.fields[note]}"), console=console)
-        self._line = self._bar.add_task("", total=len(ledger.description.tasks), note="")
+        self._line = self._bar.add_task("", total=len(ledger.plan.lines), note="")
         self._at_start: tuple[int, int] | None = None
 
     def __enter__(self) -> Self:
@@ -55,9 +55,8 @@ class Reporter:
             self._log = (self._ledger.path / "progress.log").open("a", buffering=1)
         print(datetime.now().astimezone().isoformat(timespec="seconds"), _sentence(row), file=self._log)
         if self._style == "bar":
-            self._bar.update(
-                self._line, completed=row["done"], note=f"{row['rate']:.1f} states/s, {row['failed']} failed"
-            )
+            note = f"{row['rate']:.1f} states/s, {row['failed']} failed"
+            self._bar.update(self._line, completed=row["done"], total=row["tasks"], note=note)
         else:
             self._console.print(
                 json.dumps(row) if self._style == "json" else _sentence(row), soft_wrap=True, highlight=False
@@ -65,7 +64,7 @@ class Reporter:
 
     def _row(self, elapsed: float) -> dict:
         ledger, done = self._ledger, len(self._ledger.outcomes)
-        states, total = ledger.states, len(ledger.description.tasks)
+        states, total = ledger.states, len(ledger.plan.lines)
         self._at_start = self._at_start or (done, states)
         solved = done - self._at_start[0]
         return {

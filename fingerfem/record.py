@@ -51,8 +51,7 @@ class Record:
         try:
             model.stepper.advance(tensions, distance)
         except LoadNotReached as failure:
-            self._broken = failure.reason
-            self._last_good = failure.tensions, np.nan if failure.distance is None else failure.distance
+            self.broken(failure)
             self.failed(tensions, d, failure.reason, last_good=self._last_good)
             return
         try:
@@ -77,6 +76,11 @@ class Record:
                     "last_good": self._parameters(np.full_like(tensions, np.nan), np.nan),
                 }
             )
+
+    def broken(self, failure: LoadNotReached) -> None:
+        """All further states of the line have no answer either."""
+        self._broken = failure.reason
+        self._last_good = failure.tensions, np.nan if failure.distance is None else failure.distance
 
     def touch(self) -> None:
         """Note where the plane would be touched: the model is in a free state."""
@@ -106,12 +110,14 @@ class Record:
         if "channel_shortening" in store:
             row["channel_shortening"] = channel_shortening(model)
             row["channel_shortening_jacobian"] = self._padded(found.channel_shortening).T
+        changes = [numbering.gather(change) for change in found.displacement]
         if "displacement" in store:
-            changes = [numbering.gather(change) for change in found.displacement]
             row |= {"displacement": field, "displacement_jacobian": self._padded(np.array(changes)).astype(np.float32)}
         if model.comm.rank == 0:
             rest = numbering.nodes[self._edges, 1] - model.scene.geometry.side / 2
             row["edge_heights"] = field[self._edges, 1] + rest
+            slopes = np.array([change[self._edges, 1] for change in changes])
+            row["edge_heights_jacobian"] = self._padded(slopes).T
         return row
 
     def _padded(self, slopes: np.ndarray) -> np.ndarray:
@@ -159,6 +165,7 @@ class Record:
             "tip": ((3,), float),
             "tip_jacobian": ((3, p), float),
             "edge_heights": ((len(self._edges),), float),
+            "edge_heights_jacobian": ((len(self._edges), p), float),
         }
         if self._model.scene.obstacle is not None:
             for name in ("contact_force", "touch_distance"):

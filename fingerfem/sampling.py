@@ -22,11 +22,33 @@ class HeldOut:
             raise ValueError(f"random must be at least 1, got {self.count}")
 
 
-def describe(scene: Scene, versions: dict[str, str], held_out: HeldOut | None = None) -> Description:
-    """The set of states to solve for a scene."""
+FINEST = {"tension": 17, "contact": 33}  # nodes of a grid that is refined
+FIRST = 4  # every how many-th of them it begins with
+MOST_TENSIONS = 3  # on such a grid
+
+
+def describe(
+    scene: Scene, versions: dict[str, str], held_out: HeldOut | None = None, refines: bool = False
+) -> Description:
+    """The set of states to solve for a scene.
+
+    Args:
+        scene: the scene; its sampling says how fine a grid is that is not refined.
+        versions: of the software.
+        held_out: points to solve instead of a grid.
+        refines: whether a coarse grid is refined where the surrogate's error is largest.
+
+    Raises:
+        SceneError: no tendon bends the finger towards its plane, or there are too many tensions to refine.
+    """
+    lead = _lead(scene)
+    if refines and len(scene.tendons) > MOST_TENSIONS:
+        raise SceneError(f"tendons must be at most {MOST_TENSIONS} to refine their grid, got {len(scene.tendons)}")
     parameters = scene.parameters
     box = np.array([[parameter["lower"], parameter["upper"]] for parameter in parameters])
     tensions = box[: len(scene.tendons)]
+    along_tension = FINEST["tension"] if refines else scene.sampling.tension_nodes
+    along_contact = FINEST["contact"] if refines else scene.sampling.contact_nodes
     points: list[list[float]] = []
     if held_out is not None:
         draw = np.random.default_rng(held_out.seed).random((held_out.count, len(box)))
@@ -35,13 +57,22 @@ def describe(scene: Scene, versions: dict[str, str], held_out: HeldOut | None = 
         scene=scene.model_dump(mode="json"),
         fingerprint=scene.fingerprint(),
         parameters=parameters,
-        lead=_lead(scene),
-        tension_nodes=[_cosine(low, high, scene.sampling.tension_nodes).tolist() for low, high in tensions],
-        onset_nodes=_half_cosine(scene.sampling.tension_nodes).tolist(),
-        contact_nodes=_half_cosine(scene.sampling.contact_nodes).tolist(),
+        lead=lead,
+        tension_nodes=[_cosine(low, high, along_tension).tolist() for low, high in tensions],
+        onset_nodes=_half_cosine(along_tension).tolist(),
+        contact_nodes=_half_cosine(along_contact).tolist(),
+        strides=_strides(len(parameters), len(tensions), lead) if refines else [1] * len(parameters),
         random=points,
         versions=versions,
     )
+
+
+def _strides(parameters: int, tensions: int, lead: int) -> list[int]:
+    """The first grid: measured, a second tension wants twice the nodes of the lead, whose axis begins at onset."""
+    strides = [FIRST] * parameters
+    if tensions == 2:
+        strides[1 - lead] = FIRST // 2
+    return strides
 
 
 def _lead(scene: Scene) -> int:

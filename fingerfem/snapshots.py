@@ -6,6 +6,7 @@ of a task do not depend on who solved it or in which order.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from contextlib import nullcontext
@@ -19,9 +20,25 @@ from fingerfem import ledger
 from fingerfem.claims import open_claims
 from fingerfem.lines import Arrays, LineSolver
 from fingerfem.model import FingerModel
-from rom.snapshots import Description, missing, task_file, write_nodes, write_task
+from rom.plan import Plan, Round
+from rom.snapshots import Description, task_file, write_nodes, write_task
 
 T = TypeVar("T")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Goal:
+    """When to stop.
+
+    Attributes:
+        refine: what a set of lines needs next for a relative error [-]; only asked for sets that are refined.
+        error: relative error of the surrogate that is good enough [-].
+        seconds: after which no further line is begun.
+    """
+
+    refine: Callable[[float], Round] | None = None
+    error: float = 0.0
+    seconds: float = math.inf
 
 
 @dataclass
@@ -33,7 +50,13 @@ class Work:
     seconds: float = 0.0
 
 
-def run(description: Description, model: FingerModel, path: str | Path, progress: Callable[[], None]) -> Work:
+def run(
+    description: Description,
+    model: FingerModel,
+    path: str | Path,
+    progress: Callable[[], None],
+    goal: Goal = Goal(),
+) -> Work:
     """Work on a set until none of its tasks is missing; every group of a job calls this, and none waits for another.
 
     Args:
@@ -41,6 +64,7 @@ def run(description: Description, model: FingerModel, path: str | Path, progress
         model: this group's model.
         path: the set's folder.
         progress: called on the group's first rank whenever it looks for a task.
+        goal: when to stop, and how a set is refined.
 
     Raises:
         SnapshotError: the folder holds something else or cannot be written.
@@ -48,7 +72,7 @@ def run(description: Description, model: FingerModel, path: str | Path, progress
     begun, work = time.perf_counter(), Work()
     solver, comm = LineSolver(description, model, path), model.comm
     on_first(comm, lambda: write_nodes(path, solver.numbering.nodes))
-    with Queue(description, path, solver.ready, progress) if comm.rank == 0 else nullcontext() as queue:
+    with Queue(description, path, solver.ready, progress, goal) if comm.rank == 0 else nullcontext() as queue:
         while (claimed := on_first(comm, lambda: queue.claim())) is not None:  # type: ignore[union-attr]
             task, deaths = claimed
             if deaths < ledger.DEATHS:
@@ -81,11 +105,17 @@ class Queue:
     """The tasks of a set that are still to be solved, for one process at a time."""
 
     def __init__(
-        self, description: Description, path: str | Path, ready: Callable[[str], bool], progress: Callable[[], None]
+        self,
+        description: Description,
+        path: str | Path,
+        ready: Callable[[str], bool],
+        progress: Callable[[], None],
+        goal: Goal = Goal(),
     ):
         self._description, self._path, self._ready, self._progress = description, Path(path), ready, progress
-        self._index = {task: i for i, task in enumerate(description.tasks)}
+        self._plan, self._goal, self._begun = Plan(path, description), goal, time.monotonic()
         self._pending: list[str] = []
+        self._index: dict[str, int] = {}
         self._task: str | None = None
         self._claims = open_claims(path)
 
@@ -93,10 +123,16 @@ class Queue:
         """A task that nobody else works on, and how many processes died at it; None when none is missing."""
         while True:
             self._progress()
-            if not self._pending:
-                self._pending = missing(self._path, self._description)
-            if not self._pending:
+            if time.monotonic() - self._begun > self._goal.seconds:
                 return None
+            if not self._pending:
+                self._plan.refresh()
+                self._index = {task: i for i, task in enumerate(self._plan.lines)}
+                self._pending = self._plan.missing()
+            if not self._pending:
+                if self._complete():
+                    return None
+                continue
             for task in list(self._pending):
                 if self._done(task):
                     self._pending.remove(task)
@@ -108,6 +144,25 @@ class Queue:
                         return task, deaths
                     self._claims.give_back(self._index[task])
             time.sleep(0.05)  # others hold what is left, or what it needs
+
+    def _complete(self) -> bool:
+        """Whether there is nothing left to do; where a set is to be refined, one of all plans the next round."""
+        plan, refine = self._plan, self._goal.refine
+        if refine is None or not self._description.refines:
+            return True
+        last = plan.rounds[-1] if plan.rounds else None
+        if last is not None and not last.lines and (last.finest or last.error <= self._goal.error):
+            return True
+        number, place = len(plan.rounds), len(plan.lines)
+        if self._claims.take(place):
+            plan.refresh()
+            if len(plan.rounds) == number:
+                plan.add(refine(self._goal.error))
+            self._claims.give_back(place)
+        else:
+            time.sleep(0.05)
+            plan.refresh()
+        return False
 
     def finish(self, arrays: Arrays) -> None:
         """Write what the claimed task's states are, and free it."""

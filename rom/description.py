@@ -1,4 +1,4 @@
-"""What a snapshot set holds: scene, parameters and nodes, from which follow its tasks."""
+"""What a snapshot set holds: scene, parameters and nodes, from which follow its first tasks."""
 
 from __future__ import annotations
 
@@ -9,7 +9,22 @@ from typing import Any
 
 import numpy as np
 
-FORMAT = 2  # of snapshot sets
+FORMAT = 3  # of snapshot sets
+
+
+@dataclass(frozen=True)
+class Line:
+    """The states of one task, solved in their order.
+
+    Attributes:
+        kind: free (along the lead tension), contact (along the plane's way) or random (one held-out state).
+        index: what it holds fixed, as positions: of the other tensions' combination; and for contact of the onset node.
+        nodes: positions along the line, of `tension_nodes[lead]` or of `contact_nodes`.
+    """
+
+    kind: str
+    index: tuple[int, ...]
+    nodes: tuple[int, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,6 +38,8 @@ class Description:
         tension_nodes: nodes of every tension [N].
         onset_nodes: nodes of the lead tension between onset (0) and its highest (1) [-].
         contact_nodes: nodes of the plane's way between touch (0) and its nearest (1) [-].
+        strides: every how many-th node the first grid takes, of every tension, then of the plane's way; 1 unless the
+            set is refined where its error is largest.
         random: held-out parameters, shape (count, p); empty for a training set.
     """
 
@@ -33,6 +50,7 @@ class Description:
     tension_nodes: list[list[float]]
     onset_nodes: list[float]
     contact_nodes: list[float]
+    strides: list[int]
     random: list[list[float]]
     versions: dict[str, str]
     format: int = FORMAT
@@ -60,17 +78,45 @@ class Description:
     @cached_property
     def others(self) -> list[tuple[float, ...]]:
         """Every combination of nodes of the tensions that do not lead [N]."""
-        return list(product(*[nodes for k, nodes in enumerate(self.tension_nodes) if k != self.lead]))
+        return list(product(*[self.tension_nodes[k] for k in self.other_axes]))
+
+    @property
+    def refines(self) -> bool:
+        """Whether lines are added round by round."""
+        return any(stride > 1 for stride in self.strides)
 
     @cached_property
-    def tasks(self) -> list[str]:
-        """Names of all tasks; a task only ever needs tasks before it."""
+    def lines(self) -> dict[str, Line]:
+        """The first lines by the names of their tasks; a task only ever needs tasks before it."""
         if self.random:
-            return [f"random-{k}" for k in range(len(self.random))]
-        free = [f"free-{j}" for j in range(len(self.others))]
-        if not self.has_obstacle:
-            return free
-        return free + [f"contact-{j}-{i}" for j in range(len(self.others)) for i in range(len(self.onset_nodes))]
+            return {f"random-{k}": Line("random", (k,), ()) for k in range(len(self.random))}
+        lead, way = self.strides[self.lead], self.strides[-1]
+        others = [
+            j
+            for j, where in enumerate(product(*[range(len(self.tension_nodes[k])) for k in self.other_axes]))
+            if all(position % self.strides[k] == 0 for position, k in zip(where, self.other_axes, strict=True))
+        ]
+        found = {f"free-{j}": self.free_line(j) for j in others}
+        if self.has_obstacle:
+            nodes = tuple(range(0, len(self.contact_nodes), way))
+            for j, i in product(others, range(0, len(self.onset_nodes), lead)):
+                found[f"contact-{j}-{i}"] = Line("contact", (j, i), nodes)
+        return found
+
+    def free_line(self, j: int) -> Line:
+        """The first line of free states at a combination of the other tensions."""
+        nodes = range(0, len(self.tension_nodes[self.lead]), self.strides[self.lead])
+        return Line("free", (j,), tuple(nodes))
+
+    @property
+    def other_axes(self) -> list[int]:
+        """Positions of the tensions that do not lead."""
+        return [k for k in range(self.tensions) if k != self.lead]
+
+    @property
+    def tasks(self) -> list[str]:
+        """Names of the first tasks."""
+        return list(self.lines)
 
     def insert_lead(self, others: tuple[float, ...], lead: float) -> np.ndarray:
         """Tensions [N] from the others and the lead."""

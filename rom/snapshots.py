@@ -4,16 +4,18 @@ A set is a folder:
 
     set.json            what was asked for: scene, parameters, sampling nodes, tasks, versions
     nodes.npy           the finger's nodes at rest, shape (nodes, 3) [m], sorted by x, then y, then z
+    rounds/NNNN.json    lines that refine the set, see rom.plan
     tasks/NAME.npz      one file per task, written beside and renamed, so it is whole or absent
 
 A task is a line of states solved in a fixed order. Its file holds, state by state (n of them):
 
     parameters          (n, p)          tensions [N], then d [m] (nan in a free state)
     tip                 (n, 3)          [m]
+    nodes               (n,)            positions along the line, of the grid's nodes; free and contact lines
     edge_heights        (n, edge nodes) of the long edges over the rest position of the face towards the plane [m]
     touch_distance      (n,)            [m] free reach at these tensions; scenes with an obstacle
     contact_force       (n,)            [N] scenes with an obstacle
-    X_jacobian          (n, *X, p)      derivatives of tip, touch_distance and contact_force by the parameters
+    X_jacobian          (n, *X, p)      derivatives of these by the parameters
     displacement        (n, nodes, 3)   [m], if sampling.store asks for it, as for the next three
     displacement_jacobian (n, p, nodes, 3) derivatives of the displacement, in single precision
     pad_pressure        (n,)            [Pa]
@@ -24,33 +26,43 @@ A task is a line of states solved in a fixed order. Its file holds, state by sta
     last_good           (n, p)          last load with an equilibrium on the way to a state that did not converge
     seconds             ()              that solving the line took
     task, fingerprint   ()              whose states these are
-    onset               ()              free tasks: lead tension that first reaches the nearest plane [N]
+    onset               ()              free-J: lead tension that first reaches the nearest plane [N]
+    onset_jacobian      (p,)            and its derivatives by the other tensions [-]
 
 Tasks come in three kinds. `free-J` is a line along the lead tension (the tendon that bends the finger most towards the
 plane) at the J-th combination of the others. `contact-J-I` holds the tensions (I-th node of the lead between onset and
-its highest) and brings the plane from where it touches to its nearest. `random-K` is one held-out state.
+its highest) and brings the plane from where it touches to its nearest; where that is the same place, one state stands
+for the line. `free-J-rN` and `contact-J-I-rN` add states to a line in round N. `random-K` is one held-out state.
 """
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 from dataclasses import asdict
 from functools import cached_property
 from pathlib import Path
-from uuid import uuid4
 
 import numpy as np
 
-from rom.description import FORMAT, Description
+from rom.description import FORMAT, Description, Line
+from rom.files import write_whole
+from rom.plan import Plan
 
 
 class SnapshotError(ValueError):
     """A folder that is not the set it should be: one line naming it and what is wrong."""
 
 
-OURS = ("tasks", "claim", "attempts", "set-aside", "progress.log", ".set.json.")  # may be there before set.json
+OURS = (
+    "tasks",
+    "rounds",
+    "claim",
+    "attempts",
+    "set-aside",
+    "progress.log",
+    ".set.json.",
+)  # may be there before set.json
 
 
 def create(path: str | Path, description: Description) -> None:
@@ -68,13 +80,27 @@ def create(path: str | Path, description: Description) -> None:
         (path / "tasks").mkdir(exist_ok=True)
         if not file.exists():
             text = json.dumps(asdict(description), indent=1)
-            _write(file, lambda stream: stream.write(text.encode()), once=True)
+            write_whole(file, lambda stream: stream.write(text.encode()), once=True)
     except OSError as error:
         raise SnapshotError(f"{path}: must be a folder that can be written to, got {error.strerror}") from None
     present = read_description(path)  # of several jobs that begin a set at once, one has begun it
-    for name in ("fingerprint", "tension_nodes", "onset_nodes", "contact_nodes", "random", "versions", "stored"):
+    for name in (
+        "fingerprint",
+        "tension_nodes",
+        "onset_nodes",
+        "contact_nodes",
+        "strides",
+        "random",
+        "versions",
+        "stored",
+    ):
         if getattr(present, name) != getattr(description, name):
-            named = {"fingerprint": "another scene", "random": "other held-out points", "stored": "other quantities"}
+            named = {
+                "fingerprint": "another scene",
+                "random": "other held-out points",
+                "stored": "other quantities",
+                "strides": "another first grid",
+            }
             what = named.get(name, f"other {name.replace('_', ' ')}")
             raise SnapshotError(f"{path}: holds a set of {what}; choose a new folder")
 
@@ -83,7 +109,7 @@ def write_nodes(path: str | Path, nodes: np.ndarray) -> None:
     """Write the finger's nodes at rest, shape (nodes, 3) [m]; everyone who does writes the same."""
     file = Path(path) / "nodes.npy"
     if not file.exists():
-        _write(file, lambda stream: np.save(stream, nodes))
+        write_whole(file, lambda stream: np.save(stream, nodes))
 
 
 def read_description(path: str | Path) -> Description:
@@ -111,7 +137,7 @@ def task_file(path: str | Path, task: str) -> Path:
 def write_task(path: str | Path, task: str, fingerprint: str, arrays: dict[str, np.ndarray]) -> None:
     """Write a task's file; it appears whole or not at all."""
     stored = arrays | {"task": np.array(task), "fingerprint": np.array(fingerprint)}
-    _write(task_file(path, task), lambda stream: np.savez(stream, **stored))  # type: ignore[arg-type]
+    write_whole(task_file(path, task), lambda stream: np.savez(stream, **stored))  # type: ignore[arg-type]
 
 
 def read_task(path: str | Path, task: str, names: tuple[str, ...] = ()) -> dict[str, np.ndarray]:
@@ -139,7 +165,7 @@ def set_aside_strangers(path: str | Path, description: Description) -> list[Path
 
     A failing disk leaves such, or somebody's editor.
     """
-    tasks, files = set(description.tasks), sorted((Path(path) / "tasks").glob("*.npz"))
+    tasks, files = Plan(path, description).lines, sorted((Path(path) / "tasks").glob("*.npz"))
     strangers = [file for file in files if file.stem not in tasks or _is_strange(file, description)]
     for file in strangers:
         aside = Path(path) / "set-aside"
@@ -156,40 +182,16 @@ def _is_strange(file: Path, description: Description) -> bool:
     return str(stored["fingerprint"]) != description.fingerprint
 
 
-def missing(path: str | Path, description: Description) -> list[str]:
-    """Tasks without a file."""
-    present = {file.stem for file in (Path(path) / "tasks").glob("*.npz")}
-    return [task for task in description.tasks if task not in present]
-
-
-def _write(file: Path, write, once: bool = False) -> None:
-    """Write beside and rename; nothing half written is ever found under the name.
-
-    Once: whoever comes first writes it.
-    """
-    beside = file.with_name(f".{file.name}.{uuid4().hex}")
-    try:
-        with beside.open("xb") as stream:
-            write(stream)
-            stream.flush()
-            os.fsync(stream.fileno())
-        if once:
-            with contextlib.suppress(FileExistsError):
-                os.link(beside, file)
-        else:
-            os.replace(beside, file)
-    finally:
-        beside.unlink(missing_ok=True)
-
-
 class SnapshotSet:
-    """A complete set, read."""
+    """A set, read. Its first grid is complete; of the lines that refine it, some may still be missing."""
 
     def __init__(self, path: str | Path):
         self.path, self.description = Path(path), read_description(path)
-        absent = missing(path, self.description)
+        self.plan = Plan(path, self.description)
+        self.missing = self.plan.missing()
+        absent = [task for task in self.missing if task in self.description.lines]
         if absent:
-            raise SnapshotError(f"{path}: {len(absent)} of {len(self.description.tasks)} tasks are not solved yet")
+            raise SnapshotError(f"{path}: {len(absent)} of {len(self.description.lines)} tasks are not solved yet")
         file = self.path / "nodes.npy"
         try:
             self.nodes = np.load(file)
@@ -198,7 +200,7 @@ class SnapshotSet:
 
     @cached_property
     def _tasks(self) -> dict[str, dict[str, np.ndarray]]:
-        return {task: read_task(self.path, task) for task in self.description.tasks}
+        return {task: read_task(self.path, task) for task in self.plan.lines if task not in self.missing}
 
     @cached_property
     def failures(self) -> list[tuple[str, np.ndarray, str]]:
@@ -208,6 +210,27 @@ class SnapshotSet:
             for name, task in self._tasks.items()
             for k in np.flatnonzero(~task["converged"])
         ]
+
+    def check_first_grid(self) -> None:
+        """Make sure that every state of the first grid has an answer.
+
+        Raises:
+            SnapshotError: one has none, or a finger never reaches the plane.
+        """
+        failures = [failure for failure in self.failures if failure[0] in self.description.lines]
+        unreached = [
+            task
+            for task, line in self.description.lines.items()
+            if line.kind == "free" and self.description.has_obstacle and np.isnan(self._tasks[task]["onset"])
+        ]
+        if unreached and self._tasks[unreached[0]]["converged"].all():
+            raise SnapshotError(f"{self.path}: at some tensions the finger never reaches the nearest plane")
+        if failures:
+            task, parameters, reason = failures[0]
+            raise SnapshotError(
+                f"{self.path}: {len(failures)} of {self.states} states did not converge, "
+                f"first {task} at {parameters.tolist()}: {reason}"
+            )
 
     @property
     def states(self) -> int:
@@ -219,37 +242,75 @@ class SnapshotSet:
         """Newton iterations in all."""
         return int(sum(task["iterations"].sum() for task in self._tasks.values()))
 
-    def onset(self) -> np.ndarray:
-        """Onset tension [N] on the grid of the other tensions, shape of that grid."""
-        values = [self._tasks[f"free-{j}"]["onset"] for j in range(len(self.description.others))]
-        return np.array(values, float).reshape(self._other_shape)
+    def positions(self, kind: str) -> np.ndarray:
+        """Positions on the grid of the free or the contact states that have an answer, shape (states, axes)."""
+        return np.concatenate([self.on_grid(line)[rows] for _, line, rows in self._lines(kind)])
+
+    def values(self, kind: str, name: str) -> np.ndarray:
+        """A quantity of the same states, shape (states, *quantity)."""
+        parts = [self._tasks[task][name][self._stored(task, line)[rows]] for task, line, rows in self._lines(kind)]
+        return np.concatenate(parts)
+
+    def _lines(self, kind: str) -> list[tuple[str, Line, np.ndarray]]:
+        """Tasks of a kind, their lines, and which states of these have an answer."""
+        return [
+            (task, line, np.flatnonzero(self._tasks[task]["converged"][self._stored(task, line)]))
+            for task, line in self.plan.lines.items()
+            if line.kind == kind and task in self._tasks
+        ]
+
+    def _stored(self, task: str, line: Line) -> np.ndarray:
+        """Where the states of a line stand in its task: one that stands for all is read for all."""
+        count = len(self._tasks[task]["converged"])
+        return np.arange(len(line.nodes)) if count == len(line.nodes) else np.zeros(len(line.nodes), int)
+
+    def on_grid(self, line: Line) -> np.ndarray:
+        """Positions on the grid of a line's nodes, shape (nodes, axes); of contact lines the onset node leads."""
+        shape = self._other_shape
+        others = [int(k) for k in np.unravel_index(line.index[0], shape)] if shape else []
+        if line.kind == "free":
+            return np.insert(np.tile(np.array(others, int), (len(line.nodes), 1)), self.description.lead, line.nodes, 1)
+        others.insert(self.description.lead, line.index[1])
+        return np.column_stack([np.tile(others, (len(line.nodes), 1)), line.nodes])
+
+    def onset(self, name: str = "onset") -> np.ndarray:
+        """Onset tension [N], or its derivatives, on the grid of the other tensions; nan where it is not known."""
+        found = {
+            line.index[0]: self._tasks[task][name]
+            for task, line in self.plan.lines.items()
+            if line.kind == "free" and task in self._tasks and name in self._tasks[task]
+        }
+        grid = np.full((len(self.description.others), *np.shape(next(iter(found.values())))), np.nan)
+        for j, value in found.items():
+            grid[j] = value
+        return grid.reshape(*self._other_shape, *grid.shape[1:])
 
     def free(self, name: str) -> np.ndarray:
-        """A quantity of the free states, shape (tension 1, tension 2, ..., *quantity)."""
-        lines = np.array([self._tasks[f"free-{j}"][name] for j in range(len(self.description.others))])
-        grid = lines.reshape(*self._other_shape, *lines.shape[1:])
-        return np.moveaxis(grid, len(self._other_shape), self.description.lead)
+        """A quantity of the free states on the grid, shape (tension 1, tension 2, ..., *quantity); 0 if not known."""
+        return self._grid("free", name, [len(axis) for axis in self.description.tension_nodes])
 
     def contact(self, name: str) -> np.ndarray:
-        """A quantity of the contact states, shape (tension 1, ..., way of the plane, *quantity).
+        """A quantity of the contact states on the grid, shape (tension 1, ..., way of the plane, *quantity).
 
-        The lead axis runs over `onset_nodes`, the last over `contact_nodes`.
+        The lead axis runs over `onset_nodes`, the last over `contact_nodes`. 0 if not known.
         """
-        count = len(self.description.onset_nodes)
-        lines = np.array(
-            [[self._tasks[f"contact-{j}-{i}"][name] for i in range(count)] for j in range(len(self.description.others))]
-        )
-        grid = lines.reshape(*self._other_shape, *lines.shape[1:])
-        return np.moveaxis(grid, len(self._other_shape), self.description.lead)
+        description = self.description
+        shape = [len(axis) for axis in description.tension_nodes]
+        shape[description.lead] = len(description.onset_nodes)
+        return self._grid("contact", name, [*shape, len(description.contact_nodes)])
+
+    def _grid(self, kind: str, name: str, shape: list[int]) -> np.ndarray:
+        values = self.values(kind, name)
+        grid = np.zeros((*shape, *values.shape[1:]), values.dtype)
+        grid[tuple(self.positions(kind).T)] = values
+        return grid
 
     def random(self, name: str) -> np.ndarray:
         """A quantity of the converged held-out states, shape (count, *quantity)."""
         if not self.description.random:
             raise SnapshotError(f"{self.path}: must be a held-out set (made with --random), got a training set")
-        tasks = self._tasks.values()
-        return np.concatenate([task[name][task["converged"]] for task in tasks])
+        return np.concatenate([task[name][task["converged"]] for task in self._tasks.values()])
 
     @property
     def _other_shape(self) -> tuple[int, ...]:
-        nodes = self.description.tension_nodes
-        return tuple(len(axis) for k, axis in enumerate(nodes) if k != self.description.lead)
+        return tuple(len(self.description.tension_nodes[k]) for k in self.description.other_axes)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
+from rom.completion import Known, complete
 from rom.enrichment import EnrichmentOptions, separate
+from rom.responses import contact_outputs, contact_response, free_outputs, free_response, onset_response
 from rom.separated import Separated
 from rom.snapshots import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
@@ -16,7 +19,7 @@ logger = logging.getLogger(__name__)
 
 
 def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
-    """Build the surrogate of a complete training set.
+    """Build the surrogate of a training set; lines that refine it may be missing or failed, its first grid may not.
 
     Raises:
         SnapshotError: a held-out set, a state that did not converge, or tensions that never reach the plane.
@@ -24,27 +27,23 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
     description = snapshots.description
     if description.random:
         raise SnapshotError(f"{snapshots.path}: must be a training set, got a held-out set (made with --random)")
-    if description.has_obstacle and np.isnan(snapshots.onset()).any():
-        raise SnapshotError(f"{snapshots.path}: at some tensions the finger never reaches the nearest plane")
-    if snapshots.failures:
-        task, parameters, reason = snapshots.failures[0]
-        raise SnapshotError(
-            f"{snapshots.path}: {len(snapshots.failures)} of {snapshots.states} states did not converge, "
-            f"first {task} at {parameters.tolist()}: {reason}"
-        )
-    axes = [np.array(nodes) for nodes in description.tension_nodes]
-    outputs = [snapshots.free("tip")]
-    forms: dict[str, Separated] = {}
+    snapshots.check_first_grid()
+    for task, parameters, reason in snapshots.failures:
+        logger.warning("done without the failed state of %s at %s: %s", task, parameters.tolist(), reason)
+    if snapshots.missing:
+        logger.warning("done without %d lines that are not solved yet", len(snapshots.missing))
+    values, jacobian = free_outputs(snapshots)
+    forms = {"free": _form("free", free_response(snapshots, values, jacobian), options)}
     if description.has_obstacle:
-        heights = snapshots.free("edge_heights")
-        if np.abs(heights.max(axis=-1) - snapshots.free("touch_distance")).max() > 1e-6:
+        heights, reach = snapshots.values("free", "edge_heights"), snapshots.values("free", "touch_distance")
+        if np.abs(heights.max(axis=-1) - reach).max() > 1e-6:
             raise SnapshotError(f"{snapshots.path}: somewhere a face bulges farther towards the plane than its edges")
-        outputs.append(heights[..., _first_to_touch(heights)])
-        forms |= _contact_forms(snapshots, axes, options)
-    forms["free"] = _form("free", np.concatenate(outputs, axis=-1), axes, options)
+        forms["onset"] = _form("onset", onset_response(snapshots), options)
+        forms["contact"] = _form("contact", contact_response(snapshots, *contact_outputs(snapshots)), options)
     if description.has_field:
-        field = snapshots.free("displacement")
-        forms["free_displacement"] = _form("free_displacement", field.reshape(*field.shape[:-2], -1), axes, options)
+        forms["free_displacement"] = _field("free", snapshots, free_response, options)
+        if description.has_obstacle:
+            forms["contact_displacement"] = _field("contact", snapshots, contact_response, options)
     return Surrogate(
         parameters=description.parameters,
         forms=forms,
@@ -56,68 +55,55 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
             "fingerprint": description.fingerprint,
             "versions": description.versions,
             "states": snapshots.states,
+            "failed": len(snapshots.failures),
             "newton_iterations": snapshots.iterations,
             "tolerance": options.tolerance,
         },
     )
 
 
-def _first_to_touch(heights: np.ndarray) -> np.ndarray:
-    """Nodes that lead the finger's reach in some free state."""
-    return np.unique(heights.reshape(-1, heights.shape[-1]).argmax(axis=1))
+def _field(kind: str, snapshots: SnapshotSet, response: Callable[..., Known], options: EnrichmentOptions) -> Separated:
+    """Separate the displacement of all nodes, in the basis of its principal components: far smaller arrays."""
+    field = snapshots.values(kind, "displacement").reshape(-1, snapshots.nodes.size)
+    basis = _principal(field.T, options)
+    jacobian = None
+    if snapshots.description.refines:
+        slopes = snapshots.values(kind, "displacement_jacobian")
+        slopes = slopes.reshape(*slopes.shape[:2], -1) @ basis.astype(slopes.dtype)
+        jacobian = slopes.transpose(0, 2, 1).astype(float)
+    form = _form(f"{kind}_displacement", response(snapshots, field @ basis, jacobian), options, proportions=True)
+    return replace(form, modes=basis @ form.modes)
 
 
-def _contact_forms(
-    snapshots: SnapshotSet, axes: Sequence[np.ndarray], options: EnrichmentOptions
-) -> dict[str, Separated]:
-    description = snapshots.description
-    lead = description.lead
-    others = [axis for k, axis in enumerate(axes) if k != lead]
-    onset = snapshots.onset()
-    aligned = [np.array(description.onset_nodes) if k == lead else axis for k, axis in enumerate(axes)]
-    aligned.append(np.array(description.contact_nodes))
+def _form(name: str, response: Known, options: EnrichmentOptions, proportions: bool = False) -> Separated:
+    """Separate a function on a grid, by splines.
 
-    def added(name: str) -> np.ndarray:
-        """What contact adds to the free state at the same tensions."""
-        values = snapshots.contact(name)
-        return values - np.take(values, [0], axis=len(axes))
-
-    answers = np.concatenate([added("tip"), added("contact_force")[..., None]], axis=-1)
-    forms = {
-        "onset": _form("onset", onset[..., None], others, options),
-        "contact": _form("contact", answers, aligned, options),
-    }
-    if description.has_field:
-        field = added("displacement")
-        flat = field.reshape(*field.shape[:-2], -1)
-        forms["contact_displacement"] = _form("contact_displacement", flat, aligned, options)
-    return forms
-
-
-def _form(name: str, values: np.ndarray, axes: Sequence[np.ndarray], options: EnrichmentOptions) -> Separated:
-    """Separate values, shape (n_1, ..., n_k, m), over axes 1 to k, by splines."""
-    if not axes:
+    Every component counts alike, whatever its unit, unless they have one unit and shall keep their proportions.
+    """
+    values = complete(response).values
+    if not response.axes:
         return Separated(nodes=[], kinds=[], factors=[], modes=values.reshape(-1, 1), errors=np.zeros(1))
     unfolded = np.moveaxis(values, -1, 0)
     m, grid = unfolded.shape[0], unfolded.shape[1:]
-    # Every component counts alike, whatever its unit; a field's have one unit and keep their proportions.
     scale = np.full(m, 1.0)
-    if m < 100:
+    if not proportions:
         scale = np.abs(unfolded).reshape(m, -1).max(axis=1)
         scale[scale == 0] = 1.0
-    matrix = unfolded.reshape(m, -1) / scale[:, None]
-    # Long fields are separated in the basis of their principal components: same answer, far smaller arrays.
-    basis, sizes, rows = np.linalg.svd(matrix, full_matrices=False)
-    kept = max(1, int(np.count_nonzero(sizes > 0.01 * options.tolerance * max(sizes[0], 1e-300))))
-    factors, errors = separate((sizes[:kept, None] * rows[:kept]).reshape(kept, *grid), options)
+    factors, errors = separate(unfolded / scale.reshape(-1, *[1] * len(grid)), options)
     if errors[-1] > options.tolerance:
         logger.warning(
             "%s: %d terms leave %.1e of the snapshots, not %.1e", name, len(errors), errors[-1], options.tolerance
         )
     return Separated(
-        nodes=list(axes),
-        kinds=["cubic"] * len(axes),
+        nodes=list(response.axes),
+        kinds=["cubic"] * len(response.axes),
         factors=factors[1:],
-        modes=scale[:, None] * (basis[:, :kept] @ factors[0]),
+        modes=scale[:, None] * factors[0],
         errors=errors,
     )
+
+
+def _principal(matrix: np.ndarray, options: EnrichmentOptions) -> np.ndarray:
+    """Orthonormal basis, shape (m, kept), of columns, shape (m, states), to a hundredth of the tolerance."""
+    basis, sizes, _ = np.linalg.svd(matrix, full_matrices=False)
+    return basis[:, : max(1, int(np.count_nonzero(sizes > 0.01 * options.tolerance * max(sizes[0], 1e-300))))]

@@ -1,0 +1,69 @@
+"""The lines of states a set holds: those of its first grid, then round by round those that refine it.
+
+A round is `rounds/NNNN.json`: the error estimated from the states of all rounds before, and the lines to solve next.
+It has no lines where that error was small enough, or nothing was left to refine.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from rom.description import Description, Line
+from rom.files import write_whole
+
+
+@dataclass(frozen=True, kw_only=True)
+class Round:
+    """What refines a set next.
+
+    Attributes:
+        error: estimated relative error of a surrogate of all states before [-].
+        threshold: indicator above which lines were taken [-].
+        lines: by the names of their tasks.
+        finest: whether the grid has nothing left to refine.
+    """
+
+    error: float
+    threshold: float
+    lines: dict[str, Line]
+    finest: bool = False
+
+
+class Plan:
+    """A set's lines and rounds, read as they appear."""
+
+    def __init__(self, path: str | Path, description: Description):
+        self._path, self._description = Path(path), description
+        self.lines: dict[str, Line] = dict(description.lines)
+        self.rounds: list[Round] = []
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Read the rounds that are new."""
+        while self._description.refines and (file := self._file(len(self.rounds))).exists():
+            table = json.loads(file.read_text())
+            lines = {
+                task: Line(kind, tuple(index), tuple(nodes)) for task, (kind, index, nodes) in table["lines"].items()
+            }
+            self.rounds.append(Round(**table | {"lines": lines}))
+            self.lines |= lines
+
+    def add(self, found: Round) -> None:
+        """Write the next round; of several who do, one has written it."""
+        file = self._file(len(self.rounds))
+        file.parent.mkdir(exist_ok=True)
+        table = asdict(found) | {
+            "lines": {task: [line.kind, line.index, line.nodes] for task, line in found.lines.items()}
+        }
+        write_whole(file, lambda stream: stream.write(json.dumps(table).encode()), once=True)
+        self.refresh()
+
+    def missing(self) -> list[str]:
+        """Tasks without a file."""
+        present = {file.stem for file in (self._path / "tasks").glob("*.npz")}
+        return [task for task in self.lines if task not in present]
+
+    def _file(self, number: int) -> Path:
+        return self._path / "rounds" / f"{number:04d}.json"
