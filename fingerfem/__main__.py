@@ -102,6 +102,9 @@ def snapshots(
     budget: Annotated[
         str | None, typer.Option(help="Refine a coarse grid for so long: 90s, 30min, 2h; then finish lines at hand.")
     ] = None,
+    reuse: Annotated[
+        Path | None, typer.Option(metavar="SET/", help="Take the states it has from another set of the same finger.")
+    ] = None,
     progress: Annotated[
         str, typer.Option(help="bar, plain or json lines on stderr; auto: a bar on a terminal, which mpirun is not.")
     ] = "auto",
@@ -117,10 +120,12 @@ def snapshots(
     from fingerfem import snapshots as farm
     from fingerfem.ledger import Ledger
     from fingerfem.progress import STYLES, Reporter
+    from fingerfem.reuse import Donor
     from fingerfem.sampling import HeldOut, describe
     from fingerfem.versions import versions
     from rom.refinement import next_round
-    from rom.snapshots import SnapshotSet, create, set_aside_strangers
+    from rom.set_folder import create, set_aside_strangers
+    from rom.snapshots import SnapshotSet
 
     world, begun = MPI.COMM_WORLD, time.perf_counter()
     first = world.rank == 0
@@ -136,6 +141,7 @@ def snapshots(
     seconds = _seconds(budget) if budget is not None else math.inf
     held_out = HeldOut(count=random, seed=seed) if random else None
     description = describe(scene, versions(), held_out, refines)
+    donor = Donor(reuse, description) if reuse is not None else None
     create(folder, description)
     if ranks_per_finger == 1:  # else ranks may be waiting for each other in MPI: they end at once
         signal.signal(signal.SIGTERM, _terminated)
@@ -146,12 +152,13 @@ def snapshots(
                 "%s was not whole, or another set's: moved to %s and solved again", file, folder / "set-aside"
             )
     group = world.Split(world.rank // ranks_per_finger) if ranks_per_finger > 1 else MPI.COMM_SELF
+    goal = farm.Goal(
+        refine=lambda tolerance: next_round(SnapshotSet(folder), tolerance), error=until or 0.0, seconds=seconds
+    )
     work = farm.Work()
     with Reporter(ledger, progress) if first else nullcontext(lambda: None) as report:
         if refines or ledger.plan.missing():
-            refine = lambda tolerance: next_round(SnapshotSet(folder), tolerance)  # noqa: E731
-            goal = farm.Goal(refine=refine, error=until or 0.0, seconds=seconds)
-            work = farm.run(description, fingerfem.FingerModel(scene, group), folder, report, goal)
+            work = farm.run(description, fingerfem.FingerModel(scene, group), folder, report, goal, donor)
     if not first:
         return
     ledger.refresh()
@@ -164,6 +171,10 @@ def snapshots(
         "seconds": time.perf_counter() - begun,
         "ranks": world.size,
     }
+    if refines and result["missing"]:
+        logging.warning("the budget is spent; %d lines are left for another run", result["missing"])
+    elif refines and result["estimated_error"] > goal.error:
+        logging.warning("the finest grid leaves an estimated error of %.1e", result["estimated_error"])
     unusable = ledger.failures and not (random and result["solved"])
     _finish(result, as_json, NOTHING_USABLE if unusable else 0)
 

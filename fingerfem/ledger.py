@@ -142,7 +142,9 @@ class Ledger:
         """What there is to say about a set."""
         failures, size = self.failures, sum(outcome.size for outcome in self.outcomes.values())
         quarantined = sum(reason.startswith(QUARANTINED) for *_, reason in failures)
-        return {
+        rounds = self.plan.rounds
+        refined = {"rounds": len(rounds), "estimated_error": rounds[-1].error} if rounds else {}
+        return refined | {
             "tasks": len(self.plan.lines),
             "missing": len(self.missing),
             "states": self.states,

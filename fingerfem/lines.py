@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from fingerfem.convergence import LoadNotReached
 from fingerfem.model import FingerModel
 from fingerfem.numbering import Numbering
 from fingerfem.record import Record
+from fingerfem.reuse import Donor
 from fingerfem.sensitivities import differentiate
 from rom.description import Description, Line
 from rom.plan import Plan
@@ -26,9 +28,9 @@ SAME_PLACE = 1e-8  # [m]: a plane that has no more way than that from touch to i
 class LineSolver:
     """Solves one task at a time; every rank of its model takes part."""
 
-    def __init__(self, description: Description, model: FingerModel, path: str | Path):
+    def __init__(self, description: Description, model: FingerModel, path: str | Path, donor: Donor | None = None):
         self.description, self.model, self.path = description, model, Path(path)
-        self.numbering, self.plan = Numbering(model), Plan(path, description)
+        self.numbering, self.plan, self.donor = Numbering(model), Plan(path, description), donor
         self._nearest: float = description.parameters[-1]["lower"] if description.has_obstacle else np.nan
 
     def ready(self, task: str) -> bool:
@@ -78,9 +80,13 @@ class LineSolver:
 
     def _free(self, line: Line, begins: bool) -> Arrays:
         j, record = line.index[0], Record(self.model, self.numbering)
+        given = self.donor.states(line) if self.donor else {}
         if begins:
             self.model.stepper.rest()
         for node in line.nodes:
+            if node in given:
+                self._take(record, given[node])
+                continue
             if not begins:
                 self._start_free(j, self._free_tensions(j, node))
             record.state(self._free_tensions(j, node), None)
@@ -88,8 +94,19 @@ class LineSolver:
         if not begins:
             return arrays
         slopes = np.full(len(self.description.parameters), np.nan)
+        known = self.donor.onset(line) if self.donor else None
+        if known is not None:
+            return arrays | {"onset": np.array(known[0]), "onset_jacobian": known[1]}
         onset = self._onset(line, record, slopes) if self.description.has_obstacle else np.nan
         return arrays | {"onset": np.array(onset), "onset_jacobian": slopes}
+
+    def _take(self, record: Record, row: dict[str, Any]) -> None:
+        """Note a state of another set, and bring the model there if its displacement is known."""
+        field = self.numbering.scatter(row["displacement"]) if self.description.has_field else None
+        record.take(row, field)
+        if field is not None:
+            *tensions, distance = row["parameters"] if self.description.has_obstacle else (*row["parameters"], np.nan)
+            self.model.stepper.start(tensions, None if np.isnan(distance) else distance, field)
 
     def _start_free(self, j: int, tensions: np.ndarray) -> None:
         """Bring the model to the last free state known before these tensions, or to rest."""
@@ -157,15 +174,25 @@ class LineSolver:
             self._no_contact(record, line, reason)
             return record.arrays() | {"nodes": np.array(nodes)}
         tensions = self._contact_tensions(line, float(free["onset"]))
-        known = self._known(task, line)
-        self._start_free(line.index[0], tensions)
-        if 0 in known:
-            self.model.stepper.start(tensions, None, self.numbering.scatter(known[0][1]))
-        reach = self._touch(record, tensions, nodes)
+        known, given = self._known(task, line), self.donor.states(line) if self.donor else {}
+        if nodes[0] == 0 and 0 in given:
+            self._take(record, given[0])
+            reach = record.reaches[0]
+            if not self.description.has_field:
+                self._start_free(line.index[0], tensions)
+        else:
+            self._start_free(line.index[0], tensions)
+            if 0 in known:
+                self.model.stepper.start(tensions, None, self.numbering.scatter(known[0][1]))
+            reach = self._touch(record, tensions, nodes)
         if reach - self._nearest < SAME_PLACE:
             return record.arrays() | {"nodes": np.array(nodes[:1])}
         at, counted = 0, None if nodes[0] == 0 else 0
         for node in [node for node in nodes if node > 0]:
+            if node in given:
+                self._take(record, given[node])
+                at = node
+                continue
             before = max((other for other in known if other < node), default=0)
             if before > at:
                 self.model.stepper.start(tensions, known[before][0], self.numbering.scatter(known[before][1]))

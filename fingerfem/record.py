@@ -77,6 +77,15 @@ class Record:
                 }
             )
 
+    def take(self, row: dict[str, Any], displacement: np.ndarray | None) -> None:
+        """Note a state that another set has solved; its displacement is of this rank's nodes, if known."""
+        blank = np.full_like(self._model.displacement, np.nan)
+        self.displacements.append(blank if displacement is None else displacement)
+        self.reaches.append(float(row.get("touch_distance", np.nan)))
+        if "touch_distance" in row:
+            self._touch = {name: row[name] for name in ("touch_distance", "touch_distance_jacobian")}
+        self._rows.append(row)
+
     def broken(self, failure: LoadNotReached) -> None:
         """All further states of the line have no answer either."""
         self._broken = failure.reason

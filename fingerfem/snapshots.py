@@ -20,6 +20,7 @@ from fingerfem import ledger
 from fingerfem.claims import open_claims
 from fingerfem.lines import Arrays, LineSolver
 from fingerfem.model import FingerModel
+from fingerfem.reuse import Donor
 from rom.plan import Plan, Round
 from rom.snapshots import Description, task_file, write_nodes, write_task
 
@@ -56,6 +57,7 @@ def run(
     path: str | Path,
     progress: Callable[[], None],
     goal: Goal = Goal(),
+    donor: Donor | None = None,
 ) -> Work:
     """Work on a set until none of its tasks is missing; every group of a job calls this, and none waits for another.
 
@@ -65,12 +67,13 @@ def run(
         path: the set's folder.
         progress: called on the group's first rank whenever it looks for a task.
         goal: when to stop, and how a set is refined.
+        donor: another set, whose states are taken where they fit.
 
     Raises:
         SnapshotError: the folder holds something else or cannot be written.
     """
     begun, work = time.perf_counter(), Work()
-    solver, comm = LineSolver(description, model, path), model.comm
+    solver, comm = LineSolver(description, model, path, donor), model.comm
     on_first(comm, lambda: write_nodes(path, solver.numbering.nodes))
     with Queue(description, path, solver.ready, progress, goal) if comm.rank == 0 else nullcontext() as queue:
         while (claimed := on_first(comm, lambda: queue.claim())) is not None:  # type: ignore[union-attr]

@@ -86,12 +86,14 @@ def complete(function: Known) -> Completed:
             doubt = _between(doubt, predicted.shape, kept)
             doubt[middle] = np.abs(predicted - cubic)[middle]
             error = _between(error, predicted.shape, kept)
-            before, after = ((slice(None),) * a + (half,) for half in (slice(None, -2, 2), slice(2, None, 2)))
-            error[middle] = doubt[middle] + (error[before] + error[after]) / 2
+            left, right = ((slice(None),) * a + (half,) for half in (slice(None, -2, 2), slice(2, None, 2)))
+            error[middle] = doubt[middle] + (error[left] + error[right]) / 2
             stages = _between(stages, predicted.shape[:-1], kept)
             stages[middle] = len(split)
-            for whole, stored in zip([predicted, *across], [function.values, *function.slopes], strict=True):
-                whole[known] = stored[inside][known]
+            grids = zip([predicted, *across], [values, *slopes], [function.values, *function.slopes], strict=True)
+            for grid, before, stored in grids:
+                grid[kept] = before
+                grid[known] = stored[inside][known]
             doubt[known] = error[known] = 0.0
             values, slopes = predicted, _opened(function, strides, predicted, across)
     return Completed(values=values, doubt=doubt, error=error, stages=stages, split=split)

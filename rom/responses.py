@@ -126,6 +126,7 @@ def _aligned(
     )
     others = tuple(positions[:, description.other_axes].T)
     onset, turned = snapshots.onset()[others], snapshots.onset("onset_jacobian")[others]
+    turned = np.broadcast_to(turned, (len(positions), turned.shape[-1]))  # of one tension there is one onset
     xi = np.array(description.onset_nodes)[positions[:, lead]]
     s = np.array(description.contact_nodes)[positions[:, -1]]
     by_distance = jacobian[..., -1]
@@ -134,6 +135,6 @@ def _aligned(
         for k in range(description.tensions)
     ]
     found = [by_tension[k] + by_tension[lead] * ((1 - xi) * turned[:, k])[:, None] for k in range(description.tensions)]
-    found[lead] = by_tension[lead] * (description.parameters[lead]["upper"] - onset)[:, None]
+    found[lead] = by_tension[lead] * np.reshape(description.parameters[lead]["upper"] - onset, (-1, 1))
     nearest = description.parameters[-1]["lower"]
     return [*found, -by_distance * (touch - nearest)[:, None]]

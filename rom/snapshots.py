@@ -38,8 +38,6 @@ for the line. `free-J-rN` and `contact-J-I-rN` add states to a line in round N. 
 from __future__ import annotations
 
 import json
-import os
-from dataclasses import asdict
 from functools import cached_property
 from pathlib import Path
 
@@ -52,57 +50,6 @@ from rom.plan import Plan
 
 class SnapshotError(ValueError):
     """A folder that is not the set it should be: one line naming it and what is wrong."""
-
-
-OURS = (
-    "tasks",
-    "rounds",
-    "claim",
-    "attempts",
-    "set-aside",
-    "progress.log",
-    ".set.json.",
-)  # may be there before set.json
-
-
-def create(path: str | Path, description: Description) -> None:
-    """Begin a set, or find that it was begun with the same description.
-
-    Raises:
-        SnapshotError: the folder holds something else.
-    """
-    path = Path(path)
-    file = path / "set.json"
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        if not file.exists() and not all(there.name.startswith(OURS) for there in path.iterdir()):
-            raise SnapshotError(f"{path}: must be a snapshot set or an empty folder")
-        (path / "tasks").mkdir(exist_ok=True)
-        if not file.exists():
-            text = json.dumps(asdict(description), indent=1)
-            write_whole(file, lambda stream: stream.write(text.encode()), once=True)
-    except OSError as error:
-        raise SnapshotError(f"{path}: must be a folder that can be written to, got {error.strerror}") from None
-    present = read_description(path)  # of several jobs that begin a set at once, one has begun it
-    for name in (
-        "fingerprint",
-        "tension_nodes",
-        "onset_nodes",
-        "contact_nodes",
-        "strides",
-        "random",
-        "versions",
-        "stored",
-    ):
-        if getattr(present, name) != getattr(description, name):
-            named = {
-                "fingerprint": "another scene",
-                "random": "other held-out points",
-                "stored": "other quantities",
-                "strides": "another first grid",
-            }
-            what = named.get(name, f"other {name.replace('_', ' ')}")
-            raise SnapshotError(f"{path}: holds a set of {what}; choose a new folder")
 
 
 def write_nodes(path: str | Path, nodes: np.ndarray) -> None:
@@ -158,28 +105,6 @@ def read_task(path: str | Path, task: str, names: tuple[str, ...] = ()) -> dict[
         raise SnapshotError(
             f"{file}: is missing or not readable ({type(error).__name__}); run snapshots again"
         ) from None
-
-
-def set_aside_strangers(path: str | Path, description: Description) -> list[Path]:
-    """Move task files that are not whole, or another set's, to `set-aside`; returns where they were.
-
-    A failing disk leaves such, or somebody's editor.
-    """
-    tasks, files = Plan(path, description).lines, sorted((Path(path) / "tasks").glob("*.npz"))
-    strangers = [file for file in files if file.stem not in tasks or _is_strange(file, description)]
-    for file in strangers:
-        aside = Path(path) / "set-aside"
-        aside.mkdir(exist_ok=True)
-        os.replace(file, aside / file.name)
-    return strangers
-
-
-def _is_strange(file: Path, description: Description) -> bool:
-    try:
-        stored = read_task(file.parent.parent, file.stem, ("fingerprint", "converged"))
-    except SnapshotError:
-        return True
-    return str(stored["fingerprint"]) != description.fingerprint
 
 
 class SnapshotSet:
@@ -283,7 +208,7 @@ class SnapshotSet:
         grid = np.full((len(self.description.others), *np.shape(next(iter(found.values())))), np.nan)
         for j, value in found.items():
             grid[j] = value
-        return grid.reshape(*self._other_shape, *grid.shape[1:])
+        return grid.reshape((*self._other_shape, *grid.shape[1:]))
 
     def free(self, name: str) -> np.ndarray:
         """A quantity of the free states on the grid, shape (tension 1, tension 2, ..., *quantity); 0 if not known."""

@@ -20,7 +20,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from rom.snapshots import create, read_description, read_task, write_nodes  # noqa: E402
+from rom.set_folder import create  # noqa: E402
+from rom.snapshots import read_description, read_task, write_nodes  # noqa: E402
 from studies.solver import say  # noqa: E402
 
 LINES = 4000  # for the contention of claims
