@@ -50,7 +50,8 @@ class LineSolver:
 
     def give_up(self, task: str, reason: str) -> Arrays:
         """The arrays of a task that nobody shall try again."""
-        description, record, line = self.description, Record(self.model, self.numbering), self._line(task)
+        description, line = self.description, self._line(task)
+        record = Record(self.model, self.numbering, edges=line.kind == "free")
         if line.kind == "random":
             point = np.array(description.random[line.index[0]])
             record.failed(point[: description.tensions], point[-1], reason)
@@ -79,7 +80,7 @@ class LineSolver:
         return description.insert_lead(description.others[j], description.tension_nodes[description.lead][node])
 
     def _free(self, line: Line, begins: bool) -> Arrays:
-        j, record = line.index[0], Record(self.model, self.numbering)
+        j, record = line.index[0], Record(self.model, self.numbering, edges=True)
         given = self.donor.states(line) if self.donor else {}
         if begins:
             self.model.stepper.rest()

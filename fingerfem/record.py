@@ -20,15 +20,17 @@ logger = logging.getLogger(__name__)
 class Record:
     """Collects the states of one line; after a load that was not reached the line's further states are failed too.
 
+    Of free lines it also keeps the long edges, of which one is the first to touch.
+
     Attributes:
         displacements: of this rank's nodes, state by state, as the model has them.
         reaches: of the finger towards the plane, state by state [m].
     """
 
-    def __init__(self, model: FingerModel, numbering: Numbering):
+    def __init__(self, model: FingerModel, numbering: Numbering, edges: bool = False):
         self._model, self._numbering, self._broken = model, numbering, ""
         self._store, self._parameter_count = model.scene.sampling.store, len(model.scene.parameters)
-        self._edges = _long_edges(model.scene, numbering.nodes)
+        self._edges = _long_edges(model.scene, numbering.nodes) if edges else None
         self._last_good: tuple[np.ndarray, float] | None = None
         self._touch: dict[str, Any] = {}
         self._rows: list[dict[str, Any]] = []
@@ -119,10 +121,11 @@ class Record:
         if "channel_shortening" in store:
             row["channel_shortening"] = channel_shortening(model)
             row["channel_shortening_jacobian"] = self._padded(found.channel_shortening).T
-        changes = [numbering.gather(change) for change in found.displacement]
+        if "displacement" in store or self._edges is not None:
+            changes = [numbering.gather(change) for change in found.displacement]
         if "displacement" in store:
             row |= {"displacement": field, "displacement_jacobian": self._padded(np.array(changes)).astype(np.float32)}
-        if model.comm.rank == 0:
+        if self._edges is not None and model.comm.rank == 0:
             rest = numbering.nodes[self._edges, 1] - model.scene.geometry.side / 2
             row["edge_heights"] = field[self._edges, 1] + rest
             slopes = np.array([change[self._edges, 1] for change in changes])
@@ -173,9 +176,10 @@ class Record:
         found: dict[str, tuple[tuple[int, ...], type]] = {
             "tip": ((3,), float),
             "tip_jacobian": ((3, p), float),
-            "edge_heights": ((len(self._edges),), float),
-            "edge_heights_jacobian": ((len(self._edges), p), float),
         }
+        if self._edges is not None:
+            found["edge_heights"] = (self._edges.shape, float)
+            found["edge_heights_jacobian"] = ((len(self._edges), p), float)
         if self._model.scene.obstacle is not None:
             for name in ("contact_force", "touch_distance"):
                 found |= {name: ((), float), f"{name}_jacobian": ((p,), float)}

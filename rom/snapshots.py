@@ -12,7 +12,7 @@ A task is a line of states solved in a fixed order. Its file holds, state by sta
     parameters          (n, p)          tensions [N], then d [m] (nan in a free state)
     tip                 (n, 3)          [m]
     nodes               (n,)            positions along the line, of the grid's nodes; free and contact lines
-    edge_heights        (n, edge nodes) of the long edges over the rest position of the face towards the plane [m]
+    edge_heights        (n, edge nodes) of the long edges over the face towards the plane at rest [m]; free lines
     touch_distance      (n,)            [m] free reach at these tensions; scenes with an obstacle
     contact_force       (n,)            [N] scenes with an obstacle
     X_jacobian          (n, *X, p)      derivatives of these by the parameters

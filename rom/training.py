@@ -89,7 +89,9 @@ def _form(name: str, response: Known, options: EnrichmentOptions, proportions: b
     if not proportions:
         scale = np.abs(unfolded).reshape(m, -1).max(axis=1)
         scale[scale == 0] = 1.0
-    factors, errors = separate(unfolded / scale.reshape(-1, *[1] * len(grid)), options)
+    matrix = unfolded.reshape(m, -1) / scale[:, None]
+    basis = _principal(matrix, options)  # most of it first: fewer, better terms
+    factors, errors = separate((basis.T @ matrix).reshape(-1, *grid), options)
     if errors[-1] > options.tolerance:
         logger.warning(
             "%s: %d terms leave %.1e of the snapshots, not %.1e", name, len(errors), errors[-1], options.tolerance
@@ -98,7 +100,7 @@ def _form(name: str, response: Known, options: EnrichmentOptions, proportions: b
         nodes=list(response.axes),
         kinds=["cubic"] * len(response.axes),
         factors=factors[1:],
-        modes=scale[:, None] * factors[0],
+        modes=scale[:, None] * (basis @ factors[0]),
         errors=errors,
     )
 
