@@ -33,10 +33,11 @@ solver:
 	docker/run env OMP_NUM_THREADS=1 python3 studies/scenes.py out/solver
 	docker/run python3 studies/solver_page.py out/solver
 
-# docs/training.md, from the study of the farm; docs/solver.md's study must have run before.
+# docs/training.md, from the studies of the farm, about half an hour; docs/solver.md's study must have run before.
 training:
 	docker/run python3 studies/training.py out/farm
-	docker/run python3 studies/training_page.py out/farm/training.json out/solver/solver.json
+	docker/run python3 studies/refinement.py out/farm
+	docker/run python3 studies/training_page.py out/farm out/solver/solver.json
 
 # The pictures of docs/figures.md: free states, contact states, two segments, as figures 3, 4 and 6 of the paper.
 figures:

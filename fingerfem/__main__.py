@@ -124,7 +124,7 @@ def snapshots(
     from fingerfem.sampling import HeldOut, describe
     from fingerfem.versions import versions
     from rom.refinement import next_round
-    from rom.set_folder import create, set_aside_strangers
+    from rom.set_folder import create, set_aside_broken_rounds, set_aside_strangers
     from rom.snapshots import SnapshotSet
 
     world, begun = MPI.COMM_WORLD, time.perf_counter()
@@ -145,9 +145,10 @@ def snapshots(
     create(folder, description)
     if ranks_per_finger == 1:  # else ranks may be waiting for each other in MPI: they end at once
         signal.signal(signal.SIGTERM, _terminated)
+    aside = set_aside_broken_rounds(folder)
     ledger = Ledger(folder, description)
     if first:
-        for file in set_aside_strangers(folder, description):
+        for file in [*aside, *set_aside_strangers(folder, description)]:
             logging.warning(
                 "%s was not whole, or another set's: moved to %s and solved again", file, folder / "set-aside"
             )

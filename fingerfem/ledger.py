@@ -154,5 +154,6 @@ class Ledger:
             "newton_iterations": sum(outcome.iterations for outcome in self.outcomes.values()),
             "solve_seconds": sum(outcome.seconds for outcome in self.outcomes.values()),
             "bytes_per_state": round(size / self.states) if self.states else 0,
-            "deaths": {task: count for task in self.missing if (count := deaths(self.path, task))},
+            # Begun and not ended: somebody works on it, or died at it; the third death is the last.
+            "begun": {task: count for task in self.missing if (count := deaths(self.path, task))},
         }

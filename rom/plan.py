@@ -31,6 +31,29 @@ class Round:
     finest: bool = False
 
 
+class PlanError(ValueError):
+    """A round that is not whole: one line naming its file."""
+
+
+def round_file(path: str | Path, number: int) -> Path:
+    """Where a round is, or will be."""
+    return Path(path) / "rounds" / f"{number:04d}.json"
+
+
+def read_round(file: Path) -> Round:
+    """A round from its file.
+
+    Raises:
+        PlanError: the file is no round's.
+    """
+    try:
+        table = json.loads(file.read_text())
+        lines = {task: Line(kind, tuple(index), tuple(nodes)) for task, (kind, index, nodes) in table["lines"].items()}
+        return Round(**table | {"lines": lines})
+    except (ValueError, TypeError, KeyError, AttributeError):
+        raise PlanError(f"{file}: is not a round of a set; run snapshots again, which plans it again") from None
+
+
 class Plan:
     """A set's lines and rounds, read as they appear."""
 
@@ -42,17 +65,14 @@ class Plan:
 
     def refresh(self) -> None:
         """Read the rounds that are new."""
-        while self._description.refines and (file := self._file(len(self.rounds))).exists():
-            table = json.loads(file.read_text())
-            lines = {
-                task: Line(kind, tuple(index), tuple(nodes)) for task, (kind, index, nodes) in table["lines"].items()
-            }
-            self.rounds.append(Round(**table | {"lines": lines}))
-            self.lines |= lines
+        while self._description.refines and (file := round_file(self._path, len(self.rounds))).exists():
+            found = read_round(file)
+            self.rounds.append(found)
+            self.lines |= found.lines
 
     def add(self, found: Round) -> None:
         """Write the next round; of several who do, one has written it."""
-        file = self._file(len(self.rounds))
+        file = round_file(self._path, len(self.rounds))
         file.parent.mkdir(exist_ok=True)
         table = asdict(found) | {
             "lines": {task: [line.kind, line.index, line.nodes] for task, line in found.lines.items()}
@@ -64,6 +84,3 @@ class Plan:
         """Tasks without a file."""
         present = {file.stem for file in (self._path / "tasks").glob("*.npz")}
         return [task for task in self.lines if task not in present]
-
-    def _file(self, number: int) -> Path:
-        return self._path / "rounds" / f"{number:04d}.json"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from dataclasses import asdict
@@ -9,7 +10,7 @@ from pathlib import Path
 
 from rom.description import Description
 from rom.files import write_whole
-from rom.plan import Plan
+from rom.plan import Plan, PlanError, read_round
 from rom.snapshots import SnapshotError, read_description, read_task
 
 OURS = (
@@ -68,13 +69,33 @@ def set_aside_strangers(path: str | Path, description: Description) -> list[Path
 
     A failing disk leaves such, or somebody's editor.
     """
-    tasks, files = Plan(path, description).lines, sorted((Path(path) / "tasks").glob("*.npz"))
-    strangers = [file for file in files if file.stem not in tasks or _is_strange(file, description)]
-    for file in strangers:
-        aside = Path(path) / "set-aside"
-        aside.mkdir(exist_ok=True)
-        os.replace(file, aside / file.name)
+    strangers, files = [], sorted((Path(path) / "tasks").glob("*.npz"))
+    tasks = Plan(path, description).lines  # after the files: a round is there before its tasks are
+    for file in files:
+        if file.stem not in tasks or _is_strange(file, description):
+            strangers.append(file)
+            _put_aside(path, file)
     return strangers
+
+
+def _put_aside(path: str | Path, file: Path) -> None:
+    aside = Path(path) / "set-aside"
+    aside.mkdir(exist_ok=True)
+    os.replace(file, aside / file.name)
+
+
+def set_aside_broken_rounds(path: str | Path) -> list[Path]:
+    """Move the first round that is not whole, and all that followed from it, to `set-aside`; they are planned again."""
+    files = sorted((Path(path) / "rounds").glob("*.json"))
+    for number, file in enumerate(files):
+        try:
+            read_round(file)
+        except PlanError:
+            for later in files[number:]:
+                with contextlib.suppress(FileNotFoundError):  # another rank was faster
+                    _put_aside(path, later)
+            return files[number:]
+    return []
 
 
 def _is_strange(file: Path, description: Description) -> bool:

@@ -36,9 +36,9 @@ def scene(folder: Path, tension_nodes: int, contact_nodes: int) -> Path:
     return file
 
 
-def farm(ranks: int, file: Path, folder: Path) -> dict:
+def farm(ranks: int, file: Path, folder: Path, *options: str) -> dict:
     """Run the farm on a set until it is whole; what it reports, its wall time, and the resident memory of its ranks."""
-    command = [sys.executable, "-m", "fingerfem", "snapshots", str(file), str(folder), "--json"]
+    command = [sys.executable, "-m", "fingerfem", "snapshots", str(file), str(folder), "--json", *options]
     begun = time.perf_counter()
     job = subprocess.Popen(["mpirun", "-n", str(ranks), *command], cwd=ROOT, stdout=subprocess.PIPE, text=True)
     memory: list[dict[int, float]] = []

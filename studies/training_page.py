@@ -1,6 +1,6 @@
-"""Write docs/training.md from what studies/training.py and studies/solver.py measured.
+"""Write docs/training.md and its picture from what studies/training.py, refinement.py and solver.py measured.
 
-python3 studies/training_page.py out/farm/training.json out/solver/solver.json
+python3 studies/training_page.py out/farm out/solver/solver.json
 """
 
 from __future__ import annotations
@@ -48,7 +48,60 @@ def projection(found: dict, sizes: list[dict]) -> str:
     return table(header, rows)
 
 
-def page(found: dict, sizes: list[dict]) -> str:
+def refining(found: dict) -> str:
+    """Uniform grids beside the refined set."""
+    names = ["force_median", "force_p95", "displacement_median", "displacement_p95"]
+
+    def numbers(row: dict) -> list[str]:
+        return [f"{row['states']:,}", f"{row['newton_iterations']:,}", *(f"{row[name]:.2%}" for name in names)]
+
+    def part(row: dict, key: str) -> str:
+        return f"{row[key]['states']} ({row[key]['of_the_uniform_grid']:.2f})" if row[key] else "none of these"
+
+    header = ["states", "iterations", "force, median", "95 %", "displacement, median", "95 %"]
+    uniform = [
+        [
+            f"{row['tension_nodes']} x {row['contact_nodes']}",
+            *numbers(row),
+            part(row, "as_good_in_95_percent"),
+            part(row, "as_good_in_all"),
+        ]
+        for row in found["uniform"]
+    ]
+    refined = [[str(row["round"]), f"{row['estimated_error']:.1%}", *numbers(row)] for row in found["refined"]]
+    return "\n\n".join(
+        (
+            table(["uniform grid", *header, "refined as good in both 95 %", "as good in all four"], uniform),
+            table(["refined, round", "estimated", *header], refined),
+        )
+    )
+
+
+def draw(found: dict, picture: Path) -> None:
+    """Held-out error against states."""
+    import matplotlib
+
+    matplotlib.use("agg")
+    from matplotlib import pyplot
+
+    figure, panels = pyplot.subplots(1, 2, figsize=(9, 3.6), layout="constrained", sharex=True)
+    for panel, (name, title) in zip(
+        panels, (("force", "contact force"), ("displacement", "displacement")), strict=True
+    ):
+        for rows, label, style in ((found["uniform"], "uniform", "s-"), (found["refined"], "refined", "o-")):
+            rows = sorted(rows, key=lambda row: row["states"])
+            states = [row["states"] for row in rows]
+            (line,) = panel.loglog(states, [100 * row[f"{name}_p95"] for row in rows], style, label=f"{label}, 95 %")
+            values = [100 * row[f"{name}_median"] for row in rows]
+            panel.loglog(states, values, style, color=line.get_color(), mfc="none", alpha=0.6, label=f"{label}, median")
+        panel.set_title(f"{title}: relative error on {found['held_out']} held-out states [%]", fontsize="medium")
+        panel.set_xlabel("training states")
+        panel.grid(True, which="both", alpha=0.25)
+    panels[0].legend(fontsize="small")
+    figure.savefig(picture, dpi=110)
+
+
+def page(found: dict, refinement: dict, sizes: list[dict]) -> str:
     """The page's text."""
     scaling, long_run = found["scaling"], found["long_run"]
     claims = table(
@@ -78,6 +131,26 @@ Lines that are claimed and written while nothing is solved, by as many processes
 
 A thousand ranks on draft states, the fastest there are, would ask for {needed:.0f} lines a second; on the paper's mesh for some {needed / 20:.0f}.
 
+## Where the error is: `--until` and `--budget`
+
+`snapshots SCENE.toml SET/ --until 0.01` does not solve a uniform grid. It begins with a coarse one and adds lines of states, round by
+round, where the surrogate doubts itself most, until the error it estimates for 95 % of the box is below the tolerance; `--budget 30min`
+ends it sooner, and the same command goes on. The doubt is the difference between two interpolations of the states and their
+derivatives, cubic and of degree 7: it costs no solve. What is left of the grid is filled in by the better of the two.
+
+On the draft finger, against {refinement["held_out"]} held-out states (contact force where it touches; models of up to 160 terms, so that
+sampling makes the error):
+
+![held-out error against states](refinement.png)
+
+{refining(refinement)}
+
+In brackets: its states over those of the uniform grid. A refined set evens out the error: it gains most where the worst states are, less
+in the median. Its lines are shorter, so a state takes more iterations than on a uniform grid.
+
+A finer uniform grid takes the states of a coarser one whose nodes it holds: `snapshots FINE.toml SET2/ --reuse SET/`. Nodes nest where the
+number of intervals doubles (9, 17, 33 along a tension; 12, 23 along contact).
+
 ## Where it runs
 
 - **One machine**: `mpirun --enable-recovery -n CORES python3 -m fingerfem snapshots SCENE.toml SET/`, as often as needed.
@@ -100,6 +173,7 @@ locks, as some cluster mounts, the farm notices, says so, and claims by files th
 | full disk, folder that cannot be written to | one line, exit code 2; what was written is whole |
 | truncated or foreign files in the set | moved to `set-aside/` and solved again |
 | another scene, other nodes, other versions | refused in one line |
+| a failed or missing state that refines | the surrogate is built without it, and says so; of the first grid, it is not built |
 | a compilation that was killed | cleared by the next job |
 | a clock that jumps | nothing: no clock of the wall is used |
 
@@ -107,10 +181,12 @@ Each is tried by `tests/fingerfem/test_disasters.py`.
 """
 
 
-def main(training: Path, solver: Path) -> None:
+def main(farm: Path, solver: Path) -> None:
     """Write the page."""
+    training, refinement = (json.loads((farm / f"{name}.json").read_text()) for name in ("training", "refinement"))
+    draw(refinement, ROOT / "docs" / "refinement.png")
     sizes = [row for row in json.loads(solver.read_text())["sizes"] if "failed" not in row]
-    (ROOT / "docs" / "training.md").write_text(page(json.loads(training.read_text()), sizes))
+    (ROOT / "docs" / "training.md").write_text(page(training, refinement, sizes))
 
 
 if __name__ == "__main__":

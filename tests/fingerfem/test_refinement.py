@@ -109,6 +109,17 @@ def test_a_uniform_set_is_not_refined_and_a_refined_one_not_made_uniform(scene, 
         assert done.returncode == 2 and "choose a new folder" in done.stderr
 
 
+def test_a_round_that_is_not_whole_is_one_line_and_planned_again(planar, refined, tmp_path):
+    folder = tmp_path / "broken"
+    shutil.copytree(refined, folder)
+    file = folder / "rounds" / "0001.json"
+    file.write_text(file.read_text()[:100])
+    with pytest.raises(ValueError, match=r"0001\.json: is not a round of a set; run snapshots again"):
+        SnapshotSet(folder)
+    run(1, planar, folder, "--until", UNTIL)
+    assert_same_rounds(folder, refined)
+
+
 def test_a_failed_state_of_a_round_never_reaches_the_surrogate(refined, tmp_path, caplog):
     folder = tmp_path / "failed"
     shutil.copytree(refined, folder)
