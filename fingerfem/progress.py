@@ -56,6 +56,7 @@ class Reporter:
         print(datetime.now().astimezone().isoformat(timespec="seconds"), _sentence(row), file=self._log)
         if self._style == "bar":
             note = f"{row['rate']:.1f} states/s, {row['failed']} failed"
+            note += f", estimated error {100 * row['estimated_error']:.2g} %" if "estimated_error" in row else ""
             self._bar.update(self._line, completed=row["done"], total=row["tasks"], note=note)
         else:
             self._console.print(
@@ -67,7 +68,9 @@ class Reporter:
         states, total = ledger.states, len(ledger.plan.lines)
         self._at_start = self._at_start or (done, states)
         solved = done - self._at_start[0]
-        return {
+        rounds = ledger.plan.rounds
+        refined = {"round": len(rounds), "estimated_error": rounds[-1].error} if rounds else {}
+        return refined | {
             "done": done,
             "tasks": total,
             "states": states,
@@ -80,7 +83,8 @@ class Reporter:
 def _sentence(row: dict) -> str:
     left = row["remaining_seconds"]
     then = "" if left is None or row["done"] == row["tasks"] else f", {left / 60:.0f} min to go"
+    round_ = f"; round {row['round']}, estimated error {100 * row['estimated_error']:.2g} %" if "round" in row else ""
     return (
         f"{row['done']} of {row['tasks']} lines, {row['states']} states ({row['failed']} failed), "
-        f"{row['rate']:.2f} states/s{then}"
+        f"{row['rate']:.2f} states/s{then}{round_}"
     )

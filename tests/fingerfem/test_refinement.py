@@ -90,6 +90,26 @@ def test_a_budget_ends_a_run_and_another_goes_on(planar, refined, tmp_path):
     assert_same_rounds(folder, refined)
 
 
+def test_without_a_plane_a_few_free_states_do(planar, tmp_path):
+    from rom.errors import check
+
+    free = tmp_path / "free.toml"
+    before, _, after = planar.read_text().partition("[obstacle]")
+    free.write_text(before + after[after.index("[mesh]") :])
+    result = run(1, free, tmp_path / "set", "--until", "1e-4")
+    assert result["states"] < 17
+    assert "estimated error" in (tmp_path / "set" / "progress.log").read_text()
+    run(1, free, tmp_path / "held", "--random", "30")
+    model = train(SnapshotSet(tmp_path / "set"), EnrichmentOptions(tolerance=1e-8))
+    assert check(model, SnapshotSet(tmp_path / "held"))["tip"]["p95"] < 2e-4
+
+
+def test_four_tensions_are_too_many_to_refine(tmp_path):
+    line = command(1, ROOT / "scenes" / "four_tendons.toml", tmp_path / "set", "--until", "0.1")
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 2 and "tendons must be at most 3 to refine their grid, got 4" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
