@@ -36,21 +36,35 @@ def errors(snapshots: SnapshotSet, held_out: SnapshotSet) -> dict:
 
 
 def uniform(folder: Path, grids, held_out: SnapshotSet) -> list[dict]:
-    """Uniform grids; those that hold the nodes of the one before use its states again."""
+    """Uniform grids, each solved alone."""
     rows: list[dict] = []
-    for before, (tensions, contact) in zip((None, *grids), grids, strict=False):
+    for tensions, contact in grids:
         path = folder / f"uniform-{tensions}-{contact}"
         shutil.rmtree(path, ignore_errors=True)
-        nests = before is not None and all(
-            (a - 1) % (b - 1) == 0 for a, b in zip((tensions, contact), before, strict=True)
-        )
-        options = ["--reuse", str(folder / "uniform-{}-{}".format(*before))] if nests else []
-        farm(2, scene(folder, tensions, contact), path, *options)
-        row = {"tension_nodes": tensions, "contact_nodes": contact} | errors(SnapshotSet(path), held_out)
-        row["reuses_the_grid_before"] = nests
-        say(row)
-        rows.append(row)
+        farm(2, scene(folder, tensions, contact), path)
+        rows.append({"tension_nodes": tensions, "contact_nodes": contact} | errors(SnapshotSet(path), held_out))
+        say(rows[-1])
     return rows
+
+
+def reused(folder: Path, rows: list[dict]) -> list[dict]:
+    """The same grids from the states of a coarser one, wherever that nests."""
+    found = []
+    for fine in rows:
+        for coarse in rows:
+            names = ("tension_nodes", "contact_nodes")
+            ratios = [(fine[name] - 1) / (coarse[name] - 1) for name in names]
+            if coarse is not fine and set(ratios) <= {1.0, 2.0}:
+                path = folder / "reused"
+                shutil.rmtree(path, ignore_errors=True)
+                of = [f"{row['tension_nodes']}-{row['contact_nodes']}" for row in (coarse, fine)]
+                file = folder / f"draft-{of[1]}.toml"
+                report = farm(2, file, path, "--reuse", str(folder / f"uniform-{of[0]}"))
+                row = {"of": of[0].replace("-", " x "), "for": of[1].replace("-", " x ")}
+                row |= {"newton_iterations": report["newton_iterations"], "alone": fine["newton_iterations"]}
+                found.append(row)
+                say(row)
+    return found
 
 
 def refined(folder: Path, until: float, held_out: SnapshotSet) -> list[dict]:
@@ -91,6 +105,8 @@ def main() -> None:
     held_out = SnapshotSet(folder / "held-out")
     print("uniform grids")
     rows = uniform(folder, GRIDS[:2] if options.quick else GRIDS, held_out)
+    print("uniform grids from the states of coarser ones")
+    again = reused(folder, rows)
     print("refined, round by round")
     curve = refined(folder, 0.1 if options.quick else 0.012, held_out)
     print("states of the first refined set that is as good as a uniform grid")
@@ -104,7 +120,9 @@ def main() -> None:
             }
         )
     (folder / "refinement.json").write_text(
-        json.dumps({"held_out": len(held_out.random("tip")), "uniform": rows, "refined": curve}, indent=1)
+        json.dumps(
+            {"held_out": len(held_out.random("tip")), "uniform": rows, "reused": again, "refined": curve}, indent=1
+        )
     )
 
 

@@ -77,6 +77,21 @@ def refining(found: dict) -> str:
     )
 
 
+def reusing(found: dict) -> str:
+    """Grids solved from the states of coarser ones."""
+    rows = [
+        [
+            row["for"],
+            row["of"],
+            f"{row['newton_iterations']:,}",
+            f"{row['alone']:,}",
+            f"{row['newton_iterations'] / row['alone']:.2f}",
+        ]
+        for row in found["reused"]
+    ]
+    return table(["uniform grid", "with the states of", "iterations", "alone", "ratio"], rows)
+
+
 def draw(found: dict, picture: Path) -> None:
     """Held-out error against states."""
     import matplotlib
@@ -150,6 +165,8 @@ in the median. Its lines are shorter, so a state takes more iterations than on a
 
 A finer uniform grid takes the states of a coarser one whose nodes it holds: `snapshots FINE.toml SET2/ --reuse SET/`. Nodes nest where the
 number of intervals doubles (9, 17, 33 along a tension; 12, 23 along contact).
+
+{reusing(refinement)}
 
 ## Where it runs
 
