@@ -10,12 +10,13 @@ for one of its nodes also takes those a tenth as doubtful: they cost little more
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from rom.completion import Completed, Known, complete
-from rom.description import Line
+from rom.completion import Completed, complete
+from rom.description import Description, Line
 from rom.plan import Round
 from rom.responses import contact_outputs, contact_response, free_outputs, free_response
 from rom.snapshots import SnapshotSet
@@ -34,13 +35,13 @@ def next_round(snapshots: SnapshotSet, tolerance: float) -> Round:
         SnapshotError: the first grid has states without an answer, or a finger that never reaches the plane.
     """
     snapshots.check_first_grid()
-    parts = [_Free(snapshots), _Contact(snapshots)] if snapshots.description.has_obstacle else [_Free(snapshots)]
-    error = max(part.error() for part in parts)
+    parts = [_free(snapshots)] + ([_contact(snapshots)] if snapshots.description.has_obstacle else [])
+    error = max(_estimated_error(part) for part in parts)
     if error <= tolerance:
         return Round(error=error, threshold=0.0, lines={})
     enough = ROUND * snapshots.states
     for threshold in THRESHOLDS:
-        chosen = [part.choose(threshold) for part in parts]
+        chosen = [_choose(part, threshold) for part in parts]
         if sum(len(nodes) for part in chosen for nodes in part.values()) >= enough or threshold <= THRESHOLDS[-1]:
             lines = _lines(snapshots, {name: nodes for part in chosen for name, nodes in part.items()})
             return Round(error=error, threshold=float(threshold), lines=lines, finest=not lines)
@@ -62,94 +63,127 @@ def _lines(snapshots: SnapshotSet, chosen: dict[tuple, list[int]]) -> dict[str, 
     return lines
 
 
+@dataclass(frozen=True, kw_only=True)
 class _Part:
-    """Free or contact states: doubt, as a share, of all nodes of the grid, and what it suggests."""
+    """The free or the contact states of a set, on the finest grid; all arrays have its shape.
 
-    def __init__(self, snapshots: SnapshotSet, kind: str, function: Known, completed: Completed):
-        self.snapshots, self.kind, self.function, self.completed = snapshots, kind, function, completed
-        self.tip = float(np.linalg.norm(snapshots.values("free", "tip"), axis=1).max())
-        self.tried = np.zeros(function.known.shape, bool)
-        for line in snapshots.plan.lines.values():
-            if line.kind == kind:
-                self.tried[tuple(snapshots.on_grid(line).T)] = True
+    Attributes:
+        kind: free or contact.
+        doubt: of each node by itself, as a share [-].
+        error: the same, and that of the nodes it was predicted from [-].
+        stages: when a node is predicted; coarse ones first.
+        volume: of the box that each node stands for, up to a factor.
+        tried: whether the node is among the lines planned already.
+    """
 
-    def share(self, error: np.ndarray) -> np.ndarray:
-        """Of errors of all quantities, shape (n_1, ..., n_k, m), the largest as a share, shape (n_1, ..., n_k) [-]."""
-        raise NotImplementedError
-
-    def volume(self) -> np.ndarray:
-        """Share of the box that each node stands for, up to a factor, shape (n_1, ..., n_k)."""
-        found = np.ones(())
-        for axis in self.function.axes:
-            found = found[..., None] * np.gradient(axis)
-        return found
-
-    def error(self) -> float:
-        """Estimated relative error that 95 % of the box keep [-]."""
-        error = self.share(self.completed.error).ravel()
-        order = np.argsort(error)
-        volume = np.cumsum(self.volume().ravel()[order])
-        return float(error[order][np.searchsorted(volume, volume[-1] * PERCENTILE / 100)])
-
-    def choose(self, threshold: float) -> dict[tuple, list[int]]:
-        """Nodes to solve by line, (kind, j) or (kind, j, i); none if no doubt is above the threshold."""
-        new = np.where(self.tried, 0.0, self.share(self.completed.doubt))
-        above = new > threshold
-        if not above.any():
-            return {}
-        stage = self.completed.stages[above].min()
-        here = (self.completed.stages == stage) & ~self.tried
-        description = self.snapshots.description
-        along = description.lead if self.kind == "free" else new.ndim - 1
-        new, here, tried = (np.moveaxis(array, along, -1) for array in (new, here, self.tried))
-        found: dict[tuple, list[int]] = defaultdict(list)
-        for fixed in np.argwhere((here & (new > BESIDE * threshold)).any(axis=-1)):
-            at = tuple(fixed)
-            begun = tried[at].any()
-            if begun or (here[at] & (new[at] > threshold)).any():
-                nodes = np.flatnonzero(here[at] & (new[at] > BESIDE * threshold)).tolist()
-                found[self._name(at)] = nodes if begun or self.kind == "free" else sorted({0, *nodes})
-        return found
-
-    def _name(self, at: tuple[int, ...]) -> tuple:
-        """Kind and index of the line through a node; the lead's place is the onset node of a contact line."""
-        description, place = self.snapshots.description, list(at)
-        index = [place.pop(description.lead)] if self.kind == "contact" else []
-        shape = [len(description.tension_nodes[k]) for k in description.other_axes]
-        j = int(np.ravel_multi_index(place, shape)) if shape else 0
-        return (self.kind, j, *map(int, index))
+    description: Description
+    kind: str
+    doubt: np.ndarray
+    error: np.ndarray
+    stages: np.ndarray
+    volume: np.ndarray
+    tried: np.ndarray
 
 
-class _Free(_Part):
-    def __init__(self, snapshots: SnapshotSet):
-        function = free_response(snapshots, *free_outputs(snapshots))
-        super().__init__(snapshots, "free", function, complete(function))
+def _free(snapshots: SnapshotSet) -> _Part:
+    response = free_response(snapshots, *free_outputs(snapshots))
+    found, tip, stiffness = complete(response), _largest_tip(snapshots), _relative_stiffness(snapshots)
 
-    def share(self, error: np.ndarray) -> np.ndarray:
-        share = np.linalg.norm(error[..., :3], axis=-1) / self.tip
-        if not self.snapshots.description.has_obstacle:
-            return share
-        force = self.snapshots.values("contact", "contact_force")
-        felt = force > SMALL * force.max()
-        if not felt.any():
-            return share
-        stiffness = np.abs(self.snapshots.values("contact", "contact_force_jacobian")[:, -1])
-        # In the middle of the box; where the finger is stiffer, there also is more force.
-        return np.maximum(share, error[..., 3:].max(axis=-1) * np.median(stiffness[felt] / force[felt]))
+    def share(error: np.ndarray) -> np.ndarray:
+        touch = error[..., 3:].max(axis=-1, initial=0.0)
+        return np.maximum(np.linalg.norm(error[..., :3], axis=-1) / tip, stiffness * touch)
+
+    return _part(snapshots, "free", found, share, _volumes(response.axes))
 
 
-class _Contact(_Part):
-    def __init__(self, snapshots: SnapshotSet):
-        function = contact_response(snapshots, *contact_outputs(snapshots))
-        super().__init__(snapshots, "contact", function, complete(function))
+def _contact(snapshots: SnapshotSet) -> _Part:
+    response, lead = contact_response(snapshots, *contact_outputs(snapshots)), snapshots.description.lead
+    found, tip = complete(response), _largest_tip(snapshots)
+    force = np.abs(found.values[..., 3])
+    force = np.maximum(force, max(SMALL * force.max(), np.finfo(float).tiny))
 
-    def share(self, error: np.ndarray) -> np.ndarray:
-        force = np.abs(self.completed.values[..., 3])
-        force = np.maximum(force, max(SMALL * force.max(), np.finfo(float).tiny))
-        return np.maximum(np.linalg.norm(error[..., :3], axis=-1) / self.tip, error[..., 3] / force)
+    def share(error: np.ndarray) -> np.ndarray:
+        return np.maximum(np.linalg.norm(error[..., :3], axis=-1) / tip, error[..., 3] / force)
 
-    def volume(self) -> np.ndarray:
-        # The plane's way from touch to its nearest, the width of the box at a node, grows with the lead tension.
-        shape = [1] * len(self.function.axes)
-        shape[self.snapshots.description.lead] = -1
-        return super().volume() * np.array(self.snapshots.description.onset_nodes).reshape(shape)
+    # The plane's way from touch to its nearest, the width of the box at a node, grows with the lead tension.
+    way = response.axes[lead].reshape([-1 if a == lead else 1 for a in range(force.ndim)])
+    return _part(snapshots, "contact", found, share, _volumes(response.axes) * way)
+
+
+def _part(
+    snapshots: SnapshotSet,
+    kind: str,
+    found: Completed,
+    share: Callable[[np.ndarray], np.ndarray],
+    volume: np.ndarray,
+) -> _Part:
+    tried = np.zeros(volume.shape, bool)
+    for line in snapshots.plan.lines.values():
+        if line.kind == kind:
+            tried[tuple(snapshots.on_grid(line).T)] = True
+    return _Part(
+        description=snapshots.description,
+        kind=kind,
+        doubt=share(found.doubt),
+        error=share(found.error),
+        stages=found.stages,
+        volume=volume,
+        tried=tried,
+    )
+
+
+def _largest_tip(snapshots: SnapshotSet) -> float:
+    return float(np.linalg.norm(snapshots.values("free", "tip"), axis=1).max())
+
+
+def _relative_stiffness(snapshots: SnapshotSet) -> float:
+    """By what share of itself contact force grows as the plane comes nearer, in the middle of the box [1/m]."""
+    if not snapshots.description.has_obstacle:
+        return 0.0
+    force = snapshots.values("contact", "contact_force")
+    by_distance = np.abs(snapshots.values("contact", "contact_force_jacobian")[:, -1])
+    felt = force > SMALL * force.max()
+    return float(np.median(by_distance[felt] / force[felt])) if felt.any() else 0.0
+
+
+def _volumes(axes: Sequence[np.ndarray]) -> np.ndarray:
+    found = np.ones(())
+    for axis in axes:
+        found = found[..., None] * np.gradient(axis)
+    return found
+
+
+def _estimated_error(part: _Part) -> float:
+    """Relative error that 95 % of the box keep [-]."""
+    error = part.error.ravel()
+    order = np.argsort(error)
+    volume = np.cumsum(part.volume.ravel()[order])
+    return float(error[order][np.searchsorted(volume, volume[-1] * PERCENTILE / 100)])
+
+
+def _choose(part: _Part, threshold: float) -> dict[tuple, list[int]]:
+    """Nodes to solve by line, (kind, j) or (kind, j, i); none if no doubt is above the threshold."""
+    above = (part.doubt > threshold) & ~part.tried
+    if not above.any():
+        return {}
+    here = (part.stages == part.stages[above].min()) & ~part.tried
+    along = part.description.lead if part.kind == "free" else here.ndim - 1
+    above, beside, tried = (
+        np.moveaxis(mask, along, -1) for mask in (above & here, (part.doubt > BESIDE * threshold) & here, part.tried)
+    )
+    found: dict[tuple, list[int]] = {}
+    for fixed in map(tuple, np.argwhere(beside.any(axis=-1))):
+        begun = tried[fixed].any()
+        if begun or above[fixed].any():
+            nodes = set(np.flatnonzero(beside[fixed]).tolist())
+            found[_name(part, fixed)] = sorted(nodes if begun or part.kind == "free" else nodes | {0})
+    return found
+
+
+def _name(part: _Part, fixed: tuple[int, ...]) -> tuple:
+    """Kind and index of the line through a node; the lead's place is the onset node of a contact line."""
+    description, place = part.description, [int(k) for k in fixed]
+    index = [place.pop(description.lead)] if part.kind == "contact" else []
+    shape = [len(description.tension_nodes[k]) for k in description.other_axes]
+    j = int(np.ravel_multi_index(place, shape)) if shape else 0
+    return (part.kind, j, *index)

@@ -47,6 +47,8 @@ from rom.description import FORMAT, Description, Line
 from rom.files import write_whole
 from rom.plan import Plan
 
+FIELDS = ("displacement", "displacement_jacobian")
+
 
 class SnapshotError(ValueError):
     """A folder that is not the set it should be: one line naming it and what is wrong."""
@@ -87,8 +89,10 @@ def write_task(path: str | Path, task: str, fingerprint: str, arrays: dict[str, 
     write_whole(task_file(path, task), lambda stream: np.savez(stream, **stored))  # type: ignore[arg-type]
 
 
-def read_task(path: str | Path, task: str, names: tuple[str, ...] = ()) -> dict[str, np.ndarray]:
-    """The arrays of a task: those named, or all.
+def read_task(
+    path: str | Path, task: str, names: tuple[str, ...] = (), without: tuple[str, ...] = ()
+) -> dict[str, np.ndarray]:
+    """The arrays of a task: those named, or all, without some.
 
     Raises:
         SnapshotError: the file is missing or not this task's.
@@ -98,7 +102,7 @@ def read_task(path: str | Path, task: str, names: tuple[str, ...] = ()) -> dict[
         with np.load(file, allow_pickle=False) as stored:
             if stored["task"] != task:
                 raise SnapshotError(f"{file}: must hold {task}, got {stored['task']}")
-            return {name: stored[name] for name in names or stored.files}
+            return {name: stored[name] for name in names or stored.files if name not in without}
     except SnapshotError:
         raise
     except Exception as error:  # numpy and zipfile raise many kinds for a broken file
@@ -125,7 +129,12 @@ class SnapshotSet:
 
     @cached_property
     def _tasks(self) -> dict[str, dict[str, np.ndarray]]:
-        return {task: read_task(self.path, task) for task in self.plan.lines if task not in self.missing}
+        """All but the fields, which are many times larger than the rest."""
+        solved = [task for task in self.plan.lines if task not in self.missing]
+        return {task: read_task(self.path, task, without=FIELDS) for task in solved}
+
+    def _values(self, task: str, name: str) -> np.ndarray:
+        return read_task(self.path, task, (name,))[name] if name in FIELDS else self._tasks[task][name]
 
     @cached_property
     def failures(self) -> list[tuple[str, np.ndarray, str]]:
@@ -173,7 +182,7 @@ class SnapshotSet:
 
     def values(self, kind: str, name: str) -> np.ndarray:
         """A quantity of the same states, shape (states, *quantity)."""
-        parts = [self._tasks[task][name][self._stored(task, line)[rows]] for task, line, rows in self._lines(kind)]
+        parts = [self._values(task, name)[self._stored(task, line)[rows]] for task, line, rows in self._lines(kind)]
         return np.concatenate(parts)
 
     def _lines(self, kind: str) -> list[tuple[str, Line, np.ndarray]]:
@@ -234,7 +243,7 @@ class SnapshotSet:
         """A quantity of the converged held-out states, shape (count, *quantity)."""
         if not self.description.random:
             raise SnapshotError(f"{self.path}: must be a held-out set (made with --random), got a training set")
-        return np.concatenate([task[name][task["converged"]] for task in self._tasks.values()])
+        return np.concatenate([self._values(task, name)[arrays["converged"]] for task, arrays in self._tasks.items()])
 
     @property
     def _other_shape(self) -> tuple[int, ...]:
