@@ -97,7 +97,7 @@ def snapshots(
     seed: Annotated[int, typer.Option(min=0, help="Seed of the held-out points.")] = 0,
     ranks_per_finger: Annotated[int, typer.Option(min=1, help="Ranks that solve one finger together.")] = 1,
     until: Annotated[
-        float | None, typer.Option(min=0, max=1, help="Refine a coarse grid until this estimated relative error.")
+        float | None, typer.Option(help="Refine a coarse grid until this estimated relative error.")
     ] = None,
     budget: Annotated[
         str | None, typer.Option(help="Refine a coarse grid for so long: 90s, 30min, 2h; then finish lines at hand.")
@@ -136,8 +136,10 @@ def snapshots(
         raise ValueError(f"ranks-per-finger must divide the number of ranks, {world.size}, got {ranks_per_finger}")
     scene = fingerfem.load_scene(scene_file)
     refines = until is not None or budget is not None
-    if refines and random:
-        raise ValueError(f"random must not be given with until or budget, got {random}")
+    if until is not None and not 0 < until < 1:
+        raise ValueError(f"until must lie in (0, 1), got {until}")
+    if random and (refines or reuse is not None):
+        raise ValueError(f"random must not be given with until, budget or reuse, got {random}")
     seconds = _seconds(budget) if budget is not None else math.inf
     held_out = HeldOut(count=random, seed=seed) if random else None
     description = describe(scene, versions(), held_out, refines)
@@ -145,7 +147,7 @@ def snapshots(
     create(folder, description)
     if ranks_per_finger == 1:  # else ranks may be waiting for each other in MPI: they end at once
         signal.signal(signal.SIGTERM, _terminated)
-    aside = set_aside_broken_rounds(folder)
+    aside = set_aside_broken_rounds(folder, description)
     ledger = Ledger(folder, description)
     if first:
         for file in [*aside, *set_aside_strangers(folder, description)]:
@@ -172,11 +174,13 @@ def snapshots(
         "seconds": time.perf_counter() - begun,
         "ranks": world.size,
     }
-    if refines and result["missing"]:
-        logging.warning("the budget is spent; %d lines are left for another run", result["missing"])
-    elif refines and result["estimated_error"] > goal.error:
+    if work.stopped:
+        logging.warning("%s", work.stopped)
+    elif ledger.plan.rounds and ledger.plan.rounds[-1].finest:
         logging.warning("the finest grid leaves an estimated error of %.1e", result["estimated_error"])
-    unusable = ledger.failures and not (random and result["solved"])
+    # A surrogate can do without a held-out state, or without one that refines.
+    needed = [task for task, *_ in ledger.failures if task in description.lines]
+    unusable = needed and not (random and result["solved"])
     _finish(result, as_json, NOTHING_USABLE if unusable else 0)
 
 

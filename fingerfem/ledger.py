@@ -136,6 +136,8 @@ class Ledger:
             task_file(self.path, task).unlink(missing_ok=True)
             end(self.path, task)
             del self.outcomes[task]
+        if failed:
+            self.plan.reopen()
         return failed
 
     def summary(self) -> dict[str, Any]:

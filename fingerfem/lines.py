@@ -35,7 +35,12 @@ class LineSolver:
 
     def ready(self, task: str) -> bool:
         """Whether all that the task needs is there."""
-        return self._begins(task) or task_file(self.path, f"free-{self._line(task).index[0]}").exists()
+        line = self._line(task)
+        if self._begins(task):
+            return True
+        if not task_file(self.path, f"free-{line.index[0]}").exists():
+            return False
+        return task in self.description.lines or all(task_file(self.path, name).exists() for name in self._before(task))
 
     def solve(self, task: str) -> Arrays:
         """The arrays of a task's file, whole on the model's first rank; states without an answer are marked."""
@@ -70,6 +75,12 @@ class LineSolver:
         line = self._line(task)
         return task in (f"free-{line.index[0]}", f"random-{line.index[0]}")
 
+    def _before(self, task: str) -> list[str]:
+        """Tasks that have states on the same line and were planned before."""
+        line, names = self.plan.lines[task], list(self.plan.lines)
+        same = [name for name in names[: names.index(task)] if self.plan.lines[name].index == line.index]
+        return [name for name in same if self.plan.lines[name].kind == line.kind]
+
     def _line(self, task: str) -> Line:
         if task not in self.plan.lines:
             self.plan.refresh()
@@ -90,6 +101,7 @@ class LineSolver:
                 continue
             if not begins:
                 self._start_free(j, self._free_tensions(j, node))
+                record.restarted()
             record.state(self._free_tensions(j, node), None)
         arrays = record.arrays() | {"nodes": np.array(line.nodes)}
         if not begins:
@@ -108,6 +120,7 @@ class LineSolver:
         if field is not None:
             *tensions, distance = row["parameters"] if self.description.has_obstacle else (*row["parameters"], np.nan)
             self.model.stepper.start(tensions, None if np.isnan(distance) else distance, field)
+            record.restarted()
 
     def _start_free(self, j: int, tensions: np.ndarray) -> None:
         """Bring the model to the last free state known before these tensions, or to rest."""
@@ -136,7 +149,10 @@ class LineSolver:
             return float(lead[0])
         k = int(beyond[0]) - 1
         a, b, fa, fb = lead[k], lead[k + 1], reach[k] - self._nearest, reach[k + 1] - self._nearest
-        self.model.stepper.start(description.insert_lead(others, a), None, record.displacements[k])
+        if np.isnan(record.displacements[k]).any():  # of another set that does not keep it
+            self.model.stepper.rest()
+        else:
+            self.model.stepper.start(description.insert_lead(others, a), None, record.displacements[k])
         for _ in range(40):  # regula falsi, Illinois variant: the bracket never leaves equilibria known to exist
             tension = (a * fb - b * fa) / (fb - fa)
             try:
@@ -175,7 +191,7 @@ class LineSolver:
             self._no_contact(record, line, reason)
             return record.arrays() | {"nodes": np.array(nodes)}
         tensions = self._contact_tensions(line, float(free["onset"]))
-        known, given = self._known(task, line), self.donor.states(line) if self.donor else {}
+        known, given = self._known(task), self.donor.states(line) if self.donor else {}
         if nodes[0] == 0 and 0 in given:
             self._take(record, given[0])
             reach = record.reaches[0]
@@ -187,6 +203,8 @@ class LineSolver:
                 self.model.stepper.start(tensions, None, self.numbering.scatter(known[0][1]))
             reach = self._touch(record, tensions, nodes)
         if reach - self._nearest < SAME_PLACE:
+            if nodes[0] > 0:
+                record.state(tensions, None)
             return record.arrays() | {"nodes": np.array(nodes[:1])}
         at, counted = 0, None if nodes[0] == 0 else 0
         for node in [node for node in nodes if node > 0]:
@@ -197,6 +215,7 @@ class LineSolver:
             before = max((other for other in known if other < node), default=0)
             if before > at:
                 self.model.stepper.start(tensions, known[before][0], self.numbering.scatter(known[before][1]))
+                record.restarted()
             record.state(tensions, reach - description.contact_nodes[node] * (reach - self._nearest), counted)
             at, counted = node, None
         return record.arrays() | {"nodes": np.array(nodes)}
@@ -217,16 +236,13 @@ class LineSolver:
         record.touch()
         return self.model.reach()
 
-    def _known(self, task: str, line: Line) -> dict[int, tuple[float, np.ndarray]]:
+    def _known(self, task: str) -> dict[int, tuple[float, np.ndarray]]:
         """Distance [m] and displacement of the line's states that tasks before this one have, by their nodes."""
         found: dict[int, tuple[float, np.ndarray]] = {}
-        for name, other in self.plan.lines.items():
-            if name == task or not self.description.has_field:
-                break
-            if (other.kind, other.index) == (line.kind, line.index) and task_file(self.path, name).exists():
-                stored = read_task(self.path, name, ("nodes", "parameters", "converged", "displacement"))
-                for k in np.flatnonzero(stored["converged"]):
-                    found[int(stored["nodes"][k])] = (float(stored["parameters"][k, -1]), stored["displacement"][k])
+        for name in self._before(task) if self.description.has_field else []:
+            stored = read_task(self.path, name, ("nodes", "parameters", "converged", "displacement"))
+            for k in np.flatnonzero(stored["converged"]):
+                found[int(stored["nodes"][k])] = (float(stored["parameters"][k, -1]), stored["displacement"][k])
         return found
 
     def _random(self, k: int) -> Arrays:

@@ -88,6 +88,10 @@ class Record:
             self._touch = {name: row[name] for name in ("touch_distance", "touch_distance_jacobian")}
         self._rows.append(row)
 
+    def restarted(self) -> None:
+        """Where the line broke is no reason any more: the model has been brought to an equilibrium."""
+        self._broken = ""
+
     def broken(self, failure: LoadNotReached) -> None:
         """All further states of the line have no answer either."""
         self._broken = failure.reason

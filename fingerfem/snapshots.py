@@ -22,7 +22,7 @@ from fingerfem.lines import Arrays, LineSolver
 from fingerfem.model import FingerModel
 from fingerfem.reuse import Donor
 from rom.plan import Plan, Round
-from rom.snapshots import Description, task_file, write_nodes, write_task
+from rom.snapshots import Description, SnapshotError, task_file, write_nodes, write_task
 
 T = TypeVar("T")
 
@@ -44,11 +44,15 @@ class Goal:
 
 @dataclass
 class Work:
-    """What a group of ranks did: lines of states, the time solving them took, and the time in all [s]."""
+    """What a group of ranks did: lines of states, the time solving them took, and the time in all [s].
+
+    If it did not end because all is done, `stopped` says why.
+    """
 
     lines: int = 0
     solve_seconds: float = 0.0
     seconds: float = 0.0
+    stopped: str = ""
 
 
 def run(
@@ -85,6 +89,7 @@ def run(
             on_first(comm, lambda arrays=arrays: queue.finish(arrays))  # type: ignore[union-attr, misc]
             work.lines += 1
             work.solve_seconds += float(arrays["seconds"])
+        work.stopped = queue.stopped if queue is not None else ""
     work.seconds = time.perf_counter() - begun
     return work
 
@@ -117,6 +122,7 @@ class Queue:
     ):
         self._description, self._path, self._ready, self._progress = description, Path(path), ready, progress
         self._plan, self._goal, self._begun = Plan(path, description), goal, time.monotonic()
+        self.stopped = ""
         self._pending: list[str] = []
         self._index: dict[str, int] = {}
         self._task: str | None = None
@@ -127,6 +133,7 @@ class Queue:
         while True:
             self._progress()
             if time.monotonic() - self._begun > self._goal.seconds:
+                self.stopped = "the budget is spent; the same command goes on"
                 return None
             if not self._pending:
                 self._plan.refresh()
@@ -158,10 +165,15 @@ class Queue:
             return True
         number, place = len(plan.rounds), len(plan.lines)
         if self._claims.take(place):
-            plan.refresh()
-            if len(plan.rounds) == number:
-                plan.add(refine(self._goal.error))
-            self._claims.give_back(place)
+            try:
+                plan.refresh()
+                if len(plan.rounds) == number:
+                    plan.add(refine(self._goal.error))
+            except SnapshotError as error:  # every rank comes here, finds the same, and ends
+                self.stopped = f"not refined: {error}"
+                return True
+            finally:
+                self._claims.give_back(place)
         else:
             time.sleep(0.05)
             plan.refresh()

@@ -27,6 +27,7 @@ class Known:
         known: whether value and derivatives are known, shape (n_1, ..., n_k).
         values: of m quantities, shape (n_1, ..., n_k, m).
         slopes: their derivatives by every axis, each shaped as the values.
+        order: of the axes, in which a level splits them.
         open: axes whose derivatives are not known at the first node, such as that by the plane's way at touch.
     """
 
@@ -35,6 +36,7 @@ class Known:
     known: np.ndarray
     values: np.ndarray
     slopes: Sequence[np.ndarray]
+    order: Sequence[int] = ()
     open: Sequence[int] = ()
 
 
@@ -68,7 +70,7 @@ def complete(function: Known) -> Completed:
     if max(strides, default=1) > 1:
         slopes = _opened(function, strides, values, slopes)
     while max(strides, default=1) > 1:
-        for a in range(count):
+        for a in function.order or range(count):
             if strides[a] == 1:
                 continue
             old = function.axes[a][:: strides[a]]

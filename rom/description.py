@@ -103,6 +103,19 @@ class Description:
                 found[f"contact-{j}-{i}"] = Line("contact", (j, i), nodes)
         return found
 
+    def has(self, line: Line) -> bool:
+        """Whether a line lies on the grid."""
+        contact = line.kind == "contact" and self.has_obstacle
+        limits = [len(self.others), *([len(self.onset_nodes)] if contact else [])]
+        nodes = len(self.contact_nodes) if contact else len(self.tension_nodes[self.lead])
+        return (
+            (contact or line.kind == "free")
+            and len(line.index) == len(limits)
+            and all(0 <= k < limit for k, limit in zip(line.index, limits, strict=True))
+            and len(line.nodes) > 0
+            and all(0 <= node < nodes for node in line.nodes)
+        )
+
     def free_line(self, j: int) -> Line:
         """The first line of free states at a combination of the other tensions."""
         nodes = range(0, len(self.tension_nodes[self.lead]), self.strides[self.lead])

@@ -67,6 +67,8 @@ class Plan:
         """Read the rounds that are new."""
         while self._description.refines and (file := round_file(self._path, len(self.rounds))).exists():
             found = read_round(file)
+            if not all(self._description.has(line) for line in found.lines.values()):
+                raise PlanError(f"{file}: must hold lines of its set's grid; run snapshots again, which plans it again")
             self.rounds.append(found)
             self.lines |= found.lines
 
@@ -79,6 +81,12 @@ class Plan:
         }
         write_whole(file, lambda stream: stream.write(json.dumps(table).encode()), once=True)
         self.refresh()
+
+    def reopen(self) -> None:
+        """Forget that the last round found nothing left to do: states will be solved again."""
+        if self.rounds and not self.rounds[-1].lines:
+            self.rounds.pop()
+            round_file(self._path, len(self.rounds)).unlink(missing_ok=True)
 
     def missing(self) -> list[str]:
         """Tasks without a file."""

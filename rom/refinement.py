@@ -73,7 +73,7 @@ class _Part:
         error: the same, and that of the nodes it was predicted from [-].
         stages: when a node is predicted; coarse ones first.
         volume: of the box that each node stands for, up to a factor.
-        tried: whether the node is among the lines planned already.
+        tried: whether the node is among the lines planned already, or can have no answer.
     """
 
     description: Description
@@ -93,7 +93,7 @@ def _free(snapshots: SnapshotSet) -> _Part:
         touch = error[..., 3:].max(axis=-1, initial=0.0)
         return np.maximum(np.linalg.norm(error[..., :3], axis=-1) / tip, stiffness * touch)
 
-    return _part(snapshots, "free", found, share, _volumes(response.axes))
+    return _part(snapshots, "free", response.known, found, share, _volumes(response.axes))
 
 
 def _contact(snapshots: SnapshotSet) -> _Part:
@@ -107,20 +107,24 @@ def _contact(snapshots: SnapshotSet) -> _Part:
 
     # The plane's way from touch to its nearest, the width of the box at a node, grows with the lead tension.
     way = response.axes[lead].reshape([-1 if a == lead else 1 for a in range(force.ndim)])
-    return _part(snapshots, "contact", found, share, _volumes(response.axes) * way)
+    return _part(snapshots, "contact", response.known, found, share, _volumes(response.axes) * way)
 
 
 def _part(
     snapshots: SnapshotSet,
     kind: str,
+    known: np.ndarray,
     found: Completed,
     share: Callable[[np.ndarray], np.ndarray],
     volume: np.ndarray,
 ) -> _Part:
     tried = np.zeros(volume.shape, bool)
-    for line in snapshots.plan.lines.values():
+    for line in snapshots.lines.values():
         if line.kind == kind:
             tried[tuple(snapshots.on_grid(line).T)] = True
+    if kind == "contact":  # without its state at touch a line says nothing, and nothing is known of its other states
+        tried |= (tried & ~known)[..., :1]
+    volume = np.where(tried & ~known, 0.0, volume)  # what failed is reported, and no round can mend it
     return _Part(
         description=snapshots.description,
         kind=kind,

@@ -25,7 +25,8 @@ def free_response(snapshots: SnapshotSet, values: np.ndarray, jacobian: np.ndarr
     description = snapshots.description
     axes = [np.array(nodes) for nodes in description.tension_nodes]
     slopes = [] if jacobian is None else [jacobian[..., k] for k in range(description.tensions)]
-    return _on_grid(axes, description.strides[: len(axes)], snapshots.positions("free"), values, slopes)
+    order = [description.lead, *description.other_axes]
+    return _on_grid(axes, description.strides[: len(axes)], snapshots.positions("free"), values, slopes, order)
 
 
 def contact_response(snapshots: SnapshotSet, values: np.ndarray, jacobian: np.ndarray | None) -> Known:
@@ -37,9 +38,10 @@ def contact_response(snapshots: SnapshotSet, values: np.ndarray, jacobian: np.nd
     axes.append(np.array(description.contact_nodes))
     at_touch = _touching(positions, [len(axis) for axis in axes[:-1]])
     slopes = [] if jacobian is None else _aligned(snapshots, positions, at_touch, jacobian)
+    order = [lead, *description.other_axes, len(axes) - 1]
     whole = at_touch >= 0  # without the state at touch, nobody knows what contact adds
     added, slopes = (values - values[at_touch])[whole], [slope[whole] for slope in slopes]
-    return _on_grid(axes, description.strides, positions[whole], added, slopes, open_axes=(lead, len(axes) - 1))
+    return _on_grid(axes, description.strides, positions[whole], added, slopes, order, (lead, len(axes) - 1))
 
 
 def onset_response(snapshots: SnapshotSet) -> Known:
@@ -93,6 +95,7 @@ def _on_grid(
     positions: np.ndarray,
     values: np.ndarray,
     slopes: Sequence[np.ndarray],
+    order: Sequence[int],
     open_axes: Sequence[int] = (),
 ) -> Known:
     shape, where = tuple(len(axis) for axis in axes), tuple(positions.T)
@@ -101,7 +104,9 @@ def _on_grid(
         grid[where] = column
     known = np.zeros(shape, bool)
     known[where] = True
-    return Known(axes=axes, strides=strides, known=known, values=grids[0], slopes=grids[1:], open=open_axes)
+    return Known(
+        axes=axes, strides=strides, known=known, values=grids[0], slopes=grids[1:], order=order, open=open_axes
+    )
 
 
 def _touching(positions: np.ndarray, shape: list[int]) -> np.ndarray:

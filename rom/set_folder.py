@@ -84,13 +84,17 @@ def _put_aside(path: str | Path, file: Path) -> None:
     os.replace(file, aside / file.name)
 
 
-def set_aside_broken_rounds(path: str | Path) -> list[Path]:
+def set_aside_broken_rounds(path: str | Path, description: Description) -> list[Path]:
     """Move the first round that is not whole, and all that followed from it, to `set-aside`; they are planned again."""
     files = sorted((Path(path) / "rounds").glob("*.json"))
     for number, file in enumerate(files):
         try:
-            read_round(file)
+            whole = all(description.has(line) for line in read_round(file).lines.values())
+        except FileNotFoundError:  # another rank was faster
+            return []
         except PlanError:
+            whole = False
+        if not whole:
             for later in files[number:]:
                 with contextlib.suppress(FileNotFoundError):  # another rank was faster
                     _put_aside(path, later)

@@ -189,9 +189,19 @@ class SnapshotSet:
         """Tasks of a kind, their lines, and which states of these have an answer."""
         return [
             (task, line, np.flatnonzero(self._tasks[task]["converged"][self._stored(task, line)]))
-            for task, line in self.plan.lines.items()
+            for task, line in self.lines.items()
             if line.kind == kind and task in self._tasks
         ]
+
+    @property
+    def lines(self) -> dict[str, Line]:
+        """The lines planned; one of a single state, where the plane cannot move, has all nodes of the plane's way."""
+        way, found = tuple(range(len(self.description.contact_nodes))), dict(self.plan.lines)
+        for task, stored in self._tasks.items():
+            line = found.get(task)
+            if line is not None and line.kind == "contact" and len(stored["converged"]) < len(line.nodes):
+                found[task] = Line(line.kind, line.index, way if self.description.refines else line.nodes)
+        return found
 
     def _stored(self, task: str, line: Line) -> np.ndarray:
         """Where the states of a line stand in its task: one that stands for all is read for all."""

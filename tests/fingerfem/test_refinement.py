@@ -5,14 +5,17 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import time
 
 import numpy as np
 import pytest
 from farm import ROOT, assert_same, assert_same_task, command, run
+from scipy.interpolate import CubicSpline
 
 from rom.enrichment import EnrichmentOptions
 from rom.plan import Plan
+from rom.responses import contact_outputs, contact_response, onset_response
 from rom.snapshots import SnapshotError, SnapshotSet, read_description, read_task, task_file, write_task
 from rom.training import train
 
@@ -54,7 +57,8 @@ def test_rounds_add_lines_until_the_estimated_error_is_small_enough(refined):
     for kind in ("free", "contact"):
         positions = snapshots.positions(kind)
         assert len(np.unique(positions, axis=0)) == len(positions)  # no state is solved twice
-    solved = len(snapshots.positions("contact"))
+    assert snapshots.lines["contact-0-0"].nodes == tuple(range(33))  # at onset one state stands for all of them
+    solved = len(snapshots.positions("contact")) - 33
     assert solved < 0.5 * np.prod([17, 33])  # of the finest grid
 
 
@@ -115,7 +119,9 @@ def test_four_tensions_are_too_many_to_refine(tmp_path):
     [
         (("--budget", "soon"), "budget must be a time such as 90s, 30min or 2h, got 'soon'"),
         (("--budget", "0s"), "budget must be a time such as 90s, 30min or 2h, got '0s'"),
-        (("--until", "0.1", "--random", "3"), "random must not be given with until or budget, got 3"),
+        (("--until", "0"), "until must lie in (0, 1), got 0.0"),
+        (("--until", "nan"), "until must lie in (0, 1), got nan"),
+        (("--until", "0.1", "--random", "3"), "random must not be given with until, budget or reuse, got 3"),
     ],
 )
 def test_goals_that_make_no_sense_are_refused_in_one_line(options, words, planar, tmp_path):
@@ -156,13 +162,13 @@ def test_a_failed_state_of_a_round_never_reaches_the_surrogate(refined, tmp_path
         train(SnapshotSet(folder), EnrichmentOptions())
 
 
-def _fail(folder, task: str) -> None:
-    """Let the last state of a task have failed."""
+def _fail(folder, task: str, which=-1) -> None:
+    """Let states of a task have failed."""
     arrays = dict(read_task(folder, task))
     for name, values in arrays.items():
         if values.dtype.kind == "f" and values.ndim and name not in ("parameters", "onset_jacobian"):
-            values[-1] = np.nan
-    arrays["converged"][-1] = False
+            values[which] = np.nan
+    arrays["converged"][which] = False
     write_task(folder, task, str(arrays["fingerprint"]), arrays)
 
 
@@ -178,6 +184,94 @@ def test_the_surrogate_of_a_refined_set_keeps_the_error_that_was_estimated(plana
     )
     assert ours["p95"] < theirs["p95"] / 2
     assert ours["p95"] < 2 * float(UNTIL)
+
+
+def test_a_line_whose_state_at_touch_failed_is_not_planned_again(planar, refined, tmp_path):
+    folder = tmp_path / "untouched"
+    shutil.copytree(refined, folder)
+    snapshots = SnapshotSet(folder)
+    task, line = next((name, line) for name, line in snapshots.plan.rounds[0].lines.items() if 0 in line.nodes)
+    _fail(folder, task, slice(None))
+    for file in sorted((folder / "rounds").iterdir())[1:]:
+        file.unlink()
+    done = run(2, planar, folder, "--until", UNTIL)
+    assert done["failed"] == len(line.nodes)
+    again = [name for name in Plan(folder, snapshots.description).lines if name.startswith(task.rsplit("-", 1)[0])]
+    assert again == [task]
+    assert train(SnapshotSet(folder), EnrichmentOptions(tolerance=1e-3)).provenance["failed"] == len(line.nodes)
+
+
+def test_a_first_grid_with_a_failed_state_is_not_refined_and_says_so(planar, refined, tmp_path):
+    folder = tmp_path / "unusable"
+    shutil.copytree(refined, folder)
+    shutil.rmtree(folder / "rounds")
+    _fail(folder, "contact-0-8")
+    done = subprocess.run(command(1, planar, folder, "--until", UNTIL), cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 3 and json.loads(done.stdout)["failed"] == 1
+    assert "not refined: " in done.stderr and "failed: contact-0-8" in done.stderr and "retry" in done.stderr
+
+
+def test_a_retry_plans_the_last_round_again(planar, refined, tmp_path):
+    folder = tmp_path / "retried"
+    shutil.copytree(refined, folder)
+    plan = Plan(folder, read_description(folder))
+    _fail(folder, next(iter(plan.rounds[0].lines)))
+    subprocess.run([sys.executable, "-m", "fingerfem", "retry", str(folder)], cwd=ROOT, check=True)
+    assert len(Plan(folder, plan._description).rounds) == len(plan.rounds) - 1
+    run(1, planar, folder, "--until", UNTIL)
+    assert_same_rounds(folder, refined)
+
+
+def test_a_round_off_the_grid_is_refused(refined, tmp_path):
+    folder = tmp_path / "off"
+    shutil.copytree(refined, folder)
+    file = folder / "rounds" / "0000.json"
+    table = json.loads(file.read_text())
+    table["lines"] = {"contact-0-3-r0": ["contact", [0, 3], [99]]}
+    file.write_text(json.dumps(table))
+    with pytest.raises(ValueError, match=r"0000\.json: must hold lines of its set's grid"):
+        SnapshotSet(folder)
+
+
+# -- two tensions ------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module", params=["lead first", "lead second"])
+def two(request, scene, tmp_path_factory):
+    """The first grid of two tensions, on a finger of few cells, with the tendons in either order."""
+    text = scene.read_text().replace("cells = [10, 5]", "cells = [6, 5]")
+    if request.param == "lead second":
+        head, one, other = text.partition("[obstacle]")[0].split("[[tendons]]")
+        text = "[[tendons]]".join([head, other, one]) + "[obstacle]" + text.partition("[obstacle]")[2]
+    folder = tmp_path_factory.mktemp("two")
+    (folder / "scene.toml").write_text(text)
+    run(2, folder / "scene.toml", folder / "set", "--until", "0.9")
+    return SnapshotSet(folder / "set")
+
+
+def test_slopes_in_contact_aligned_coordinates_are_differences_of_the_states(two):
+    response = contact_response(two, *contact_outputs(two))
+    lead, last = two.description.lead, len(response.axes) - 1
+    inside = tuple(slice(None, None, stride) for stride in response.strides)
+    values = response.values[inside]
+    assert response.known[inside].all()
+    for a, slopes in enumerate(response.slopes):
+        nodes = response.axes[a][:: response.strides[a]]
+        differences = CubicSpline(nodes, values, axis=a)(nodes, 1)
+        # Away from onset and touch, where the derivatives of what contact adds jump.
+        beyond = [slice(None)] * values.ndim
+        beyond[lead], beyond[last] = slice(2, None), slice(2, None)
+        error = np.abs(differences - slopes[inside])[tuple(beyond)].reshape(-1, 4)
+        size = np.abs(slopes[inside])[tuple(beyond)].reshape(-1, 4).max(axis=0)
+        assert np.all(np.median(error, axis=0) < 0.02 * size), a
+
+
+def test_the_onset_s_slopes_are_differences_of_onsets(two):
+    response = onset_response(two)
+    stride = response.strides[0]
+    nodes, onset = response.axes[0][::stride], response.values[::stride, 0]
+    differences = CubicSpline(nodes, onset)(nodes, 1)
+    assert response.slopes[0][::stride, 0][1:] == pytest.approx(differences[1:], abs=0.05 * np.abs(differences).max())
 
 
 # -- another set's states ----------------------------------------------------------------------------------------------
