@@ -118,7 +118,7 @@ def snapshots(
     # PETSc, too, would wait for killed ranks; and its signal handlers hang in MPI_Abort where mpirun itself is gone.
     petsc4py.init(["-no_signal_handler"], comm=MPI.COMM_SELF)
     from fingerfem import snapshots as farm
-    from fingerfem.ledger import Ledger
+    from fingerfem.ledger import Ledger, sentence
     from fingerfem.progress import STYLES, Reporter
     from fingerfem.reuse import Donor
     from fingerfem.sampling import HeldOut, describe
@@ -165,8 +165,8 @@ def snapshots(
     if not first:
         return
     ledger.refresh()
-    for task, parameters, last_good, reason in ledger.failures:
-        logging.warning("failed: %s", _failure(description, task, parameters, last_good, reason))
+    for failure in ledger.failures:
+        logging.warning("failed: %s", sentence(description, *failure))
     if ledger.failures:
         logging.warning("to try them again: python3 -m fingerfem retry %s, then this command", folder)
     result = ledger.summary() | {
@@ -202,25 +202,13 @@ def _terminated(*_) -> None:
     raise SystemExit(128 + signal.SIGTERM)
 
 
-def _failure(description, task: str, parameters, last_good, reason: str) -> str:
-    """One line about a state that has no answer."""
-    import numpy as np
-
-    def loads(values) -> str:
-        named = zip(description.parameters, values, strict=True)
-        return " ".join(f"{one['name']}={value:.6g}" for one, value in named if np.isfinite(value))
-
-    where = f"{task} {loads(parameters)}: {reason}"
-    return where + (f"; last good load {loads(last_good)}" if np.isfinite(last_good).any() else "")
-
-
 SetFolder = Annotated[Path, typer.Argument(metavar="SET/", help="The set's folder.")]
 
 
 @app.command()
 def status(folder: SetFolder, as_json: AsJson = False) -> None:
     """Say what became of every state of a snapshot set; while others work on it, too."""
-    from fingerfem.ledger import Ledger
+    from fingerfem.ledger import Ledger, sentence
     from rom.snapshots import read_description
 
     description = read_description(folder)
@@ -234,7 +222,7 @@ def status(folder: SetFolder, as_json: AsJson = False) -> None:
         ]
     else:
         for failure in ledger.failures:
-            print(_failure(description, *failure))
+            print(sentence(description, *failure))
     _finish(summary, as_json)
 
 

@@ -54,6 +54,17 @@ def _attempts(path: str | Path, task: str) -> Path:
     return Path(path) / "attempts" / task
 
 
+def sentence(description: Description, task: str, parameters: np.ndarray, last_good: np.ndarray, reason: str) -> str:
+    """One line about a state that has no answer."""
+
+    def loads(values: np.ndarray) -> str:
+        named = zip(description.parameters, values, strict=True)
+        return " ".join(f"{one['name']}={value:.6g}" for one, value in named if np.isfinite(value))
+
+    where = f"{task} {loads(parameters)}: {reason}"
+    return where + (f"; last good load {loads(last_good)}" if np.isfinite(last_good).any() else "")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
     """What became of a task.
