@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from studies.readme import table  # noqa: E402
+from studies.refinement import as_good  # noqa: E402
 
 RANKS = (1, 8, 64, 1000)
 STATES = (1_000, 10_000)
@@ -40,7 +41,11 @@ def duration(seconds: float) -> str:
 def projection(found: dict, sizes: list[dict]) -> str:
     """How long sets take, by mesh, states and ranks."""
     start = found["scaling"]["start_seconds"]
-    header = ["unknowns", "s a state, one core", *(f"{n:,} states, {ranks:,} ranks" for n in STATES for ranks in RANKS)]
+    header = [
+        "unknowns",
+        "s a state, one core",
+        *(f"{n:,} states, {ranks:,} rank{'s' if ranks > 1 else ''}" for n in STATES for ranks in RANKS),
+    ]
     rows = []
     for unknowns, each in seconds_a_state(found, sizes):
         times = [duration(start + each * states / ranks) for states in STATES for ranks in RANKS]
@@ -53,25 +58,31 @@ def refining(found: dict) -> str:
     names = ["force_median", "force_p95", "displacement_median", "displacement_p95"]
 
     def numbers(row: dict) -> list[str]:
-        return [f"{row['states']:,}", f"{row['newton_iterations']:,}", *(f"{row[name]:.2%}" for name in names)]
+        return [f"{row['states']:,}", f"{row['newton_iterations']:,}", *(f"{100 * row[name]:.2g} %" for name in names)]
 
-    def part(row: dict, key: str) -> str:
-        return f"{row[key]['states']} ({row[key]['of_the_uniform_grid']:.2f})" if row[key] else "none of these"
+    def part(row: dict, measures: list[str]) -> str:
+        good = as_good(row, found["refined"], measures)
+        return f"{good['states']} ({good['of_the_uniform_grid']:.2f})" if good else "none of these"
 
+    tails = [name for name in names if name.endswith("p95")]
     header = ["states", "iterations", "force, median", "95 %", "displacement, median", "95 %"]
     uniform = [
         [
             f"{row['tension_nodes']} x {row['contact_nodes']}",
             *numbers(row),
-            part(row, "as_good_in_95_percent"),
-            part(row, "as_good_in_all"),
+            part(row, tails),
+            part(row, [*tails, "force_median"]),
+            part(row, names),
         ]
         for row in found["uniform"]
     ]
-    refined = [[str(row["round"]), f"{row['estimated_error']:.1%}", *numbers(row)] for row in found["refined"]]
+    refined = [[str(row["round"]), f"{100 * row['estimated_error']:.2g} %", *numbers(row)] for row in found["refined"]]
     return "\n\n".join(
         (
-            table(["uniform grid", *header, "refined as good in both 95 %", "as good in all four"], uniform),
+            table(
+                ["uniform grid", *header, "refined, as good in both 95 %", "and in force's median", "in all four"],
+                uniform,
+            ),
             table(["refined, round", "estimated", *header], refined),
         )
     )
