@@ -87,7 +87,7 @@ def test_a_smaller_tolerance_goes_on_where_the_larger_ended_and_a_larger_one_doe
 
 def test_a_budget_ends_a_run_and_another_goes_on(planar, refined, tmp_path):
     folder = tmp_path / "budget"
-    first = subprocess.run(command(2, planar, folder, "--budget", "1s"), cwd=ROOT, capture_output=True, text=True)
+    first = subprocess.run(command(2, planar, folder, "--budget", "0.1s"), cwd=ROOT, capture_output=True, text=True)
     assert first.returncode == 0 and "the budget is spent" in first.stderr
     assert json.loads(first.stdout)["missing"] > 0
     run(2, planar, folder, "--until", UNTIL)
