@@ -52,6 +52,7 @@ class ContactForms:
     energy: fem.Form  # [J]
     force: fem.Form  # N = integral of the pressure p = -dP/dd [N]
     force_gradient: fem.Form  # dN/du [N/m]
+    nodal_force: fem.Form  # the pressure's force at the nodes, along y [N]
     stiffness: fem.Form  # -dN/dd at fixed u [N/m]
     gap_work: fem.Form  # integral of p |g|, which the exact solution does not have [J]
     pad_force: fem.Form | None  # the part of N that rests on the pad [N]
@@ -195,6 +196,7 @@ def _contact(scene: Scene, ds: ufl.Measure, fields: Fields) -> tuple[Any, Contac
         energy=compilation.form(energy),
         force=compilation.form(force),
         force_gradient=compilation.form(ufl.derivative(force, u, v)),
+        nodal_force=compilation.form(sum(p * v[1] * ds(facets) for facets, p in pressures)),
         stiffness=compilation.form(sum(gamma * ds(group[0]) for gamma, group in zip(touching, groups, strict=True))),
         gap_work=compilation.form(
             sum(p * abs(group[1]) * ds(facets) for (facets, p), group in zip(pressures, groups, strict=True))

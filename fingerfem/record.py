@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import logging
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fingerfem.convergence import LoadNotReached, NotConverged
+from fingerfem.footprint import Footprints
 from fingerfem.model import FingerModel
 from fingerfem.numbering import Numbering
 from fingerfem.scene import Scene
@@ -15,6 +16,14 @@ from fingerfem.sensitivities import Sensitivities, differentiate
 from fingerfem.state import channel_shortening, pad_pressure
 
 logger = logging.getLogger(__name__)
+
+
+class Contact(NamedTuple):
+    """A state in contact, to begin others from."""
+
+    distance: float  # of the plane [m]
+    regime: np.ndarray  # see Footprint
+    displacement: np.ndarray  # of this rank's nodes
 
 
 class Record:
@@ -31,6 +40,7 @@ class Record:
         self._model, self._numbering, self._broken = model, numbering, ""
         self._store, self._parameter_count = model.scene.sampling.store, len(model.scene.parameters)
         self._edges = _long_edges(model.scene, numbering.nodes) if edges else None
+        self._footprints = Footprints(model) if model.scene.obstacle is not None else None
         self._last_good: tuple[np.ndarray, float] | None = None
         self._touch: dict[str, Any] = {}
         self._rows: list[dict[str, Any]] = []
@@ -120,6 +130,8 @@ class Record:
             row["contact_force"] = model.scalar(model.forms.contact.force)
             pressed = found.contact_force if found.contact_force is not None else np.zeros(0)
             row["contact_force_jacobian"] = self._padded(pressed)
+        if self._footprints is not None:
+            row |= self._footprint(self._footprints, found)
         if "pad_pressure" in store:
             row["pad_pressure"] = pad_pressure(model)
         if "channel_shortening" in store:
@@ -135,6 +147,14 @@ class Record:
             slopes = np.array([change[self._edges, 1] for change in changes])
             row["edge_heights_jacobian"] = self._padded(slopes).T
         return row
+
+    def _footprint(self, footprints: Footprints, found: Sensitivities) -> dict[str, Any]:
+        stands = footprints.take(found.displacement)
+        row: dict[str, Any] = {name: getattr(stands, name) for name in (*stands.jacobians, "regime")}
+        return row | {
+            f"{name}_jacobian": np.moveaxis(self._padded(np.moveaxis(slopes, -1, 0)), 0, -1)
+            for name, slopes in stands.jacobians.items()
+        }
 
     def _padded(self, slopes: np.ndarray) -> np.ndarray:
         """Derivatives by all parameters, first axis; by d they are zero while there is no plane."""
@@ -165,6 +185,15 @@ class Record:
     def _parameters(self, tensions: np.ndarray, distance: float) -> np.ndarray:
         return np.append(tensions, distance) if self._model.scene.obstacle is not None else np.array(tensions)
 
+    def contacts(self) -> list[Contact]:
+        """The states so far that have an answer and touch the plane, in the order in which they were noted."""
+        pairs = zip(self._rows, self.displacements, strict=True)
+        return [
+            Contact(float(row["parameters"][-1]), row["regime"], displacement)
+            for row, displacement in pairs
+            if row["converged"] and row["contact_force"] > 0 and not np.isnan(displacement).any()
+        ]
+
     def arrays(self) -> dict[str, np.ndarray]:
         """The states collected, quantity by quantity, nan where there is no answer; on the model's first rank."""
         if self._model.comm.rank:
@@ -187,6 +216,16 @@ class Record:
         if self._model.scene.obstacle is not None:
             for name in ("contact_force", "touch_distance"):
                 found |= {name: ((), float), f"{name}_jacobian": ((p,), float)}
+            segments = len(self._model.scene.geometry.segments)
+            for name, shape in (
+                ("plate_height", (segments,)),
+                ("plate_force", (segments,)),
+                ("rubber_reach", (segments,)),
+                ("plate_tilt", (segments, 3)),
+                ("centre_of_pressure", (segments, 3)),
+            ):
+                found |= {name: (shape, float), f"{name}_jacobian": ((*shape, p), float)}
+            found["regime"] = ((5 * segments,), float)
         if "pad_pressure" in self._store:
             found["pad_pressure"] = ((), float)
         if "channel_shortening" in self._store:

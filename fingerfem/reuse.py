@@ -48,7 +48,8 @@ class Donor:
         for task in self._tasks.get((line.kind, *index), []):
             stored = read_task(self._path, task)
             for k in np.flatnonzero(stored["converged"]):
-                node = _place(ours, theirs[int(stored["nodes"][k])])
+                at = int(stored["nodes"][k])
+                node = _place(ours, theirs[at]) if at >= 0 else None
                 if node is not None:
                     row = {name: values[k] for name, values in stored.items() if name not in NOT_OF_A_STATE}
                     found[node] = row | {"iterations": 0}

@@ -1,15 +1,14 @@
-"""Contact-aligned coordinates: where the kink of touch becomes a face of the grid.
+"""Contact-aligned coordinates: where the kink of touch becomes a face of the box.
 
-Touch happens on a curved surface d = D0(F) of the parameters; across it everything has a kink that no product of
-one-dimensional functions follows. After touch, two of the parameters are therefore replaced:
+A corner that reaches the height D(F) in free space, at tensions F, is touched on the curved surface d = D(F); across it
+everything has a kink that no product of one-dimensional functions follows. In contact, the plane's distance is therefore
+replaced by its way past that surface,
 
-    s  = (D0(F) - d) / (D0(F) - d_min)           the plane's way from touch (0) to its nearest (1)
-    xi = (F_l - F_c(F')) / (F_l,max - F_c(F'))   the lead tension's way from onset (0) to its highest (1)
+    s = (D(F) - d) / (D(F) - d_min + soft)
 
-D0 is the touch distance, F_l the lead tension (of the tendon that bends the finger most towards the plane), F' the
-others, and F_c the onset: the lead tension at which D0 = d_min, below which no plane of the scene is ever touched, or
-the lowest, where that touches already. So the contact states fill the box of (F', xi, s), and contact force and what
-contact adds to the free displacement vanish on its face s = 0.
+which is 0 where the corner is just touched and fills nearly the same range at all tensions. `soft` keeps it smooth where
+the corner hardly reaches the nearest plane. D is that of the regime's own corner: which corner leads, and with it the
+touch distance, has kinks of its own.
 """
 
 from __future__ import annotations
@@ -17,68 +16,44 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-from rom.separated import Packed, evaluate
-
-
-class Chart(NamedTuple):
-    """What the coordinates depend on besides the touch distance."""
-
-    lead: int  # index of the lead tension
-    highest: float  # of the lead tension [N]
-    nearest: float  # distance of the plane [m]
-    onset: Packed  # F_c as a function of the other tensions [N]
+SOFT = 0.3  # share of the range of d
 
 
-@njit(cache=True)
-def coordinates(
-    chart: Chart, point: np.ndarray, touch_distance: float, touch_gradient: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Contact-aligned coordinates and their derivatives.
+class Way(NamedTuple):
+    """The plane's way past a corner.
 
-    Args:
-        chart: the chart.
-        point: tensions [N], then d [m], shape (p,).
-        touch_distance: D0 at these tensions [m], above d.
-        touch_gradient: dD0/dF, shape (p - 1,) [m/N].
-
-    Returns:
-        coordinates, shape (p,): tensions with the lead's place taken by xi, then s; and their derivatives by the
-        parameters, shape (p, p). Coordinates are held to [0, 1]; where they are held their derivatives are zero.
+    Attributes:
+        nearest: distance of the plane [m].
+        soft: [m].
     """
-    p = len(point)
-    tensions = p - 1
-    others = np.empty(tensions - 1)
-    k = 0
-    for j in range(tensions):
-        if j != chart.lead:
-            others[k] = point[j]
-            k += 1
-    onset, onset_gradient = evaluate(chart.onset, others)
-    moved = point.copy()
-    derivative = np.zeros((p, p))
-    for j in range(p):
-        derivative[j, j] = 1.0
 
-    span = chart.highest - onset[0]
-    xi = (point[chart.lead] - onset[0]) / span
-    derivative[chart.lead, chart.lead] = 0.0
-    if 0.0 < xi <= 1.0:
-        derivative[chart.lead, chart.lead] = 1.0 / span
-        k = 0
-        for j in range(tensions):
-            if j != chart.lead:
-                derivative[chart.lead, j] = (xi - 1.0) / span * onset_gradient[0, k]
-                k += 1
-    moved[chart.lead] = min(max(xi, 0.0), 1.0)
+    nearest: float
+    soft: float
 
-    way = touch_distance - chart.nearest
-    s = (touch_distance - point[p - 1]) / way if way > 0.0 else 0.0
-    derivative[p - 1, p - 1] = 0.0
-    if 0.0 < s <= 1.0:
-        derivative[p - 1, p - 1] = -1.0 / way
-        for j in range(tensions):
-            derivative[p - 1, j] = (1.0 - s) / way * touch_gradient[j]
-    moved[p - 1] = min(max(s, 0.0), 1.0)
-    return moved, derivative
+    @staticmethod
+    def over(nearest: float, farthest: float, heights: np.ndarray) -> Way:
+        """The way for a range of d [m] and the heights that the regimes' corners have in free space [m]."""
+        lowest = max(nearest - float(heights.min()), 0.0)
+        return Way(nearest, max(SOFT * (farthest - nearest), 2 * lowest))
+
+    def coordinates(self, parameters: np.ndarray, height: np.ndarray) -> np.ndarray:
+        """Tensions, then s: shape (n, p), of parameters, shape (n, p), and the corner's heights D, shape (n,) [m]."""
+        found = np.array(parameters)
+        found[:, -1] = (height - parameters[:, -1]) / (height - self.nearest + self.soft)
+        return found
+
+    def slopes(
+        self, parameters: np.ndarray, height: np.ndarray, rising: np.ndarray, slopes: np.ndarray
+    ) -> np.ndarray:
+        """Derivatives by the coordinates, shape (n, m, p), from `slopes`, those by the parameters of the same shape.
+
+        With d = D - s (D - d_min + soft), by the chain rule; `rising` is dD/dF, shape (n, p - 1).
+        """
+        s, whole = self.coordinates(parameters, height)[:, -1], height - self.nearest + self.soft
+        by_distance = slopes[..., -1]
+        found = np.empty_like(slopes)
+        for k in range(rising.shape[1]):
+            found[..., k] = slopes[..., k] + by_distance * ((1 - s) * rising[:, k])[:, None]
+        found[..., -1] = -by_distance * whole[:, None]
+        return found

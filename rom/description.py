@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-FORMAT = 3  # of snapshot sets
+FORMAT = 4  # of snapshot sets
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,19 @@ A task is a line of states solved in a fixed order. Its file holds, state by sta
 
     parameters          (n, p)          tensions [N], then d [m] (nan in a free state)
     tip                 (n, 3)          [m]
-    nodes               (n,)            positions along the line, of the grid's nodes; free and contact lines
+    nodes               (n,)            positions along the line, of the grid's nodes; free and contact lines. -1 for a
+                                        state between two of them that differ in regime
     edge_heights        (n, edge nodes) of the long edges over the face towards the plane at rest [m]; free lines
     touch_distance      (n,)            [m] free reach at these tensions; scenes with an obstacle
     contact_force       (n,)            [N] scenes with an obstacle
-    X_jacobian          (n, *X, p)      derivatives of these by the parameters
+    plate_height        (n, s)          [m] of the s segments' plates over where the face lies at rest
+    plate_tilt          (n, s, 3)       [-] its slope along the plate's own x, y, z
+    plate_force         (n, s)          [N] part of the contact force that each plate carries
+    centre_of_pressure  (n, s, 3)       [-] where, from -1 to 1 along the plate's own x, y, z
+    rubber_reach        (n, s)          [m] how far the rubber of each segment reaches towards the plane
+    regime              (n, 5 s)        [-] plate by plate whether it carries (0, 1), and at which end along x, y, z
+                                        (-1, 1; 0 between); then whether each segment's rubber touches (0, 1)
+    X_jacobian          (n, *X, p)      derivatives of these by the parameters; not of the regime
     displacement        (n, nodes, 3)   [m], if sampling.store asks for it, as for the next three
     displacement_jacobian (n, p, nodes, 3) derivatives of the displacement, in single precision
     pad_pressure        (n,)            [Pa]
@@ -185,6 +193,30 @@ class SnapshotSet:
         parts = [self._values(task, name)[self._stored(task, line)[rows]] for task, line, rows in self._lines(kind)]
         return np.concatenate(parts)
 
+    def states_of(self, kind: str, name: str) -> np.ndarray:
+        """A quantity of every free or contact state that has an answer, each once, wherever it lies.
+
+        Shape (states, *quantity).
+        """
+        found = [
+            self._values(task, name)[self._tasks[task]["converged"]]
+            for task, line in self.plan.lines.items()
+            if line.kind == kind and task in self._tasks
+        ]
+        return np.concatenate(found)
+
+    def projected(self, kind: str, basis: np.ndarray) -> np.ndarray:
+        """The displacement's derivatives of the same states in a basis, shape (states, k, p); read task by task.
+
+        The basis has k columns of 3 nodes.
+        """
+        basis, found = basis.astype(np.float32), []
+        for task, line in self.plan.lines.items():
+            if line.kind == kind and task in self._tasks:
+                slopes = self._values(task, "displacement_jacobian")[self._tasks[task]["converged"]]
+                found.append((slopes.reshape(*slopes.shape[:2], -1) @ basis).transpose(0, 2, 1).astype(float))
+        return np.concatenate(found)
+
     def _lines(self, kind: str) -> list[tuple[str, Line, np.ndarray]]:
         """Tasks of a kind, their lines, and which states of these have an answer."""
         return [
@@ -199,14 +231,14 @@ class SnapshotSet:
         way, found = tuple(range(len(self.description.contact_nodes))), dict(self.plan.lines)
         for task, stored in self._tasks.items():
             line = found.get(task)
-            if line is not None and line.kind == "contact" and len(stored["converged"]) < len(line.nodes):
+            if line is not None and line.kind == "contact" and (stored["nodes"] >= 0).sum() < len(line.nodes):
                 found[task] = Line(line.kind, line.index, way if self.description.refines else line.nodes)
         return found
 
     def _stored(self, task: str, line: Line) -> np.ndarray:
         """Where the states of a line stand in its task: one that stands for all is read for all."""
-        count = len(self._tasks[task]["converged"])
-        return np.arange(len(line.nodes)) if count == len(line.nodes) else np.zeros(len(line.nodes), int)
+        rows = np.flatnonzero(self._tasks[task]["nodes"] >= 0)
+        return rows if len(rows) == len(line.nodes) else np.zeros(len(line.nodes), int)
 
     def on_grid(self, line: Line) -> np.ndarray:
         """Positions on the grid of a line's nodes, shape (nodes, axes); of contact lines the onset node leads."""

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import json
-import tempfile
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom import chart as contact_chart
-from rom.kernel import Kernel, answer, answers
-from rom.separated import Separated, evaluate
+from rom import kernel
+from rom.chart import Way
+from rom.regimes import Code
+from rom.separated import Separated
 
-FORMAT = 2
-FORMS = ("free", "free_displacement", "onset", "contact", "contact_displacement")
+logger = logging.getLogger(__name__)
 
 
 class ModelError(ValueError):
@@ -34,9 +32,7 @@ class Answer:
         tip: displacement of the tip plate's centre, shape (3,) or (n, 3) [m].
         contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle.
         touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without one.
-        error: bound that 95 % of held-out states kept, by quantity in its unit; nan if the model was not checked with
-            the terms it has. Of the contact force it is a share of the force, so 0 before touch; how sure touch itself
-            is, the error of the touch distance says.
+        error: that 95 % of fresh states keep, by quantity in its unit, shapes as the quantities without components.
         inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
             Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
     """
@@ -49,12 +45,75 @@ class Answer:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Regime:
+    """Contact in one regime, see rom.regimes.
+
+    Attributes:
+        code: what carries.
+        corner: which of the free form's heights is that of the corner whose way past the plane is its coordinate.
+        begins: whether it begins at touch: tip and force are then by that way.
+        states: number of states it was fitted to.
+        targets: of its conditions, the regime that follows where one fails.
+        sizes: what its conditions are large or small against.
+        form: what contact adds to the tip [m], contact force [N], conditions; by tensions and s.
+    """
+
+    code: Code
+    corner: int
+    begins: bool
+    states: int
+    targets: Sequence[int]
+    sizes: Sequence[float]
+    form: Separated
+
+
+@dataclass(frozen=True, kw_only=True)
+class Field:
+    """The displacement of all nodes.
+
+    Attributes:
+        free_basis: principal components in free space, shape (3 nodes, k), single precision.
+        free: their amounts by tensions [m].
+        contact_basis: principal components of what contact adds; None without an obstacle.
+        regimes: their amounts in every regime, as in Regime.form.
+    """
+
+    free_basis: np.ndarray
+    free: Separated
+    contact_basis: np.ndarray | None = None
+    regimes: Sequence[Separated] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Errors:
+    """What the surrogate knows of its own error: that 95 % of fresh states keep.
+
+    Attributes:
+        tip: in free space [m].
+        touch_distance: [m].
+        contact: of tip [m] and contact force [N] by way past touch [1/m], by cell of the map, shape (cells, 2).
+        margin: way past touch below which errors do not become smaller [m].
+    """
+
+    tip: float
+    touch_distance: float
+    contact: np.ndarray
+    margin: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Surrogate:
     """A trained model of one scene.
 
     Attributes:
         parameters: name, unit, lower and upper of each parameter, tensions first, then d.
-        forms: separated forms by name, see FORMS; only those the scene needs.
+        free: tip [m], then heights [m] of what may touch first, by the tensions.
+        regimes: contact in every regime; none without an obstacle.
+        map: regime to begin with by cell, flat, see rom.kernel.cell.
+        near: bits of the regimes that are possible there.
+        way: of the contact-aligned coordinates.
+        errors: what it knows of its error.
+        displacements: of all nodes; None if the scene does not store it.
         lead: index of the lead tension.
         nodes: the finger's nodes at rest, shape (nodes, 3) [m].
         scene: the scene it was trained on.
@@ -63,7 +122,13 @@ class Surrogate:
     """
 
     parameters: list[dict[str, Any]]
-    forms: Mapping[str, Separated]
+    free: Separated
+    regimes: Sequence[Regime]
+    map: np.ndarray = field(repr=False)
+    near: np.ndarray = field(repr=False)
+    way: Way
+    errors: Errors = field(repr=False)
+    displacements: Field | None = field(repr=False)
     lead: int
     nodes: np.ndarray = field(repr=False)
     scene: dict[str, Any] = field(repr=False)
@@ -83,7 +148,16 @@ class Surrogate:
     @property
     def has_field(self) -> bool:
         """Whether it knows the displacement of all nodes."""
-        return "free_displacement" in self.forms
+        return self.displacements is not None
+
+    @property
+    def forms(self) -> dict[str, Separated]:
+        """Its separated forms by name."""
+        found = {"free": self.free} | {f"regime {r}": regime.form for r, regime in enumerate(self.regimes)}
+        if self.displacements is not None:
+            found["free displacement"] = self.displacements.free
+            found |= {f"displacement in regime {r}": form for r, form in enumerate(self.displacements.regimes)}
+        return found
 
     @cached_property
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
@@ -94,14 +168,27 @@ class Surrogate:
         )
 
     @cached_property
-    def kernel(self) -> Kernel:
-        """The arrays for the compiled `answer`."""
+    def kernel(self) -> kernel.Kernel:
+        """The arrays for the compiled answer."""
         lower, upper = self.limits
-        free = self.forms["free"].packed
-        if not self.has_obstacle:
-            return Kernel(free, free, contact_chart.Chart(self.lead, 0.0, 0.0, free), lower, upper, False)
-        chart = contact_chart.Chart(self.lead, float(upper[self.lead]), float(lower[-1]), self.forms["onset"].packed)
-        return Kernel(free, self.forms["contact"].packed, chart, lower, upper, True)
+        most = max((len(regime.targets) for regime in self.regimes), default=0)
+        targets, sizes = np.full((len(self.regimes), most), -1, np.int64), np.ones((len(self.regimes), most))
+        for r, regime in enumerate(self.regimes):
+            targets[r, : len(regime.targets)], sizes[r, : len(regime.sizes)] = regime.targets, regime.sizes
+        return kernel.Kernel(
+            tables=kernel.tables([self.free, *(regime.form for regime in self.regimes)]),
+            lower=lower,
+            upper=upper,
+            has_obstacle=self.has_obstacle,
+            corners=np.array([regime.corner for regime in self.regimes], np.int64),
+            begins=np.array([regime.begins for regime in self.regimes], np.bool_),
+            targets=targets,
+            sizes=sizes,
+            map=self.map,
+            near=self.near,
+            cells=round(len(self.map) ** (1 / len(self.parameters))),
+            way=np.array(self.way),
+        )
 
     def _point(self, parameters: ArrayLike, most: int = 1) -> np.ndarray:
         point = np.ascontiguousarray(parameters, float)
@@ -116,33 +203,43 @@ class Surrogate:
             ModelError: the wrong number of parameters.
         """
         point = self._point(parameters, most=2)
-        out, inside = answers(self.kernel, np.atleast_2d(point))
         if point.ndim == 1:
-            out, inside = out[0], inside[0]
-        force = out[..., 3]
-        error = {
-            "tip": np.full_like(force, self._bound("tip", 0.0)),
-            "contact_force": self._bound("contact_force", force),
-            "touch_distance": np.full_like(force, self._bound("touch_distance", 0.0)),
-        }
-        return Answer(tip=out[..., :3], contact_force=force, touch_distance=out[..., 4], error=error, inside=inside)
+            out, _, inside, _ = kernel.answer(self.kernel, point)
+        else:
+            out, inside = kernel.answers(self.kernel, point)[:2]
+        return Answer(
+            tip=out[..., :3],
+            contact_force=out[..., kernel.FORCE],
+            touch_distance=out[..., kernel.TOUCH],
+            error=self._error(point, out),
+            inside=inside,
+        )
 
-    def _bound(self, quantity: str, value: Any) -> Any:
-        measured = self.accuracy.get(quantity, {})
-        if "p95" not in measured:
-            return np.nan * np.ones_like(value)
-        if quantity == "contact_force":
-            return measured["p95"] * np.abs(value) * (np.asarray(value) > 0)
-        return measured["p95_absolute"]
+    def _error(self, point: np.ndarray, out: np.ndarray) -> dict[str, Any]:
+        touch = out[..., kernel.TOUCH]
+        tip, force = np.full_like(touch, self.errors.tip), np.zeros_like(touch)
+        if self.has_obstacle:
+            lower, upper = self.limits
+            held = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
+            past = np.where(point[..., -1] >= touch, 0.0, touch - held[..., -1])
+            rates = self.errors.contact[kernel.cells_of(self.kernel, np.atleast_2d(held), np.atleast_1d(touch))]
+            rates = rates.reshape(*touch.shape, 2)
+            tip = tip + rates[..., 0] * past
+            force = rates[..., 1] * (past + self.errors.margin) * (past > 0)
+        return {
+            "tip": tip,
+            "contact_force": force,
+            "touch_distance": np.full_like(touch, self.errors.touch_distance),
+        }
 
     def jacobian(self, parameters: ArrayLike) -> np.ndarray:
         """Derivatives of tip x, y, z [m], contact force [N] and touch distance [m], shape (5, p), by the parameters.
 
         At touch itself, a kink, they are those of the free side. Outside the trained box they are zero across its
-        walls. Where a spline swings below zero just after touch, the force is held at zero but not its derivative, so
+        walls. Where a fit swings below zero just after touch, the force is held at zero but not its derivative, so
         that a solver finds its way.
         """
-        return answer(self.kernel, self._point(parameters))[1]
+        return kernel.answer(self.kernel, self._point(parameters))[1]
 
     def displacement(self, parameters: ArrayLike) -> np.ndarray:
         """Displacement of all nodes, shape (nodes, 3) [m].
@@ -152,61 +249,31 @@ class Surrogate:
         Raises:
             ModelError: the wrong number of parameters, or a model without the field.
         """
-        if not self.has_field:
+        if self.displacements is None:
             raise ModelError("displacement must be in the scene's sampling.store to be known, got a model without it")
         lower, upper = self.limits
         point = self._point(parameters)
         held = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
         tensions = held[:-1] if self.has_obstacle else held
-        field = self.forms["free_displacement"].value(tensions)
+        moved = self.displacements.free_basis @ self.displacements.free.value(tensions).astype(np.float32)
         if self.has_obstacle:
-            value, gradient = evaluate(self.kernel.free, tensions)
-            first = 3 + int(np.argmax(value[3:]))
-            if held[-1] < value[first] and not point[-1] >= value[first]:  # an untouched plane may stand anywhere
-                where, _ = contact_chart.coordinates(self.kernel.chart, held, value[first], gradient[first])
-                field = field + self.forms["contact_displacement"].value(where)
-        return field.reshape(-1, 3)
-
-    # -- file --------------------------------------------------------------------------------------------------------
+            free = kernel.evaluate(self.kernel.tables, 0, tensions)[0]
+            touch = free[3:].max()
+            if held[-1] < touch and not point[-1] >= touch:  # an untouched plane may stand anywhere
+                r = kernel.regime_at(self.kernel, held, free, touch)[0]
+                height = free[3 + self.regimes[r].corner]
+                amounts = self.displacements.regimes[r].value(kernel.coordinates(self.kernel, r, held, height))
+                if self.regimes[r].begins:
+                    amounts *= height - held[-1]
+                assert self.displacements.contact_basis is not None
+                moved = moved + self.displacements.contact_basis @ amounts.astype(np.float32)
+        return moved.astype(float).reshape(-1, 3)
 
     def save(self, path: str | Path) -> None:
-        """Write the model file (HDF5), beside and renamed."""
-        path = Path(path)
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:
-            self._write(Path(beside) / path.name)
-            (Path(beside) / path.name).replace(path)
+        """Write the model file (HDF5), see rom.model_file and docs/format.md."""
+        from rom import model_file
 
-    def _write(self, path: Path) -> None:
-        with h5py.File(path, "w") as file:
-            file.attrs["format"] = FORMAT
-            for name in ("parameters", "scene", "accuracy", "provenance"):
-                file.attrs[name] = json.dumps(getattr(self, name))
-            file.attrs["lead"] = self.lead
-            file["nodes"] = self.nodes.astype(np.float32)
-            file["nodes"].attrs["unit"] = "m"
-            for name, form in self.forms.items():
-                group = file.create_group(name)
-                group["modes"] = form.modes.astype(np.float32) if name.endswith("displacement") else form.modes
-                group["modes"].attrs["unit"] = self._units(name)
-                group["errors"] = form.errors
-                group.attrs["kinds"] = list(form.kinds)
-                for a, (nodes, factor) in enumerate(zip(form.nodes, form.factors, strict=True)):
-                    group[f"nodes_{a}"], group[f"factor_{a}"] = nodes, factor
-                    group[f"nodes_{a}"].attrs["axis"], group[f"nodes_{a}"].attrs["unit"] = self._axes(name)[a]
-
-    def _axes(self, form: str) -> list[tuple[str, str]]:
-        """Name and unit of a form's axes."""
-        tensions = [(parameter["name"], "N") for parameter in self.parameters if parameter["name"] != "d"]
-        if form == "onset":
-            return [axis for k, axis in enumerate(tensions) if k != self.lead]
-        if form.startswith("contact"):
-            tensions[self.lead] = (f"xi of {tensions[self.lead][0]}", "-")
-            return [*tensions, ("s", "-")]
-        return tensions
-
-    def _units(self, form: str) -> str:
-        """Unit of a form's modes; component by component where they differ."""
-        return {"onset": "N", "contact": "m, m, m, N"}.get(form, "m")
+        model_file.save(self, Path(path))
 
     @classmethod
     def load(cls, path: str | Path, tolerance: float = 0.0) -> Surrogate:
@@ -214,48 +281,15 @@ class Surrogate:
 
         Args:
             path: the file.
-            tolerance: keep only the terms needed for this relative snapshot error [-]; 0 keeps all. The accuracy was
-                measured with all terms: a model that loses some loses it too, and its errors are nan.
+            tolerance: keep only the terms needed for this relative separation error [-]; 0 keeps all. What was kept is
+                in `kept`, and logged; the errors grow by what the terms left out were worth.
 
         Raises:
-            ModelError: no file, no model, or a model of another format.
+            ModelError: no file, no model, a damaged one, or one of another format.
         """
+        from rom import model_file
+
         if not tolerance >= 0:
             raise ModelError(f"tolerance must be at least 0, got {tolerance}")
-        try:
-            with h5py.File(path, "r") as file:
-                if file.attrs.get("format") != FORMAT:
-                    raise ModelError(f"{path}: must be a model of format {FORMAT}, got {file.attrs.get('format')}")
-                forms = {name: _read_form(file[name]) for name in FORMS if name in file}
-                plain = {
-                    name: json.loads(file.attrs[name]) for name in ("parameters", "scene", "accuracy", "provenance")
-                }
-                lead, nodes = int(file.attrs["lead"]), file["nodes"][:].astype(float)
-        except ModelError:
-            raise
-        except FileNotFoundError:
-            raise ModelError(f"{path}: No such file") from None
-        except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
-            raise ModelError(f"{path}: is not a model file, or a damaged one ({str(error).splitlines()[0]})") from None
-        needed = ["free", "onset", "contact"] if plain["parameters"][-1]["name"] == "d" else ["free"]
-        if "displacement" in plain["scene"]["sampling"]["store"]:
-            needed += [f"{name}_displacement" for name in needed if name != "onset"]
-        damaged = [name for name in needed if name not in forms or not forms[name].finite]
-        if damaged or not 0 <= lead < len(plain["parameters"]):
-            raise ModelError(f"{path}: is a damaged model file ({', '.join(damaged) or 'lead'})")
-        if tolerance > 0:
-            fewer = {name: form.truncated(tolerance) for name, form in forms.items()}
-            if any(fewer[name].terms < form.terms for name, form in forms.items()):
-                forms, plain["accuracy"] = fewer, {}
-        return cls(forms=forms, lead=lead, nodes=nodes, **plain)
-
-
-def _read_form(group: h5py.Group) -> Separated:
-    axes = range(len(group.attrs["kinds"]))
-    return Separated(
-        nodes=[group[f"nodes_{a}"][:] for a in axes],
-        kinds=[str(kind) for kind in group.attrs["kinds"]],
-        factors=[group[f"factor_{a}"][:] for a in axes],
-        modes=group["modes"][:].astype(float),
-        errors=group["errors"][:],
-    )
+        found = model_file.load(Path(path))
+        return found.truncated(tolerance) if tolerance > 0 else found

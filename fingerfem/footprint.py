@@ -1,0 +1,149 @@
+"""Where a finger stands on the plane: what each plate carries, at which point, and how plates and rubber lie over it.
+
+A rigid plate touches a plane with a corner, an edge or a face. What carries, and with which of its parts, is the
+contact's regime: while it stays, everything depends smoothly on the loads; where it changes, everything has a kink.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingerfem import grid
+from fingerfem.model import FingerModel
+
+CORNER = 1e-6  # share of half a plate: a centre of pressure that close to its end is at the end
+
+
+@dataclass(frozen=True, kw_only=True)
+class Footprint:
+    """At one state, with plates and stretches of rubber in the order of the segments.
+
+    Attributes:
+        plate_height: of the plates' centres over where the finger's face lies at rest, shape (segments,) [m].
+        plate_tilt: how this height changes along the plate's own x, y and z: the plane's normal as the plate sees it,
+            shape (segments, 3) [-].
+        plate_force: part of the contact force that each carries, shape (segments,) [N].
+        centre_of_pressure: where it acts, in half lengths of the plate from its centre, -1 to 1 along its own x, y and
+            z, shape (segments, 3) [-]; 0 where it carries nothing.
+        rubber_reach: how far the rubber of each segment reaches towards the plane, shape (segments,) [m].
+        jacobians: derivatives by the parameters, by name, shapes (*quantity, p).
+        regime: by plate whether it carries, and -1, 0, 1 along x, y, z for an end, what lies between, the other end;
+            then by segment whether its rubber touches; shape (5 segments,).
+    """
+
+    plate_height: np.ndarray
+    plate_tilt: np.ndarray
+    plate_force: np.ndarray
+    centre_of_pressure: np.ndarray
+    rubber_reach: np.ndarray
+    jacobians: dict[str, np.ndarray]
+    regime: np.ndarray
+
+
+class Footprints:
+    """Takes them from a model (collective over its ranks)."""
+
+    def __init__(self, model: FingerModel):
+        self._model = model
+        scene = model.scene
+        owned = model.space.dofmap.index_map.size_local
+        points = model.space.tabulate_dof_coordinates()[:owned]
+        self._heights_at_rest = points[:, 1] - scene.geometry.side / 2
+        half, plates = scene.geometry.side / 2, grid.plates(scene)
+        self._sizes = np.array([scene.geometry.plate / 2, half, half])
+        self._nodes, self._places, self._rubber = [], [], []
+        surface = np.zeros(owned, bool)
+        surface[model.surface_nodes[model.surface_nodes < owned]] = True
+        begins = 0.0
+        for start, end in plates:
+            nodes = np.flatnonzero((points[:, 0] > start - 1e-9) & (points[:, 0] < end + 1e-9))
+            self._nodes.append(nodes)
+            self._places.append((points[nodes] - [(start + end) / 2, 0, 0]) / self._sizes)
+            between = (points[:, 0] > begins + 1e-9) & (points[:, 0] < start - 1e-9)
+            self._rubber.append(np.flatnonzero(between & surface))
+            begins = end
+
+    def take(self, changes: np.ndarray) -> Footprint:
+        """Of the state the model is in, whose displacement changes with the parameters by `changes`, shape (p, n)."""
+        model, count = self._model, len(self._nodes)
+        owned = len(self._heights_at_rest)
+        rises = np.array([change[1 : 3 * owned : 3] for change in changes]).reshape(len(changes), owned)
+        heights = self._heights_at_rest + model.displacement[1 : 3 * owned : 3]
+        distance = model.stepper.distance
+        poses = [self._pose(k, heights) for k in range(count)]
+        turning = [np.array([self._pose(k, rise) for rise in rises]).T for k in range(count)]
+        loads, pushing = self._loads(heights, rises, distance)
+        carries = loads[:, 0] > 0
+        force = np.where(carries, loads[:, 0], 1.0)[:, None]
+        centre = np.where(carries[:, None], loads[:, 1:] / force, 0.0)
+        moving = np.where(
+            carries[:, None, None],
+            (pushing[:, 1:] - centre[:, :, None] * pushing[:, :1]) / force[:, :, None],
+            0.0,
+        )
+        highest = [self._highest(heights[nodes], rises[:, nodes]) for nodes in self._rubber]
+        reach = np.array([found[0] for found in highest])
+        ends = np.where(np.abs(centre) >= 1 - CORNER, np.sign(centre), 0.0)
+        touches = reach > (np.inf if distance is None else distance)
+        return Footprint(
+            plate_height=np.array([pose[0] for pose in poses]),
+            plate_tilt=np.array([pose[1:] for pose in poses]),
+            plate_force=loads[:, 0],
+            centre_of_pressure=centre,
+            rubber_reach=reach,
+            jacobians={
+                "plate_height": np.array([turned[0] for turned in turning]),
+                "plate_tilt": np.array([turned[1:] for turned in turning]),
+                "plate_force": pushing[:, 0],
+                "centre_of_pressure": moving,
+                "rubber_reach": np.array([found[1] for found in highest]),
+            },
+            regime=np.append(np.column_stack([carries, ends]).ravel(), touches).astype(float),
+        )
+
+    def _pose(self, k: int, heights: np.ndarray) -> np.ndarray:
+        """Height of plate k's centre and its slopes along x, y and z [-], shape (4,): heights fitted by a plane."""
+        own = np.column_stack([np.ones(len(self._nodes[k])), self._places[k]])
+        sums = self._model.comm.allreduce(np.column_stack([own.T @ own, own.T @ heights[self._nodes[k]]]))
+        if self._model.scene.is_half:  # the mirror image
+            sums[:3, 3] = sums[3, :3] = sums[3, 4] = 0.0
+        return np.asarray(np.linalg.solve(sums[:, :4], sums[:, 4])) / [1.0, *self._sizes]
+
+    def _loads(self, heights: np.ndarray, rises: np.ndarray, distance: float | None) -> tuple[np.ndarray, np.ndarray]:
+        """Force [N] and its moments by x, y and z of every plate, and their derivatives: (plates, 4), (plates, 4, p)."""
+        count, p = len(self._nodes), len(rises)
+        loads, pushing = np.zeros((count, 4)), np.zeros((count, 4, p))
+        if distance is None:
+            return loads, pushing
+        forces = self._nodal_forces
+        nearing = np.zeros(p)
+        nearing[-1] = 1.0  # the plane's own motion
+        for k, (nodes, places) in enumerate(zip(self._nodes, self._places, strict=True)):
+            own = np.column_stack([np.ones(len(nodes)), places])
+            carried, overlap = forces[nodes], heights[nodes] - distance
+            # The plates' contact is a penalty: a node's force grows in proportion to its overlap.
+            stiffness = np.divide(carried, overlap, out=np.zeros_like(carried), where=carried > 0)
+            loads[k] = carried @ own
+            pushing[k] = own.T @ (stiffness[:, None] * (rises[:, nodes].T - nearing))
+        loads = self._model.copies * self._model.comm.allreduce(loads)
+        pushing = self._model.copies * self._model.comm.allreduce(pushing)
+        if self._model.scene.is_half:
+            loads[:, 3] = pushing[:, 3] = 0.0
+        return loads, pushing
+
+    @property
+    def _nodal_forces(self) -> np.ndarray:
+        forms = self._model.forms.contact
+        assert forms is not None
+        forces = self._model.nodal(forms.nodal_force)[: len(self._heights_at_rest), 1]
+        return np.asarray(forces)
+
+    def _highest(self, heights: np.ndarray, rises: np.ndarray) -> tuple[float, np.ndarray]:
+        """Height of the highest node, and its derivatives."""
+        own = (-np.inf, np.zeros(len(rises)))
+        if heights.size:
+            leading = int(heights.argmax())
+            own = (float(heights[leading]), rises[:, leading])
+        return max(self._model.comm.allgather(own), key=lambda found: found[0])

@@ -1,0 +1,81 @@
+"""The displacement of all nodes: its principal components in free space and of what contact adds, and their amounts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rom.contact import Contact
+from rom.enrichment import EnrichmentOptions
+from rom.free import Free
+from rom.polynomials import Fitted, Samples, fit
+from rom.separation import separated
+from rom.snapshots import SnapshotSet
+from rom.surrogate import Field
+
+MOST = 60  # principal components of one kind of states
+
+
+def train(snapshots: SnapshotSet, free: Free, contact: Contact | None, options: EnrichmentOptions) -> Field:
+    """Fit and separate the displacements of a set.
+
+    Components leave out a tenth of the tolerance; those in free space less, because what contact adds is found from them.
+    """
+    displacement = _flat(snapshots.states_of("free", "displacement"))
+    size = float(np.linalg.norm(displacement, axis=1).max())
+    basis = _principal(displacement, 0.01 * options.tolerance * size)
+    count = free.points.shape[1]
+    box = free.polynomial
+    amounts = fit(
+        Samples(
+            points=free.points,
+            values=displacement @ basis,
+            slopes=snapshots.projected("free", basis)[..., :count],
+            weights=np.ones(len(free.points)),
+            groups=free.groups,
+            lower=box.lower,
+            upper=box.upper,
+        ),
+        alike=True,
+    )
+    form = separated("free displacement", amounts.polynomial, free.points, options, alike=True)
+    found = Field(free_basis=basis.astype(np.float32), free=form)
+    return found if contact is None else _with_contact(found, snapshots, amounts, basis, contact, options, size)
+
+
+def _with_contact(
+    field: Field,
+    snapshots: SnapshotSet,
+    free: Fitted,
+    free_basis: np.ndarray,
+    contact: Contact,
+    options: EnrichmentOptions,
+    size: float,
+) -> Field:
+    added = _flat(snapshots.states_of("contact", "displacement"))[contact.touching]
+    amounts, turning = free.polynomial.value_and_gradient(contact.parameters[:, :-1])
+    added -= amounts @ free_basis.T
+    basis = _principal(added, 0.1 * options.tolerance * size)
+    values, slopes = added @ basis, snapshots.projected("contact", basis)[contact.touching]
+    slopes[..., :-1] -= (basis.T @ free_basis) @ turning
+    forms = []
+    for part in contact.parts:
+        fitted = part.place.fit(values[part.rows], slopes[part.rows], field=True)
+        name = f"displacement in regime {part.code}"
+        forms.append(separated(name, fitted.polynomial, part.points, options, alike=True))
+    return replace(field, contact_basis=basis.astype(np.float32), regimes=forms)
+
+
+def _flat(displacement: np.ndarray) -> np.ndarray:
+    return displacement.reshape(len(displacement), -1)
+
+
+def _principal(states: np.ndarray, least: float) -> np.ndarray:
+    """Orthonormal basis of states, shape (3 nodes, k), such that what is left out of a state is about `least` at most."""
+    values, vectors = np.linalg.eigh(states @ states.T)
+    sizes = np.sqrt(np.maximum(values[::-1], 0.0))
+    left = np.sqrt(np.cumsum(sizes[::-1] ** 2)[::-1] / len(states))  # root mean square over states, of each and all after
+    kept = int(np.clip(np.count_nonzero(left > least), 1, MOST))
+    basis = states.T @ (vectors[:, ::-1][:, :kept] / np.maximum(sizes[:kept], np.finfo(float).tiny))
+    return np.linalg.qr(basis)[0]

@@ -1,0 +1,208 @@
+"""The model file: HDF5 that names its units, axes, scene, versions and accuracy, and carries a checksum (docs/format.md)."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from rom.chart import Way
+from rom.separated import Separated
+from rom.surrogate import Errors, Field, ModelError, Regime, Surrogate
+
+KIND, FORMAT = "fingerfem surrogate", 3
+PLAIN = ("parameters", "scene", "accuracy", "provenance")
+
+
+def save(model: Surrogate, path: Path) -> None:
+    """Write a model, beside and renamed: the file is whole or absent."""
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:
+        with h5py.File(Path(beside) / path.name, "w") as file:
+            _write(model, file)
+            file.attrs["checksum"] = checksum(file)
+        (Path(beside) / path.name).replace(path)
+
+
+def load(path: Path) -> Surrogate:
+    """Read a model.
+
+    Raises:
+        ModelError: no file, no model, a damaged one, or one of another format.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("kind") != KIND:
+                raise ModelError(f"{path}: is not a model file")
+            if file.attrs["format"] != FORMAT:
+                raise ModelError(f"{path}: must be a model of format {FORMAT}, got {file.attrs['format']}")
+            if file.attrs["checksum"] != checksum(file):
+                raise ModelError(f"{path}: is damaged: its checksum is not that of its contents")
+            return _read(file)
+    except ModelError:
+        raise
+    except FileNotFoundError:
+        raise ModelError(f"{path}: No such file") from None
+    except Exception as error:  # a damaged file makes h5py, json and numpy raise many kinds
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise ModelError(f"{path}: is not a model file, or a damaged one ({reason})") from None
+
+
+def checksum(file: h5py.File) -> str:
+    """SHA-256 of all names, attributes and values, but for itself."""
+    found = hashlib.sha256()
+    for name, item in _items(file):
+        found.update(name.encode())
+        for key in sorted(item.attrs):
+            if key != "checksum":
+                value = item.attrs[key]
+                found.update(f"{key}={value if isinstance(value, str) else np.asarray(value).tolist()}".encode())
+        if isinstance(item, h5py.Dataset):
+            values = item[()]
+            found.update(f"{values.dtype.str}{values.shape}".encode())
+            found.update(np.ascontiguousarray(values).tobytes())
+    return found.hexdigest()
+
+
+def _items(group: h5py.Group, path: str = "") -> Iterator[tuple[str, h5py.HLObject]]:
+    yield path, group
+    for name in sorted(group):
+        item = group[name]
+        if isinstance(item, h5py.Group):
+            yield from _items(item, f"{path}/{name}")
+        else:
+            yield f"{path}/{name}", item
+
+
+def _write(model: Surrogate, file: h5py.File) -> None:
+    file.attrs["kind"], file.attrs["format"] = KIND, FORMAT
+    for name in PLAIN:
+        file.attrs[name] = json.dumps(getattr(model, name))
+    file.attrs["lead"] = model.lead
+    _dataset(file, "nodes", model.nodes.astype(np.float32), "m")
+    tensions = [(parameter["name"], parameter["unit"]) for parameter in model.parameters if parameter["name"] != "d"]
+    heights = len(model.free.modes) - 3
+    _write_form(file.create_group("free"), model.free, tensions, "m", ["x", "y", "z", *["height"] * heights])
+    error = file.create_group("error")
+    error.attrs["tip"], error.attrs["touch_distance"] = model.errors.tip, model.errors.touch_distance
+    error.attrs["margin"] = model.errors.margin
+    error.attrs["unit"] = "m"
+    if model.has_obstacle:
+        aligned = [*tensions, ("s", "-")]
+        contact = file.create_group("contact")
+        contact.attrs["nearest"], contact.attrs["soft"] = model.way
+        _dataset(contact, "map", model.map.astype(np.uint8), "-")
+        _dataset(contact, "near", model.near, "-")
+        _dataset(contact, "error", model.errors.contact.astype(np.float32), "tip m/m, force N/m")
+        for r, regime in enumerate(model.regimes):
+            group = contact.create_group(f"regime_{r}")
+            group.attrs["code"], group.attrs["corner"], group.attrs["begins"] = regime.code, regime.corner, regime.begins
+            group.attrs["states"] = regime.states
+            group.attrs["targets"] = np.array(regime.targets, np.int64)
+            group.attrs["sizes"] = np.array(regime.sizes, float)
+            per = "/m" if regime.begins else ""
+            unit = f"m{per}, m{per}, m{per}, N{per}" + ", -" * len(regime.targets)
+            names = ["x", "y", "z", "contact_force", *["condition"] * len(regime.targets)]
+            _write_form(group, regime.form, aligned, unit, names)
+    if model.displacements is not None:
+        group = file.create_group("displacement")
+        _dataset(group, "free_basis", model.displacements.free_basis, "-")
+        _write_form(group.create_group("free"), model.displacements.free, tensions, "m", [])
+        if model.displacements.contact_basis is not None:
+            _dataset(group, "contact_basis", model.displacements.contact_basis, "-")
+            for r, (regime, form) in enumerate(zip(model.regimes, model.displacements.regimes, strict=True)):
+                unit = "m/m" if regime.begins else "m"
+                _write_form(group.create_group(f"regime_{r}"), form, aligned, unit, [])
+
+
+def _dataset(group: h5py.Group, name: str, values: np.ndarray, unit: str) -> None:
+    group[name] = values
+    group[name].attrs["unit"] = unit
+
+
+def _write_form(group: h5py.Group, form: Separated, axes: list[tuple[str, str]], unit: str, names: list[str]) -> None:
+    """A separated form; `names` are those of its components, if they have names."""
+    _dataset(group, "modes", form.modes, unit)
+    if names:
+        group["modes"].attrs["components"] = ", ".join(names)
+    _dataset(group, "errors", form.errors, "-")
+    group["lost"] = form.lost
+    group.attrs["functions"] = form.kind
+    for a, (axis, axis_unit) in enumerate(axes):
+        factor = form.factors[a]
+        _dataset(group, f"nodes_{a}", np.linspace(form.lower[a], form.upper[a], len(factor)), axis_unit)
+        group[f"nodes_{a}"].attrs["axis"] = axis
+        _dataset(group, f"values_{a}", factor, "-")
+        _dataset(group, f"slopes_{a}", form.slopes[a], f"1/{axis_unit}")
+
+
+def _read(file: h5py.File) -> Surrogate:
+    plain = {name: json.loads(file.attrs[name]) for name in PLAIN}
+    obstacle = plain["parameters"][-1]["name"] == "d"
+    error = file["error"]
+    contact, regimes, way = np.zeros((1, 2)), [], Way(0.0, 1.0)
+    places, near = np.zeros(1, np.int64), np.zeros(1, np.uint64)
+    if obstacle:
+        group = file["contact"]
+        contact, places = group["error"][:].astype(float), group["map"][:].astype(np.int64)
+        near = group["near"][:]
+        way = Way(float(group.attrs["nearest"]), float(group.attrs["soft"]))
+        while f"regime_{len(regimes)}" in group:
+            regimes.append(_read_regime(group[f"regime_{len(regimes)}"]))
+    field = None
+    if "displacement" in file:
+        group = file["displacement"]
+        field = Field(
+            free_basis=group["free_basis"][:],
+            free=_read_form(group["free"]),
+            contact_basis=group["contact_basis"][:] if obstacle else None,
+            regimes=[_read_form(group[f"regime_{r}"]) for r in range(len(regimes))],
+        )
+    return Surrogate(
+        free=_read_form(file["free"]),
+        regimes=regimes,
+        map=places,
+        near=near,
+        way=way,
+        errors=Errors(
+            tip=float(error.attrs["tip"]),
+            touch_distance=float(error.attrs["touch_distance"]),
+            contact=contact,
+            margin=float(error.attrs["margin"]),
+        ),
+        displacements=field,
+        lead=int(file.attrs["lead"]),
+        nodes=file["nodes"][:].astype(float),
+        **plain,
+    )
+
+
+def _read_regime(group: h5py.Group) -> Regime:
+    return Regime(
+        code=tuple(group.attrs["code"].tolist()),
+        corner=int(group.attrs["corner"]),
+        begins=bool(group.attrs["begins"]),
+        states=int(group.attrs["states"]),
+        targets=group.attrs["targets"].tolist(),
+        sizes=group.attrs["sizes"].tolist(),
+        form=_read_form(group),
+    )
+
+
+def _read_form(group: h5py.Group) -> Separated:
+    axes = range(sum(name.startswith("nodes_") for name in group))
+    nodes = [group[f"nodes_{a}"][:] for a in axes]
+    return Separated(
+        lower=np.array([axis[0] for axis in nodes]),
+        upper=np.array([axis[-1] for axis in nodes]),
+        factors=[group[f"values_{a}"][:] for a in axes],
+        slopes=[group[f"slopes_{a}"][:] for a in axes],
+        modes=group["modes"][:],
+        errors=group["errors"][:],
+        lost=group["lost"][:],
+        kind=str(group.attrs["functions"]),
+    )

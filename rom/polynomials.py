@@ -1,0 +1,200 @@
+"""Polynomials of several variables fitted to scattered states and their derivatives, the degree chosen by themselves.
+
+In Chebyshev polynomials of total degree q, by least squares (gradient-enhanced regression: Peng, Hampton, Doostan,
+J. Comput. Phys. 310, 2016, doi:10.1016/j.jcp.2015.12.049). A response that is smooth needs few states: where n nodes an
+axis are n^p states on a grid, total degree q needs some (p + q)! / (p! q!) / (1 + p). States may be missing anywhere.
+
+The degree is the one that best predicts whole groups of states left out, such as lines, in the median: the outermost
+groups are extrapolated when they are left out, which says little about the fit. With all rows Q R, leaving a group g
+out changes its residuals from e_g to (I - Q_g Q_g^T)^-1 e_g, so this costs no further fit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import combinations_with_replacement
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.linalg import qr, solve_triangular
+
+SLOPES = 0.1  # weight of a derivative by an axis scaled to [-1, 1], beside a value
+ROWS = 1.5  # rows a fit has at least for every coefficient
+NOISE, DECAY = 1e-7, 0.4  # coefficients are expected to be smaller than DECAY^degree / NOISE
+PATIENCE = 3  # degrees without a better prediction after which none is expected
+
+
+@dataclass(frozen=True, kw_only=True)
+class Samples:
+    """What is known of m functions of p variables.
+
+    Attributes:
+        points: shape (n, p).
+        values: shape (n, m).
+        slopes: derivatives, shape (n, m, p); None if not known.
+        weights: of the states, shape (n,).
+        groups: numbers of the groups that are left out together, shape (n,).
+        lower, upper: of the box, shapes (p,).
+    """
+
+    points: np.ndarray
+    values: np.ndarray
+    slopes: np.ndarray | None
+    weights: np.ndarray
+    groups: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Polynomial:
+    """Sum of coefficients times products of Chebyshev polynomials of the scaled variables.
+
+    Attributes:
+        lower, upper: of the box that is scaled to [-1, 1], shapes (p,).
+        powers: degrees of every product, shape (k, p).
+        coefficients: shape (k, m).
+    """
+
+    lower: np.ndarray
+    upper: np.ndarray
+    powers: np.ndarray
+    coefficients: np.ndarray
+
+    def value(self, points: np.ndarray) -> np.ndarray:
+        """Values, shape (n, m), at points, shape (n, p)."""
+        return _products(self._scaled(points), self.powers) @ self.coefficients
+
+    def value_and_gradient(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values, shape (n, m), and derivatives, shape (n, m, p)."""
+        scaled, half = self._scaled(points), (self.upper - self.lower) / 2
+        slopes = [_products(scaled, self.powers, a) @ self.coefficients / half[a] for a in range(len(half))]
+        return _products(scaled, self.powers) @ self.coefficients, np.stack(slopes, axis=-1)
+
+    @staticmethod
+    def together(polynomials: Sequence[Polynomial]) -> Polynomial:
+        """Polynomials on one box as one of all their values."""
+        powers = max((one.powers for one in polynomials), key=len)
+        places = {tuple(row): k for k, row in enumerate(powers.tolist())}
+        columns = []
+        for one in polynomials:
+            found = np.zeros((len(powers), one.coefficients.shape[1]))
+            found[[places[tuple(row)] for row in one.powers.tolist()]] = one.coefficients
+            columns.append(found)
+        first = polynomials[0]
+        return Polynomial(lower=first.lower, upper=first.upper, powers=powers, coefficients=np.hstack(columns))
+
+    def _scaled(self, points: np.ndarray) -> np.ndarray:
+        return 2 * (points - self.lower) / (self.upper - self.lower) - 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fitted:
+    """A polynomial, and how well it predicts what it was not fitted to.
+
+    Attributes:
+        polynomial: the fit to all samples.
+        degree: its total degree.
+        residuals: of the values, each with its group left out, shape (n, m).
+    """
+
+    polynomial: Polynomial
+    degree: int
+    residuals: np.ndarray
+
+
+def fit(samples: Samples, most: int = 16, alike: bool = False) -> Fitted:
+    """The polynomial of the total degree, up to `most`, that predicts best what is left out.
+
+    Every one of the m functions counts by its own size, unless they are `alike` and have one unit. A fit has the same
+    degree for all of them.
+    """
+    size = np.abs(samples.values).max(axis=0)
+    if alike:
+        size[:] = size.max()
+    size[size == 0] = 1.0
+    found = _fit(samples, 0)
+    smallest, since = _score(samples, found, size), 0
+    for degree in range(1, most + 1):
+        powers = total_degree(samples.points.shape[1], degree)
+        rows = len(samples.points) * (1 if samples.slopes is None else 1 + samples.points.shape[1])
+        if rows < ROWS * len(powers) or since == PATIENCE:
+            break
+        candidate = _fit(samples, degree)
+        score, since = _score(samples, candidate, size), since + 1
+        if score < smallest:
+            found, smallest, since = candidate, score, 0
+    return found
+
+
+def _score(samples: Samples, found: Fitted, size: np.ndarray) -> float:
+    spread = np.abs(samples.weights[:, None] * found.residuals / size)
+    return float(np.linalg.norm(np.quantile(spread, 0.75, axis=0)))
+
+
+def _fit(samples: Samples, degree: int) -> Fitted:
+    p, powers = samples.points.shape[1], total_degree(samples.points.shape[1], degree)
+    blank = Polynomial(lower=samples.lower, upper=samples.upper, powers=powers, coefficients=np.zeros((0, 0)))
+    scaled, half = blank._scaled(samples.points), (samples.upper - samples.lower) / 2
+    rows, right = [_products(scaled, powers)], [samples.values]
+    if samples.slopes is not None:
+        for a in range(p):
+            rows.append(SLOPES * _products(scaled, powers, a))
+            right.append(SLOPES * half[a] * samples.slopes[..., a])
+    weights = np.tile(samples.weights, len(rows))[:, None]
+    matrix, wanted = weights * np.concatenate(rows), weights * np.concatenate(right)
+    prior = np.sqrt(len(wanted)) * NOISE * DECAY ** -powers.sum(axis=1)
+    Q, R = qr(np.concatenate([matrix, np.diag(prior)]), mode="economic")
+    Q = Q[: len(wanted)]
+    along = Q.T @ wanted
+    return Fitted(
+        polynomial=Polynomial(
+            lower=samples.lower, upper=samples.upper, powers=powers, coefficients=solve_triangular(R, along)
+        ),
+        degree=degree,
+        residuals=_left_out(samples, Q, wanted - Q @ along),
+    )
+
+
+def _left_out(samples: Samples, Q: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Residuals of the values, each group predicted by all others, shape (n, m)."""
+    residuals, blocks = np.empty_like(samples.values), len(Q) // len(samples.values)
+    for group in np.unique(samples.groups):
+        states = np.flatnonzero(samples.groups == group)
+        own = (np.arange(blocks)[:, None] * len(samples.values) + states).ravel()
+        leverage = np.eye(len(own)) - Q[own] @ Q[own].T
+        left_out = np.linalg.lstsq(leverage, errors[own], rcond=1e-12)[0]
+        residuals[states] = left_out[: len(states)] / samples.weights[states, None]
+    return residuals
+
+
+@lru_cache
+def total_degree(p: int, degree: int) -> np.ndarray:
+    """Degrees of all products of p Chebyshev polynomials whose sum is at most `degree`, shape (k, p)."""
+    found = []
+    for chosen in combinations_with_replacement(range(p + 1), degree):
+        found.append([chosen.count(a) for a in range(p)])
+    return np.array(found, int).reshape(-1, p)
+
+
+def _products(scaled: np.ndarray, powers: np.ndarray, by: int | None = None) -> np.ndarray:
+    """Products at points, shape (n, k); their derivatives by the scaled variable `by`, if one is named."""
+    degree = int(powers.max(initial=0))
+    found = np.ones((len(scaled), len(powers)))
+    for a in range(scaled.shape[1]):
+        table = chebyshev.chebvander(scaled[:, a], degree)
+        if a == by:
+            table = table @ _derivative(degree)
+        found *= table[:, powers[:, a]]
+    return found
+
+
+@lru_cache
+def _derivative(degree: int) -> np.ndarray:
+    """Chebyshev coefficients of the derivatives of T_0 ... T_degree, as columns."""
+    found = np.zeros((degree + 1, degree + 1))
+    for k in range(1, degree + 1):
+        found[:degree, k] = chebyshev.chebder(np.eye(degree + 1)[k])
+    return found
