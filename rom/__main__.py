@@ -22,7 +22,7 @@ def build(
     folder: Annotated[Path, typer.Argument(metavar="SET/", help="A complete training set.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="MODEL.h5")],
     tolerance: Annotated[float, typer.Option(min=1e-12, max=0.5, help="Relative error over the snapshots.")] = 1e-4,
-    terms: Annotated[int, typer.Option(min=1, max=1000, help="Most products of one quantity.")] = 80,
+    terms: Annotated[int, typer.Option(min=1, max=1000, help="Most products of one form.")] = 100,
     held_out: Annotated[
         Path | None, typer.Option(metavar="HELDOUT/", help="Measure the error on these states.")
     ] = None,
@@ -30,6 +30,7 @@ def build(
 ) -> None:
     """Separate a snapshot set and write the model file."""
     from rom.enrichment import EnrichmentOptions
+    from rom.error_map import calibrated
     from rom.errors import accuracy, check
     from rom.training import train
 
@@ -38,7 +39,8 @@ def build(
         raise ValueError(f"output must be in a folder that exists, got {output}")
     model = train(SnapshotSet(folder), EnrichmentOptions(tolerance=tolerance, terms=terms))
     if held_out is not None:
-        model = replace(model, accuracy=accuracy(check(model, SnapshotSet(held_out))))
+        fresh = SnapshotSet(held_out)
+        model = calibrated(replace(model, accuracy=accuracy(check(model, fresh))), fresh)
     model.save(output)
     show(summary(model), as_json)
 
@@ -69,8 +71,9 @@ def summary(model: Surrogate) -> dict:
     return {
         "scene": model.scene["name"],
         "parameters": model.parameters,
-        "terms": {name: form.terms for name, form in model.forms.items()},
-        "snapshot_error": {name: float(form.errors[-1]) for name, form in model.forms.items()},
+        "terms": model.terms,
+        "regimes": [{"code": list(regime.code), "states": regime.states} for regime in model.regimes],
+        "separation_error": {name: float(form.errors[-1]) for name, form in model.forms.items()},
         "accuracy": model.accuracy or "not measured: build with --held-out",
         "nodes": len(model.nodes),
         "provenance": model.provenance,

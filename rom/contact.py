@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -45,6 +46,11 @@ class Place:
     way: chart.Way
     blank: Samples
 
+    @property
+    def past(self) -> np.ndarray:
+        """By which the quantities that grow from touch on are divided: the way past the corner [m], or 1; shape (n,)."""
+        return self.height - self.parameters[:, -1] if self.begins else np.ones(len(self.height))
+
     def fit(self, values: np.ndarray, slopes: np.ndarray, grows: bool = True, field: bool = False) -> Fitted:
         """Fit quantities, shape (n, m), with derivatives by the parameters, shape (n, m, p).
 
@@ -53,7 +59,7 @@ class Place:
         """
         samples = self.blank
         if self.begins and grows:
-            past = self.height - self.parameters[:, -1]
+            past = self.past
             growing = np.column_stack([self.rising, np.full(len(past), -1.0)])
             values = values / past[:, None]
             slopes = (slopes - values[..., None] * growing[:, None]) / past[:, None, None]
@@ -110,6 +116,7 @@ class Contact:
 
     Attributes:
         parameters: of all states in contact, shape (n, p).
+        force: of contact [N], shape (n,).
         touch_distance: at their tensions [m], shape (n,).
         regime: of each, shape (n,).
         touching: which of the set's contact states these are.
@@ -117,6 +124,7 @@ class Contact:
     """
 
     parameters: np.ndarray
+    force: np.ndarray
     touch_distance: np.ndarray
     regime: np.ndarray
     touching: np.ndarray
@@ -140,7 +148,7 @@ class Contact:
         ends = box(snapshots)
         heights = free.polynomial.value(states["parameters"][:, :-1])[:, 3:]
         regime = np.array([listed.index(code) for code in codes])
-        geometry, half = snapshots.description.scene["geometry"], bool((snapshots.nodes[:, 2] >= 0).all())
+        geometry, half = snapshots.description.scene["geometry"], bool(snapshots.nodes[:, 2].min() > -1e-9)
         sizes = np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
         leading = _corners(listed, counts, half)
         signs = regimes.signs(listed, counts)
@@ -156,6 +164,7 @@ class Contact:
             parts.append(_part(code, rows, own, free, height, corner is not None, way, signs[r], sizes))
         return Contact(
             parameters=states["parameters"],
+            force=states["contact_force"],
             touch_distance=states["touch_distance"],
             regime=regime,
             touching=touching,
@@ -164,8 +173,9 @@ class Contact:
             box=ends,
         )
 
-    def map(self) -> tuple[np.ndarray, np.ndarray]:
-        """Regimes by cell, flat, see rom.kernel.cell: that of the state nearest to its middle; bits of those nearby."""
+    @cached_property
+    def around(self) -> np.ndarray:
+        """States nearest to the middle of every cell, see rom.kernel.cell, nearest first; shape (cells, states)."""
         lower, upper = self.box
         p = len(lower)
         cells = max(int(MAP ** (1 / p)), 2)
@@ -173,10 +183,13 @@ class Contact:
         reach = self.touch_distance
         scaled[:, -1] = (reach - self.parameters[:, -1]) / (reach - self.way.nearest + self.way.soft)
         middles = (np.stack(np.meshgrid(*[np.arange(cells)] * p, indexing="ij"), axis=-1).reshape(-1, p) + 0.5) / cells
-        tree, bits = cKDTree(scaled), np.uint64(1) << self.regime.astype(np.uint64)
-        _, nearest = tree.query(middles, k=min(NEIGHBOURS, len(scaled)))
-        near = np.bitwise_or.reduce(bits[nearest.reshape(len(middles), -1)], axis=1)
-        return self.regime[nearest.reshape(len(middles), -1)[:, 0]], near
+        found = cKDTree(scaled).query(middles, k=min(NEIGHBOURS, len(scaled)))[1]
+        return np.asarray(found.reshape(len(middles), -1))
+
+    def map(self) -> tuple[np.ndarray, np.ndarray]:
+        """Regimes by cell, flat: that of the state nearest to its middle; and bits of those nearby."""
+        bits = np.uint64(1) << self.regime.astype(np.uint64)
+        return self.regime[self.around[:, 0]], np.bitwise_or.reduce(bits[self.around], axis=1)
 
 
 def _corners(listed: list[Code], counts: Counter[Code], half: bool) -> Counter:

@@ -32,7 +32,7 @@ class EnrichmentOptions:
     """
 
     tolerance: float = 1e-4
-    terms: int = 80
+    terms: int = 100
     alternations: int = 30
     sweeps: int = 4
 
@@ -92,7 +92,8 @@ def slopes(factors: list[np.ndarray], derivative: np.ndarray, axis: int) -> np.n
     known = np.isfinite(derivative[0])
     others = _khatri_rao(factors[:axis] + factors[axis + 1 :])
     unfolded = np.moveaxis(np.where(known, derivative, 0.0), axis, 0).reshape(derivative.shape[axis], -1)
-    return _solve(_grams(known, factors, axis), unfolded @ others, np.zeros_like(factors[axis]))
+    grams, right = _grams(known, factors, axis), unfolded @ others
+    return _solve(grams, right, _solve(grams, right, np.zeros_like(factors[axis])))
 
 
 def _without_opposed(factors: list[np.ndarray], size: float) -> list[np.ndarray] | None:

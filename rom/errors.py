@@ -47,8 +47,7 @@ def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
             "right": float(1 - wrong.mean()),
             "force_without_touch": int((felt & ~touches).sum()),
         }
-    result["terms"] = {name: form.terms for name, form in model.forms.items()}
-    result["bytes"] = int(sum(f.modes.nbytes + sum(x.nbytes for x in f.factors) for f in model.forms.values()))
+    result["terms"], result["bytes"] = model.terms, model.bytes
     return result
 
 

@@ -17,8 +17,10 @@ from rom.surrogate import Field
 MOST = 60  # principal components of one kind of states
 
 
-def train(snapshots: SnapshotSet, free: Free, contact: Contact | None, options: EnrichmentOptions) -> Field:
-    """Fit and separate the displacements of a set.
+def train(
+    snapshots: SnapshotSet, free: Free, contact: Contact | None, options: EnrichmentOptions
+) -> tuple[Field, tuple[np.ndarray, np.ndarray]]:
+    """Fit and separate the displacements of a set; also what they err with lines left out, of free and contact states.
 
     Components leave out a tenth of the tolerance; those in free space less, because what contact adds is found from them.
     """
@@ -41,7 +43,11 @@ def train(snapshots: SnapshotSet, free: Free, contact: Contact | None, options: 
     )
     form = separated("free displacement", amounts.polynomial, free.points, options, alike=True)
     found = Field(free_basis=basis.astype(np.float32), free=form)
-    return found if contact is None else _with_contact(found, snapshots, amounts, basis, contact, options, size)
+    left_out = np.linalg.norm(amounts.residuals, axis=1) / np.sqrt(len(snapshots.nodes))
+    if contact is None:
+        return found, (left_out, np.zeros(0))
+    found, added = _with_contact(found, snapshots, amounts, basis, contact, options, size)
+    return found, (left_out, added)
 
 
 def _with_contact(
@@ -52,19 +58,21 @@ def _with_contact(
     contact: Contact,
     options: EnrichmentOptions,
     size: float,
-) -> Field:
+) -> tuple[Field, np.ndarray]:
     added = _flat(snapshots.states_of("contact", "displacement"))[contact.touching]
     amounts, turning = free.polynomial.value_and_gradient(contact.parameters[:, :-1])
     added -= amounts @ free_basis.T
     basis = _principal(added, 0.1 * options.tolerance * size)
     values, slopes = added @ basis, snapshots.projected("contact", basis)[contact.touching]
     slopes[..., :-1] -= (basis.T @ free_basis) @ turning
-    forms = []
+    forms, left_out = [], np.zeros(len(values))
     for part in contact.parts:
         fitted = part.place.fit(values[part.rows], slopes[part.rows], field=True)
+        residuals = fitted.residuals * part.place.past[:, None]
+        left_out[part.rows] = np.linalg.norm(residuals, axis=1) / np.sqrt(len(snapshots.nodes))
         name = f"displacement in regime {part.code}"
         forms.append(separated(name, fitted.polynomial, part.points, options, alike=True))
-    return replace(field, contact_basis=basis.astype(np.float32), regimes=forms)
+    return replace(field, contact_basis=basis.astype(np.float32), regimes=forms), left_out
 
 
 def _flat(displacement: np.ndarray) -> np.ndarray:

@@ -54,7 +54,7 @@ def tables(forms: Sequence[Separated]) -> Tables:
     """Forms as plain arrays."""
     axes = max(len(form.factors) for form in forms)
     parts: list[np.ndarray] = []
-    heads, spans, scales = np.zeros((len(forms), 4), np.int64), np.zeros((len(forms), axes, 2), np.int64), None
+    heads, spans = np.zeros((len(forms), 4), np.int64), np.zeros((len(forms), axes, 2), np.int64)
     scales = np.ones((len(forms), axes, 2))
     offset = 0
     for f, form in enumerate(forms):
@@ -64,50 +64,100 @@ def tables(forms: Sequence[Separated]) -> Tables:
             parts.append(pieces.ravel())
             offset += pieces.size
         heads[f] = len(form.factors), form.terms, len(form.modes), offset
-        parts.append(np.ascontiguousarray(form.modes.T).ravel())
+        parts.append(np.ascontiguousarray(form.modes).ravel())
         offset += form.modes.size
     return Tables(np.concatenate(parts), heads, spans, scales)
 
 
-@njit(cache=True)
-def evaluate(tables: Tables, f: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Value, shape (m,), and gradient, shape (m, axes), of form f at x, shape (axes,).
+# Sums may be taken in any order, so that they are vectorised.
+ANY_ORDER = {"reassoc", "contract", "nsz"}
+
+
+@njit(cache=True, fastmath=ANY_ORDER)
+def products(tables: Tables, f: int, x: np.ndarray) -> np.ndarray:
+    """The products of form f's one-dimensional functions at x, shape (terms,).
 
     Outside an axis the end pieces go on for one interval, and then stay: whoever calls decides what lies inside.
     """
-    axes, terms, m, at = tables.forms[f, 0], tables.forms[f, 1], tables.forms[f, 2], tables.forms[f, 3]
-    g = np.empty((axes, terms))
-    dg = np.empty((axes, terms))
-    for a in range(axes):
-        t = (x[a] - tables.scales[f, a, 0]) * tables.scales[f, a, 1]
+    terms = tables.forms[f, 1]
+    found = np.ones(terms)
+    for a in range(tables.forms[f, 0]):
         last = float(tables.axes[f, a, 0])
-        slope = tables.scales[f, a, 1] if -1.0 <= t <= last + 1.0 else 0.0
+        t = min(max((x[a] - tables.scales[f, a, 0]) * tables.scales[f, a, 1], -1.0), last + 1.0)
+        i = int(min(max(t, 0.0), last - 1.0))
+        t -= i
+        c = tables.axes[f, a, 1] + 4 * terms * i
+        c0, c1 = tables.data[c : c + terms], tables.data[c + terms : c + 2 * terms]
+        c2, c3 = tables.data[c + 2 * terms : c + 3 * terms], tables.data[c + 3 * terms : c + 4 * terms]
+        for k in range(terms):
+            found[k] *= c0[k] + t * (c1[k] + t * (c2[k] + t * c3[k]))
+    return found
+
+
+@njit(cache=True, fastmath=ANY_ORDER)
+def products_and_slopes(tables: Tables, f: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same, and their derivatives by every axis, shape (axes, terms)."""
+    axes, terms = tables.forms[f, 0], tables.forms[f, 1]
+    own = np.empty(terms)
+    found = np.ones(terms)
+    slopes = np.ones((axes, terms))
+    for a in range(axes):
+        last = float(tables.axes[f, a, 0])
+        t = (x[a] - tables.scales[f, a, 0]) * tables.scales[f, a, 1]
+        rate = tables.scales[f, a, 1] if -1.0 <= t <= last + 1.0 else 0.0
         t = min(max(t, -1.0), last + 1.0)
         i = int(min(max(t, 0.0), last - 1.0))
         t -= i
         c = tables.axes[f, a, 1] + 4 * terms * i
+        c0, c1 = tables.data[c : c + terms], tables.data[c + terms : c + 2 * terms]
+        c2, c3 = tables.data[c + 2 * terms : c + 3 * terms], tables.data[c + 3 * terms : c + 4 * terms]
+        by = slopes[a]
         for k in range(terms):
-            c0, c1 = tables.data[c + k], tables.data[c + terms + k]
-            c2, c3 = tables.data[c + 2 * terms + k], tables.data[c + 3 * terms + k]
-            g[a, k] = c0 + t * (c1 + t * (c2 + t * c3))
-            dg[a, k] = (c1 + t * (2 * c2 + t * 3 * c3)) * slope
-    value = np.zeros(m)
-    gradient = np.zeros((m, axes))
-    weights = np.empty(axes)
+            own[k] = c0[k] + t * (c1[k] + t * (c2[k] + t * c3[k]))
+            by[k] *= (c1[k] + t * (2 * c2[k] + t * 3 * c3[k])) * rate
+            found[k] *= own[k]
+        for b in range(axes):
+            if b != a:
+                other = slopes[b]
+                for k in range(terms):
+                    other[k] *= own[k]
+    return found, slopes
+
+
+@njit(cache=True, fastmath=ANY_ORDER)
+def weighted(tables: Tables, f: int, weights: np.ndarray, j: int) -> float:
+    """Component j of form f's modes, weighted by terms and added up."""
+    terms = tables.forms[f, 1]
+    at = tables.forms[f, 3] + j * terms
+    modes = tables.data[at : at + terms]
+    found = 0.0
     for k in range(terms):
-        whole = 1.0
+        found += weights[k] * modes[k]
+    return found
+
+
+@njit(cache=True)
+def evaluate(tables: Tables, f: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Value, shape (m,), and gradient, shape (m, axes), of form f at x, shape (axes,)."""
+    axes, m = tables.forms[f, 0], tables.forms[f, 2]
+    whole, slopes = products_and_slopes(tables, f, x)
+    value = np.empty(m)
+    gradient = np.empty((m, axes))
+    for j in range(m):
+        value[j] = weighted(tables, f, whole, j)
         for a in range(axes):
-            whole *= g[a, k]
-            weights[a] = dg[a, k]
-            for b in range(axes):
-                if b != a:
-                    weights[a] *= g[b, k]
-        for j in range(m):
-            mode = tables.data[at + k * m + j]
-            value[j] += whole * mode
-            for a in range(axes):
-                gradient[j, a] += weights[a] * mode
+            gradient[j, a] = weighted(tables, f, slopes[a], j)
     return value, gradient
+
+
+@njit(cache=True)
+def values(tables: Tables, f: int, x: np.ndarray) -> np.ndarray:
+    """Value of form f at x, shape (m,)."""
+    whole = products(tables, f, x)
+    found = np.empty(tables.forms[f, 2])
+    for j in range(len(found)):
+        found[j] = weighted(tables, f, whole, j)
+    return found
 
 
 @njit(cache=True)
@@ -142,46 +192,42 @@ def coordinates(kernel: Kernel, r: int, point: np.ndarray, height: float) -> np.
 
 
 @njit(cache=True)
-def regime_at(
-    kernel: Kernel, point: np.ndarray, free: np.ndarray, touch_distance: float
-) -> tuple[int, np.ndarray, np.ndarray]:
-    """Regime at a point in contact, and value and gradient of its form there.
+def regime_at(kernel: Kernel, point: np.ndarray, heights: np.ndarray, touch_distance: float) -> tuple[int, np.ndarray]:
+    """Regime at a point in contact, and the values of its form there.
 
     From the regime that the map says, it goes on to the next while a condition fails, the worst first, but to none twice
     and only to those that the map knows nearby.
     """
     place = cell(kernel, point, touch_distance)
     r, near = kernel.map[place], kernel.near[place]
-    before = np.zeros(len(kernel.corners), np.bool_)
-    value, gradient = evaluate(kernel.tables, 1 + r, coordinates(kernel, r, point, free[3 + kernel.corners[r]]))
+    before = np.uint64(0)
+    found = values(kernel.tables, 1 + r, coordinates(kernel, r, point, heights[kernel.corners[r]]))
     for _ in range(WALK):
-        before[r] = True
+        before |= np.uint64(1) << np.uint64(r)
         worst, follows = 0.0, -1
-        for j in range(len(value) - 4):
+        for j in range(len(found) - 4):
             target = kernel.targets[r, j]
-            if target >= 0 and value[4 + j] < worst * kernel.sizes[r, j] and not before[target] and near >> target & 1:
-                worst, follows = value[4 + j] / kernel.sizes[r, j], target
+            if target < 0 or found[4 + j] >= worst * kernel.sizes[r, j]:
+                continue
+            bit = np.uint64(1) << np.uint64(target)
+            if near & bit and not before & bit:
+                worst, follows = found[4 + j] / kernel.sizes[r, j], target
         if follows < 0:
             break
         r = follows
-        value, gradient = evaluate(kernel.tables, 1 + r, coordinates(kernel, r, point, free[3 + kernel.corners[r]]))
-    return r, value, gradient
+        found = values(kernel.tables, 1 + r, coordinates(kernel, r, point, heights[kernel.corners[r]]))
+    return r, found
 
 
 @njit(cache=True)
-def answer(kernel: Kernel, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool, int]:
-    """Outputs, shape (5,), their derivatives by the parameters, shape (5, p), whether inside, and the regime (-1: free).
+def answer(kernel: Kernel, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Outputs, shape (5,), their derivatives by the parameters, shape (5, p), and whether the point is inside.
 
     A point outside is moved to the nearest inside; derivatives across a wall are then zero.
     """
     p = len(point)
     tensions = p - 1 if kernel.has_obstacle else p
-    inside, r = True, -1
-    held = point.copy()
-    for j in range(tensions):
-        if not (kernel.lower[j] <= point[j] <= kernel.upper[j]):
-            inside = False
-            held[j] = kernel.upper[j] if point[j] > kernel.upper[j] else kernel.lower[j]  # nan goes low
+    held, inside = hold_tensions(kernel, point)
     free, rising = evaluate(kernel.tables, 0, held[:tensions])
     out = np.zeros(OUTPUTS)
     jacobian = np.zeros((OUTPUTS, p))
@@ -189,50 +235,98 @@ def answer(kernel: Kernel, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, b
     jacobian[:3, :tensions] = rising[:3]
     out[TOUCH] = np.nan
     if kernel.has_obstacle:
-        first = 3
-        for j in range(4, len(free)):
-            if free[j] > free[first]:
-                first = j
+        first = 3 + leading(free)
         out[TOUCH] = free[first]
         jacobian[TOUCH, :tensions] = rising[first]
-        if not point[p - 1] >= out[TOUCH]:  # a plane that is not touched may stand anywhere: the free answer is exact
-            if not (kernel.lower[p - 1] <= point[p - 1] <= kernel.upper[p - 1]):
-                inside = False
-                held[p - 1] = kernel.upper[p - 1] if point[p - 1] > kernel.upper[p - 1] else kernel.lower[p - 1]
-            if held[p - 1] < out[TOUCH]:
-                r = _contact(kernel, held, free, rising, out, jacobian)
+        inside = hold_distance(kernel, point, held, out[TOUCH]) and inside
+        if held[p - 1] < out[TOUCH]:
+            r, added = regime_at(kernel, held, free[3:], out[TOUCH])
+            _add(kernel, r, added, held, free[3:], rising[3:], out, jacobian)
     if not inside:
         for j in range(p):
             if held[j] != point[j]:
                 jacobian[:, j] = 0.0
-    return out, jacobian, inside, r
+    return out, jacobian, inside
 
 
 @njit(cache=True)
-def _contact(
-    kernel: Kernel, point: np.ndarray, free: np.ndarray, rising: np.ndarray, out: np.ndarray, jacobian: np.ndarray
-) -> int:
-    """Add what contact does at a point that touches; returns the regime."""
-    p = len(point)
-    r, value, gradient = regime_at(kernel, point, free, out[TOUCH])
-    corner = 3 + kernel.corners[r]
-    height = free[corner]
+def answer_value(kernel: Kernel, point: np.ndarray, out: np.ndarray) -> tuple[bool, int]:
+    """The outputs alone, into `out`; whether the point is inside, and the regime, -1 without contact."""
+    p, r = len(point), -1
+    held, inside = hold_tensions(kernel, point)
+    free = values(kernel.tables, 0, held[: p - 1] if kernel.has_obstacle else held)
+    out[:3], out[FORCE], out[TOUCH] = free[:3], 0.0, np.nan
+    if kernel.has_obstacle:
+        out[TOUCH] = free[3 + leading(free)]
+        inside = hold_distance(kernel, point, held, out[TOUCH]) and inside
+        if held[p - 1] < out[TOUCH]:
+            r, added = regime_at(kernel, held, free[3:], out[TOUCH])
+            size = free[3 + kernel.corners[r]] - held[p - 1] if kernel.begins[r] else 1.0
+            for i in range(4):
+                out[TIP + i] += size * added[i]
+            out[FORCE] = max(out[FORCE], 0.0)
+    return inside, r
+
+
+@njit(cache=True)
+def leading(free: np.ndarray) -> int:
+    """Which height leads."""
+    first = 0
+    for j in range(1, len(free) - 3):
+        if free[3 + j] > free[3 + first]:
+            first = j
+    return first
+
+
+@njit(cache=True)
+def hold_tensions(kernel: Kernel, point: np.ndarray) -> tuple[np.ndarray, bool]:
+    """The point with its tensions held to the box, and whether they are inside."""
+    held, inside = point.copy(), True
+    for j in range(len(point) - 1 if kernel.has_obstacle else len(point)):
+        if not (kernel.lower[j] <= point[j] <= kernel.upper[j]):
+            inside = False
+            held[j] = kernel.upper[j] if point[j] > kernel.upper[j] else kernel.lower[j]  # nan goes low
+    return held, inside
+
+
+@njit(cache=True)
+def hold_distance(kernel: Kernel, point: np.ndarray, held: np.ndarray, touch_distance: float) -> bool:
+    """Hold the plane's distance to the box, in `held`; a plane that is not touched may stand anywhere."""
+    d = len(point) - 1
+    if point[d] >= touch_distance or kernel.lower[d] <= point[d] <= kernel.upper[d]:
+        return True
+    held[d] = kernel.upper[d] if point[d] > kernel.upper[d] else kernel.lower[d]
+    return False
+
+
+@njit(cache=True)
+def _add(
+    kernel: Kernel,
+    r: int,
+    added: np.ndarray,
+    point: np.ndarray,
+    heights: np.ndarray,
+    rising: np.ndarray,
+    out: np.ndarray,
+    jacobian: np.ndarray,
+) -> None:
+    """Add what contact does, in regime r, to outputs and derivatives."""
+    p, corner = len(point), kernel.corners[r]
+    height, turned = heights[corner], rising[corner]
     past, whole = height - point[p - 1], height - kernel.way[0] + kernel.way[1]
     s = past / whole
+    size = past if kernel.begins[r] else 1.0
+    grows = 1.0 if kernel.begins[r] else 0.0
+    _, slopes = products_and_slopes(kernel.tables, 1 + r, coordinates(kernel, r, point, height))
     for i in range(4):
-        size = past if kernel.begins[r] else 1.0
-        out[TIP + i] += size * value[i]
-        by_s = gradient[i, p - 1] / whole
+        out[TIP + i] += size * added[i]
+        by_s = weighted(kernel.tables, 1 + r, slopes[p - 1], i) / whole
         for k in range(p - 1):
-            jacobian[i, k] += size * (gradient[i, k] + by_s * (1.0 - s) * rising[corner, k])
-            if kernel.begins[r]:
-                jacobian[i, k] += value[i] * rising[corner, k]
-        jacobian[i, p - 1] -= size * by_s
-        if kernel.begins[r]:
-            jacobian[i, p - 1] -= value[i]
+            by_tension = weighted(kernel.tables, 1 + r, slopes[k], i)
+            jacobian[i, k] += size * (by_tension + by_s * (1.0 - s) * turned[k]) + grows * added[i] * turned[k]
+        jacobian[i, p - 1] -= size * by_s + grows * added[i]
     if out[FORCE] < 0.0:  # a fit may swing below zero just after touch; a plane never pulls
         out[FORCE] = 0.0
-    return r
 
 
 @njit(cache=True)
@@ -242,5 +336,5 @@ def answers(kernel: Kernel, points: np.ndarray) -> tuple[np.ndarray, np.ndarray,
     inside = np.empty(len(points), np.bool_)
     regimes = np.empty(len(points), np.int64)
     for i in range(len(points)):
-        out[i], _, inside[i], regimes[i] = answer(kernel, points[i])
+        inside[i], regimes[i] = answer_value(kernel, points[i], out[i])
     return out, inside, regimes

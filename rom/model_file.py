@@ -89,7 +89,7 @@ def _write(model: Surrogate, file: h5py.File) -> None:
     _write_form(file.create_group("free"), model.free, tensions, "m", ["x", "y", "z", *["height"] * heights])
     error = file.create_group("error")
     error.attrs["tip"], error.attrs["touch_distance"] = model.errors.tip, model.errors.touch_distance
-    error.attrs["margin"] = model.errors.margin
+    error.attrs["displacement"], error.attrs["margin"] = model.errors.displacement, model.errors.margin
     error.attrs["unit"] = "m"
     if model.has_obstacle:
         aligned = [*tensions, ("s", "-")]
@@ -97,7 +97,7 @@ def _write(model: Surrogate, file: h5py.File) -> None:
         contact.attrs["nearest"], contact.attrs["soft"] = model.way
         _dataset(contact, "map", model.map.astype(np.uint8), "-")
         _dataset(contact, "near", model.near, "-")
-        _dataset(contact, "error", model.errors.contact.astype(np.float32), "tip m/m, force N/m")
+        _dataset(contact, "error", model.errors.contact.astype(np.float32), "tip m/m, contact force N/m, displacement m/m")
         for r, regime in enumerate(model.regimes):
             group = contact.create_group(f"regime_{r}")
             group.attrs["code"], group.attrs["corner"], group.attrs["begins"] = regime.code, regime.corner, regime.begins
@@ -144,7 +144,7 @@ def _read(file: h5py.File) -> Surrogate:
     plain = {name: json.loads(file.attrs[name]) for name in PLAIN}
     obstacle = plain["parameters"][-1]["name"] == "d"
     error = file["error"]
-    contact, regimes, way = np.zeros((1, 2)), [], Way(0.0, 1.0)
+    contact, regimes, way = np.zeros((1, 3)), [], Way(0.0, 1.0)
     places, near = np.zeros(1, np.int64), np.zeros(1, np.uint64)
     if obstacle:
         group = file["contact"]
@@ -170,6 +170,7 @@ def _read(file: h5py.File) -> Surrogate:
         way=way,
         errors=Errors(
             tip=float(error.attrs["tip"]),
+            displacement=float(error.attrs["displacement"]),
             touch_distance=float(error.attrs["touch_distance"]),
             contact=contact,
             margin=float(error.attrs["margin"]),

@@ -97,12 +97,14 @@ class Fitted:
     Attributes:
         polynomial: the fit to all samples.
         degree: its total degree.
-        residuals: of the values, each with its group left out, shape (n, m).
+        residuals: of the values, each state predicted by all others, shape (n, m).
+        by_group: the same, each group predicted by all others.
     """
 
     polynomial: Polynomial
     degree: int
     residuals: np.ndarray
+    by_group: np.ndarray
 
 
 def fit(samples: Samples, most: int = 16, alike: bool = False) -> Fitted:
@@ -130,7 +132,7 @@ def fit(samples: Samples, most: int = 16, alike: bool = False) -> Fitted:
 
 
 def _score(samples: Samples, found: Fitted, size: np.ndarray) -> float:
-    spread = np.abs(samples.weights[:, None] * found.residuals / size)
+    spread = np.abs(samples.weights[:, None] * found.by_group / size)
     return float(np.linalg.norm(np.quantile(spread, 0.75, axis=0)))
 
 
@@ -154,15 +156,16 @@ def _fit(samples: Samples, degree: int) -> Fitted:
             lower=samples.lower, upper=samples.upper, powers=powers, coefficients=solve_triangular(R, along)
         ),
         degree=degree,
-        residuals=_left_out(samples, Q, wanted - Q @ along),
+        residuals=_left_out(samples, np.arange(len(samples.points)), Q, wanted - Q @ along),
+        by_group=_left_out(samples, samples.groups, Q, wanted - Q @ along),
     )
 
 
-def _left_out(samples: Samples, Q: np.ndarray, errors: np.ndarray) -> np.ndarray:
+def _left_out(samples: Samples, groups: np.ndarray, Q: np.ndarray, errors: np.ndarray) -> np.ndarray:
     """Residuals of the values, each group predicted by all others, shape (n, m)."""
     residuals, blocks = np.empty_like(samples.values), len(Q) // len(samples.values)
-    for group in np.unique(samples.groups):
-        states = np.flatnonzero(samples.groups == group)
+    for group in np.unique(groups):
+        states = np.flatnonzero(groups == group)
         own = (np.arange(blocks)[:, None] * len(samples.values) + states).ravel()
         leverage = np.eye(len(own)) - Q[own] @ Q[own].T
         left_out = np.linalg.lstsq(leverage, errors[own], rcond=1e-12)[0]

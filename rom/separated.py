@@ -67,11 +67,14 @@ class Separated:
         """The form as plain arrays for compiled code."""
         return kernel.tables([self])
 
-    def truncated(self, tolerance: float) -> Separated:
-        """The fewest leading terms whose separation error is below `tolerance` [-]; all of them if none is."""
+    def truncated(self, tolerance: float) -> tuple[Separated, np.ndarray]:
+        """The fewest leading terms whose separation error is below `tolerance` [-], all of them if none is.
+
+        And what more every component loses than with all, at 95 % of the points, shape (m,).
+        """
         good = np.flatnonzero(self.errors <= tolerance)
         terms = int(good[0]) + 1 if good.size else self.terms
-        return replace(
+        fewer = replace(
             self,
             factors=[factor[:, :terms] for factor in self.factors],
             slopes=[slope[:, :terms] for slope in self.slopes],
@@ -79,10 +82,11 @@ class Separated:
             errors=self.errors[:terms],
             lost=self.lost[:terms],
         )
+        return fewer, np.maximum(self.lost[terms - 1] - self.lost[-1], 0.0)
 
     def value(self, x: ArrayLike) -> np.ndarray:
         """Value at a point, shape (m,)."""
-        return self.value_and_gradient(x)[0]
+        return kernel.values(self.tables, 0, np.asarray(x, float))
 
     def value_and_gradient(self, x: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Value at a point, shape (m,), and gradient by the axes, shape (m, axes)."""

@@ -86,16 +86,19 @@ class Field:
 
 @dataclass(frozen=True, kw_only=True)
 class Errors:
-    """What the surrogate knows of its own error: that 95 % of fresh states keep.
+    """What the surrogate knows of its own error, see rom.error_map: that 95 % of fresh states keep.
 
     Attributes:
         tip: in free space [m].
+        displacement: in free space, root mean square over the nodes [m]; 0 without the field.
         touch_distance: [m].
-        contact: of tip [m] and contact force [N] by way past touch [1/m], by cell of the map, shape (cells, 2).
-        margin: way past touch below which errors do not become smaller [m].
+        contact: of tip, contact force and displacement, by way past touch [-, N/m, -], by cell of the map of regimes,
+            shape (cells, 3).
+        margin: added to the way past touch [m].
     """
 
     tip: float
+    displacement: float
     touch_distance: float
     contact: np.ndarray
     margin: float
@@ -204,7 +207,7 @@ class Surrogate:
         """
         point = self._point(parameters, most=2)
         if point.ndim == 1:
-            out, _, inside, _ = kernel.answer(self.kernel, point)
+            out, _, inside = kernel.answer(self.kernel, point)
         else:
             out, inside = kernel.answers(self.kernel, point)[:2]
         return Answer(
@@ -216,21 +219,85 @@ class Surrogate:
         )
 
     def _error(self, point: np.ndarray, out: np.ndarray) -> dict[str, Any]:
-        touch = out[..., kernel.TOUCH]
-        tip, force = np.full_like(touch, self.errors.tip), np.zeros_like(touch)
+        touch, errors = out[..., kernel.TOUCH], self.errors
+        grown = np.zeros((*touch.shape, 3))
         if self.has_obstacle:
             lower, upper = self.limits
             held = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
-            past = np.where(point[..., -1] >= touch, 0.0, touch - held[..., -1])
-            rates = self.errors.contact[kernel.cells_of(self.kernel, np.atleast_2d(held), np.atleast_1d(touch))]
-            rates = rates.reshape(*touch.shape, 2)
-            tip = tip + rates[..., 0] * past
-            force = rates[..., 1] * (past + self.errors.margin) * (past > 0)
-        return {
-            "tip": tip,
-            "contact_force": force,
-            "touch_distance": np.full_like(touch, self.errors.touch_distance),
+            past = np.where(point[..., -1] >= touch, 0.0, np.maximum(touch - held[..., -1], 0.0))
+            cells = kernel.cells_of(self.kernel, np.atleast_2d(held), np.atleast_1d(touch)).reshape(touch.shape)
+            grown = errors.contact[cells] * ((past + errors.margin) * (past > 0))[..., None]
+        found = {
+            "tip": errors.tip + grown[..., 0],
+            "contact_force": grown[..., 1],
+            "touch_distance": np.full_like(touch, errors.touch_distance),
         }
+        return found | ({"displacement": errors.displacement + grown[..., 2]} if self.has_field else {})
+
+    def free_values(self, tensions: np.ndarray) -> np.ndarray:
+        """Tip and heights in free space [m], shape (n, 3 + heights), at tensions, shape (n, tensions) [N]."""
+        return np.array([kernel.values(self.kernel.tables, 0, point) for point in np.asarray(tensions, float)])
+
+    def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and their jacobian, see there; fastest."""
+        out, jacobian, _ = kernel.answer(self.kernel, self._point(parameters))
+        return out, jacobian
+
+    def truncated(self, tolerance: float) -> Surrogate:
+        """The model with only the terms needed for a relative separation error [-]; its errors grow by what is lost."""
+        errors, contact = self.errors, self.errors.contact.copy()
+        free, lost = self.free.truncated(tolerance)
+        regimes, fields = [], []
+        for r, regime in enumerate(self.regimes):
+            form, less = regime.form.truncated(tolerance)
+            regimes.append(replace(regime, form=form))
+            way = 1.0 if regime.begins else self.way.soft
+            contact[self.map == r, :2] += np.array([np.linalg.norm(less[:3]), less[3]]) / way
+        moved = self.displacements
+        moving = 0.0
+        if moved is not None:
+            kept, gone = moved.free.truncated(tolerance)
+            moving = float(np.linalg.norm(gone)) / np.sqrt(len(self.nodes))
+            for r, form in enumerate(moved.regimes):
+                fields.append(form.truncated(tolerance)[0])
+                less = form.truncated(tolerance)[1]
+                way = 1.0 if self.regimes[r].begins else self.way.soft
+                contact[self.map == r, 2] += np.linalg.norm(less) / np.sqrt(len(self.nodes)) / way
+            moved = replace(moved, free=kept, regimes=fields)
+        found = replace(
+            self,
+            free=free,
+            regimes=regimes,
+            displacements=moved,
+            errors=replace(
+                errors,
+                tip=errors.tip + float(np.linalg.norm(lost[:3])),
+                touch_distance=errors.touch_distance + float(lost[3:].max(initial=0.0)),
+                displacement=errors.displacement + moving,
+                contact=contact,
+            ),
+        )
+        whole, fewer = self.terms, found.terms
+        if fewer != whole:
+            found = replace(found, accuracy={})
+        kept_terms = ", ".join(f"{name} {fewer[name]} of {count}" for name, count in whole.items())
+        logger.info("terms kept for a tolerance of %g: %s", tolerance, kept_terms)
+        return found
+
+    @property
+    def bytes(self) -> int:
+        """Size of its numbers, without the nodes of the mesh [B]."""
+        forms = [(form.modes, *form.factors, *form.slopes) for form in self.forms.values()]
+        arrays = [*sum(forms, ()), self.map.astype(np.uint8), self.near, self.errors.contact.astype(np.float32)]
+        if self.displacements is not None:
+            bases = (self.displacements.free_basis, self.displacements.contact_basis)
+            arrays += [basis for basis in bases if basis is not None]
+        return int(sum(array.nbytes for array in arrays))
+
+    @property
+    def terms(self) -> dict[str, int]:
+        """Number of terms of every form."""
+        return {name: form.terms for name, form in self.forms.items()}
 
     def jacobian(self, parameters: ArrayLike) -> np.ndarray:
         """Derivatives of tip x, y, z [m], contact force [N] and touch distance [m], shape (5, p), by the parameters.
@@ -257,10 +324,10 @@ class Surrogate:
         tensions = held[:-1] if self.has_obstacle else held
         moved = self.displacements.free_basis @ self.displacements.free.value(tensions).astype(np.float32)
         if self.has_obstacle:
-            free = kernel.evaluate(self.kernel.tables, 0, tensions)[0]
+            free = kernel.values(self.kernel.tables, 0, tensions)
             touch = free[3:].max()
             if held[-1] < touch and not point[-1] >= touch:  # an untouched plane may stand anywhere
-                r = kernel.regime_at(self.kernel, held, free, touch)[0]
+                r = kernel.regime_at(self.kernel, held, free[3:], touch)[0]
                 height = free[3 + self.regimes[r].corner]
                 amounts = self.displacements.regimes[r].value(kernel.coordinates(self.kernel, r, held, height))
                 if self.regimes[r].begins:
@@ -282,7 +349,7 @@ class Surrogate:
         Args:
             path: the file.
             tolerance: keep only the terms needed for this relative separation error [-]; 0 keeps all. What was kept is
-                in `kept`, and logged; the errors grow by what the terms left out were worth.
+                logged, and is in `terms`; the errors grow by what the terms left out were worth.
 
         Raises:
             ModelError: no file, no model, a damaged one, or one of another format.

@@ -8,10 +8,11 @@ wherever they lie (rom.polynomials), and then separated (rom.separation).
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 
 import numpy as np
 
-from rom import chart, fields
+from rom import chart, error_map, fields
 from rom.contact import Contact
 from rom.enrichment import EnrichmentOptions
 from rom.free import Free
@@ -39,16 +40,21 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
     free = Free.of(snapshots)
     contact = Contact.of(snapshots, free) if description.has_obstacle else None
     places, near = contact.map() if contact else (np.zeros(1, np.int64), np.zeros(1, np.uint64))
-    field = fields.train(snapshots, free, contact, options) if description.has_field else None
-    return Surrogate(
+    field, left_out = None, (np.zeros(0), np.zeros(0))
+    if description.has_field:
+        field, left_out = fields.train(snapshots, free, contact, options)
+    unknown = Errors(
+        tip=np.nan, displacement=np.nan, touch_distance=np.nan, contact=np.full((len(places), 3), np.nan), margin=0.0
+    )
+    model = Surrogate(
         parameters=description.parameters,
         free=separated("free", free.polynomial, free.points, options),
         regimes=[] if contact is None else [part.separated(options) for part in contact.parts],
         map=places,
         near=near,
         way=chart.Way(0.0, 1.0) if contact is None else contact.way,
+        errors=unknown,
         displacements=field,
-        errors=Errors(tip=np.nan, touch_distance=np.nan, contact=np.full((len(places), 2), np.nan), margin=0.0),
         lead=description.lead,
         nodes=snapshots.nodes,
         scene=description.scene,
@@ -61,3 +67,4 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
             "tolerance": options.tolerance,
         },
     )
+    return replace(model, errors=error_map.estimate(model, snapshots, free, contact, left_out))

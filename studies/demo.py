@@ -24,6 +24,7 @@ from control.gripper import Grasp
 from fingerfem import FingerModel, load_scene
 from fingerfem.render import Deformed, draw
 from rom.enrichment import EnrichmentOptions
+from rom.error_map import calibrated
 from rom.errors import accuracy, check
 from rom.snapshots import SnapshotSet
 from rom.surrogate import Surrogate
@@ -83,7 +84,7 @@ def surrogate(out: Path) -> tuple[Surrogate, dict]:
     model = train(snapshots, EnrichmentOptions())
     separation = time.perf_counter() - begun
     errors = check(model, fresh)
-    model = replace(model, accuracy=accuracy(errors))
+    model = calibrated(replace(model, accuracy=accuracy(errors)), fresh)
     model.save(out / "finger.h5")
     numbers = {
         "training": training,

@@ -1,47 +1,48 @@
-"""Contact-aligned coordinates of the trained draft finger."""
+"""Contact-aligned coordinates: touch is their face s = 0, and derivatives go by the chain rule."""
 
 import numpy as np
 import pytest
 
-from rom.chart import coordinates
-from rom.kernel import answer
+from rom.chart import Way
+
+WAY = Way.over(0.001, 0.031, np.array([0.0008, 0.02]))
 
 
-def chart_of(surrogate, point):
-    out, jacobian, _ = answer(surrogate.kernel, np.array(point))
-    return coordinates(surrogate.kernel.chart, np.array(point), out[4], np.ascontiguousarray(jacobian[4, :-1]))
+def height(tensions):
+    """A made-up height of a corner [m] and its derivatives."""
+    a, b = tensions
+    return 0.01 * np.sin(0.03 * a) + 1e-6 * a * b, np.array([3e-4 * np.cos(0.03 * a) + 1e-6 * b, 1e-6 * a])
 
 
-def touch(surrogate, tensions):
-    return float(surrogate.evaluate([*tensions, np.inf]).touch_distance)
+def test_a_corner_that_is_just_touched_lies_at_s_0_whatever_the_tensions():
+    for tensions in ([10.0, 5.0], [90.0, 40.0]):
+        reach, _ = height(tensions)
+        assert WAY.coordinates(np.array([[*tensions, reach]]), np.array([reach]))[0, 2] == 0.0
+        nearest = WAY.coordinates(np.array([[*tensions, 0.001]]), np.array([reach]))[0, 2]
+        assert 0 < nearest < 1
 
 
-def test_touch_is_the_face_s_0_and_the_nearest_plane_the_face_s_1(surrogate):
-    tensions = [60.0, 20.0]
-    reach = touch(surrogate, tensions)
-    assert chart_of(surrogate, [*tensions, reach - 1e-12])[0][2] == pytest.approx(0.0, abs=1e-8)
-    assert chart_of(surrogate, [*tensions, 0.001])[0][2] == pytest.approx(1.0)
+def test_coordinates_are_regular_where_a_corner_never_reaches_the_nearest_plane():
+    assert WAY.soft >= 0.3 * 0.03
+    far = WAY.coordinates(np.array([[0.0, 0.0, 0.001]]), np.array([0.0008]))
+    assert np.isfinite(far).all() and abs(far[0, 2]) < 0.1
 
 
-def test_the_highest_lead_tension_is_the_face_xi_1_and_onset_the_face_xi_0(surrogate):
-    assert chart_of(surrogate, [100.0, 40.0, 0.01])[0][0] == pytest.approx(1.0)
-    onset = surrogate.forms["onset"].value([40.0])[0]
-    assert touch(surrogate, [onset, 40.0]) == pytest.approx(0.001, abs=2e-6)
-    assert chart_of(surrogate, [onset, 40.0, 0.001])[0][0] == pytest.approx(0.0, abs=1e-9)
+def test_derivatives_by_the_coordinates_are_differences_at_fixed_coordinates():
+    """f(F, d) = F_1 d + F_2^2: moved along one coordinate while the others stay."""
+    point = np.array([40.0, 20.0, 0.005])
+    reach, rising = height(point[:2])
+    slopes = WAY.slopes(
+        point[None], np.array([reach]), rising[None], np.array([[[point[2], 2 * point[1], point[0]]]])
+    )[0, 0]
+    s = WAY.coordinates(point[None], np.array([reach]))[0, 2]
 
+    def f(first, second, s):
+        reach, _ = height([first, second])
+        d = reach - s * (reach - WAY.nearest + WAY.soft)
+        return first * d + second**2
 
-@pytest.mark.parametrize("point", [[60.0, 20.0, 0.012], [20.0, 70.0, 0.003], [90.0, 90.0, 0.0011]], ids=str)
-def test_derivatives_are_differences(surrogate, point):
-    _, derivative = chart_of(surrogate, point)
-    for j, h in enumerate((1e-5, 1e-5, 1e-9)):
-        step = h * np.eye(3)[j]
-        slope = (chart_of(surrogate, point + step)[0] - chart_of(surrogate, point - step)[0]) / (2 * h)
-        assert derivative[:, j] == pytest.approx(slope, rel=1e-5, abs=1e-7)
-
-
-def test_coordinates_never_leave_the_box(surrogate):
-    random = np.random.default_rng(0)
-    for point in random.random((500, 3)) * [100, 100, 0.03] + [0, 0, 0.001]:
-        where, derivative = chart_of(surrogate, point)
-        assert 0 <= where[0] <= 1 and 0 <= where[2] <= 1
-        assert np.isfinite(derivative).all()
+    where = np.array([point[0], point[1], s])
+    for k, h in enumerate((1e-4, 1e-4, 1e-6)):
+        step = h * np.eye(3)[k]
+        assert slopes[k] == pytest.approx((f(*(where + step)) - f(*(where - step))) / (2 * h), rel=1e-6)

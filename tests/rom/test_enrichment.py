@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rom.enrichment import EnrichmentOptions, compose, separate
+from rom.enrichment import EnrichmentOptions, compose, separate, slopes
 
 
 def of_rank(rank: int, shape: tuple[int, ...], seed: int) -> np.ndarray:
@@ -56,8 +56,38 @@ def test_a_smooth_function_needs_few_terms_and_a_kinked_one_many():
     assert terms["smooth"] <= 5 < terms["kinked"]
 
 
-def test_zero_is_one_term_and_nan_is_refused():
+@pytest.mark.parametrize("share", [0.1, 0.4])
+def test_missing_states_do_not_spoil_the_fit(share):
+    """A tensor of rank 2 is known again where it was missing."""
+    tensor = of_rank(2, (3, 9, 8, 7), seed=1)
+    missing = np.random.default_rng(2).random(tensor.shape[1:]) < share
+    holed = np.where(missing, np.nan, tensor)
+    factors, errors = separate(holed, EnrichmentOptions(tolerance=1e-9, terms=2, sweeps=500))
+    assert errors[-1] < 1e-6
+    assert np.abs(compose(factors) - tensor)[:, missing].max() < 1e-4 * np.abs(tensor).max()
+
+
+def test_nodal_slopes_are_those_of_the_tensor_given():
+    """u = sin(x) exp(y) + x y: the factors' slopes along x, with the other factors, give du/dx at every node."""
+    x, y = np.linspace(0, 1, 7), np.linspace(0, 1, 6)
+    tensor = (np.outer(np.sin(x), np.exp(y)) + np.outer(x, y))[None]
+    derivative = (np.outer(np.cos(x), np.exp(y)) + y)[None]
+    factors, _ = separate(tensor, EnrichmentOptions(tolerance=1e-12, sweeps=50))
+    found = [factors[0], slopes(factors, derivative, 1), factors[2]]
+    assert compose(found) == pytest.approx(derivative, abs=1e-8)
+
+
+def test_the_same_tensor_gives_the_same_terms_bit_for_bit():
+    tensor = np.where(np.random.default_rng(0).random((7, 6, 5)) < 0.2, np.nan, of_rank(5, (4, 7, 6, 5), seed=3))
+    first, second = (separate(tensor, EnrichmentOptions(terms=6))[0] for _ in range(2))
+    assert all(np.array_equal(a, b) for a, b in zip(first, second, strict=True))
+
+
+def test_zero_is_one_term_and_what_is_half_missing_is_refused():
     factors, errors = separate(np.zeros((3, 4)), EnrichmentOptions())
     assert compose(factors) == pytest.approx(np.zeros((3, 4))) and errors[-1] == 0
-    with pytest.raises(ValueError, match="1 values that are not"):
-        separate(np.array([[1.0, np.nan], [0.0, 1.0]]), EnrichmentOptions())
+    for tensor in ([[1.0, np.nan], [0.0, 1.0]], [[1.0, np.inf], [0.0, 1.0]]):
+        with pytest.raises(ValueError, match="finite, or nan at whole points"):
+            separate(np.array(tensor), EnrichmentOptions())
+    with pytest.raises(ValueError, match="must have values"):
+        separate(np.full((2, 3), np.nan), EnrichmentOptions())

@@ -9,13 +9,15 @@ from rom.separated import Separated
 @pytest.fixture(params=[1, 2, 3, 4])
 def form(request) -> Separated:
     random, axes = np.random.default_rng(request.param), request.param
-    nodes = [np.sort(random.random(6)) for _ in range(axes)]
+    lower = random.random(axes)
     return Separated(
-        nodes=nodes,
-        kinds=["cubic"] * axes,
+        lower=lower,
+        upper=lower + 1 + random.random(axes),
         factors=[random.standard_normal((6, 5)) for _ in range(axes)],
+        slopes=[random.standard_normal((6, 5)) for _ in range(axes)],
         modes=random.standard_normal((3, 5)),
         errors=np.array([0.5, 0.2, 0.1, 0.01, 0.001]),
+        lost=np.array([[0.5], [0.2], [0.1], [0.01], [0.001]]) * [1, 2, 3],
     )
 
 
@@ -35,22 +37,22 @@ def test_gradients_are_differences(form):
         assert gradient[:, a] == pytest.approx(slope, rel=1e-6, abs=1e-5)
 
 
-def test_truncation_keeps_the_fewest_terms_that_meet_the_tolerance(form):
-    assert form.truncated(0.15).terms == 3
-    assert form.truncated(0.2).terms == 2
-    assert form.truncated(1e-9).terms == 5
-    few = form.truncated(0.15)
-    x = [nodes.mean() for nodes in form.nodes]
-    by_hand = Separated(
-        nodes=form.nodes,
-        kinds=form.kinds,
-        factors=[f[:, :3] for f in form.factors],
-        modes=form.modes[:, :3],
-        errors=form.errors[:3],
-    )
-    assert few.value(x) == pytest.approx(by_hand.value(x))
+def test_outside_it_goes_on_for_one_interval_and_then_stays(form):
+    step = (form.upper - form.lower) / 5
+    far, edge = form.upper + 10 * step, form.upper + step
+    assert form.value(far) == pytest.approx(form.value(edge))
+    assert not form.value_and_gradient(far)[1].any()
+    beyond = form.value_and_gradient(form.upper + 0.5 * step)[1]
+    assert beyond.any()
 
 
-def test_without_axes_it_is_a_constant():
-    form = Separated(nodes=[], kinds=[], factors=[], modes=np.array([[2.5]]), errors=np.zeros(1))
-    assert form.value([]) == pytest.approx([2.5])
+def test_truncation_keeps_the_fewest_terms_that_meet_the_tolerance_and_says_what_is_lost(form):
+    assert form.truncated(0.15)[0].terms == 3
+    assert form.truncated(0.2)[0].terms == 2
+    whole, lost = form.truncated(1e-9)
+    assert whole.terms == 5 and not lost.any()
+    few, lost = form.truncated(0.15)
+    assert lost == pytest.approx(0.099 * np.array([1, 2, 3]))
+    x = np.array([nodes[0] for nodes in form.nodes])
+    product = np.prod([factor[0, :3] for factor in form.factors], axis=0)
+    assert few.value(x) == pytest.approx(form.modes[:, :3] @ product)

@@ -1,0 +1,122 @@
+"""What a surrogate knows of its own error, from states left out of its fits, and made true on held-out states.
+
+A state's error is taken as what its fit errs when the state is left out, and what the separated form errs at it. By its
+way past touch it becomes a rate, since what contact adds grows from zero there; a cell of the map of regimes takes the
+largest rate of the few states nearest to it. Held-out states then scale all of a quantity's rates alike, so that 95 % of
+errors keep within what is said. Without held-out states they are doubled, which is about what those would find.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rom import kernel
+from rom.contact import Contact
+from rom.free import Free
+from rom.snapshots import SnapshotSet
+from rom.surrogate import Errors, Surrogate
+
+KEPT = 95  # percent of fresh states whose error is to be within what is said
+SAFE = 98  # percent of held-out states that are scaled to be within, so that of fresh ones KEPT are
+AROUND = 4  # states whose errors a cell goes by
+UNSEEN = 2.0  # factor on the errors as long as no held-out states have scaled them
+MARGIN = 1e-3  # share of the range of d: ways past touch below which errors do not become smaller
+
+
+def estimate(
+    model: Surrogate, snapshots: SnapshotSet, free: Free, contact: Contact | None, left_out: tuple[np.ndarray, np.ndarray]
+) -> Errors:
+    """The errors of a model, from the states it was trained on.
+
+    Args:
+        model: the model, whatever its errors.
+        snapshots: its states.
+        free, contact: their fits.
+        left_out: error of the displacement with lines left out, of free and of contact states [m].
+    """
+    said = model.free_values(free.points)
+    errors = np.abs(said - free.polynomial.value(free.points)) + np.abs(free.fitted.residuals)
+    tip = float(np.percentile(np.linalg.norm(errors[:, :3], axis=1), KEPT))
+    field = 0.0
+    if model.has_field:
+        field = _percentile(left_out[0] + _field_errors(model, snapshots, "free", free.points))
+    if contact is None:
+        return Errors(tip=tip, displacement=field, touch_distance=0.0, contact=np.zeros((1, 3)), margin=1.0)
+    lower, upper = model.limits
+    margin = MARGIN * float(upper[-1] - lower[-1])
+    out = kernel.answers(model.kernel, contact.parameters)[0]
+    found = np.zeros((len(contact.parameters), 3))
+    truth = snapshots.states_of("contact", "tip")[contact.touching], contact.force
+    found[:, 0] = np.linalg.norm(out[:, :3] - truth[0], axis=1)
+    found[:, 1] = np.abs(out[:, kernel.FORCE] - truth[1])
+    for part in contact.parts:
+        residuals = np.abs(part.outputs.residuals) * part.place.past[:, None]
+        found[part.rows, 0] += np.linalg.norm(residuals[:, :3], axis=1)
+        found[part.rows, 1] += residuals[:, 3]
+    if model.has_field:
+        found[:, 2] = left_out[1] + _field_errors(model, snapshots, "contact", contact.parameters)[contact.touching]
+    past = contact.touch_distance - contact.parameters[:, -1]
+    rates = UNSEEN * found / (past + margin)[:, None]
+    return Errors(
+        tip=tip,
+        displacement=field,
+        touch_distance=_percentile(errors[:, 3:].max(axis=1)),
+        contact=np.array([rates[nearest].max(axis=0) for nearest in contact.around[:, :AROUND]]),
+        margin=margin,
+    )
+
+
+def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
+    """The model with its errors scaled so that they hold on held-out states."""
+    points = held_out.random("parameters")
+    answer = model.evaluate(points)
+    true = {"tip": np.linalg.norm(answer.tip - held_out.random("tip"), axis=1)}
+    touching = np.zeros(len(points), bool)
+    if model.has_obstacle:
+        touching = held_out.random("contact_force") > 0
+        true["touch_distance"] = np.abs(answer.touch_distance - held_out.random("touch_distance"))
+        true["contact_force"] = np.abs(answer.contact_force - held_out.random("contact_force"))
+    if model.has_field and held_out.description.has_field:
+        field = held_out.random("displacement")
+        ours = np.array([model.displacement(point) for point in points])
+        true["displacement"] = np.sqrt(np.mean(np.sum((ours - field) ** 2, axis=2), axis=1))
+    errors, contact = model.errors, model.errors.contact.copy()
+    scale = {name: _scale(true[name][~touching], answer.error[name][~touching]) for name in true}
+    for column, name in enumerate(("tip", "contact_force", "displacement")):
+        if name in true:
+            contact[:, column] *= _scale(true[name][touching], answer.error[name][touching])
+    return replace(
+        model,
+        errors=replace(
+            errors,
+            tip=errors.tip * scale["tip"],
+            displacement=errors.displacement * scale.get("displacement", 1.0),
+            touch_distance=errors.touch_distance * _scale(true["touch_distance"], answer.error["touch_distance"])
+            if model.has_obstacle
+            else 0.0,
+            contact=contact,
+        ),
+    )
+
+
+def _scale(true: np.ndarray, said: np.ndarray) -> float:
+    """Factor on what is said, so that enough of the true errors keep within it; 1 if there are too few states to tell."""
+    if len(true) < 20:
+        return 1.0
+    return float(np.percentile(true / np.maximum(said, np.finfo(float).tiny), SAFE))
+
+
+def _percentile(errors: np.ndarray) -> float:
+    return float(np.percentile(errors, KEPT))
+
+
+def _field_errors(model: Surrogate, snapshots: SnapshotSet, kind: str, points: np.ndarray) -> np.ndarray:
+    """Root mean square over the nodes of what the displacement errs at states it was trained on [m]."""
+    field = snapshots.states_of(kind, "displacement")
+    parameters = snapshots.states_of(kind, "parameters")
+    if kind == "free" and model.has_obstacle:
+        parameters = np.column_stack([points, np.full(len(points), np.inf)])
+    found = [model.displacement(point) - true for point, true in zip(parameters, field, strict=True)]
+    return np.array([np.sqrt(np.mean(np.sum(one**2, axis=1))) for one in found])
