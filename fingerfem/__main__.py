@@ -124,6 +124,7 @@ def snapshots(
     from fingerfem.sampling import HeldOut, describe
     from fingerfem.versions import versions
     from rom.refinement import next_round
+    from rom.regime_lines import between_regimes
     from rom.set_folder import create, set_aside_broken_rounds, set_aside_strangers
     from rom.snapshots import SnapshotSet
 
@@ -155,12 +156,15 @@ def snapshots(
                 "%s was not whole, or another set's: moved to %s and solved again", file, folder / "set-aside"
             )
     group = world.Split(world.rank // ranks_per_finger) if ranks_per_finger > 1 else MPI.COMM_SELF
+    plan_next = next_round if refines else between_regimes
     goal = farm.Goal(
-        refine=lambda tolerance: next_round(SnapshotSet(folder), tolerance), error=until or 0.0, seconds=seconds
+        refine=None if random else lambda tolerance: plan_next(SnapshotSet(folder), tolerance),
+        error=until or 0.0,
+        seconds=seconds,
     )
     work = farm.Work()
     with Reporter(ledger, progress) if first else nullcontext(lambda: None) as report:
-        if refines or ledger.plan.missing():
+        if ledger.plan.missing() or not (random or ledger.plan.ended(until or 0.0)):
             work = farm.run(description, fingerfem.FingerModel(scene, group), folder, report, goal, donor)
     if not first:
         return
@@ -176,7 +180,7 @@ def snapshots(
     }
     if work.stopped:
         logging.warning("%s", work.stopped)
-    elif ledger.plan.rounds and ledger.plan.rounds[-1].finest:
+    elif refines and ledger.plan.rounds and ledger.plan.rounds[-1].finest:
         logging.warning("the finest grid leaves an estimated error of %.1e", result["estimated_error"])
     # A surrogate can do without a held-out state, or without one that refines.
     needed = [task for task, *_ in ledger.failures if task in description.lines]

@@ -49,6 +49,8 @@ class LineSolver:
         begun, line = time.perf_counter(), self._line(task)
         if line.kind == "random":
             arrays = self._random(line.index[0])
+        elif line.kind == "scattered":
+            arrays = self._scattered(line)
         elif line.kind == "contact":
             arrays = self._contact(task, line)
         else:
@@ -58,13 +60,16 @@ class LineSolver:
     def give_up(self, task: str, reason: str) -> Arrays:
         """The arrays of a task that nobody shall try again."""
         description, line = self.description, self._line(task)
-        record = Record(self.model, self.numbering, edges=line.kind == "free")
+        record = Record(self.model, self.numbering, edges=line.kind != "contact")
         if line.kind == "random":
             point = np.array(description.random[line.index[0]])
             record.failed(point[: description.tensions], point[-1], reason)
             return record.arrays() | {"seconds": np.array(0.0)}
         if line.kind == "contact":
             self._no_contact(record, line, reason)
+            return record.arrays() | {"nodes": np.array(line.nodes), "seconds": np.array(0.0)}
+        if line.kind == "scattered":
+            record.failed(np.array(line.tensions), np.nan, reason, len(line.nodes))
             return record.arrays() | {"nodes": np.array(line.nodes), "seconds": np.array(0.0)}
         for node in line.nodes:
             record.failed(self._free_tensions(line.index[0], node), np.nan, reason)
@@ -75,7 +80,7 @@ class LineSolver:
     def _begins(self, task: str) -> bool:
         """Whether the task needs no other: a held-out state, or the first free states at its other tensions."""
         line = self._line(task)
-        return task in (f"free-{line.index[0]}", f"random-{line.index[0]}")
+        return line.kind == "scattered" or task in (f"free-{line.index[0]}", f"random-{line.index[0]}")
 
     def _before(self, task: str) -> list[str]:
         """Tasks that have states on the same line and were planned before."""
@@ -247,6 +252,20 @@ class LineSolver:
             states = found
             open_pairs = [(far, found[-1]), (found[-1], near), *open_pairs]
         return added
+
+    def _scattered(self, line: Line) -> Arrays:
+        """A free state at tensions of its own, from rest, and the plane's way from where it touches to its nearest."""
+        description, record = self.description, Record(self.model, self.numbering, edges=True)
+        tensions = np.array(line.tensions)
+        self.model.stepper.rest()
+        record.state(tensions, None)
+        reach, nodes, between = record.reaches[0], list(line.nodes), 0
+        if not reach - self._nearest >= SAME_PLACE:  # there is no way, or no plane, or no answer
+            return record.arrays() | {"nodes": np.array(nodes[:1])}
+        for node in nodes[1:]:
+            record.state(tensions, reach - description.contact_nodes[node] * (reach - self._nearest))
+        between = self._between_regimes(record, tensions)
+        return record.arrays() | {"nodes": np.array([*nodes, *[BETWEEN] * between])}
 
     def _touch(self, record: Record, tensions: np.ndarray, nodes: list[int]) -> float:
         """Bring the model to where the plane would be touched and note that; returns the reach there [m].

@@ -63,6 +63,7 @@ def describe(
         contact_nodes=_half_cosine(along_contact).tolist(),
         strides=_strides(len(parameters), len(tensions), lead) if refines else [1] * len(parameters),
         random=points,
+        scattered=[],
         versions=versions,
     )
 

@@ -32,7 +32,7 @@ class Goal:
     """When to stop.
 
     Attributes:
-        refine: what a set of lines needs next for a relative error [-]; only asked for sets that are refined.
+        refine: what a set of lines needs next for a relative error [-].
         error: relative error of the surrogate that is good enough [-].
         seconds: after which no further line is begun.
     """
@@ -156,12 +156,9 @@ class Queue:
             time.sleep(0.05)  # others hold what is left, or what it needs
 
     def _complete(self) -> bool:
-        """Whether there is nothing left to do; where a set is to be refined, one of all plans the next round."""
+        """Whether there is nothing left to do; if there may be, one of all plans the next round."""
         plan, refine = self._plan, self._goal.refine
-        if refine is None or not self._description.refines:
-            return True
-        last = plan.rounds[-1] if plan.rounds else None
-        if last is not None and not last.lines and (last.finest or last.error <= self._goal.error):
+        if refine is None or plan.ended(self._goal.error):
             return True
         number, place = len(plan.rounds), len(plan.lines)
         if self._claims.take(place):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -17,14 +18,18 @@ class Line:
     """The states of one task, solved in their order.
 
     Attributes:
-        kind: free (along the lead tension), contact (along the plane's way) or random (one held-out state).
+        kind: free (along the lead tension), contact (along the plane's way), scattered (a free state and the plane's way
+            from there, at tensions of its own) or random (one held-out state).
         index: what it holds fixed, as positions: of the other tensions' combination; and for contact of the onset node.
+            A number of its own for scattered and random lines.
         nodes: positions along the line, of `tension_nodes[lead]` or of `contact_nodes`.
+        tensions: of a scattered line [N].
     """
 
     kind: str
     index: tuple[int, ...]
     nodes: tuple[int, ...]
+    tensions: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +46,7 @@ class Description:
         strides: every how many-th node the first grid takes, of every tension, then of the plane's way; 1 unless the
             set is refined where its error is largest.
         random: held-out parameters, shape (count, p); empty for a training set.
+        scattered: tensions of lines of a set without a grid, shape (lines, tensions) [N]; empty for one with a grid.
     """
 
     scene: dict[str, Any]
@@ -52,6 +58,7 @@ class Description:
     contact_nodes: list[float]
     strides: list[int]
     random: list[list[float]]
+    scattered: list[list[float]]
     versions: dict[str, str]
     format: int = FORMAT
 
@@ -90,6 +97,8 @@ class Description:
         """The first lines by the names of their tasks; a task only ever needs tasks before it."""
         if self.random:
             return {f"random-{k}": Line("random", (k,), ()) for k in range(len(self.random))}
+        if self.scattered:
+            return {f"scattered-{k}": self.scattered_line(k, tensions) for k, tensions in enumerate(self.scattered)}
         lead, way = self.strides[self.lead], self.strides[-1]
         others = [
             j
@@ -104,7 +113,11 @@ class Description:
         return found
 
     def has(self, line: Line) -> bool:
-        """Whether a line lies on the grid."""
+        """Whether a line can be one of this set: on its grid, or scattered in its box."""
+        if line.kind == "scattered":
+            box = zip(self.parameters, line.tensions, strict=False)
+            within = [one["lower"] <= tension <= one["upper"] for one, tension in box]
+            return len(line.tensions) == self.tensions and all(within)
         contact = line.kind == "contact" and self.has_obstacle
         limits = [len(self.others), *([len(self.onset_nodes)] if contact else [])]
         nodes = len(self.contact_nodes) if contact else len(self.tension_nodes[self.lead])
@@ -120,6 +133,11 @@ class Description:
         """The first line of free states at a combination of the other tensions."""
         nodes = range(0, len(self.tension_nodes[self.lead]), self.strides[self.lead])
         return Line("free", (j,), tuple(nodes))
+
+    def scattered_line(self, k: int, tensions: Sequence[float]) -> Line:
+        """The k-th line at tensions of its own [N]."""
+        nodes = range(len(self.contact_nodes)) if self.has_obstacle else (0,)
+        return Line("scattered", (k,), tuple(nodes), tuple(tensions))
 
     @property
     def other_axes(self) -> list[int]:

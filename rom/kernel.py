@@ -192,31 +192,55 @@ def coordinates(kernel: Kernel, r: int, point: np.ndarray, height: float) -> np.
 
 
 @njit(cache=True)
+def outside(tables: Tables, f: int, x: np.ndarray) -> float:
+    """How far x lies outside the box of form f, by more than an interval, as a share of the box."""
+    found = 0.0
+    for a in range(tables.forms[f, 0]):
+        last = float(tables.axes[f, a, 0])
+        t = (x[a] - tables.scales[f, a, 0]) * tables.scales[f, a, 1]
+        found = max(found, (-1.0 - t) / last, (t - last - 1.0) / last)
+    return found
+
+
+@njit(cache=True)
 def regime_at(kernel: Kernel, point: np.ndarray, heights: np.ndarray, touch_distance: float) -> tuple[int, np.ndarray]:
     """Regime at a point in contact, and the values of its form there.
 
     From the regime that the map says, it goes on to the next while a condition fails, the worst first, but to none twice
-    and only to those that the map knows nearby.
+    and only to those that the map knows nearby; where that leads nowhere, to the others nearby. If none has all its
+    conditions, in its own box, it is the one that fails least.
     """
     place = cell(kernel, point, touch_distance)
     r, near = kernel.map[place], kernel.near[place]
     before = np.uint64(0)
-    found = values(kernel.tables, 1 + r, coordinates(kernel, r, point, heights[kernel.corners[r]]))
+    best, least, found = -1, -np.inf, np.empty(0)
     for _ in range(WALK):
         before |= np.uint64(1) << np.uint64(r)
-        worst, follows = 0.0, -1
-        for j in range(len(found) - 4):
-            target = kernel.targets[r, j]
-            if target < 0 or found[4 + j] >= worst * kernel.sizes[r, j]:
+        where = coordinates(kernel, r, point, heights[kernel.corners[r]])
+        value = values(kernel.tables, 1 + r, where)
+        worst, wanted, follows = -outside(kernel.tables, 1 + r, where), 0.0, -1
+        for j in range(len(value) - 4):
+            if kernel.targets[r, j] < 0:
                 continue
-            bit = np.uint64(1) << np.uint64(target)
-            if near & bit and not before & bit:
-                worst, follows = found[4 + j] / kernel.sizes[r, j], target
+            held = value[4 + j] / kernel.sizes[r, j]
+            worst = min(worst, held)
+            bit = np.uint64(1) << np.uint64(kernel.targets[r, j])
+            if held < wanted and near & bit and not before & bit:
+                wanted, follows = held, kernel.targets[r, j]
+        if worst > least:
+            best, least, found = r, worst, value
+        if worst == 0.0:
+            break
+        if follows < 0:
+            for other in range(len(kernel.corners)):
+                bit = np.uint64(1) << np.uint64(other)
+                if near & bit and not before & bit:
+                    follows = other
+                    break
         if follows < 0:
             break
         r = follows
-        found = values(kernel.tables, 1 + r, coordinates(kernel, r, point, heights[kernel.corners[r]]))
-    return r, found
+    return best, found
 
 
 @njit(cache=True)

@@ -7,7 +7,7 @@ It has no lines where that error was small enough, or nothing was left to refine
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 
 from rom.description import Description, Line
@@ -19,8 +19,8 @@ class Round:
     """What refines a set next.
 
     Attributes:
-        error: estimated relative error of a surrogate of all states before [-].
-        threshold: indicator above which lines were taken [-].
+        error: estimated relative error of a surrogate of all states before [-]; 0 if nobody estimated it.
+        threshold: indicator above which lines were taken [-]; 0 if there is none.
         lines: by the names of their tasks.
         finest: whether the grid has nothing left to refine.
     """
@@ -48,7 +48,7 @@ def read_round(file: Path) -> Round:
     """
     try:
         table = json.loads(file.read_text())
-        lines = {task: Line(kind, tuple(index), tuple(nodes)) for task, (kind, index, nodes) in table["lines"].items()}
+        lines = {task: Line(line[0], *map(tuple, line[1:])) for task, line in table["lines"].items()}
         return Round(**table | {"lines": lines})
     except (ValueError, TypeError, KeyError, AttributeError):
         raise PlanError(f"{file}: is not a round of a set; run snapshots again, which plans it again") from None
@@ -65,7 +65,7 @@ class Plan:
 
     def refresh(self) -> None:
         """Read the rounds that are new."""
-        while self._description.refines and (file := round_file(self._path, len(self.rounds))).exists():
+        while (file := round_file(self._path, len(self.rounds))).exists():
             found = read_round(file)
             if not all(self._description.has(line) for line in found.lines.values()):
                 raise PlanError(f"{file}: must hold lines of its set's grid; run snapshots again, which plans it again")
@@ -77,7 +77,7 @@ class Plan:
         file = round_file(self._path, len(self.rounds))
         file.parent.mkdir(exist_ok=True)
         table = asdict(found) | {
-            "lines": {task: [line.kind, line.index, line.nodes] for task, line in found.lines.items()}
+            "lines": {task: list(astuple(line)) for task, line in found.lines.items()}
         }
         write_whole(file, lambda stream: stream.write(json.dumps(table).encode()), once=True)
         self.refresh()
@@ -87,6 +87,11 @@ class Plan:
         if self.rounds and not self.rounds[-1].lines:
             self.rounds.pop()
             round_file(self._path, len(self.rounds)).unlink(missing_ok=True)
+
+    def ended(self, error: float) -> bool:
+        """Whether no round is to follow for a relative error [-]."""
+        last = self.rounds[-1] if self.rounds else None
+        return last is not None and not last.lines and (last.finest or last.error <= error)
 
     def missing(self) -> list[str]:
         """Tasks without a file."""

@@ -50,6 +50,7 @@ def create(path: str | Path, description: Description) -> None:
         "contact_nodes",
         "strides",
         "random",
+        "scattered",
         "versions",
         "stored",
     ):
@@ -57,6 +58,7 @@ def create(path: str | Path, description: Description) -> None:
             named = {
                 "fingerprint": "another scene",
                 "random": "other held-out points",
+                "scattered": "other tensions",
                 "stored": "other quantities",
                 "strides": "another first grid",
             }

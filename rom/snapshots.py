@@ -13,7 +13,8 @@ A task is a line of states solved in a fixed order. Its file holds, state by sta
     tip                 (n, 3)          [m]
     nodes               (n,)            positions along the line, of the grid's nodes; free and contact lines. -1 for a
                                         state between two of them that differ in regime
-    edge_heights        (n, edge nodes) of the long edges over the face towards the plane at rest [m]; free lines
+    edge_heights        (n, edge nodes) of the long edges over the face towards the plane at rest [m]; free and
+                                        scattered lines
     touch_distance      (n,)            [m] free reach at these tensions; scenes with an obstacle
     contact_force       (n,)            [N] scenes with an obstacle
     plate_height        (n, s)          [m] of the s segments' plates over where the face lies at rest
@@ -40,7 +41,7 @@ A task is a line of states solved in a fixed order. Its file holds, state by sta
 Tasks come in three kinds. `free-J` is a line along the lead tension (the tendon that bends the finger most towards the
 plane) at the J-th combination of the others. `contact-J-I` holds the tensions (I-th node of the lead between onset and
 its highest) and brings the plane from where it touches to its nearest; where that is the same place, one state stands
-for the line. `free-J-rN` and `contact-J-I-rN` add states to a line in round N. `random-K` is one held-out state.
+for the line. `scattered-K` holds tensions of its own: the free state there, then the plane's way. `free-J-rN` and `contact-J-I-rN` add states to a line in round N. `random-K` is one held-out state.
 """
 
 from __future__ import annotations
@@ -141,6 +142,10 @@ class SnapshotSet:
         solved = [task for task in self.plan.lines if task not in self.missing]
         return {task: read_task(self.path, task, without=FIELDS) for task in solved}
 
+    def task(self, name: str) -> dict[str, np.ndarray]:
+        """The arrays of a task that is solved, without the fields."""
+        return self._tasks[name]
+
     def _values(self, task: str, name: str) -> np.ndarray:
         return read_task(self.path, task, (name,))[name] if name in FIELDS else self._tasks[task][name]
 
@@ -198,12 +203,20 @@ class SnapshotSet:
 
         Shape (states, *quantity).
         """
-        found = [
-            self._values(task, name)[self._tasks[task]["converged"]]
-            for task, line in self.plan.lines.items()
-            if line.kind == kind and task in self._tasks
-        ]
-        return np.concatenate(found)
+        return np.concatenate([self._values(task, name)[rows] for task, rows in self._rows(kind)])
+
+    def _rows(self, kind: str) -> list[tuple[str, np.ndarray]]:
+        """Tasks that hold states of a kind, and which of their states these are; a scattered line's first is free."""
+        found = []
+        for task, line in self.plan.lines.items():
+            if task not in self._tasks or line.kind not in (kind, "scattered"):
+                continue
+            rows = np.flatnonzero(self._tasks[task]["converged"])
+            if line.kind == "scattered":
+                rows = rows[(rows == 0) == (kind == "free")]
+            if rows.size:
+                found.append((task, rows))
+        return found
 
     def projected(self, kind: str, basis: np.ndarray) -> np.ndarray:
         """The displacement's derivatives of the same states in a basis, shape (states, k, p); read task by task.
@@ -211,10 +224,9 @@ class SnapshotSet:
         The basis has k columns of 3 nodes.
         """
         basis, found = basis.astype(np.float32), []
-        for task, line in self.plan.lines.items():
-            if line.kind == kind and task in self._tasks:
-                slopes = self._values(task, "displacement_jacobian")[self._tasks[task]["converged"]]
-                found.append((slopes.reshape(*slopes.shape[:2], -1) @ basis).transpose(0, 2, 1).astype(float))
+        for task, rows in self._rows(kind):
+            slopes = self._values(task, "displacement_jacobian")[rows]
+            found.append((slopes.reshape(*slopes.shape[:2], -1) @ basis).transpose(0, 2, 1).astype(float))
         return np.concatenate(found)
 
     def _lines(self, kind: str) -> list[tuple[str, Line, np.ndarray]]:
