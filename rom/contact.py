@@ -104,7 +104,6 @@ class Part:
             corner=self.corner,
             begins=self.place.begins,
             states=len(self.rows),
-            targets=[sign.target for sign in self.signs],
             sizes=np.maximum(np.abs(values).max(axis=0), np.finfo(float).tiny).tolist(),
             form=separated(f"regime {self.code}", Polynomial.together(both), self.points, options),
         )

@@ -21,6 +21,8 @@ from rom.surrogate import Errors, Surrogate
 KEPT = 95  # percent of fresh states whose error is to be within what is said
 SAFE = 98  # percent of held-out states that are scaled to be within, so that of fresh ones KEPT are
 AROUND = 4  # states whose errors a cell goes by
+FREE = {"tip", "displacement", "touch_distance"}  # quantities whose errors in free space are known
+FEW, LEAST = 20, 0.1  # held-out states that scale nothing; factor that none goes below
 UNSEEN = 2.0  # factor on the errors as long as no held-out states have scaled them
 MARGIN = 1e-3  # share of the range of d: ways past touch below which errors do not become smaller
 
@@ -82,30 +84,21 @@ def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
         field = held_out.random("displacement")
         ours = np.array([model.displacement(point) for point in points])
         true["displacement"] = np.sqrt(np.mean(np.sum((ours - field) ** 2, axis=2), axis=1))
-    errors, contact = model.errors, model.errors.contact.copy()
-    scale = {name: _scale(true[name][~touching], answer.error[name][~touching]) for name in true}
+    errors = model.errors
+    free = {name: getattr(errors, name) * _scale(true[name][~touching], answer.error[name][~touching]) for name in FREE & true.keys()}
+    contact = errors.contact.copy()
     for column, name in enumerate(("tip", "contact_force", "displacement")):
         if name in true:
-            contact[:, column] *= _scale(true[name][touching], answer.error[name][touching])
-    return replace(
-        model,
-        errors=replace(
-            errors,
-            tip=errors.tip * scale["tip"],
-            displacement=errors.displacement * scale.get("displacement", 1.0),
-            touch_distance=errors.touch_distance * _scale(true["touch_distance"], answer.error["touch_distance"])
-            if model.has_obstacle
-            else 0.0,
-            contact=contact,
-        ),
-    )
+            before, after = getattr(errors, name, 0.0), free.get(name, 0.0)
+            contact[:, column] *= _scale(true[name][touching] - after, answer.error[name][touching] - before)
+    return replace(model, errors=replace(errors, contact=contact, **free))
 
 
 def _scale(true: np.ndarray, said: np.ndarray) -> float:
     """Factor on what is said, so that enough of the true errors keep within it; 1 if there are too few states to tell."""
-    if len(true) < 20:
+    if len(true) < FEW:
         return 1.0
-    return float(np.percentile(true / np.maximum(said, np.finfo(float).tiny), SAFE))
+    return max(float(np.percentile(true / np.maximum(said, np.finfo(float).tiny), SAFE)), LEAST)
 
 
 def _percentile(errors: np.ndarray) -> float:

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 TIP, FORCE, TOUCH = 0, 3, 4  # where they are among the outputs
 OUTPUTS = 5
-WALK = 6  # regimes tried at most for one answer
 
 
 class Tables(NamedTuple):
@@ -42,10 +41,9 @@ class Kernel(NamedTuple):
     has_obstacle: bool
     corners: np.ndarray  # (regimes,): which height is the regime's own
     begins: np.ndarray  # (regimes,): whether the regime begins at touch
-    targets: np.ndarray  # (regimes, most conditions): regime that follows where one fails; -1 for none
     sizes: np.ndarray  # (regimes, most conditions): what each is large or small against
     map: np.ndarray  # regime to begin with, by cell, flat
-    near: np.ndarray  # regimes that are possible there, by cell, a bit each
+    near: np.ndarray  # other regimes that are possible there, by cell, a bit each
     cells: int  # of the map along every parameter
     way: np.ndarray  # nearest distance and softening of the coordinate [m]
 
@@ -206,40 +204,25 @@ def outside(tables: Tables, f: int, x: np.ndarray) -> float:
 def regime_at(kernel: Kernel, point: np.ndarray, heights: np.ndarray, touch_distance: float) -> tuple[int, np.ndarray]:
     """Regime at a point in contact, and the values of its form there.
 
-    From the regime that the map says, it goes on to the next while a condition fails, the worst first, but to none twice
-    and only to those that the map knows nearby; where that leads nowhere, to the others nearby. If none has all its
-    conditions, in its own box, it is the one that fails least.
+    It is the one that the map says, if all its conditions hold; else the first of those nearby whose do. If none has all
+    its conditions, in its own box, it is the one that fails least.
     """
     place = cell(kernel, point, touch_distance)
     r, near = kernel.map[place], kernel.near[place]
-    before = np.uint64(0)
-    best, least, found = -1, -np.inf, np.empty(0)
-    for _ in range(WALK):
-        before |= np.uint64(1) << np.uint64(r)
-        where = coordinates(kernel, r, point, heights[kernel.corners[r]])
-        value = values(kernel.tables, 1 + r, where)
-        worst, wanted, follows = -outside(kernel.tables, 1 + r, where), 0.0, -1
+    best, least, found = r, -np.inf, np.empty(0)
+    for k in range(-1, len(kernel.corners)):
+        other = r if k < 0 else k
+        if k == r or (k >= 0 and not near & (np.uint64(1) << np.uint64(k))):
+            continue
+        where = coordinates(kernel, other, point, heights[kernel.corners[other]])
+        value = values(kernel.tables, 1 + other, where)
+        worst = -outside(kernel.tables, 1 + other, where)
         for j in range(len(value) - 4):
-            if kernel.targets[r, j] < 0:
-                continue
-            held = value[4 + j] / kernel.sizes[r, j]
-            worst = min(worst, held)
-            bit = np.uint64(1) << np.uint64(kernel.targets[r, j])
-            if held < wanted and near & bit and not before & bit:
-                wanted, follows = held, kernel.targets[r, j]
+            worst = min(worst, value[4 + j] / kernel.sizes[other, j])
         if worst > least:
-            best, least, found = r, worst, value
-        if worst == 0.0:
+            best, least, found = other, worst, value
+        if worst >= 0.0:
             break
-        if follows < 0:
-            for other in range(len(kernel.corners)):
-                bit = np.uint64(1) << np.uint64(other)
-                if near & bit and not before & bit:
-                    follows = other
-                    break
-        if follows < 0:
-            break
-        r = follows
     return best, found
 
 

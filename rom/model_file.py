@@ -1,11 +1,14 @@
-"""The model file: HDF5 that names its units, axes, scene, versions and accuracy, and carries a checksum (docs/format.md)."""
+"""The model file: HDF5 that names its units, axes, scene, versions and accuracy (docs/format.md).
+
+It begins with a line of text, in the block that HDF5 leaves to its users: what it is, its format, and the checksum of
+all that follows. Nothing is read before that agrees: the HDF5 library itself can crash on a damaged file.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import h5py
@@ -16,16 +19,22 @@ from rom.separated import Separated
 from rom.surrogate import Errors, Field, ModelError, Regime, Surrogate
 
 KIND, FORMAT = "fingerfem surrogate", 3
+BLOCK = 512  # bytes before what is HDF5
 PLAIN = ("parameters", "scene", "accuracy", "provenance")
 
 
 def save(model: Surrogate, path: Path) -> None:
     """Write a model, beside and renamed: the file is whole or absent."""
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:
-        with h5py.File(Path(beside) / path.name, "w") as file:
-            _write(model, file)
-            file.attrs["checksum"] = checksum(file)
-        (Path(beside) / path.name).replace(path)
+        file = Path(beside) / path.name
+        with h5py.File(file, "w", userblock_size=BLOCK) as stored:
+            _write(model, stored)
+        with file.open("r+b") as stream:
+            stream.seek(BLOCK)
+            line = f"{KIND}, format {FORMAT}, sha256 {hashlib.sha256(stream.read()).hexdigest()}\n"
+            stream.seek(0)
+            stream.write(line.encode())
+        file.replace(path)
 
 
 def load(path: Path) -> Surrogate:
@@ -35,51 +44,31 @@ def load(path: Path) -> Surrogate:
         ModelError: no file, no model, a damaged one, or one of another format.
     """
     try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("kind") != KIND:
-                raise ModelError(f"{path}: is not a model file")
-            if file.attrs["format"] != FORMAT:
-                raise ModelError(f"{path}: must be a model of format {FORMAT}, got {file.attrs['format']}")
-            if file.attrs["checksum"] != checksum(file):
-                raise ModelError(f"{path}: is damaged: its checksum is not that of its contents")
-            return _read(file)
+        _check(path)
+        with h5py.File(path, "r") as stored:
+            return _read(stored)
     except ModelError:
         raise
     except FileNotFoundError:
         raise ModelError(f"{path}: No such file") from None
-    except Exception as error:  # a damaged file makes h5py, json and numpy raise many kinds
+    except Exception as error:  # whatever wrote a file whose checksum is right, it was not this project
         reason = (str(error).splitlines() or [type(error).__name__])[0]
-        raise ModelError(f"{path}: is not a model file, or a damaged one ({reason})") from None
+        raise ModelError(f"{path}: is not a model file ({reason})") from None
 
 
-def checksum(file: h5py.File) -> str:
-    """SHA-256 of all names, attributes and values, but for itself."""
-    found = hashlib.sha256()
-    for name, item in _items(file):
-        found.update(name.encode())
-        for key in sorted(item.attrs):
-            if key != "checksum":
-                value = item.attrs[key]
-                found.update(f"{key}={value if isinstance(value, str) else np.asarray(value).tolist()}".encode())
-        if isinstance(item, h5py.Dataset):
-            values = item[()]
-            found.update(f"{values.dtype.str}{values.shape}".encode())
-            found.update(np.ascontiguousarray(values).tobytes())
-    return found.hexdigest()
-
-
-def _items(group: h5py.Group, path: str = "") -> Iterator[tuple[str, h5py.HLObject]]:
-    yield path, group
-    for name in sorted(group):
-        item = group[name]
-        if isinstance(item, h5py.Group):
-            yield from _items(item, f"{path}/{name}")
-        else:
-            yield f"{path}/{name}", item
+def _check(path: Path) -> None:
+    contents = path.read_bytes()
+    words = contents[:BLOCK].split(b"\n")[0].decode(errors="replace").split(", ")
+    if len(words) != 3 or words[0] != KIND:
+        raise ModelError(f"{path}: is not a model file")
+    if words[1] != f"format {FORMAT}":
+        raise ModelError(f"{path}: must be a model of format {FORMAT}, got {words[1]}")
+    if words[2] != f"sha256 {hashlib.sha256(contents[BLOCK:]).hexdigest()}":
+        raise ModelError(f"{path}: is damaged: its checksum is not that of its contents")
 
 
 def _write(model: Surrogate, file: h5py.File) -> None:
-    file.attrs["kind"], file.attrs["format"] = KIND, FORMAT
+    file.attrs["format"] = FORMAT
     for name in PLAIN:
         file.attrs[name] = json.dumps(getattr(model, name))
     file.attrs["lead"] = model.lead
@@ -95,18 +84,18 @@ def _write(model: Surrogate, file: h5py.File) -> None:
         aligned = [*tensions, ("s", "-")]
         contact = file.create_group("contact")
         contact.attrs["nearest"], contact.attrs["soft"] = model.way
-        _dataset(contact, "map", model.map.astype(np.uint8), "-")
-        _dataset(contact, "near", model.near, "-")
-        _dataset(contact, "error", model.errors.contact.astype(np.float32), "tip m/m, contact force N/m, displacement m/m")
+        cells = [round(len(model.map) ** (1 / len(model.parameters)))] * len(model.parameters)
+        _dataset(contact, "map", model.map.astype(np.uint8).reshape(cells), "-")
+        _dataset(contact, "near", model.near.reshape(cells), "-")
+        _dataset(contact, "error", model.errors.contact.astype(np.float32).reshape(*cells, 3), "tip m/m, contact force N/m, displacement m/m")
         for r, regime in enumerate(model.regimes):
             group = contact.create_group(f"regime_{r}")
             group.attrs["code"], group.attrs["corner"], group.attrs["begins"] = regime.code, regime.corner, regime.begins
             group.attrs["states"] = regime.states
-            group.attrs["targets"] = np.array(regime.targets, np.int64)
             group.attrs["sizes"] = np.array(regime.sizes, float)
             per = "/m" if regime.begins else ""
-            unit = f"m{per}, m{per}, m{per}, N{per}" + ", -" * len(regime.targets)
-            names = ["x", "y", "z", "contact_force", *["condition"] * len(regime.targets)]
+            unit = f"m{per}, m{per}, m{per}, N{per}" + ", -" * len(regime.sizes)
+            names = ["x", "y", "z", "contact_force", *["condition"] * len(regime.sizes)]
             _write_form(group, regime.form, aligned, unit, names)
     if model.displacements is not None:
         group = file.create_group("displacement")
@@ -130,7 +119,7 @@ def _write_form(group: h5py.Group, form: Separated, axes: list[tuple[str, str]],
     if names:
         group["modes"].attrs["components"] = ", ".join(names)
     _dataset(group, "errors", form.errors, "-")
-    group["lost"] = form.lost
+    _dataset(group, "lost", form.lost, unit)
     group.attrs["functions"] = form.kind
     for a, (axis, axis_unit) in enumerate(axes):
         factor = form.factors[a]
@@ -148,8 +137,8 @@ def _read(file: h5py.File) -> Surrogate:
     places, near = np.zeros(1, np.int64), np.zeros(1, np.uint64)
     if obstacle:
         group = file["contact"]
-        contact, places = group["error"][:].astype(float), group["map"][:].astype(np.int64)
-        near = group["near"][:]
+        contact, places = group["error"][:].astype(float).reshape(-1, 3), group["map"][:].ravel().astype(np.int64)
+        near = group["near"][:].ravel()
         way = Way(float(group.attrs["nearest"]), float(group.attrs["soft"]))
         while f"regime_{len(regimes)}" in group:
             regimes.append(_read_regime(group[f"regime_{len(regimes)}"]))
@@ -188,7 +177,6 @@ def _read_regime(group: h5py.Group) -> Regime:
         corner=int(group.attrs["corner"]),
         begins=bool(group.attrs["begins"]),
         states=int(group.attrs["states"]),
-        targets=group.attrs["targets"].tolist(),
         sizes=group.attrs["sizes"].tolist(),
         form=_read_form(group),
     )

@@ -21,14 +21,14 @@ QUANTITIES = ("plate_height", "plate_tilt", "plate_force", "centre_of_pressure",
 
 @dataclass(frozen=True, kw_only=True)
 class Sign:
-    """A condition of a regime: it holds while `value` is positive, and where it fails the regime `target` follows.
+    """A condition of a regime: it holds while its value is positive, and where it fails another regime follows.
 
     Attributes:
         kind: tilt, centre, force, gap, rubber_force or rubber_gap.
         segment: whose plate or rubber, from 0.
         axis: of the plate's own, for tilt and centre.
         end: -1 or 1, for tilt and centre.
-        target: index of the regime that follows.
+        target: index of the regime that follows; -1 if none is known.
     """
 
     kind: str

@@ -53,7 +53,6 @@ class Regime:
         corner: which of the free form's heights is that of the corner whose way past the plane is its coordinate.
         begins: whether it begins at touch: tip and force are then by that way.
         states: number of states it was fitted to.
-        targets: of its conditions, the regime that follows where one fails.
         sizes: what its conditions are large or small against.
         form: what contact adds to the tip [m], contact force [N], conditions; by tensions and s.
     """
@@ -62,7 +61,6 @@ class Regime:
     corner: int
     begins: bool
     states: int
-    targets: Sequence[int]
     sizes: Sequence[float]
     form: Separated
 
@@ -174,10 +172,9 @@ class Surrogate:
     def kernel(self) -> kernel.Kernel:
         """The arrays for the compiled answer."""
         lower, upper = self.limits
-        most = max((len(regime.targets) for regime in self.regimes), default=0)
-        targets, sizes = np.full((len(self.regimes), most), -1, np.int64), np.ones((len(self.regimes), most))
+        sizes = np.ones((len(self.regimes), max((len(regime.sizes) for regime in self.regimes), default=0)))
         for r, regime in enumerate(self.regimes):
-            targets[r, : len(regime.targets)], sizes[r, : len(regime.sizes)] = regime.targets, regime.sizes
+            sizes[r, : len(regime.sizes)] = regime.sizes
         return kernel.Kernel(
             tables=kernel.tables([self.free, *(regime.form for regime in self.regimes)]),
             lower=lower,
@@ -185,7 +182,6 @@ class Surrogate:
             has_obstacle=self.has_obstacle,
             corners=np.array([regime.corner for regime in self.regimes], np.int64),
             begins=np.array([regime.begins for regime in self.regimes], np.bool_),
-            targets=targets,
             sizes=sizes,
             map=self.map,
             near=self.near,

@@ -48,7 +48,8 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
     )
     model = Surrogate(
         parameters=description.parameters,
-        free=separated("free", free.polynomial, free.points, options),
+        # What contact adds begins where the heights say, so these are to be known better.
+        free=separated("free", free.polynomial, free.points, replace(options, tolerance=0.1 * options.tolerance)),
         regimes=[] if contact is None else [part.separated(options) for part in contact.parts],
         map=places,
         near=near,

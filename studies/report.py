@@ -67,9 +67,9 @@ def error_rows(numbers: dict) -> list[list[str]]:
         "contact_force": "contact force",
     }
     return [
-        [title, str(row["count"]), f"{row['median']:.2%}", f"{row['p95']:.2%}", f"{row['max']:.2%}"]
-        for name, title in named.items()
-        if (row := numbers["errors"][name])["count"]
+        [title, str(row["count"]), *(f"{100 * row[name]:.2g}%" for name in ("median", "p95", "max"))]
+        for quantity, title in named.items()
+        if (row := numbers["errors"][quantity])["count"]
     ]
 
 

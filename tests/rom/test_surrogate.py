@@ -1,13 +1,11 @@
 """The trained draft finger: accuracy on states it never saw, derivatives, continuity, marks, and its file."""
 
 import json
-import shutil
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 
@@ -26,19 +24,26 @@ def errors(surrogate, held_out):
 
 
 def test_contact_force_and_touch_are_right_on_fresh_random_states(errors):
-    """The goals: at least 50 states, median contact-force error below 2 %, touch decided right in 97 %."""
+    """The goals of the surrogate; the paper: pressure within 2 to 5 %, no worst case given."""
     assert errors["states"] >= 50 and errors["failed"] == 0
     assert errors["contact_force"]["count"] >= 50
-    assert errors["contact_force"]["median"] < 0.02
-    assert errors["touch"]["right"] >= 0.97
-    assert errors["touch"]["force_without_touch"] <= 0.03 * errors["states"]
+    assert errors["contact_force"]["median"] < 0.003
+    assert errors["contact_force"]["p95"] < 0.01
+    assert errors["contact_force"]["max"] < 0.05
+    assert errors["touch"]["wrong_beyond_margin"] == errors["touch"]["force_without_touch"] == 0
 
 
 def test_tip_field_and_touch_distance_are_right_on_fresh_random_states(errors):
-    for quantity in ("tip", "displacement"):
-        assert errors[quantity]["median"] < 1e-3
-        assert errors[quantity]["p95"] < 0.05
-    assert errors["touch_distance"]["p95_absolute"] < 1e-5
+    """The goals: relative error of the displacement 1e-4 in the median, 1e-3 for 95 %; the paper: 1e-4."""
+    assert errors["displacement"]["median"] < 1.5e-4
+    assert errors["displacement"]["p95"] < 1e-3
+    assert errors["tip"]["p95"] < 1e-3
+    assert errors["touch_distance"]["p95_absolute"] < 2e-6
+
+
+def test_no_more_contact_states_than_asked_for_were_solved(demo):
+    touching = SnapshotSet(demo / "training").states_of("contact", "contact_force") > 0
+    assert 500 < touching.sum() <= 1500
 
 
 def test_the_model_file_carries_the_accuracy_that_was_measured(surrogate, errors):
@@ -49,12 +54,13 @@ def test_the_model_file_carries_the_accuracy_that_was_measured(surrogate, errors
 
 def test_snapshots_it_was_trained_on_are_met(surrogate, demo):
     training = SnapshotSet(demo / "training")
-    points, tips = training.free("parameters")[..., :2].reshape(-1, 2), training.free("tip").reshape(-1, 3)
+    points, tips = training.states_of("free", "parameters")[:, :2], training.states_of("free", "tip")
     answer = surrogate.evaluate(np.column_stack([points, np.full(len(points), np.inf)]))
-    assert np.abs(answer.tip - tips).max() < 1e-4 * 0.05
-    points, forces = training.contact("parameters")[..., 1:, :], training.contact("contact_force")[..., 1:]
-    answer = surrogate.evaluate(points.reshape(-1, 3))
-    assert np.abs(answer.contact_force - forces.ravel()).max() < 1e-2 * forces.max()
+    assert np.abs(answer.tip - tips).max() < 2e-5 * 0.05
+    points, forces = training.states_of("contact", "parameters"), training.states_of("contact", "contact_force")
+    touching = forces > 0
+    off = np.abs(surrogate.evaluate(points[touching]).contact_force - forces[touching]) / forces[touching]
+    assert np.percentile(off, 95) < 0.005
 
 
 @pytest.mark.parametrize("point", [FREE, TOUCHING, [30.0, 80.0, 0.004], [99.0, 5.0, 0.0011]], ids=str)
@@ -129,10 +135,26 @@ def test_what_lies_outside_is_marked_and_answered_from_the_nearest_inside(surrog
     assert np.isfinite(surrogate.displacement(point)).all()
 
 
-def test_accuracy_that_could_not_be_measured_is_nan(surrogate):
-    unmeasured = replace(surrogate, accuracy={**surrogate.accuracy, "contact_force": {"count": 0}})
-    error = unmeasured.evaluate(TOUCHING).error
-    assert np.isnan(error["contact_force"]) and error["tip"] > 0
+def test_errors_said_cover_the_true_ones_and_are_not_far_from_them(surrogate, held_out):
+    """95 % of errors within what is said, and what is said within five times of what is true, in the 95th percentile."""
+    points = held_out.random("parameters")
+    answer, touching = surrogate.evaluate(points), held_out.random("contact_force") > 0
+    true = {
+        "tip": np.linalg.norm(answer.tip - held_out.random("tip"), axis=1),
+        "contact_force": np.abs(answer.contact_force - held_out.random("contact_force")),
+        "touch_distance": np.abs(answer.touch_distance - held_out.random("touch_distance")),
+    }
+    for name, errors in true.items():
+        said, errors = answer.error[name][touching], errors[touching]
+        assert np.mean(errors <= said) >= 0.95
+        assert np.percentile(said, 95) < 5 * np.percentile(errors, 95)
+
+
+def test_there_is_no_error_of_a_force_that_is_exactly_zero(surrogate):
+    answer = surrogate.evaluate([FREE, TOUCHING])
+    assert answer.contact_force[0] == answer.error["contact_force"][0] == 0.0
+    assert answer.error["contact_force"][1] > 0
+    assert set(answer.error) == {"tip", "contact_force", "touch_distance", "displacement"}
 
 
 @pytest.mark.parametrize("point", [[1.0, 2.0], [1.0, 2.0, 3.0, 4.0], [], [[[1.0, 2.0, 0.01]]]], ids=str)
@@ -152,41 +174,21 @@ def test_a_saved_model_is_the_model(surrogate, tmp_path):
     assert list(tmp_path.iterdir()) == [tmp_path / "copy.h5"]
 
 
-def test_the_model_file_names_its_axes_and_units(demo):
-    with h5py.File(demo / "finger.h5") as file:
-        axes = {
-            name: [tuple(file[name][f"nodes_{a}"].attrs[key] for key in ("axis", "unit")) for a in range(n)]
-            for name, n in (("free", 2), ("onset", 1), ("contact", 3))
-        }
-        assert axes["free"] == [("F1", "N"), ("F2", "N")]
-        assert axes["onset"] == [("F2", "N")]
-        assert axes["contact"] == [("xi of F1", "-"), ("F2", "N"), ("s", "-")]
-        assert file["contact/modes"].attrs["unit"] == "m, m, m, N"
-
-
-def test_a_looser_tolerance_keeps_fewer_terms_and_errs_more(surrogate, demo, held_out):
-    loose = Surrogate.load(demo / "finger.h5", tolerance=3e-2)
+def test_a_looser_tolerance_keeps_fewer_terms_says_so_and_says_larger_errors(surrogate, demo, held_out, caplog):
+    with caplog.at_level("INFO"):
+        loose = Surrogate.load(demo / "finger.h5", tolerance=3e-2)
+    assert f"regime 0 {loose.terms['regime 0']} of {surrogate.terms['regime 0']}" in caplog.text
     full, few = (check(model, held_out) for model in (surrogate, loose))
-    assert few["terms"]["contact"] < full["terms"]["contact"]
+    assert few["terms"]["regime 0"] < full["terms"]["regime 0"] / 2
     assert few["bytes"] < full["bytes"]
-    error = loose.evaluate(TOUCHING).error
-    assert loose.accuracy == {} and all(np.isnan(value) for value in error.values())  # it was measured with all terms
-    assert surrogate.evaluate(TOUCHING).error["contact_force"] > 0
     assert full["displacement"]["median"] < few["displacement"]["median"] < 0.1
-
-
-def test_what_is_no_model_is_refused_in_one_line(tmp_path, demo):
-    (tmp_path / "text.h5").write_text("not HDF5")
-    for file in (tmp_path / "text.h5", tmp_path / "nowhere.h5"):
-        with pytest.raises(ModelError, match=str(file)) as caught:
-            Surrogate.load(file)
-        assert "\n" not in str(caught.value)
-    shutil.copy(demo / "finger.h5", tmp_path / "damaged.h5")
-    with h5py.File(tmp_path / "damaged.h5", "r+") as file:
-        file["contact/modes"][0, 0] = np.nan
-        del file["onset"]
-    with pytest.raises(ModelError, match=r"damaged model file \(onset, contact\)"):
-        Surrogate.load(tmp_path / "damaged.h5")
+    assert loose.accuracy == {}  # it was measured with all terms
+    points, force = held_out.random("parameters"), held_out.random("contact_force")
+    touching = force > 0
+    answer = loose.evaluate(points[touching])
+    true = np.abs(answer.contact_force - force[touching])
+    assert np.mean(true <= answer.error["contact_force"]) > 0.9
+    assert answer.error["contact_force"].mean() > surrogate.evaluate(points[touching]).error["contact_force"].mean()
     with pytest.raises(ModelError, match="tolerance must be"):
         Surrogate.load(demo / "finger.h5", tolerance=-1.0)
 

@@ -20,7 +20,8 @@ def test_the_grasp_found_the_object(report):
 
 def test_every_full_order_state_of_training_and_check_converged(report):
     assert report["training"]["failed"] == report["heldout"]["failed"] == 0
-    assert report["training"]["states"] == 9 * 9 + 9 * (1 + 8 * 12)
+    grid = 9 * 9 + 9 * (1 + 8 * 12)  # and states between regimes, and lines where these are small
+    assert grid < report["training"]["states"] < 1.5 * grid
 
 
 def test_reached_and_out_of_reach_are_told_apart(report):
@@ -34,5 +35,5 @@ def test_the_report_shows_its_pictures_and_numbers(report, demo):
         assert f'src="{picture}"' in page
         assert (demo / picture).read_bytes().startswith(b"\x89PNG")
         assert (demo / picture).stat().st_size > 10_000
-    assert f"{report['errors']['contact_force']['median']:.2%}" in page
+    assert f"{100 * report['errors']['contact_force']['median']:.2g}%" in page
     assert json.loads((demo / "report.json").read_text()) == report
