@@ -112,7 +112,7 @@ class Footprints:
         return np.asarray(np.linalg.solve(sums[:, :4], sums[:, 4])) / [1.0, *self._sizes]
 
     def _loads(self, heights: np.ndarray, rises: np.ndarray, distance: float | None) -> tuple[np.ndarray, np.ndarray]:
-        """Force [N] and its moments by x, y and z of every plate, and their derivatives: (plates, 4), (plates, 4, p)."""
+        """Force [N] and its moments by x, y and z of every plate, and derivatives: (plates, 4), (plates, 4, p)."""
         count, p = len(self._nodes), len(rises)
         loads, pushing = np.zeros((count, 4)), np.zeros((count, 4, p))
         if distance is None:

@@ -156,7 +156,9 @@ class Ledger:
         failures, size = self.failures, sum(outcome.size for outcome in self.outcomes.values())
         quarantined = sum(reason.startswith(QUARANTINED) for *_, reason in failures)
         rounds = self.plan.rounds
-        refined = {"rounds": len(rounds), "estimated_error": rounds[-1].error} if self.description.refines and rounds else {}
+        refined = (
+            {"rounds": len(rounds), "estimated_error": rounds[-1].error} if self.description.refines and rounds else {}
+        )
         return refined | {
             "tasks": len(self.plan.lines),
             "missing": len(self.missing),

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from fingerfem.between import halve
 from fingerfem.convergence import LoadNotReached
 from fingerfem.model import FingerModel
 from fingerfem.numbering import Numbering
@@ -23,7 +24,6 @@ from rom.snapshots import read_task, task_file
 
 Arrays = dict[str, np.ndarray]
 BETWEEN = -1  # in place of a node, of states between those of the grid
-REGIME_ENDS = 0.02  # share of the plane's way from touch to its nearest, to which the end of a regime is found
 SAME_PLACE = 1e-8  # [m]: a plane that has no more way than that from touch to its nearest does not move
 
 
@@ -225,33 +225,8 @@ class LineSolver:
                 record.restarted()
             record.state(tensions, reach - description.contact_nodes[node] * (reach - self._nearest), counted)
             at, counted = node, None
-        between = self._between_regimes(record, tensions) if task in description.lines else 0
+        between = halve(self.model, record, tensions, self._nearest) if task in description.lines else 0
         return record.arrays() | {"nodes": np.array([*nodes, *[BETWEEN] * between])}
-
-    def _between_regimes(self, record: Record, tensions: np.ndarray) -> int:
-        """Halve the plane's way wherever two states beside each other differ in regime; returns the number of states.
-
-        Without these, short regimes would have no states, and none would be known up to its ends.
-        """
-        states = sorted(record.contacts(), key=lambda state: -state.distance)
-        if len(states) < 2:
-            return 0
-        shortest, added = REGIME_ENDS * (states[0].distance - self._nearest), 0
-        open_pairs = list(zip(states[:-1], states[1:], strict=True))
-        while open_pairs:
-            far, near = open_pairs.pop(0)
-            if np.array_equal(far.regime, near.regime) or far.distance - near.distance < 2 * shortest:
-                continue
-            self.model.stepper.start(tensions, far.distance, far.displacement)
-            record.restarted()
-            record.state(tensions, (far.distance + near.distance) / 2)
-            added += 1
-            found = record.contacts()
-            if len(found) == len(states):
-                continue  # it has no answer, and says so
-            states = found
-            open_pairs = [(far, found[-1]), (found[-1], near), *open_pairs]
-        return added
 
     def _scattered(self, line: Line) -> Arrays:
         """A free state at tensions of its own, from rest, and the plane's way from where it touches to its nearest."""
@@ -264,7 +239,7 @@ class LineSolver:
             return record.arrays() | {"nodes": np.array(nodes[:1])}
         for node in nodes[1:]:
             record.state(tensions, reach - description.contact_nodes[node] * (reach - self._nearest))
-        between = self._between_regimes(record, tensions)
+        between = halve(self.model, record, tensions, self._nearest)
         return record.arrays() | {"nodes": np.array([*nodes, *[BETWEEN] * between])}
 
     def _touch(self, record: Record, tensions: np.ndarray, nodes: list[int]) -> float:

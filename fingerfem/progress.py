@@ -69,7 +69,9 @@ class Reporter:
         self._at_start = self._at_start or (done, states)
         solved = done - self._at_start[0]
         rounds = ledger.plan.rounds
-        refined = {"round": len(rounds), "estimated_error": rounds[-1].error} if ledger.description.refines and rounds else {}
+        refined = (
+            {"round": len(rounds), "estimated_error": rounds[-1].error} if ledger.description.refines and rounds else {}
+        )
         return refined | {
             "done": done,
             "tasks": total,

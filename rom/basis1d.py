@@ -1,8 +1,8 @@
 """One-dimensional nodal functions and their derivatives.
 
 A nodal function is fixed by its values at nodes, or by its values and slopes; here every one is a piecewise cubic, so
-that one evaluation serves all kinds. On interval i, with t = (x - nodes[i]) / (nodes[i + 1] - nodes[i]) in [0, 1], it is
-c0 + c1 t + c2 t^2 + c3 t^3.
+that one evaluation serves all kinds. On interval i, with t = (x - nodes[i]) / (nodes[i + 1] - nodes[i]) in [0, 1], it
+is c0 + c1 t + c2 t^2 + c3 t^3.
 """
 
 from __future__ import annotations

@@ -1,14 +1,14 @@
 """Contact-aligned coordinates: where the kink of touch becomes a face of the box.
 
-A corner that reaches the height D(F) in free space, at tensions F, is touched on the curved surface d = D(F); across it
-everything has a kink that no product of one-dimensional functions follows. In contact, the plane's distance is therefore
-replaced by its way past that surface,
+A corner that reaches the height D(F) in free space, at tensions F, is touched on the curved surface d = D(F); across
+it everything has a kink that no product of one-dimensional functions follows. In contact, the plane's distance is
+therefore replaced by its way past that surface,
 
     s = (D(F) - d) / (D(F) - d_min + soft)
 
-which is 0 where the corner is just touched and fills nearly the same range at all tensions. `soft` keeps it smooth where
-the corner hardly reaches the nearest plane. D is that of the regime's own corner: which corner leads, and with it the
-touch distance, has kinks of its own.
+which is 0 where the corner is just touched and fills nearly the same range at all tensions. `soft` keeps it smooth
+where the corner hardly reaches the nearest plane. D is that of the regime's own corner: which corner leads, and with
+it the touch distance, has kinks of its own.
 """
 
 from __future__ import annotations
@@ -43,9 +43,7 @@ class Way(NamedTuple):
         found[:, -1] = (height - parameters[:, -1]) / (height - self.nearest + self.soft)
         return found
 
-    def slopes(
-        self, parameters: np.ndarray, height: np.ndarray, rising: np.ndarray, slopes: np.ndarray
-    ) -> np.ndarray:
+    def slopes(self, parameters: np.ndarray, height: np.ndarray, rising: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """Derivatives by the coordinates, shape (n, m, p), from `slopes`, those by the parameters of the same shape.
 
         With d = D - s (D - d_min + soft), by the chain rule; `rising` is dD/dF, shape (n, p - 1).

@@ -12,11 +12,11 @@ from scipy.spatial import cKDTree
 from rom import chart, regimes
 from rom.enrichment import EnrichmentOptions
 from rom.free import Free, box
+from rom.parts import Regime
 from rom.polynomials import Fitted, Polynomial, Samples, fit
 from rom.regimes import Code
 from rom.separation import separated
 from rom.snapshots import SnapshotSet
-from rom.surrogate import Regime
 
 MOST = 64  # regimes; those of the fewest states beyond are left out
 NEIGHBOURS = 24  # states nearby whose regimes are possible
@@ -48,7 +48,7 @@ class Place:
 
     @property
     def past(self) -> np.ndarray:
-        """By which the quantities that grow from touch on are divided: the way past the corner [m], or 1; shape (n,)."""
+        """By which quantities that grow from touch on are divided: the way past the corner [m], or 1; shape (n,)."""
         return self.height - self.parameters[:, -1] if self.begins else np.ones(len(self.height))
 
     def fit(self, values: np.ndarray, slopes: np.ndarray, grows: bool = True, field: bool = False) -> Fitted:
@@ -155,7 +155,9 @@ class Contact:
             _height(snapshots, free, regimes.corner(code, half) or regimes.nearest_corner(code, leading), geometry)
             for code in listed
         ]
-        way = chart.Way.over(ends[0][-1], ends[1][-1], np.take_along_axis(heights, np.array(corners)[regime][:, None], 1))
+        way = chart.Way.over(
+            ends[0][-1], ends[1][-1], np.take_along_axis(heights, np.array(corners)[regime][:, None], 1)
+        )
         parts = []
         for r, (code, height) in enumerate(zip(listed, corners, strict=True)):
             rows, corner = np.flatnonzero(regime == r), regimes.corner(code, half)
@@ -235,9 +237,7 @@ def _part(
         blank=blank,
     )
     values = np.column_stack([states["tip"] - known[:, :3], force])
-    slopes = np.concatenate(
-        [states["tip_jacobian"] - rising[:, :3], states["contact_force_jacobian"][:, None]], axis=1
-    )
+    slopes = np.concatenate([states["tip_jacobian"] - rising[:, :3], states["contact_force_jacobian"][:, None]], axis=1)
     conditions = None
     if signs:
         pairs = [regimes.sign_values(sign, states, sizes) for sign in signs]

@@ -18,8 +18,8 @@ class Line:
     """The states of one task, solved in their order.
 
     Attributes:
-        kind: free (along the lead tension), contact (along the plane's way), scattered (a free state and the plane's way
-            from there, at tensions of its own) or random (one held-out state).
+        kind: free (along the lead tension), contact (along the plane's way), scattered (a free state and the plane's
+            way from there, at tensions of its own) or random (one held-out state).
         index: what it holds fixed, as positions: of the other tensions' combination; and for contact of the onset node.
             A number of its own for scattered and random lines.
         nodes: positions along the line, of `tension_nodes[lead]` or of `contact_nodes`.

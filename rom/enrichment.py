@@ -57,7 +57,7 @@ def separate(tensor: np.ndarray, options: EnrichmentOptions) -> tuple[list[np.nd
     if not known.any():
         raise ValueError("tensor must have values, got none")
     tensor = np.where(known, tensor, 0.0)
-    size = np.linalg.norm(tensor)
+    size = float(np.linalg.norm(tensor))
     if size == 0:
         return [np.zeros((n, 1)) for n in tensor.shape], np.zeros(1)
     factors = [np.zeros((n, 0)) for n in tensor.shape]
@@ -99,8 +99,8 @@ def slopes(factors: list[np.ndarray], derivative: np.ndarray, axis: int) -> np.n
 def _without_opposed(factors: list[np.ndarray], size: float) -> list[np.ndarray] | None:
     """The factors with the two terms merged that grow against each other; None if there are no such terms.
 
-    Where no best approximation exists, sums of products approach the tensor with terms that grow without bound (de Silva,
-    Lim, SIAM J. Matrix Anal. Appl. 30, 2008, doi:10.1137/06066518X).
+    Where no best approximation exists, sums of products approach the tensor with terms that grow without bound (de
+    Silva, Lim, SIAM J. Matrix Anal. Appl. 30, 2008, doi:10.1137/06066518X).
     """
     gram = np.ones((factors[0].shape[1],) * 2)
     for factor in factors:

@@ -2,8 +2,9 @@
 
 A state's error is taken as what its fit errs when the state is left out, and what the separated form errs at it. By its
 way past touch it becomes a rate, since what contact adds grows from zero there; a cell of the map of regimes takes the
-largest rate of the few states nearest to it. Held-out states then scale all of a quantity's rates alike, so that 95 % of
-errors keep within what is said. Without held-out states they are doubled, which is about what those would find.
+geometric mean of the rates of the states nearest to it, which says their order of magnitude and does not mind one that
+is extrapolated. Held-out states then scale all of a quantity's rates alike, so that 95 % of errors keep within what is
+said. Without held-out states they are taken four times, which is about what those would find.
 """
 
 from __future__ import annotations
@@ -15,27 +16,33 @@ import numpy as np
 from rom import kernel
 from rom.contact import Contact
 from rom.free import Free
+from rom.parts import Errors
 from rom.snapshots import SnapshotSet
-from rom.surrogate import Errors, Surrogate
+from rom.surrogate import Surrogate
 
 KEPT = 95  # percent of fresh states whose error is to be within what is said
-SAFE = 98  # percent of held-out states that are scaled to be within, so that of fresh ones KEPT are
-AROUND = 4  # states whose errors a cell goes by
+SAFE = 97  # percent of held-out states that are scaled to be within, so that of fresh ones KEPT are
+AROUND = 8  # states whose errors a cell goes by
 FREE = {"tip", "displacement", "touch_distance"}  # quantities whose errors in free space are known
-FEW, LEAST = 20, 0.1  # held-out states that scale nothing; factor that none goes below
-UNSEEN = 2.0  # factor on the errors as long as no held-out states have scaled them
+FEW, LEAST = 20, 1e-3  # held-out states that scale nothing; factor that none goes below
+UNSEEN = 4.0  # factor on the errors as long as no held-out states have scaled them
 MARGIN = 1e-3  # share of the range of d: ways past touch below which errors do not become smaller
 
 
 def estimate(
-    model: Surrogate, snapshots: SnapshotSet, free: Free, contact: Contact | None, left_out: tuple[np.ndarray, np.ndarray]
+    model: Surrogate,
+    snapshots: SnapshotSet,
+    free: Free,
+    contact: Contact | None,
+    left_out: tuple[np.ndarray, np.ndarray],
 ) -> Errors:
     """The errors of a model, from the states it was trained on.
 
     Args:
         model: the model, whatever its errors.
         snapshots: its states.
-        free, contact: their fits.
+        free: their fit in free space.
+        contact: their fits in contact.
         left_out: error of the displacement with lines left out, of free and of contact states [m].
     """
     said = model.free_values(free.points)
@@ -64,8 +71,8 @@ def estimate(
     return Errors(
         tip=tip,
         displacement=field,
-        touch_distance=_percentile(errors[:, 3:].max(axis=1)),
-        contact=np.array([rates[nearest].max(axis=0) for nearest in contact.around[:, :AROUND]]),
+        touch_distance=_percentile(np.take_along_axis(errors[:, 3:], said[:, 3:].argmax(axis=1)[:, None], 1)),
+        contact=np.exp(np.log(np.maximum(rates, np.finfo(float).tiny))[contact.around[:, :AROUND]].mean(axis=1)),
         margin=margin,
     )
 
@@ -85,7 +92,10 @@ def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
         ours = np.array([model.displacement(point) for point in points])
         true["displacement"] = np.sqrt(np.mean(np.sum((ours - field) ** 2, axis=2), axis=1))
     errors = model.errors
-    free = {name: getattr(errors, name) * _scale(true[name][~touching], answer.error[name][~touching]) for name in FREE & true.keys()}
+    free = {
+        name: getattr(errors, name) * _scale(true[name][~touching], answer.error[name][~touching])
+        for name in FREE & true.keys()
+    }
     contact = errors.contact.copy()
     for column, name in enumerate(("tip", "contact_force", "displacement")):
         if name in true:
@@ -95,7 +105,7 @@ def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
 
 
 def _scale(true: np.ndarray, said: np.ndarray) -> float:
-    """Factor on what is said, so that enough of the true errors keep within it; 1 if there are too few states to tell."""
+    """Factor on what is said, so that enough of the true errors keep within it; 1 if too few states tell."""
     if len(true) < FEW:
         return 1.0
     return max(float(np.percentile(true / np.maximum(said, np.finfo(float).tiny), SAFE)), LEAST)

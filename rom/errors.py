@@ -9,7 +9,6 @@ import numpy as np
 from rom.snapshots import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
 
-
 FELT = 0.1  # [N] above which relative errors of contact forces are counted
 MARGIN = 5e-5  # [m] from touch, within which a touch decision may be wrong
 

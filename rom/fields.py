@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from rom.contact import Contact
 from rom.enrichment import EnrichmentOptions
 from rom.free import Free
+from rom.parts import Field
 from rom.polynomials import Fitted, Samples, fit
 from rom.separation import separated
 from rom.snapshots import SnapshotSet
-from rom.surrogate import Field
 
 MOST = 60  # principal components of one kind of states
 
@@ -22,7 +22,7 @@ def train(
 ) -> tuple[Field, tuple[np.ndarray, np.ndarray]]:
     """Fit and separate the displacements of a set; also what they err with lines left out, of free and contact states.
 
-    Components leave out a tenth of the tolerance; those in free space less, because what contact adds is found from them.
+    Components leave out a tenth of the tolerance; those in free space less, as what contact adds is found from them.
     """
     displacement = _flat(snapshots.states_of("free", "displacement"))
     size = float(np.linalg.norm(displacement, axis=1).max())
@@ -80,10 +80,12 @@ def _flat(displacement: np.ndarray) -> np.ndarray:
 
 
 def _principal(states: np.ndarray, least: float) -> np.ndarray:
-    """Orthonormal basis of states, shape (3 nodes, k), such that what is left out of a state is about `least` at most."""
+    """Orthonormal basis of states, shape (3 nodes, k); what it leaves out of a state is about `least` at most."""
     values, vectors = np.linalg.eigh(states @ states.T)
     sizes = np.sqrt(np.maximum(values[::-1], 0.0))
-    left = np.sqrt(np.cumsum(sizes[::-1] ** 2)[::-1] / len(states))  # root mean square over states, of each and all after
+    left = np.sqrt(
+        np.cumsum(sizes[::-1] ** 2)[::-1] / len(states)
+    )  # root mean square over states, of each and all after
     kept = int(np.clip(np.count_nonzero(left > least), 1, MOST))
     basis = states.T @ (vectors[:, ::-1][:, :kept] / np.maximum(sizes[:kept], np.finfo(float).tiny))
     return np.linalg.qr(basis)[0]

@@ -37,7 +37,9 @@ class Free:
         if description.has_obstacle:
             heights = snapshots.states_of("free", "edge_heights")
             if np.abs(heights.max(axis=1) - snapshots.states_of("free", "touch_distance")).max() > 1e-6:
-                raise SnapshotError(f"{snapshots.path}: somewhere a face bulges farther towards the plane than its edges")
+                raise SnapshotError(
+                    f"{snapshots.path}: somewhere a face bulges farther towards the plane than its edges"
+                )
             along = _long_edges(snapshots)
             kept = np.union1d(heights.argmax(axis=1), np.flatnonzero(_is_corner(snapshots, along)))
             edges, values = along[kept], np.concatenate([values, heights[:, kept]], axis=1)

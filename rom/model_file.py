@@ -15,8 +15,9 @@ import h5py
 import numpy as np
 
 from rom.chart import Way
+from rom.parts import Errors, Field, Regime
 from rom.separated import Separated
-from rom.surrogate import Errors, Field, ModelError, Regime, Surrogate
+from rom.surrogate import ModelError, Surrogate
 
 KIND, FORMAT = "fingerfem surrogate", 3
 BLOCK = 512  # bytes before what is HDF5
@@ -87,10 +88,19 @@ def _write(model: Surrogate, file: h5py.File) -> None:
         cells = [round(len(model.map) ** (1 / len(model.parameters)))] * len(model.parameters)
         _dataset(contact, "map", model.map.astype(np.uint8).reshape(cells), "-")
         _dataset(contact, "near", model.near.reshape(cells), "-")
-        _dataset(contact, "error", model.errors.contact.astype(np.float32).reshape(*cells, 3), "tip m/m, contact force N/m, displacement m/m")
+        _dataset(
+            contact,
+            "error",
+            model.errors.contact.astype(np.float32).reshape(*cells, 3),
+            "tip m/m, contact force N/m, displacement m/m",
+        )
         for r, regime in enumerate(model.regimes):
             group = contact.create_group(f"regime_{r}")
-            group.attrs["code"], group.attrs["corner"], group.attrs["begins"] = regime.code, regime.corner, regime.begins
+            group.attrs["code"], group.attrs["corner"], group.attrs["begins"] = (
+                regime.code,
+                regime.corner,
+                regime.begins,
+            )
             group.attrs["states"] = regime.states
             group.attrs["sizes"] = np.array(regime.sizes, float)
             per = "/m" if regime.begins else ""
@@ -133,7 +143,8 @@ def _read(file: h5py.File) -> Surrogate:
     plain = {name: json.loads(file.attrs[name]) for name in PLAIN}
     obstacle = plain["parameters"][-1]["name"] == "d"
     error = file["error"]
-    contact, regimes, way = np.zeros((1, 3)), [], Way(0.0, 1.0)
+    regimes: list[Regime] = []
+    contact, way = np.zeros((1, 3)), Way(0.0, 1.0)
     places, near = np.zeros(1, np.int64), np.zeros(1, np.uint64)
     if obstacle:
         group = file["contact"]

@@ -76,9 +76,7 @@ class Plan:
         """Write the next round; of several who do, one has written it."""
         file = round_file(self._path, len(self.rounds))
         file.parent.mkdir(exist_ok=True)
-        table = asdict(found) | {
-            "lines": {task: list(astuple(line)) for task, line in found.lines.items()}
-        }
+        table = asdict(found) | {"lines": {task: list(astuple(line)) for task, line in found.lines.items()}}
         write_whole(file, lambda stream: stream.write(json.dumps(table).encode()), once=True)
         self.refresh()
 

@@ -66,7 +66,7 @@ def corner(code: Code, half: bool) -> Corner | None:
 
 
 def nearest_corner(code: Code, corners: Counter[Corner]) -> Corner:
-    """The corner to measure the plane's way from in a regime that is no corner's: one it has in common, of most states."""
+    """The corner to measure the plane's way from where none carries alone: one in common, of most states."""
     carrying = {k: plate(code, k)[1] for k in range(segments(code)) if plate(code, k)[0]}
 
     def shared(corner: Corner) -> int:
@@ -99,7 +99,13 @@ def _signs(code: Code, codes: list[Code], counts: Counter[Code]) -> list[Sign]:
                     found.append(Sign(kind="tilt", segment=k, axis=a, end=end, target=target))
                 else:
                     found += [
-                        Sign(kind="centre", segment=k, axis=a, end=other, target=_index(_replaced(code, at, (other,)), codes))
+                        Sign(
+                            kind="centre",
+                            segment=k,
+                            axis=a,
+                            end=other,
+                            target=_index(_replaced(code, at, (other,)), codes),
+                        )
                         for other in (-1, 1)
                     ]
         at = 4 * segments(code) + k

@@ -1,6 +1,6 @@
 """The separated form u(x; mu) = sum_i F_i(x) G_i1(mu_1) ... G_in(mu_n), as data.
 
-Chenevier et al., PLoS ONE 13(2): e0192052 (2018), eq. 2. rom.kernel evaluates it.
+Chenevier et al., PLoS ONE 13(2): e0192052 (2018), eq. 2. rom.tables evaluates it.
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom import basis1d, kernel
+from rom import basis1d
+from rom.tables import Tables, evaluate, values
+from rom.tables import tables as as_tables
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,9 +65,9 @@ class Separated:
         return [basis1d.coefficients(nodes, factor, self.kind, slope) for nodes, factor, slope in functions]
 
     @cached_property
-    def tables(self) -> kernel.Tables:
+    def tables(self) -> Tables:
         """The form as plain arrays for compiled code."""
-        return kernel.tables([self])
+        return as_tables([self])
 
     def truncated(self, tolerance: float) -> tuple[Separated, np.ndarray]:
         """The fewest leading terms whose separation error is below `tolerance` [-], all of them if none is.
@@ -86,8 +88,8 @@ class Separated:
 
     def value(self, x: ArrayLike) -> np.ndarray:
         """Value at a point, shape (m,)."""
-        return kernel.values(self.tables, 0, np.asarray(x, float))
+        return values(self.tables, 0, np.asarray(x, float))
 
     def value_and_gradient(self, x: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Value at a point, shape (m,), and gradient by the axes, shape (m, axes)."""
-        return kernel.evaluate(self.tables, 0, np.asarray(x, float))
+        return evaluate(self.tables, 0, np.asarray(x, float))

@@ -38,10 +38,11 @@ A task is a line of states solved in a fixed order. Its file holds, state by sta
     onset               ()              free-J: lead tension that first reaches the nearest plane [N]
     onset_jacobian      (p,)            and its derivatives by the other tensions [-]
 
-Tasks come in three kinds. `free-J` is a line along the lead tension (the tendon that bends the finger most towards the
+Tasks come in four kinds. `free-J` is a line along the lead tension (the tendon that bends the finger most towards the
 plane) at the J-th combination of the others. `contact-J-I` holds the tensions (I-th node of the lead between onset and
 its highest) and brings the plane from where it touches to its nearest; where that is the same place, one state stands
-for the line. `scattered-K` holds tensions of its own: the free state there, then the plane's way. `free-J-rN` and `contact-J-I-rN` add states to a line in round N. `random-K` is one held-out state.
+for the line. `scattered-K` holds tensions of its own: the free state there, then the plane's way. `free-J-rN` and
+`contact-J-I-rN` add states to a line in round N. `random-K` is one held-out state.
 """
 
 from __future__ import annotations

@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike
 
 from rom import kernel
 from rom.chart import Way
-from rom.regimes import Code
+from rom.parts import Errors, Field, Regime
 from rom.separated import Separated
+from rom.tables import tables, values
 
 logger = logging.getLogger(__name__)
 
@@ -42,64 +43,6 @@ class Answer:
     touch_distance: Any
     error: Mapping[str, Any]
     inside: Any
-
-
-@dataclass(frozen=True, kw_only=True)
-class Regime:
-    """Contact in one regime, see rom.regimes.
-
-    Attributes:
-        code: what carries.
-        corner: which of the free form's heights is that of the corner whose way past the plane is its coordinate.
-        begins: whether it begins at touch: tip and force are then by that way.
-        states: number of states it was fitted to.
-        sizes: what its conditions are large or small against.
-        form: what contact adds to the tip [m], contact force [N], conditions; by tensions and s.
-    """
-
-    code: Code
-    corner: int
-    begins: bool
-    states: int
-    sizes: Sequence[float]
-    form: Separated
-
-
-@dataclass(frozen=True, kw_only=True)
-class Field:
-    """The displacement of all nodes.
-
-    Attributes:
-        free_basis: principal components in free space, shape (3 nodes, k), single precision.
-        free: their amounts by tensions [m].
-        contact_basis: principal components of what contact adds; None without an obstacle.
-        regimes: their amounts in every regime, as in Regime.form.
-    """
-
-    free_basis: np.ndarray
-    free: Separated
-    contact_basis: np.ndarray | None = None
-    regimes: Sequence[Separated] = ()
-
-
-@dataclass(frozen=True, kw_only=True)
-class Errors:
-    """What the surrogate knows of its own error, see rom.error_map: that 95 % of fresh states keep.
-
-    Attributes:
-        tip: in free space [m].
-        displacement: in free space, root mean square over the nodes [m]; 0 without the field.
-        touch_distance: [m].
-        contact: of tip, contact force and displacement, by way past touch [-, N/m, -], by cell of the map of regimes,
-            shape (cells, 3).
-        margin: added to the way past touch [m].
-    """
-
-    tip: float
-    displacement: float
-    touch_distance: float
-    contact: np.ndarray
-    margin: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,7 +119,7 @@ class Surrogate:
         for r, regime in enumerate(self.regimes):
             sizes[r, : len(regime.sizes)] = regime.sizes
         return kernel.Kernel(
-            tables=kernel.tables([self.free, *(regime.form for regime in self.regimes)]),
+            tables=tables([self.free, *(regime.form for regime in self.regimes)]),
             lower=lower,
             upper=upper,
             has_obstacle=self.has_obstacle,
@@ -202,10 +145,9 @@ class Surrogate:
             ModelError: the wrong number of parameters.
         """
         point = self._point(parameters, most=2)
+        out, inside, _ = kernel.answers(self.kernel, np.atleast_2d(point))
         if point.ndim == 1:
-            out, _, inside = kernel.answer(self.kernel, point)
-        else:
-            out, inside = kernel.answers(self.kernel, point)[:2]
+            out, inside = out[0], inside[0]
         return Answer(
             tip=out[..., :3],
             contact_force=out[..., kernel.FORCE],
@@ -232,10 +174,10 @@ class Surrogate:
 
     def free_values(self, tensions: np.ndarray) -> np.ndarray:
         """Tip and heights in free space [m], shape (n, 3 + heights), at tensions, shape (n, tensions) [N]."""
-        return np.array([kernel.values(self.kernel.tables, 0, point) for point in np.asarray(tensions, float)])
+        return np.array([values(self.kernel.tables, 0, point) for point in np.asarray(tensions, float)])
 
     def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and their jacobian, see there; fastest."""
+        """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and `jacobian`; the fastest call."""
         out, jacobian, _ = kernel.answer(self.kernel, self._point(parameters))
         return out, jacobian
 
@@ -320,7 +262,7 @@ class Surrogate:
         tensions = held[:-1] if self.has_obstacle else held
         moved = self.displacements.free_basis @ self.displacements.free.value(tensions).astype(np.float32)
         if self.has_obstacle:
-            free = kernel.values(self.kernel.tables, 0, tensions)
+            free = values(self.kernel.tables, 0, tensions)
             touch = free[3:].max()
             if held[-1] < touch and not point[-1] >= touch:  # an untouched plane may stand anywhere
                 r = kernel.regime_at(self.kernel, held, free[3:], touch)[0]

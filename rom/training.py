@@ -16,9 +16,10 @@ from rom import chart, error_map, fields
 from rom.contact import Contact
 from rom.enrichment import EnrichmentOptions
 from rom.free import Free
+from rom.parts import Errors
 from rom.separation import separated
 from rom.snapshots import SnapshotError, SnapshotSet
-from rom.surrogate import Errors, Surrogate
+from rom.surrogate import Surrogate
 
 logger = logging.getLogger(__name__)
 

@@ -71,7 +71,7 @@ def test_holding_starts_from_where_the_finger_is_and_moves_little(finger):
 
 
 def test_a_plane_a_little_farther_is_held_with_tensions_a_little_different(finger):
-    # Beyond 23.5 mm the plate rolls over its face, and tensions jump: there contact force falls with tension for a while.
+    # Beyond 23.5 mm the plate rolls over its face, where contact force falls with tension for a while: tensions jump.
     motions = [finger.hold(1.0, distance) for distance in np.linspace(0.002, 0.0235, 360)]
     assert {motion.status for motion in motions} == {"converged"}
     steps = np.abs(np.diff([motion.tensions for motion in motions], axis=0)).max(axis=1)

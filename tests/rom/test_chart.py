@@ -32,9 +32,9 @@ def test_derivatives_by_the_coordinates_are_differences_at_fixed_coordinates():
     """f(F, d) = F_1 d + F_2^2: moved along one coordinate while the others stay."""
     point = np.array([40.0, 20.0, 0.005])
     reach, rising = height(point[:2])
-    slopes = WAY.slopes(
-        point[None], np.array([reach]), rising[None], np.array([[[point[2], 2 * point[1], point[0]]]])
-    )[0, 0]
+    slopes = WAY.slopes(point[None], np.array([reach]), rising[None], np.array([[[point[2], 2 * point[1], point[0]]]]))[
+        0, 0
+    ]
     s = WAY.coordinates(point[None], np.array([reach]))[0, 2]
 
     def f(first, second, s):

@@ -1,4 +1,4 @@
-"""Regression with derivatives: what is a polynomial is found, what is smooth converges, what is missing does not matter."""
+"""Regression with derivatives: what is a polynomial is found, what is smooth converges, missing states do no harm."""
 
 import numpy as np
 import pytest
@@ -45,7 +45,9 @@ def test_a_polynomial_is_found_with_its_derivatives():
 
 def test_a_smooth_function_converges_faster_than_any_power_of_the_number_of_states():
     fresh = samples(smooth, 200, seed=1)
-    errors = [np.abs(fit(samples(smooth, n)).polynomial.value(fresh.points) - fresh.values).max() for n in (20, 80, 320)]
+    errors = [
+        np.abs(fit(samples(smooth, n)).polynomial.value(fresh.points) - fresh.values).max() for n in (20, 80, 320)
+    ]
     assert errors[2] < 1e-4 * errors[0] and errors[2] < 1e-5
 
 

@@ -1,0 +1,142 @@
+"""Separated forms as plain arrays, evaluated by plain loops."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numba import njit
+
+if TYPE_CHECKING:
+    from rom.separated import Separated
+
+
+class Tables(NamedTuple):
+    """Separated forms, one after another."""
+
+    data: np.ndarray  # pieces of all axes and modes of all forms
+    forms: np.ndarray  # (forms, 4): axes, terms, outputs, where its modes are in `data`
+    axes: np.ndarray  # (forms, axes, 2): intervals, where their pieces are in `data`
+    scales: np.ndarray  # (forms, axes, 2): lower end, intervals per unit
+
+
+def tables(forms: Sequence[Separated]) -> Tables:
+    """Forms as plain arrays."""
+    axes = max(len(form.factors) for form in forms)
+    parts: list[np.ndarray] = []
+    heads, spans = np.zeros((len(forms), 4), np.int64), np.zeros((len(forms), axes, 2), np.int64)
+    scales = np.ones((len(forms), axes, 2))
+    offset = 0
+    for f, form in enumerate(forms):
+        for a, pieces in enumerate(form.pieces):
+            spans[f, a] = len(pieces), offset
+            scales[f, a] = form.lower[a], len(pieces) / (form.upper[a] - form.lower[a])
+            parts.append(pieces.ravel())
+            offset += pieces.size
+        heads[f] = len(form.factors), form.terms, len(form.modes), offset
+        parts.append(np.ascontiguousarray(form.modes).ravel())
+        offset += form.modes.size
+    return Tables(np.concatenate(parts), heads, spans, scales)
+
+
+# Sums may be taken in any order, so that they are vectorised.
+ANY_ORDER = {"reassoc", "contract", "nsz"}
+
+
+@njit(cache=True, fastmath=ANY_ORDER)
+def products(tables: Tables, f: int, x: np.ndarray) -> np.ndarray:
+    """The products of form f's one-dimensional functions at x, shape (terms,).
+
+    Outside an axis the end pieces go on for one interval, and then stay: whoever calls decides what lies inside.
+    """
+    terms = tables.forms[f, 1]
+    found = np.ones(terms)
+    for a in range(tables.forms[f, 0]):
+        last = float(tables.axes[f, a, 0])
+        t = min(max((x[a] - tables.scales[f, a, 0]) * tables.scales[f, a, 1], -1.0), last + 1.0)
+        i = int(min(max(t, 0.0), last - 1.0))
+        t -= i
+        c = tables.axes[f, a, 1] + 4 * terms * i
+        c0, c1 = tables.data[c : c + terms], tables.data[c + terms : c + 2 * terms]
+        c2, c3 = tables.data[c + 2 * terms : c + 3 * terms], tables.data[c + 3 * terms : c + 4 * terms]
+        for k in range(terms):
+            found[k] *= c0[k] + t * (c1[k] + t * (c2[k] + t * c3[k]))
+    return found
+
+
+@njit(cache=True, fastmath=ANY_ORDER)
+def products_and_slopes(tables: Tables, f: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same, and their derivatives by every axis, shape (axes, terms)."""
+    axes, terms = tables.forms[f, 0], tables.forms[f, 1]
+    own = np.empty(terms)
+    found = np.ones(terms)
+    slopes = np.ones((axes, terms))
+    for a in range(axes):
+        last = float(tables.axes[f, a, 0])
+        t = (x[a] - tables.scales[f, a, 0]) * tables.scales[f, a, 1]
+        rate = tables.scales[f, a, 1] if -1.0 <= t <= last + 1.0 else 0.0
+        t = min(max(t, -1.0), last + 1.0)
+        i = int(min(max(t, 0.0), last - 1.0))
+        t -= i
+        c = tables.axes[f, a, 1] + 4 * terms * i
+        c0, c1 = tables.data[c : c + terms], tables.data[c + terms : c + 2 * terms]
+        c2, c3 = tables.data[c + 2 * terms : c + 3 * terms], tables.data[c + 3 * terms : c + 4 * terms]
+        by = slopes[a]
+        for k in range(terms):
+            own[k] = c0[k] + t * (c1[k] + t * (c2[k] + t * c3[k]))
+            by[k] *= (c1[k] + t * (2 * c2[k] + t * 3 * c3[k])) * rate
+            found[k] *= own[k]
+        for b in range(axes):
+            if b != a:
+                other = slopes[b]
+                for k in range(terms):
+                    other[k] *= own[k]
+    return found, slopes
+
+
+@njit(cache=True, fastmath=ANY_ORDER)
+def weighted(tables: Tables, f: int, weights: np.ndarray, j: int) -> float:
+    """Component j of form f's modes, weighted by terms and added up."""
+    terms = tables.forms[f, 1]
+    at = tables.forms[f, 3] + j * terms
+    modes = tables.data[at : at + terms]
+    found = 0.0
+    for k in range(terms):
+        found += weights[k] * modes[k]
+    return found
+
+
+@njit(cache=True)
+def evaluate(tables: Tables, f: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Value, shape (m,), and gradient, shape (m, axes), of form f at x, shape (axes,)."""
+    axes, m = tables.forms[f, 0], tables.forms[f, 2]
+    whole, slopes = products_and_slopes(tables, f, x)
+    value = np.empty(m)
+    gradient = np.empty((m, axes))
+    for j in range(m):
+        value[j] = weighted(tables, f, whole, j)
+        for a in range(axes):
+            gradient[j, a] = weighted(tables, f, slopes[a], j)
+    return value, gradient
+
+
+@njit(cache=True)
+def values(tables: Tables, f: int, x: np.ndarray) -> np.ndarray:
+    """Value of form f at x, shape (m,)."""
+    whole = products(tables, f, x)
+    found = np.empty(tables.forms[f, 2])
+    for j in range(len(found)):
+        found[j] = weighted(tables, f, whole, j)
+    return found
+
+
+@njit(cache=True)
+def outside(tables: Tables, f: int, x: np.ndarray) -> float:
+    """How far x lies outside the box of form f, by more than an interval, as a share of the box."""
+    found = 0.0
+    for a in range(tables.forms[f, 0]):
+        last = float(tables.axes[f, a, 0])
+        t = (x[a] - tables.scales[f, a, 0]) * tables.scales[f, a, 1]
+        found = max(found, (-1.0 - t) / last, (t - last - 1.0) / last)
+    return found
