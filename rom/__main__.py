@@ -1,4 +1,4 @@
-"""python3 -m rom build | check | info."""
+"""python3 -m rom build | check | info | export."""
 
 from __future__ import annotations
 
@@ -64,6 +64,20 @@ def check_model(
 def info(model: ModelFile, as_json: AsJson = False) -> None:
     """What a model file holds: parameters with units and ranges, terms, accuracy, versions."""
     show(summary(Surrogate.load(model)), as_json)
+
+
+@app.command("export")
+def export_model(
+    model: ModelFile,
+    output: Annotated[Path, typer.Argument(metavar="FINGER.h", help="Its name begins every name in it.")],
+    tolerance: Annotated[
+        float, typer.Option(min=0, max=0.5, help="Keep only the terms this relative error needs.")
+    ] = 0.0,
+) -> None:
+    """Write a model as one C99 header: values and gradients, without allocation."""
+    from rom.export import export
+
+    export(Surrogate.load(model, tolerance=tolerance), output)
 
 
 def summary(model: Surrogate) -> dict:

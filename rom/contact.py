@@ -174,6 +174,12 @@ class Contact:
             box=ends,
         )
 
+    def with_its_corners(self, free: Free) -> tuple[Free, Contact]:
+        """Both with only the heights that lead somewhere or are of a regime's corner."""
+        wanted = np.union1d(np.flatnonzero(free.leads), [part.corner for part in self.parts]).astype(int)
+        parts = [replace(part, corner=int(np.searchsorted(wanted, part.corner))) for part in self.parts]
+        return free.of_heights(wanted), replace(self, parts=parts)
+
     @cached_property
     def around(self) -> np.ndarray:
         """States nearest to the middle of every cell, see rom.kernel.cell, nearest first; shape (cells, states)."""

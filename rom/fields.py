@@ -35,7 +35,7 @@ def train(
             values=displacement @ basis,
             slopes=snapshots.projected("free", basis)[..., :count],
             weights=np.ones(len(free.points)),
-            groups=free.groups,
+            groups=np.arange(len(free.points)),
             lower=box.lower,
             upper=box.upper,
         ),

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rom.polynomials import Fitted, Polynomial, Samples, fit
 from rom.snapshots import SnapshotError, SnapshotSet
+
+PLACES = 2000  # tensions at which to see what leads
+CLOSE = 1e-7  # [m]: heights so close to the largest may stand for it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,14 +19,14 @@ class Free:
 
     Attributes:
         points: tensions of the free states, shape (n, tensions) [N].
-        groups: of the states that are left out together, shape (n,).
         edges: nodes whose heights are among the values, after the tip's three components, shape (heights,).
+        leads: which of them lead somewhere, shape (heights,).
         fitted: values [m].
     """
 
     points: np.ndarray
-    groups: np.ndarray
     edges: np.ndarray
+    leads: np.ndarray
     fitted: Fitted
 
     @staticmethod
@@ -33,17 +36,14 @@ class Free:
         count = description.tensions
         points = snapshots.states_of("free", "parameters")[:, :count]
         values, slopes = (snapshots.states_of("free", name) for name in ("tip", "tip_jacobian"))
-        edges = np.zeros(0, int)
         if description.has_obstacle:
             heights = snapshots.states_of("free", "edge_heights")
             if np.abs(heights.max(axis=1) - snapshots.states_of("free", "touch_distance")).max() > 1e-6:
                 raise SnapshotError(
                     f"{snapshots.path}: somewhere a face bulges farther towards the plane than its edges"
                 )
-            along = _long_edges(snapshots)
-            kept = np.union1d(heights.argmax(axis=1), np.flatnonzero(_is_corner(snapshots, along)))
-            edges, values = along[kept], np.concatenate([values, heights[:, kept]], axis=1)
-            slopes = np.concatenate([slopes, snapshots.states_of("free", "edge_heights_jacobian")[:, kept]], axis=1)
+            values = np.concatenate([values, heights], axis=1)
+            slopes = np.concatenate([slopes, snapshots.states_of("free", "edge_heights_jacobian")], axis=1)
         lower, upper = box(snapshots)
         samples = Samples(
             points=points,
@@ -54,12 +54,41 @@ class Free:
             lower=lower[:count],
             upper=upper[:count],
         )
-        return Free(points=points, groups=samples.groups, edges=edges, fitted=fit(samples))
+        fitted = fit(samples)
+        if not description.has_obstacle:
+            return Free(points=points, edges=np.zeros(0, int), leads=np.zeros(0, bool), fitted=fitted)
+        everywhere = np.random.default_rng(0).random((PLACES, count)) * (upper - lower)[:count] + lower[:count]
+        leading = _leading(fitted.polynomial.value(np.concatenate([points, everywhere]))[:, 3:])
+        along = _long_edges(snapshots)
+        kept = np.union1d(leading, np.flatnonzero(_is_corner(snapshots, along)))
+        return Free(
+            points=points,
+            edges=along[kept],
+            leads=np.isin(kept, leading),
+            fitted=fitted.of(np.concatenate([np.arange(3), 3 + kept])),
+        )
+
+    def of_heights(self, wanted: np.ndarray) -> Free:
+        """The same with only some of the heights."""
+        columns = np.concatenate([np.arange(3), 3 + wanted])
+        return replace(self, edges=self.edges[wanted], leads=self.leads[wanted], fitted=self.fitted.of(columns))
 
     @property
     def polynomial(self) -> Polynomial:
         """Tip, then heights."""
         return self.fitted.polynomial
+
+
+def _leading(heights: np.ndarray) -> np.ndarray:
+    """As few columns as give the largest height of every row, shape (n, heights), up to CLOSE."""
+    highest, kept = heights.max(axis=1), [int(heights.max(axis=0).argmax())]
+    while len(kept) < heights.shape[1]:
+        short = highest - heights[:, kept].max(axis=1)
+        worst = int(short.argmax())
+        if short[worst] <= CLOSE:
+            break
+        kept.append(int(heights[worst].argmax()))
+    return np.array(sorted(kept))
 
 
 def box(snapshots: SnapshotSet) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ out changes its residuals from e_g to (I - Q_g Q_g^T)^-1 e_g, so this costs no f
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations_with_replacement
 
@@ -105,6 +105,15 @@ class Fitted:
     degree: int
     residuals: np.ndarray
     by_group: np.ndarray
+
+    def of(self, columns: np.ndarray) -> Fitted:
+        """The fit of some of the functions."""
+        return Fitted(
+            polynomial=replace(self.polynomial, coefficients=self.polynomial.coefficients[:, columns]),
+            degree=self.degree,
+            residuals=self.residuals[:, columns],
+            by_group=self.by_group[:, columns],
+        )
 
 
 def fit(samples: Samples, most: int = 16, alike: bool = False) -> Fitted:

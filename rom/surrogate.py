@@ -237,6 +237,15 @@ class Surrogate:
         """Number of terms of every form."""
         return {name: form.terms for name, form in self.forms.items()}
 
+    def regime(self, parameters: ArrayLike) -> Regime | None:
+        """The contact regime at a point; None without contact.
+
+        Raises:
+            ModelError: the wrong number of parameters.
+        """
+        r = int(kernel.answers(self.kernel, self._point(parameters)[None])[2][0])
+        return None if r < 0 else self.regimes[r]
+
     def jacobian(self, parameters: ArrayLike) -> np.ndarray:
         """Derivatives of tip x, y, z [m], contact force [N] and touch distance [m], shape (5, p), by the parameters.
 

@@ -40,6 +40,8 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
         logger.warning("done without %d lines that are not solved yet", len(snapshots.missing))
     free = Free.of(snapshots)
     contact = Contact.of(snapshots, free) if description.has_obstacle else None
+    if contact is not None:
+        free, contact = contact.with_its_corners(free)
     places, near = contact.map() if contact else (np.zeros(1, np.int64), np.zeros(1, np.uint64))
     field, left_out = None, (np.zeros(0), np.zeros(0))
     if description.has_field:
