@@ -9,11 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from mpi4py import MPI
 
 from fingerfem import grid
 from fingerfem.model import FingerModel
 
 CORNER = 1e-6  # share of half a plate: a centre of pressure that close to its end is at the end
+
+EQUAL = 1e-11  # [m]: nodes that differ by less are as high
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +52,7 @@ class Footprints:
         self._model = model
         scene = model.scene
         owned = model.space.dofmap.index_map.size_local
-        points = model.space.tabulate_dof_coordinates()[:owned]
+        points = self._points = model.space.tabulate_dof_coordinates()[:owned]
         self._heights_at_rest = points[:, 1] - scene.geometry.side / 2
         half, plates = scene.geometry.side / 2, grid.plates(scene)
         self._sizes = np.array([scene.geometry.plate / 2, half, half])
@@ -83,7 +86,7 @@ class Footprints:
             (pushing[:, 1:] - centre[:, :, None] * pushing[:, :1]) / force[:, :, None],
             0.0,
         )
-        highest = [self._highest(heights[nodes], rises[:, nodes]) for nodes in self._rubber]
+        highest = [self._highest(nodes, heights, rises) for nodes in self._rubber]
         reach = np.array([found[0] for found in highest])
         ends = np.where(np.abs(centre) >= 1 - CORNER, np.sign(centre), 0.0)
         touches = reach > (np.inf if distance is None else distance)
@@ -140,10 +143,13 @@ class Footprints:
         forces = self._model.nodal(forms.nodal_force)[: len(self._heights_at_rest), 1]
         return np.asarray(forces)
 
-    def _highest(self, heights: np.ndarray, rises: np.ndarray) -> tuple[float, np.ndarray]:
-        """Height of the highest node, and its derivatives."""
-        own = (-np.inf, np.zeros(len(rises)))
-        if heights.size:
-            leading = int(heights.argmax())
-            own = (float(heights[leading]), rises[:, leading])
-        return max(self._model.comm.allgather(own), key=lambda found: found[0])
+    def _highest(self, nodes: np.ndarray, heights: np.ndarray, rises: np.ndarray) -> tuple[float, np.ndarray]:
+        """Height of the highest of some nodes, and its derivatives; of several as high, of the one farthest out."""
+        comm = self._model.comm
+        own = heights[nodes]
+        highest = comm.allreduce(float(own.max(initial=-np.inf)), op=MPI.MAX)
+        equal = nodes[own > highest - EQUAL]
+        order = np.lexsort((self._points[equal, 2], self._points[equal, 0]))
+        places = [(*self._points[node, [0, 2]], rises[:, node]) for node in equal[order[-1:]]]
+        _, _, slopes = max((place for part in comm.allgather(places) for place in part), key=lambda place: place[:2])
+        return highest, slopes

@@ -230,7 +230,6 @@ def _part(
         values=np.zeros((len(rows), 0)),
         slopes=None,
         weights=np.ones(len(rows)) if begins else SMALL / (force / force.max() + SMALL),
-        groups=np.unique(np.round(parameters[:, :-1], 9), axis=0, return_inverse=True)[1].ravel(),
         lower=lower,
         upper=lower + np.maximum(upper - lower, 1e-6 * np.maximum(np.abs(upper), 1e-3)),
     )

@@ -85,9 +85,9 @@ PREAMBLE = """/* {title}: a fingerfem surrogate as C99. Written by python3 -m ro
 {parameters}
    out: tip displacement x, y, z [m], contact force [N], touch distance [m] (NAN without an obstacle).
    jacobian: their derivatives by the parameters, row by row.
-   It returns 1 if the point is inside the trained box, 0 if not: the answer is then that of the nearest point inside, and
-   derivatives across its walls are 0. A plane that is not touched may stand anywhere. It allocates nothing, keeps no
-   state and calls no library. Trained on scene {fingerprint}.
+   It returns 1 if the point is inside the trained box, 0 if not: the answer is then that of the nearest point inside,
+   and derivatives across its walls are 0. A plane that is not touched may stand anywhere. It allocates nothing, keeps
+   no state and calls no library. Trained on scene {fingerprint}.
 */
 #ifndef $GUARD
 #define $GUARD

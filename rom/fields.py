@@ -35,7 +35,6 @@ def train(
             values=displacement @ basis,
             slopes=snapshots.projected("free", basis)[..., :count],
             weights=np.ones(len(free.points)),
-            groups=np.arange(len(free.points)),
             lower=box.lower,
             upper=box.upper,
         ),

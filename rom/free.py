@@ -50,7 +50,6 @@ class Free:
             values=values,
             slopes=slopes[..., :count],
             weights=np.ones(len(points)),
-            groups=np.arange(len(points)),
             lower=lower[:count],
             upper=upper[:count],
         )

@@ -4,9 +4,8 @@ In Chebyshev polynomials of total degree q, by least squares (gradient-enhanced 
 J. Comput. Phys. 310, 2016, doi:10.1016/j.jcp.2015.12.049). A response that is smooth needs few states: where n nodes an
 axis are n^p states on a grid, total degree q needs some (p + q)! / (p! q!) / (1 + p). States may be missing anywhere.
 
-The degree is the one that best predicts whole groups of states left out, such as lines, in the median: the outermost
-groups are extrapolated when they are left out, which says little about the fit. With all rows Q R, leaving a group g
-out changes its residuals from e_g to (I - Q_g Q_g^T)^-1 e_g, so this costs no further fit.
+The degree is the one that best predicts states left out, each by all others. With all rows of the least-squares
+problem Q R, leaving out a state's rows g changes their residuals from e_g to (I - Q_g Q_g^T)^-1 e_g: no further fit.
 """
 
 from __future__ import annotations
@@ -35,7 +34,6 @@ class Samples:
         values: shape (n, m).
         slopes: derivatives, shape (n, m, p); None if not known.
         weights: of the states, shape (n,).
-        groups: numbers of the groups that are left out together, shape (n,).
         lower, upper: of the box, shapes (p,).
     """
 
@@ -43,7 +41,6 @@ class Samples:
     values: np.ndarray
     slopes: np.ndarray | None
     weights: np.ndarray
-    groups: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
 
@@ -98,13 +95,11 @@ class Fitted:
         polynomial: the fit to all samples.
         degree: its total degree.
         residuals: of the values, each state predicted by all others, shape (n, m).
-        by_group: the same, each group predicted by all others.
     """
 
     polynomial: Polynomial
     degree: int
     residuals: np.ndarray
-    by_group: np.ndarray
 
     def of(self, columns: np.ndarray) -> Fitted:
         """The fit of some of the functions."""
@@ -112,7 +107,6 @@ class Fitted:
             polynomial=replace(self.polynomial, coefficients=self.polynomial.coefficients[:, columns]),
             degree=self.degree,
             residuals=self.residuals[:, columns],
-            by_group=self.by_group[:, columns],
         )
 
 
@@ -141,7 +135,7 @@ def fit(samples: Samples, most: int = 16, alike: bool = False) -> Fitted:
 
 
 def _score(samples: Samples, found: Fitted, size: np.ndarray) -> float:
-    spread = np.abs(samples.weights[:, None] * found.by_group / size)
+    spread = np.abs(samples.weights[:, None] * found.residuals / size)
     return float(np.linalg.norm(np.quantile(spread, 0.75, axis=0)))
 
 
@@ -165,21 +159,18 @@ def _fit(samples: Samples, degree: int) -> Fitted:
             lower=samples.lower, upper=samples.upper, powers=powers, coefficients=solve_triangular(R, along)
         ),
         degree=degree,
-        residuals=_left_out(samples, np.arange(len(samples.points)), Q, wanted - Q @ along),
-        by_group=_left_out(samples, samples.groups, Q, wanted - Q @ along),
+        residuals=_left_out(samples, Q, wanted - Q @ along),
     )
 
 
-def _left_out(samples: Samples, groups: np.ndarray, Q: np.ndarray, errors: np.ndarray) -> np.ndarray:
-    """Residuals of the values, each group predicted by all others, shape (n, m)."""
-    residuals, blocks = np.empty_like(samples.values), len(Q) // len(samples.values)
-    for group in np.unique(groups):
-        states = np.flatnonzero(groups == group)
-        own = (np.arange(blocks)[:, None] * len(samples.values) + states).ravel()
-        leverage = np.eye(len(own)) - Q[own] @ Q[own].T
-        left_out = np.linalg.lstsq(leverage, errors[own], rcond=1e-12)[0]
-        residuals[states] = left_out[: len(states)] / samples.weights[states, None]
-    return residuals
+def _left_out(samples: Samples, Q: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Residuals of the values, each state predicted by all others, shape (n, m)."""
+    n, blocks = len(samples.points), len(Q) // len(samples.points)
+    rows = Q.reshape(blocks, n, -1).transpose(1, 0, 2)
+    leverages = np.eye(blocks) - rows @ rows.transpose(0, 2, 1)
+    # A state that alone says something is reproduced whatever it is: nothing is known of what others would predict.
+    left_out = np.linalg.pinv(leverages, rcond=1e-12, hermitian=True) @ errors.reshape(blocks, n, -1).transpose(1, 0, 2)
+    return np.asarray(left_out[:, 0] / samples.weights[:, None])
 
 
 @lru_cache

@@ -60,7 +60,7 @@ def free(tmp_path_factory):
 
 def test_without_an_obstacle_a_surrogate_has_tensions_alone(free):
     surrogate, model = free
-    assert surrogate.names == ["F1", "F2"] and set(surrogate.forms) == {"free", "free_displacement"}
+    assert surrogate.names == ["F1", "F2"] and set(surrogate.forms) == {"free", "free displacement"}
     answer = surrogate.evaluate([35.0, 60.0])
     assert answer.tip == pytest.approx(model.solve([35.0, 60.0], sensitivities=False).tip, abs=2e-4)
     assert answer.contact_force == 0 and np.isnan(answer.touch_distance)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from rom import polynomials
 from rom.polynomials import Samples, fit, total_degree
 
 LOWER, UPPER = np.array([-1.0, 0.0, 2.0]), np.array([3.0, 1.0, 5.0])
@@ -19,7 +20,6 @@ def samples(function, n: int, p: int = 3, seed: int = 0, with_slopes: bool = Tru
         values=values,
         slopes=slopes.transpose(0, 2, 1) if with_slopes else None,
         weights=np.ones(n),
-        groups=np.arange(n) // 3,
         lower=LOWER[:p],
         upper=UPPER[:p],
     )
@@ -61,25 +61,22 @@ def test_derivatives_are_worth_states():
 
 
 def test_states_left_out_are_predicted_as_a_fit_without_them_would():
-    """The formula with the leverages against fits that never saw the group."""
+    """The formula with the leverages against fits that never saw the state."""
     given = samples(smooth, 45)
     found = fit(given)
-    for group in (0, 7, 14):
-        rest = given.groups != group
+    for state in (0, 7, 44):
+        rest = np.arange(45) != state
         without = Samples(
             points=given.points[rest],
             values=given.values[rest],
             slopes=given.slopes[rest],
             weights=given.weights[rest],
-            groups=given.groups[rest],
             lower=LOWER,
             upper=UPPER,
         )
-        from rom import polynomials
-
         left_out = polynomials._fit(without, found.degree).polynomial.value(given.points[~rest])
         # The prior counts by the number of rows, which differs a little.
-        assert found.by_group[~rest] == pytest.approx(given.values[~rest] - left_out, rel=0.05, abs=1e-5)
+        assert found.residuals[~rest] == pytest.approx(given.values[~rest] - left_out, rel=0.05, abs=1e-5)
 
 
 def test_a_function_of_which_little_is_known_gets_a_low_degree():
