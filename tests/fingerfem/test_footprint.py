@@ -1,4 +1,4 @@
-"""Where a finger stands on the plane: forces add up, derivatives are differences, half a finger says what a whole says."""
+"""Where a finger stands on the plane: forces add up, derivatives are differences, a half says what the whole says."""
 
 import numpy as np
 import pytest

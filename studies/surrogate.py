@@ -1,0 +1,321 @@
+"""The surrogate, measured: error on fresh states, regimes beside plain separation, speed, and other packages beside it.
+
+python3 studies/surrogate.py [OUT] [--quick]    prints tables, writes OUT/surrogate.json (out/surrogate by default)
+
+EZyRB and TensorLy are installed from PyPI into OUT/others, an environment of their own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from rom import kernel, polynomials  # noqa: E402
+from rom.contact import Contact  # noqa: E402
+from rom.enrichment import EnrichmentOptions  # noqa: E402
+from rom.error_map import calibrated  # noqa: E402
+from rom.errors import FELT, check  # noqa: E402
+from rom.free import Free, box  # noqa: E402
+from rom.separated import Separated  # noqa: E402
+from rom.separation import separated  # noqa: E402
+from rom.snapshots import SnapshotSet  # noqa: E402
+from rom.surrogate import Surrogate  # noqa: E402
+from rom.training import train  # noqa: E402
+from studies.solver import say  # noqa: E402
+from studies.training import farm  # noqa: E402
+
+SCENES = {"draft": "draft", "middle": "draft", "two segments": "two_segments"}
+MIDDLE = ("cells = [20, 5]", "cells = [40, 7]")
+PAPER = "one_segment"  # trained on few states: only for the time of its field
+FRESH, SCALING = (200, 11), (200, 12)  # held-out states and their seed: to judge by, and to scale errors by
+OPTIONS = EnrichmentOptions()
+
+
+def scene(folder: Path, name: str, sampling: tuple[int, int] | None = None) -> Path:
+    """A scene of the study."""
+    text = (ROOT / "scenes" / f"{SCENES.get(name, name)}.toml").read_text()
+    if name == "middle":
+        text = text.replace(*MIDDLE)
+    if sampling:
+        text += f"\n[sampling]\ntension_nodes = {sampling[0]}\ncontact_nodes = {sampling[1]}\n"
+    file = folder / f"{name.replace(' ', '-')}.toml"
+    file.write_text(text)
+    return file
+
+
+def sets(folder: Path, name: str, sampling: tuple[int, int] | None, count: int) -> list[SnapshotSet]:
+    """Training states, fresh states, and fresh states to scale errors by; what is there is not solved again."""
+    file, found = scene(folder, name, sampling), []
+    for kind, options in (
+        ("training", ()),
+        ("fresh", ("--random", str(count), "--seed", str(FRESH[1]))),
+        ("scaling", ("--random", str(count), "--seed", str(SCALING[1]))),
+    ):
+        place = folder / file.stem / kind
+        farm(2, file, place, *options)
+        found.append(SnapshotSet(place))
+    return found
+
+
+def accuracy(training: SnapshotSet, fresh: SnapshotSet, scaling: SnapshotSet) -> tuple[Surrogate, dict]:
+    """Error of a model on fresh states, and how what it says of its error compares."""
+    begun = time.perf_counter()
+    model = train(training, OPTIONS)
+    seconds = time.perf_counter() - begun
+    model = calibrated(model, scaling)
+    found = check(model, fresh)
+    touching = training.states_of("contact", "contact_force") > 0
+    return model, found | {
+        "training_states": training.states,
+        "contact_states": int(touching.sum()),
+        "regimes": [{"code": list(regime.code), "states": regime.states} for regime in model.regimes],
+        "separation_seconds": seconds,
+        "said": honesty(model, fresh),
+    }
+
+
+def honesty(model: Surrogate, fresh: SnapshotSet) -> dict:
+    """Share of true errors within what is said, and what is said (median) over what 95 % keep, for the halves that say
+    least and most.
+    """
+    points, force = fresh.random("parameters"), fresh.random("contact_force")
+    answer = model.evaluate(points)
+    true = {
+        "tip": np.linalg.norm(answer.tip - fresh.random("tip"), axis=1),
+        "contact_force": np.abs(answer.contact_force - force),
+        "touch_distance": np.abs(answer.touch_distance - fresh.random("touch_distance")),
+    }
+    if model.has_field:
+        field = fresh.random("displacement")
+        moved = np.array([model.displacement(point) for point in points])
+        true["displacement"] = np.sqrt(np.mean(np.sum((moved - field) ** 2, axis=2), axis=1))
+    found = {}
+    for name, errors in true.items():
+        said, errors = answer.error[name][force > 0], errors[force > 0]
+        halves = np.array_split(np.argsort(said), 2)
+        found[name] = {
+            "covered": float(np.mean(errors <= said)),
+            "ratios": [float(np.median(said[half]) / np.percentile(errors[half], 95)) for half in halves],
+        }
+    return found
+
+
+def plain(training: SnapshotSet, fresh: SnapshotSet) -> list[dict]:
+    """The same states without regimes: one form over (F, d), and one over (F, s) for all contact states together."""
+    free = Free.of(training)
+    contact = Contact.of(training, free)
+    lower, upper = box(training)
+    points, force = fresh.random("parameters"), fresh.random("contact_force")
+    felt = force > FELT
+    rows = []
+
+    def fitted(places, states, slopes, ends):
+        samples = polynomials.Samples(
+            points=places,
+            values=states[:, None],
+            slopes=slopes[:, None],
+            weights=0.02 / (states / states.max() + 0.02),
+            lower=ends[0],
+            upper=ends[1],
+        )
+        return separated("force", polynomials.fit(samples).polynomial, places, OPTIONS)
+
+    def error(name: str, form: Separated, at: np.ndarray) -> None:
+        said = np.maximum([form.value(place)[0] for place in at], 0.0)
+        off = np.abs(said - force)[felt] / force[felt]
+        rows.append({"form": name, "terms": form.terms} | quantiles(off))
+
+    slopes = training.states_of("contact", "contact_force_jacobian")[contact.touching]
+    # Before touch nothing depends on d: free states stand for planes anywhere beyond their reach.
+    tensions, reach = free.points, training.states_of("free", "touch_distance")
+    away = [np.linspace(max(one, lower[-1]), upper[-1], 6)[1:] for one in reach]
+    beyond = np.column_stack([np.repeat(tensions, 5, axis=0), np.concatenate(away)])
+    places = np.concatenate([contact.parameters, beyond])
+    states = np.concatenate([contact.force, np.zeros(len(beyond))])
+    turned = np.concatenate([slopes, np.zeros((len(beyond), slopes.shape[1]))])
+    error("one form over (F, d)", fitted(places, states, turned, (lower, upper)), points)
+
+    known, rising = free.polynomial.value_and_gradient(contact.parameters[:, :-1])
+    leads = known[:, 3:].argmax(axis=1)
+    height = known[np.arange(len(known)), 3 + leads]
+    aligned = contact.way.coordinates(contact.parameters, height)
+    by = contact.way.slopes(contact.parameters, height, rising[np.arange(len(known)), 3 + leads], slopes[:, None])[:, 0]
+    ends = np.append(lower[:-1], 0.0), np.append(upper[:-1], aligned[:, -1].max())
+    now = free.polynomial.value(points[:, :-1])[:, 3:].max(axis=1)
+    at = contact.way.coordinates(points, now)
+    form = fitted(aligned, contact.force, by, ends)
+    touches = now > points[:, -1]
+    error("one form over (F, s)", form, np.where(touches[:, None], at, np.append(lower[:-1], 0.0)))
+    return rows
+
+
+def quantiles(errors: np.ndarray) -> dict:
+    """Median, 95 % and largest."""
+    return {
+        "median": float(np.median(errors)),
+        "p95": float(np.percentile(errors, 95)),
+        "max": float(errors.max()),
+    }
+
+
+def functions(model: Surrogate, fresh: SnapshotSet) -> list[dict]:
+    """The same terms with each kind of one-dimensional functions."""
+    rows = []
+    for kind in ("hermite", "cubic", "linear"):
+        other = replace(
+            model,
+            free=replace(model.free, kind=kind),
+            regimes=[replace(regime, form=replace(regime.form, kind=kind)) for regime in model.regimes],
+            displacements=None,
+        )
+        found = check(other, fresh)
+        rows.append({"functions": kind, "contact_force": found["contact_force"], "tip": found["tip"]})
+    return rows
+
+
+def timed(call, points: np.ndarray) -> dict:
+    """Median and 99th percentile of a call at every point [us]."""
+    call(points[0])
+    taken = np.empty(len(points))
+    for k, point in enumerate(points):
+        begun = time.perf_counter_ns()
+        call(point)
+        taken[k] = time.perf_counter_ns() - begun
+    return {"p50_us": float(np.percentile(taken, 50)) / 1e3, "p99_us": float(np.percentile(taken, 99)) / 1e3}
+
+
+def draw(model: Surrogate, count: int) -> np.ndarray:
+    """Points of the box."""
+    lower, upper = model.limits
+    return lower + np.random.default_rng(0).random((count, len(lower))) * (upper - lower)
+
+
+def speed(model: Surrogate, file: Path, count: int) -> dict:
+    """One core, from Python."""
+    model.save(file)
+    Surrogate.load(file)
+    begun = time.perf_counter()
+    model = Surrogate.load(file)
+    loading = time.perf_counter() - begun
+    points = draw(model, 20_000)
+    single = timed(model.value_and_jacobian, points)
+    many = draw(model, count)
+    model.evaluate(many[:10])
+    begun = time.perf_counter()
+    kernel.answers(model.kernel, many)
+    batch = (time.perf_counter() - begun) / count
+    return {
+        "load_seconds": loading,
+        "value_and_jacobian": single,
+        "batch": {"count": count, "us_each": 1e6 * batch},
+        "bytes": file.stat().st_size,
+        "terms": model.terms,
+    }
+
+
+def cost(model: Surrogate) -> dict:
+    """Time of one form's value and gradient against terms and against axes, everything else alike."""
+
+    def form(axes: int, terms: int) -> Separated:
+        random = np.random.default_rng(0)
+        return Separated(
+            lower=np.zeros(axes),
+            upper=np.ones(axes),
+            factors=[random.random((21, terms)) for _ in range(axes)],
+            slopes=[random.random((21, terms)) for _ in range(axes)],
+            modes=random.random((4, terms)),
+            errors=np.zeros(terms),
+            lost=np.zeros((terms, 4)),
+        )
+
+    def each(one: Separated) -> float:
+        points = np.random.default_rng(1).random((3000, len(one.lower)))
+        return timed(one.value_and_gradient, points)["p50_us"]
+
+    return {
+        "terms": [{"terms": n, "us": each(form(3, n))} for n in (25, 50, 100, 200, 400)],
+        "axes": [{"axes": n, "us": each(form(n, 200))} for n in (2, 3, 4, 5, 6)],
+    }
+
+
+def others(folder: Path, training: SnapshotSet, fresh: SnapshotSet, model: Surrogate) -> list[dict]:
+    """EZyRB and TensorLy on the same contact states, in an environment of their own: tip and contact force."""
+    parameters, force = training.states_of("contact", "parameters"), training.states_of("contact", "contact_force")
+    outputs, touching = np.column_stack([training.states_of("contact", "tip"), force]), force > 0
+    points, true = fresh.random("parameters"), fresh.random("contact_force")
+    felt = true > FELT
+    description, lead = training.description, training.description.lead
+    (other,) = description.other_axes
+    onset = CubicSpline(description.tension_nodes[other], training.onset())(points[:, other])
+    reach, (lower, upper) = model.evaluate(points).touch_distance, model.limits
+    aligned = points.copy()
+    aligned[:, lead] = (points[:, lead] - onset) / (upper[lead] - onset)
+    aligned[:, -1] = (reach - points[:, -1]) / (reach - lower[-1])
+    axes = {f"nodes_{k}": np.array(nodes) for k, nodes in enumerate(description.tension_nodes)}
+    axes[f"nodes_{lead}"] = np.array(description.onset_nodes)
+    axes[f"nodes_{description.tensions}"] = np.array(description.contact_nodes)
+    np.savez(
+        folder / "others.npz",
+        parameters=(parameters[touching] - lower) / (upper - lower),
+        outputs=outputs[touching],
+        grid=np.concatenate([training.contact("tip"), training.contact("contact_force")[..., None]], axis=-1),
+        fresh=((points - lower) / (upper - lower))[felt],
+        aligned=np.clip(aligned, 0, np.append(upper[:-1], 1))[felt],
+        force=true[felt],
+        **axes,
+    )
+    python = folder / "others" / "bin" / "python"
+    if not python.exists():
+        subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", str(folder / "others")], check=True)
+        subprocess.run([str(python), "-m", "pip", "install", "-q", "ezyrb", "tensorly"], check=True)
+    command = [str(python), str(ROOT / "studies" / "others.py"), str(folder / "others.npz")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(done.stderr)
+    answers = kernel.answers(model.kernel, points[felt])[0][:, kernel.FORCE]
+    ours = {"package": "fingerfem", "method": "regimes, separated", "bytes": replace(model, displacements=None).bytes}
+    ours |= quantiles(np.abs(answers / true[felt] - 1)) | timed(model.value_and_jacobian, points[felt])
+    return [ours, *json.loads(done.stdout.splitlines()[-1])]
+
+
+def main() -> None:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("out", nargs="?", default="out/surrogate")
+    parser.add_argument("--quick", action="store_true", help="the draft finger alone, few states")
+    options = parser.parse_args()
+    folder = Path(options.out).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    names = ["draft"] if options.quick else list(SCENES)
+    found: dict = {"accuracy": {}}
+    for name in names:
+        print(name)
+        training, fresh, scaling = sets(
+            folder, name, (5, 6) if options.quick else None, 60 if options.quick else FRESH[0]
+        )
+        model, found["accuracy"][name] = accuracy(training, fresh, scaling)
+        say({key: value for key, value in found["accuracy"][name].items() if key != "regimes"})
+        if name == "draft":
+            found["plain"] = plain(training, fresh)
+            found["functions"] = functions(model, fresh)
+            found["speed"] = speed(model, folder / "draft.h5", 10_000 if options.quick else 1_000_000)
+            found["cost"] = cost(model)
+            found["others"] = others(folder, training, fresh, model)
+            for key in ("plain", "functions", "speed", "cost", "others"):
+                say({key: found[key]})
+    (folder / "surrogate.json").write_text(json.dumps(found, indent=1))
+
+
+if __name__ == "__main__":
+    main()
