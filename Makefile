@@ -1,11 +1,11 @@
 # make demo   train the draft finger, grasp, verify, report to out/demo
 # make test   all tests, lint, types, import contracts
-# make readme, solver, training, figures   what README and docs/ show (see below)
+# make readme, solver, training, surrogate, figures   what README and docs/ show (see below)
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test clean readme solver training figures
+.PHONY: demo test clean readme solver training surrogate figures
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -38,6 +38,14 @@ training:
 	docker/run python3 studies/training.py out/farm
 	docker/run python3 studies/refinement.py out/farm
 	docker/run python3 studies/training_page.py out/farm out/solver/solver.json
+
+# docs/surrogate.md, from the studies of the surrogate, about an hour; other packages come from PyPI, in an environment beside.
+surrogate:
+	docker/run python3 studies/surrogate.py out/surrogate
+	$(PYTHON) -m venv out/surrogate/others
+	out/surrogate/others/bin/python -m pip install -q --disable-pip-version-check -e . ezyrb tensorly
+	out/surrogate/others/bin/python studies/others.py out/surrogate
+	docker/run python3 studies/surrogate_page.py out/surrogate
 
 # The pictures of docs/figures.md: free states, contact states, two segments, as figures 3, 4 and 6 of the paper.
 figures:

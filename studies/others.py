@@ -1,6 +1,6 @@
-"""EZyRB and TensorLy on the states of studies/surrogate.py, which runs this in an environment of their own.
+"""EZyRB and TensorLy beside this project, on the states of studies/surrogate.py, in an environment that has all three.
 
-python studies/others.py STATES.npz    prints JSON
+python studies/others.py OUT    reads OUT/others.npz and OUT/draft.h5, prints a table, writes OUT/others.json
 """
 
 from __future__ import annotations
@@ -9,9 +9,16 @@ import json
 import pickle
 import sys
 import time
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from rom.surrogate import Surrogate  # noqa: E402
 
 CALLS = 300  # single queries that are timed
 RANK = 60
@@ -51,7 +58,7 @@ def ezyrb(stored) -> list[dict]:
             said = model.predict(point[None])
             return np.ravel(getattr(said, "snapshots_matrix", said)) * size
 
-        found.append(row("EZyRB", name, predict, stored["fresh"], stored["force"], len(pickle.dumps(model))))
+        found.append(row("EZyRB", name, predict, stored["scaled"], stored["force"], len(pickle.dumps(model))))
     return found
 
 
@@ -75,6 +82,25 @@ def tensorly(stored) -> list[dict]:
     return [row("TensorLy", f"CP, rank {RANK}", predict, stored["aligned"], stored["force"], kept)]
 
 
+def fingerfem(stored, file: Path) -> list[dict]:
+    """This project's model: value and derivatives."""
+    model = Surrogate.load(file)
+
+    def predict(point):
+        return model.value_and_jacobian(point)[0]
+
+    size = replace(model, displacements=None).bytes
+    return [row("fingerfem", "regimes, separated", predict, stored["points"], stored["force"], size)]
+
+
+def main(folder: Path) -> None:
+    """All of them, in one process."""
+    with np.load(folder / "others.npz") as states:
+        rows = fingerfem(states, folder / "draft.h5") + ezyrb(states) + tensorly(states)
+    for one in rows:
+        print(json.dumps(one))
+    (folder / "others.json").write_text(json.dumps(rows, indent=1))
+
+
 if __name__ == "__main__":
-    with np.load(sys.argv[1]) as states:
-        print(json.dumps(ezyrb(states) + tensorly(states)))
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "out/surrogate"))

@@ -2,14 +2,13 @@
 
 python3 studies/surrogate.py [OUT] [--quick]    prints tables, writes OUT/surrogate.json (out/surrogate by default)
 
-EZyRB and TensorLy are installed from PyPI into OUT/others, an environment of their own.
+It also writes OUT/others.npz, the states that studies/others.py gives to other packages.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 import sys
 import time
 from dataclasses import replace
@@ -38,7 +37,7 @@ from studies.training import farm  # noqa: E402
 SCENES = {"draft": "draft", "middle": "draft", "two segments": "two_segments"}
 MIDDLE = ("cells = [20, 5]", "cells = [40, 7]")
 PAPER = "one_segment"  # trained on few states: only for the time of its field
-FRESH, SCALING = (200, 11), (200, 12)  # held-out states and their seed: to judge by, and to scale errors by
+FRESH, SCALING = (200, 11), (200, 12)  # held-out states and their seeds: to judge by, and to scale errors by
 OPTIONS = EnrichmentOptions()
 
 
@@ -249,8 +248,8 @@ def cost(model: Surrogate) -> dict:
     }
 
 
-def others(folder: Path, training: SnapshotSet, fresh: SnapshotSet, model: Surrogate) -> list[dict]:
-    """EZyRB and TensorLy on the same contact states, in an environment of their own: tip and contact force."""
+def for_others(folder: Path, training: SnapshotSet, fresh: SnapshotSet, model: Surrogate) -> None:
+    """Write the states that studies/others.py gives to other packages: parameters scaled to [0, 1], and the grid."""
     parameters, force = training.states_of("contact", "parameters"), training.states_of("contact", "contact_force")
     outputs, touching = np.column_stack([training.states_of("contact", "tip"), force]), force > 0
     points, true = fresh.random("parameters"), fresh.random("contact_force")
@@ -270,23 +269,12 @@ def others(folder: Path, training: SnapshotSet, fresh: SnapshotSet, model: Surro
         parameters=(parameters[touching] - lower) / (upper - lower),
         outputs=outputs[touching],
         grid=np.concatenate([training.contact("tip"), training.contact("contact_force")[..., None]], axis=-1),
-        fresh=((points - lower) / (upper - lower))[felt],
+        points=points[felt],
+        scaled=((points - lower) / (upper - lower))[felt],
         aligned=np.clip(aligned, 0, np.append(upper[:-1], 1))[felt],
         force=true[felt],
         **axes,
     )
-    python = folder / "others" / "bin" / "python"
-    if not python.exists():
-        subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", str(folder / "others")], check=True)
-        subprocess.run([str(python), "-m", "pip", "install", "-q", "ezyrb", "tensorly"], check=True)
-    command = [str(python), str(ROOT / "studies" / "others.py"), str(folder / "others.npz")]
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode:
-        raise SystemExit(done.stderr)
-    answers = kernel.answers(model.kernel, points[felt])[0][:, kernel.FORCE]
-    ours = {"package": "fingerfem", "method": "regimes, separated", "bytes": replace(model, displacements=None).bytes}
-    ours |= quantiles(np.abs(answers / true[felt] - 1)) | timed(model.value_and_jacobian, points[felt])
-    return [ours, *json.loads(done.stdout.splitlines()[-1])]
 
 
 def main() -> None:
@@ -311,8 +299,8 @@ def main() -> None:
             found["functions"] = functions(model, fresh)
             found["speed"] = speed(model, folder / "draft.h5", 10_000 if options.quick else 1_000_000)
             found["cost"] = cost(model)
-            found["others"] = others(folder, training, fresh, model)
-            for key in ("plain", "functions", "speed", "cost", "others"):
+            for_others(folder, training, fresh, model)
+            for key in ("plain", "functions", "speed", "cost"):
                 say({key: found[key]})
     (folder / "surrogate.json").write_text(json.dumps(found, indent=1))
 
