@@ -1,0 +1,174 @@
+"""Write docs/surrogate.md from what studies/surrogate.py and others.py measured: python3 studies/surrogate_page.py OUT."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from studies.readme import table  # noqa: E402
+
+MESHES = {"draft": "draft", "middle": "one segment, middle mesh", "two segments": "two segments"}
+
+
+def percent(value: float) -> str:
+    """For people."""
+    return f"{100 * value:.2g} %"
+
+
+def errors(found: dict) -> str:
+    """Error on fresh states by scene."""
+    header = ["scene", "contact states", "regimes", "fresh states", "displacement, median", "95 %"]
+    header += ["contact force, median", "95 %", "largest", "wrong touch decisions"]
+    rows = []
+    for name, row in found["accuracy"].items():
+        field, force = row["displacement"], row["contact_force"]
+        rows.append(
+            [
+                MESHES[name],
+                f"{row['contact_states']:,}",
+                str(len(row["regimes"])),
+                str(row["states"]),
+                percent(field["median"]),
+                percent(field["p95"]),
+                *(percent(force[key]) for key in ("median", "p95", "max")),
+                f"{row['touch']['wrong']} ({row['touch']['wrong_beyond_margin']} farther than 0.05 mm from touch)",
+            ]
+        )
+    return table(header, rows)
+
+
+def plain(found: dict) -> str:
+    """Regimes beside plain forms, on the same states."""
+    ours = found["accuracy"]["draft"]["contact_force"]
+    rows = [
+        [row["form"], str(row["terms"]), *(percent(row[key]) for key in ("median", "p95", "max"))]
+        for row in found["plain"]
+    ]
+    terms = sum(count for name, count in found["accuracy"]["draft"]["terms"].items() if name.startswith("regime"))
+    rows.append(
+        ["one form a regime, over (F, s)", str(terms), *(percent(ours[key]) for key in ("median", "p95", "max"))]
+    )
+    return table(["contact force by", "terms", "median", "95 %", "largest"], rows)
+
+
+def said(found: dict) -> str:
+    """What the surrogate says of its error."""
+    rows = [
+        [
+            MESHES[name],
+            quantity.replace("_", " "),
+            percent(one["covered"]),
+            *(f"{ratio:.1f}" for ratio in one["ratios"]),
+        ]
+        for name, row in found["accuracy"].items()
+        for quantity, one in row["said"].items()
+    ]
+    return table(["scene", "error of", "within what is said", "said over true, smaller half", "larger half"], rows)
+
+
+def functions(found: dict) -> str:
+    """Kinds of one-dimensional functions."""
+    rows = [
+        [
+            row["functions"],
+            *(percent(row["contact_force"][key]) for key in ("median", "p95", "max")),
+            percent(row["tip"]["median"]),
+        ]
+        for row in found["functions"]
+    ]
+    return table(["functions", "contact force, median", "95 %", "largest", "tip, median"], rows)
+
+
+def speed(found: dict) -> str:
+    """Times on the machine that wrote this."""
+    one = found["speed"]
+    call, batch = one["value_and_jacobian"], one["batch"]
+    return f"""One core, from Python, on the machine that wrote this: tip, contact force, touch distance and their derivatives in {call["p50_us"]:.1f} us (median;
+{call["p99_us"]:.1f} us at the 99th percentile); {batch["count"]:,} points at once in {batch["us_each"]:.2f} us each; the model is loaded in {1e3 * one["load_seconds"]:.0f} ms and its file has
+{one["bytes"] / 1e6:.1f} MB, most of it the displacement field. Value and gradient of a single form, called from Python, against terms and axes:
+
+{table(["terms (3 axes)", *(str(row["terms"]) for row in found["cost"]["terms"])], [["us", *(f"{row['us']:.2f}" for row in found["cost"]["terms"])]])}
+
+{table(["axes (200 terms)", *(str(row["axes"]) for row in found["cost"]["axes"])], [["us", *(f"{row['us']:.2f}" for row in found["cost"]["axes"])]])}"""
+
+
+def beside(rows: list[dict]) -> str:
+    """Other packages."""
+    listed = [
+        [
+            row["package"],
+            row["method"],
+            *(percent(row[key]) for key in ("median", "p95", "max")),
+            f"{row['p50_us']:.0f}",
+            f"{row['p99_us']:.0f}",
+            f"{row['bytes'] / 1e3:,.0f}",
+        ]
+        for row in rows
+    ]
+    header = ["package", "method", "contact force, median", "95 %", "largest", "us a query, median", "99 %", "kB"]
+    return table(header, listed)
+
+
+def page(found: dict, others: list[dict]) -> str:
+    """The whole page."""
+    return f"""# The surrogate
+
+Numbers written by `make surrogate` from `studies/surrogate.py` and `studies/others.py`.
+
+## Why contact regimes
+
+A rigid plate touches a plane with a corner, an edge or a face. While what carries stays the same, everything depends smoothly on tensions and
+distance; where it changes, everything has a kink, and no product of one-dimensional functions follows a kink on a curved surface. The
+full-order model says of every state what carries. In each such regime the response is fitted by a polynomial to the states' values and
+sensitivities, in coordinates that begin where the regime's corner touches, and separated; conditions that are smooth, too, say where
+the regime ends: a corner's tilt, the force on the far end of an edge, a gap. A line of states gets more where its regime changes, and small
+regimes get lines of their own. The same states without that, draft finger:
+
+{plain(found)}
+
+## Error on fresh states
+
+Uniform over the whole box, against the full-order model on the same mesh; displacement as the relative 2-norm of the field, contact force where it is
+above 0.1 N.
+
+{errors(found)}
+
+## What it says of its own error
+
+Of states that touch: how many true errors are within what is said, and what is said (median) over what 95 % of true errors keep, for the half of
+states for which least is said, and the other half. Other fresh states scaled what is said.
+
+{said(found)}
+
+## One-dimensional functions
+
+The same terms with each kind. Hermite functions use the stored sensitivities and are the default.
+
+{functions(found)}
+
+## Speed
+
+{speed(found)}
+
+## Beside other packages
+
+Tip and contact force of the draft finger from the same contact states, one process; TensorLy's decomposition is of the grid in contact-aligned
+coordinates, with splines along its axes. This project's query includes the derivatives, the touch distance and the decision of the regime.
+
+{beside(others)}
+"""
+
+
+def main(folder: Path) -> None:
+    """Rewrite docs/surrogate.md."""
+    found = json.loads((folder / "surrogate.json").read_text())
+    others = json.loads((folder / "others.json").read_text())
+    (ROOT / "docs" / "surrogate.md").write_text(page(found, others))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "out" / "surrogate"))
