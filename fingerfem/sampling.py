@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
+from scipy.stats import qmc
 
 from fingerfem.scene import Scene, SceneError
 from rom.snapshots import Description
@@ -25,6 +27,7 @@ class HeldOut:
 FINEST = {"tension": 17, "contact": 33}  # nodes of a grid that is refined
 FIRST = 4  # every how many-th of them it begins with
 MOST_TENSIONS = 3  # on such a grid
+SCATTER, LINES, ALONG, SEED = 3, 40, 8, 0  # tensions from which on lines are scattered; lines a tension; nodes a line
 
 
 def describe(
@@ -49,6 +52,9 @@ def describe(
     tensions = box[: len(scene.tendons)]
     along_tension = FINEST["tension"] if refines else scene.sampling.tension_nodes
     along_contact = FINEST["contact"] if refines else scene.sampling.contact_nodes
+    scattered = [] if held_out or refines else _scattered(scene, tensions)
+    if scattered:
+        along_tension, along_contact = 2, scene.sampling.contact_nodes if _asks(scene, "contact_nodes") else ALONG
     points: list[list[float]] = []
     if held_out is not None:
         draw = np.random.default_rng(held_out.seed).random((held_out.count, len(box)))
@@ -63,9 +69,28 @@ def describe(
         contact_nodes=_half_cosine(along_contact).tolist(),
         strides=_strides(len(parameters), len(tensions), lead) if refines else [1] * len(parameters),
         random=points,
-        scattered=[],
+        scattered=scattered,
         versions=versions,
     )
+
+
+def _asks(scene: Scene, name: str) -> bool:
+    return name in scene.sampling.model_fields_set
+
+
+def _scattered(scene: Scene, box: np.ndarray) -> list[list[float]]:
+    """Tensions of scattered lines [N], dense at the box's walls as Chebyshev nodes are; none for a grid."""
+    count = len(box)
+    lines = scene.sampling.lines
+    if lines is None:
+        if count < SCATTER or _asks(scene, "tension_nodes"):
+            return []
+        lines = LINES * count
+    corners = [list(corner) for corner in product((0.0, 1.0), repeat=count)]
+    # A low-discrepancy sequence: any number of its points fills the box evenly.
+    draw = qmc.Sobol(count, seed=SEED).random_base2(int(np.ceil(np.log2(max(lines, 2)))))
+    shares = [*corners, *((1 - np.cos(np.pi * draw)) / 2).tolist()][:lines]
+    return (box[:, 0] + np.array(shares) * (box[:, 1] - box[:, 0])).tolist()
 
 
 def _strides(parameters: int, tensions: int, lead: int) -> list[int]:

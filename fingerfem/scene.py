@@ -104,9 +104,12 @@ Quantity = Literal["displacement", "pad_pressure", "channel_shortening"]
 class Sampling(Table):
     """How finely the parameters are sampled for training: nodes along every tension and along contact.
 
-    Tip, contact force and touch distance of a state are always kept; `store` says what else.
+    Or `lines` of states at scattered tensions, whose number does not grow like a grid's; three or more tensions are
+    sampled by these unless `tension_nodes` are given. Tip, contact force and touch distance of a state are always kept;
+    `store` says what else.
     """
 
+    lines: Annotated[int, Field(ge=8, le=10_000)] | None = None
     tension_nodes: Annotated[int, Field(ge=4, le=101)] = 9
     contact_nodes: Annotated[int, Field(ge=4, le=101)] = 12
     store: list[Quantity] = ["displacement"]

@@ -21,7 +21,7 @@ ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
 def build(
     folder: Annotated[Path, typer.Argument(metavar="SET/", help="A complete training set.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="MODEL.h5")],
-    tolerance: Annotated[float, typer.Option(min=1e-12, max=0.5, help="Relative error over the snapshots.")] = 1e-4,
+    tolerance: Annotated[float, typer.Option(min=1e-12, max=0.5, help="Relative error of the separation.")] = 3e-4,
     terms: Annotated[int, typer.Option(min=1, max=1000, help="Most products of one form.")] = 100,
     held_out: Annotated[
         Path | None, typer.Option(metavar="HELDOUT/", help="Measure the error on these states.")

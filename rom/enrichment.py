@@ -31,7 +31,7 @@ class EnrichmentOptions:
         sweeps: rounds that improve all terms after an enrichment.
     """
 
-    tolerance: float = 1e-4
+    tolerance: float = 3e-4
     terms: int = 100
     alternations: int = 30
     sweeps: int = 4

@@ -14,16 +14,19 @@ from rom.polynomials import Fitted, Samples, fit
 from rom.separation import separated
 from rom.snapshots import SnapshotSet
 
+FINER = 0.3  # share of the tolerance
 MOST = 60  # principal components of one kind of states
 
 
 def train(
     snapshots: SnapshotSet, free: Free, contact: Contact | None, options: EnrichmentOptions
 ) -> tuple[Field, tuple[np.ndarray, np.ndarray]]:
-    """Fit and separate the displacements of a set; also what they err with lines left out, of free and contact states.
+    """Fit and separate the displacements of a set; also what they err with states left out, of free and contact states.
 
-    Components leave out a tenth of the tolerance; those in free space less, as what contact adds is found from them.
+    They are asked for seldom, and are separated to a third of the tolerance. Components leave out a tenth of it; those
+    in free space less, as what contact adds is found from them.
     """
+    options = replace(options, tolerance=FINER * options.tolerance)
     displacement = _flat(snapshots.states_of("free", "displacement"))
     size = float(np.linalg.norm(displacement, axis=1).max())
     basis = _principal(displacement, 0.01 * options.tolerance * size)

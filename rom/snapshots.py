@@ -206,6 +206,13 @@ class SnapshotSet:
         """
         return np.concatenate([self._values(task, name)[rows] for task, rows in self._rows(kind)])
 
+    def count(self, kind: str) -> int:
+        """Number of free states that have an answer, or of contact states that touch."""
+        found = self._rows(kind)
+        if kind == "free":
+            return sum(len(rows) for _, rows in found)
+        return sum(int((self._tasks[task]["contact_force"][rows] > 0).sum()) for task, rows in found)
+
     def _rows(self, kind: str) -> list[tuple[str, np.ndarray]]:
         """Tasks that hold states of a kind, and which of their states these are; a scattered line's first is free."""
         found = []

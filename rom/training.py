@@ -25,15 +25,17 @@ logger = logging.getLogger(__name__)
 
 
 def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
-    """Build the surrogate of a training set; lines that refine it may be missing or failed, its first grid may not.
+    """Build the surrogate of a training set; states may have failed, and lines that refine it be missing.
 
     Raises:
-        SnapshotError: a held-out set, a state that did not converge, or tensions that never reach the plane.
+        SnapshotError: a held-out set, or no state with an answer, or none that touches the plane.
     """
     description = snapshots.description
     if description.random:
         raise SnapshotError(f"{snapshots.path}: must be a training set, got a held-out set (made with --random)")
-    snapshots.check_first_grid()
+    for kind in ("free", "contact") if description.has_obstacle else ("free",):
+        if not snapshots.count(kind):
+            raise SnapshotError(f"{snapshots.path}: must have {kind} states with an answer, got none")
     for task, parameters, reason in snapshots.failures:
         logger.warning("done without the failed state of %s at %s: %s", task, parameters.tolist(), reason)
     if snapshots.missing:

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from rom.enrichment import EnrichmentOptions
 from rom.plan import Plan
 from rom.responses import contact_outputs, contact_response, onset_response
-from rom.snapshots import SnapshotError, SnapshotSet, read_description, read_task, task_file, write_task
+from rom.snapshots import SnapshotSet, read_description, read_task, task_file, write_task
 from rom.training import train
 
 UNTIL = "0.01"
@@ -158,8 +158,7 @@ def test_a_failed_state_of_a_round_never_reaches_the_surrogate(refined, tmp_path
     assert model.provenance["failed"] == 1
     assert f"done without the failed state of {task}" in caplog.text
     _fail(folder, "contact-0-8")
-    with pytest.raises(SnapshotError, match=r"1 of .* states did not converge, first contact-0-8"):
-        train(SnapshotSet(folder), EnrichmentOptions())
+    assert train(SnapshotSet(folder), EnrichmentOptions(tolerance=1e-3)).provenance["failed"] == 2
 
 
 def _fail(folder, task: str, which=-1) -> None:
