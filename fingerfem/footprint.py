@@ -77,7 +77,7 @@ class Footprints:
         distance = model.stepper.distance
         poses = [self._pose(k, heights) for k in range(count)]
         turning = [np.array([self._pose(k, rise) for rise in rises]).T for k in range(count)]
-        loads, pushing = self._loads(heights, rises, distance)
+        loads, pushing = self._loads(rises, distance)
         carries = loads[:, 0] > 0
         force = np.where(carries, loads[:, 0], 1.0)[:, None]
         centre = np.where(carries[:, None], loads[:, 1:] / force, 0.0)
@@ -114,22 +114,20 @@ class Footprints:
             sums[:3, 3] = sums[3, :3] = sums[3, 4] = 0.0
         return np.asarray(np.linalg.solve(sums[:, :4], sums[:, 4])) / [1.0, *self._sizes]
 
-    def _loads(self, heights: np.ndarray, rises: np.ndarray, distance: float | None) -> tuple[np.ndarray, np.ndarray]:
+    def _loads(self, rises: np.ndarray, distance: float | None) -> tuple[np.ndarray, np.ndarray]:
         """Force [N] and its moments by x, y and z of every plate, and derivatives: (plates, 4), (plates, 4, p)."""
         count, p = len(self._nodes), len(rises)
         loads, pushing = np.zeros((count, 4)), np.zeros((count, 4, p))
         if distance is None:
             return loads, pushing
-        forces = self._nodal_forces
+        forces, stiffness = self._nodal
         nearing = np.zeros(p)
         nearing[-1] = 1.0  # the plane's own motion
         for k, (nodes, places) in enumerate(zip(self._nodes, self._places, strict=True)):
             own = np.column_stack([np.ones(len(nodes)), places])
-            carried, overlap = forces[nodes], heights[nodes] - distance
-            # The plates' contact is a penalty: a node's force grows in proportion to its overlap.
-            stiffness = np.divide(carried, overlap, out=np.zeros_like(carried), where=carried > 0)
-            loads[k] = carried @ own
-            pushing[k] = own.T @ (stiffness[:, None] * (rises[:, nodes].T - nearing))
+            loads[k] = forces[nodes] @ own
+            # The plates' contact is a penalty: a node's force goes with its own height over the plane alone.
+            pushing[k] = own.T @ (stiffness[nodes][:, None] * (rises[:, nodes].T - nearing))
         loads = self._model.copies * self._model.comm.allreduce(loads)
         pushing = self._model.copies * self._model.comm.allreduce(pushing)
         if self._model.scene.is_half:
@@ -137,11 +135,12 @@ class Footprints:
         return loads, pushing
 
     @property
-    def _nodal_forces(self) -> np.ndarray:
-        forms = self._model.forms.contact
+    def _nodal(self) -> tuple[np.ndarray, np.ndarray]:
+        """Contact forces at the nodes along y [N], and how they grow with the nodes' own heights [N/m]."""
+        forms, owned = self._model.forms.contact, len(self._heights_at_rest)
         assert forms is not None
-        forces = self._model.nodal(forms.nodal_force)[: len(self._heights_at_rest), 1]
-        return np.asarray(forces)
+        forces, stiffness = (self._model.nodal(form)[:owned, 1] for form in (forms.nodal_force, forms.force_gradient))
+        return forces, stiffness
 
     def _highest(self, nodes: np.ndarray, heights: np.ndarray, rises: np.ndarray) -> tuple[float, np.ndarray]:
         """Height of the highest of some nodes, and its derivatives; of several as high, of the one farthest out."""

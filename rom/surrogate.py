@@ -20,6 +20,8 @@ from rom.tables import tables, values
 
 logger = logging.getLogger(__name__)
 
+HEIGHTS = 0.01  # share of a tolerance that free tip and heights are kept to
+
 
 class ModelError(ValueError):
     """A model file that cannot be read, or parameters of the wrong shape: one line."""
@@ -184,7 +186,8 @@ class Surrogate:
     def truncated(self, tolerance: float) -> Surrogate:
         """The model with only the terms needed for a relative separation error [-]; its errors grow by what is lost."""
         errors, contact = self.errors, self.errors.contact.copy()
-        free, lost = self.free.truncated(tolerance)
+        # Contact begins where the heights say: what they lost would not grow from zero as the rates of contact do.
+        free, lost = self.free.truncated(HEIGHTS * tolerance)
         regimes, fields = [], []
         for r, regime in enumerate(self.regimes):
             form, less = regime.form.truncated(tolerance)

@@ -19,7 +19,7 @@ from rom.free import Free
 from rom.parts import Errors
 from rom.separation import separated
 from rom.snapshots import SnapshotError, SnapshotSet
-from rom.surrogate import Surrogate
+from rom.surrogate import HEIGHTS, Surrogate
 
 logger = logging.getLogger(__name__)
 
@@ -54,7 +54,7 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
     model = Surrogate(
         parameters=description.parameters,
         # What contact adds begins where the heights say, so these are to be known better.
-        free=separated("free", free.polynomial, free.points, replace(options, tolerance=0.1 * options.tolerance)),
+        free=separated("free", free.polynomial, free.points, replace(options, tolerance=HEIGHTS * options.tolerance)),
         regimes=[] if contact is None else [part.separated(options) for part in contact.parts],
         map=places,
         near=near,
