@@ -1,14 +1,35 @@
-"""What a surrogate is made of besides its free answer: contact regimes, the displacement field, its own errors."""
+"""What a surrogate is made of besides its free answer, and what it answers: regimes, field, errors, answers."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from rom.regimes import Code
 from rom.separated import Separated
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What the surrogate says at one point, shapes without n, or at n points.
+
+    Attributes:
+        tip: displacement of the tip plate's centre, shape (3,) or (n, 3) [m].
+        contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle.
+        touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without one.
+        error: that 95 % of fresh states keep, by quantity in its unit, shapes as the quantities without components.
+        inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
+            Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
+    """
+
+    tip: np.ndarray
+    contact_force: Any
+    touch_distance: Any
+    error: Mapping[str, Any]
+    inside: Any
 
 
 @dataclass(frozen=True, kw_only=True)

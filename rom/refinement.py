@@ -19,7 +19,7 @@ from rom.completion import Completed, complete
 from rom.description import Description, Line
 from rom.plan import Round
 from rom.responses import contact_outputs, contact_response, free_outputs, free_response
-from rom.snapshots import SnapshotSet
+from rom.snapshots import SnapshotError, SnapshotSet
 
 THRESHOLDS = 0.3 * 10.0 ** (-0.25 * np.arange(32))  # of the doubt [-], in the order they are tried
 ROUND = 0.01  # share of the states so far that a round shall have at least: ranks wait for each other between rounds
@@ -34,7 +34,7 @@ def next_round(snapshots: SnapshotSet, tolerance: float) -> Round:
     Raises:
         SnapshotError: the first grid has states without an answer, or a finger that never reaches the plane.
     """
-    snapshots.check_first_grid()
+    _check_first_grid(snapshots)
     parts = [_free(snapshots)] + ([_contact(snapshots)] if snapshots.description.has_obstacle else [])
     error = max(_estimated_error(part) for part in parts)
     if error <= tolerance:
@@ -46,6 +46,28 @@ def next_round(snapshots: SnapshotSet, tolerance: float) -> Round:
             lines = _lines(snapshots, {name: nodes for part in chosen for name, nodes in part.items()})
             return Round(error=error, threshold=float(threshold), lines=lines, finest=not lines)
     raise AssertionError("the last threshold ends every search")
+
+
+def _check_first_grid(snapshots: SnapshotSet) -> None:
+    """Make sure that every state of the first grid has an answer.
+
+    Raises:
+        SnapshotError: one has none, or a finger never reaches the plane.
+    """
+    failures = [failure for failure in snapshots.failures if failure[0] in snapshots.description.lines]
+    unreached = [
+        task
+        for task, line in snapshots.description.lines.items()
+        if line.kind == "free" and snapshots.description.has_obstacle and np.isnan(snapshots.task(task)["onset"])
+    ]
+    if unreached and snapshots.task(unreached[0])["converged"].all():
+        raise SnapshotError(f"{snapshots.path}: at some tensions the finger never reaches the nearest plane")
+    if failures:
+        task, parameters, reason = failures[0]
+        raise SnapshotError(
+            f"{snapshots.path}: {len(failures)} of {snapshots.states} states did not converge, "
+            f"first {task} at {parameters.tolist()}: {reason}"
+        )
 
 
 def _lines(snapshots: SnapshotSet, chosen: dict[tuple, list[int]]) -> dict[str, Line]:

@@ -159,27 +159,6 @@ class SnapshotSet:
             for k in np.flatnonzero(~task["converged"])
         ]
 
-    def check_first_grid(self) -> None:
-        """Make sure that every state of the first grid has an answer.
-
-        Raises:
-            SnapshotError: one has none, or a finger never reaches the plane.
-        """
-        failures = [failure for failure in self.failures if failure[0] in self.description.lines]
-        unreached = [
-            task
-            for task, line in self.description.lines.items()
-            if line.kind == "free" and self.description.has_obstacle and np.isnan(self._tasks[task]["onset"])
-        ]
-        if unreached and self._tasks[unreached[0]]["converged"].all():
-            raise SnapshotError(f"{self.path}: at some tensions the finger never reaches the nearest plane")
-        if failures:
-            task, parameters, reason = failures[0]
-            raise SnapshotError(
-                f"{self.path}: {len(failures)} of {self.states} states did not converge, "
-                f"first {task} at {parameters.tolist()}: {reason}"
-            )
-
     @property
     def states(self) -> int:
         """Number of states, failed ones included."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from rom import kernel
 from rom.chart import Way
-from rom.parts import Errors, Field, Regime
+from rom.parts import Answer, Errors, Field, Regime
 from rom.separated import Separated
 from rom.tables import tables, values
 
@@ -25,26 +25,6 @@ HEIGHTS = 0.01  # share of a tolerance that free tip and heights are kept to
 
 class ModelError(ValueError):
     """A model file that cannot be read, or parameters of the wrong shape: one line."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Answer:
-    """What the surrogate says at one point, shapes without n, or at n points.
-
-    Attributes:
-        tip: displacement of the tip plate's centre, shape (3,) or (n, 3) [m].
-        contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle.
-        touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without one.
-        error: that 95 % of fresh states keep, by quantity in its unit, shapes as the quantities without components.
-        inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
-            Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
-    """
-
-    tip: np.ndarray
-    contact_force: Any
-    touch_distance: Any
-    error: Mapping[str, Any]
-    inside: Any
 
 
 @dataclass(frozen=True, kw_only=True)
