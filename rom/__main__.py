@@ -26,6 +26,9 @@ def build(
     held_out: Annotated[
         Path | None, typer.Option(metavar="HELDOUT/", help="Measure the error on these states.")
     ] = None,
+    coarse: Annotated[
+        Path | None, typer.Option(metavar="SET/", help="States of the same finger on a coarser mesh, to be corrected.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Separate a snapshot set and write the model file."""
@@ -37,7 +40,8 @@ def build(
     logging.basicConfig(format="%(message)s")
     if not output.parent.is_dir():
         raise ValueError(f"output must be in a folder that exists, got {output}")
-    model = train(SnapshotSet(folder), EnrichmentOptions(tolerance=tolerance, terms=terms))
+    options = EnrichmentOptions(tolerance=tolerance, terms=terms)
+    model = train(SnapshotSet(folder), options, None if coarse is None else SnapshotSet(coarse))
     if held_out is not None:
         fresh = SnapshotSet(held_out)
         model = calibrated(replace(model, accuracy=accuracy(check(model, fresh))), fresh)

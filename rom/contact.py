@@ -3,110 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from rom import chart, regimes
-from rom.enrichment import EnrichmentOptions
+from rom import chart, regime_fit, regimes
 from rom.free import Free, box
-from rom.parts import Regime
-from rom.polynomials import Fitted, Polynomial, Samples, fit
+from rom.regime_fit import Part
 from rom.regimes import Code
-from rom.separation import separated
 from rom.snapshots import SnapshotSet
 
 MOST = 64  # regimes; those of the fewest states beyond are left out
 NEIGHBOURS = 24  # states nearby whose regimes are possible
 MAP = 4000  # cells of the map of regimes, about
-SHORT = 0.1  # share of the longest way past a corner that is short
-SMALL = 0.02  # share of a regime's largest force below which errors count as of that force
 QUANTITIES = ("tip", "contact_force", *regimes.QUANTITIES)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Place:
-    """Where the states of a regime lie in its coordinates.
-
-    Attributes:
-        parameters: shape (n, p).
-        height: of the regime's corner in free space at their tensions [m], shape (n,).
-        rising: its derivatives by the tensions, shape (n, p - 1).
-        begins: whether the regime begins at touch.
-        way: of the coordinates.
-        blank: the samples without values.
-    """
-
-    parameters: np.ndarray
-    height: np.ndarray
-    rising: np.ndarray
-    begins: bool
-    way: chart.Way
-    blank: Samples
-
-    @property
-    def past(self) -> np.ndarray:
-        """By which quantities that grow from touch on are divided: the way past the corner [m], or 1; shape (n,)."""
-        return self.height - self.parameters[:, -1] if self.begins else np.ones(len(self.height))
-
-    def fit(self, values: np.ndarray, slopes: np.ndarray, grows: bool = True, field: bool = False) -> Fitted:
-        """Fit quantities, shape (n, m), with derivatives by the parameters, shape (n, m, p).
-
-        Those that grow from touch on are fitted by their ways past the corner where the regime begins at touch. For
-        those of a field, which count alike, ways so small that they magnify what its basis leaves out count little.
-        """
-        samples = self.blank
-        if self.begins and grows:
-            past = self.past
-            growing = np.column_stack([self.rising, np.full(len(past), -1.0)])
-            values = values / past[:, None]
-            slopes = (slopes - values[..., None] * growing[:, None]) / past[:, None, None]
-            if field:
-                samples = replace(samples, weights=past / (past + SHORT * past.max()))
-        aligned = self.way.slopes(self.parameters, self.height, self.rising, slopes)
-        return fit(replace(samples, values=values, slopes=aligned), alike=field)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Part:
-    """The contact states of one regime.
-
-    Attributes:
-        code: of the regime.
-        rows: of its states among all contact states.
-        corner: which height of the free states is that of its corner.
-        place: where they lie.
-        outputs: tip added and contact force.
-        signs: conditions, and the fit of their values.
-    """
-
-    code: Code
-    rows: np.ndarray
-    corner: int
-    place: Place
-    outputs: Fitted
-    signs: list[regimes.Sign]
-    conditions: Fitted | None
-
-    @property
-    def points(self) -> np.ndarray:
-        """Contact-aligned coordinates of the states, shape (n, p)."""
-        return self.place.blank.points
-
-    def separated(self, options: EnrichmentOptions) -> Regime:
-        """The regime as the surrogate has it."""
-        both = [self.outputs.polynomial] + ([self.conditions.polynomial] if self.conditions else [])
-        values = self.conditions.polynomial.value(self.points) if self.conditions else np.zeros((1, 0))
-        return Regime(
-            code=self.code,
-            corner=self.corner,
-            begins=self.place.begins,
-            states=len(self.rows),
-            sizes=np.maximum(np.abs(values).max(axis=0), np.finfo(float).tiny).tolist(),
-            form=separated(f"regime {self.code}", Polynomial.together(both), self.points, options),
-        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,7 +32,9 @@ class Contact:
         touch_distance: at their tensions [m], shape (n,).
         regime: of each, shape (n,).
         touching: which of the set's contact states these are.
+        parts: of the regimes in which this set or a coarser one has states.
         box: lower and upper end of the parameters.
+        coarse: the states on a coarser mesh, if there are any.
     """
 
     parameters: np.ndarray
@@ -130,39 +45,48 @@ class Contact:
     parts: list[Part]
     way: chart.Way
     box: tuple[np.ndarray, np.ndarray]
+    coarse: Contact | None = None
 
     @staticmethod
-    def of(snapshots: SnapshotSet, free: Free) -> Contact:
-        """Fit a set's contact states."""
+    def of(snapshots: SnapshotSet, free: Free, counts: Counter[Code], coarse: Contact | None = None) -> Contact:
+        """Fit a set's contact states, or correct by them what a coarser mesh says.
+
+        Args:
+            snapshots: the set.
+            free: its free states.
+            counts: of states by regime, on all meshes: regimes are numbered in the order of these.
+            coarse: the contact states on a coarser mesh.
+        """
         names = ["parameters", "touch_distance", "regime", *QUANTITIES, *(f"{name}_jacobian" for name in QUANTITIES)]
         states = {name: snapshots.states_of("contact", name) for name in names}
-        touching = states["contact_force"] > 0
+        touching, codes = _codes(snapshots)
         states = {name: values[touching] for name, values in states.items()}
-        codes = [tuple(int(sign) for sign in code) for code in states["regime"]]
-        counts = Counter(codes)
         listed = [code for code, _ in counts.most_common(MOST)]
-        kept = np.array([code in listed for code in codes])
+        kept = np.array([code in listed for code in codes], bool)
         states, codes = {name: values[kept] for name, values in states.items()}, [c for c in codes if c in listed]
         touching[touching] = kept
         ends = box(snapshots)
         heights = free.polynomial.value(states["parameters"][:, :-1])[:, 3:]
-        regime = np.array([listed.index(code) for code in codes])
+        regime = np.array([listed.index(code) for code in codes], int)
         geometry, half = snapshots.description.scene["geometry"], bool(snapshots.nodes[:, 2].min() > -1e-9)
         sizes = np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
         leading = _corners(listed, counts, half)
         signs = regimes.signs(listed, counts)
         corners = [
-            _height(snapshots, free, regimes.corner(code, half) or regimes.nearest_corner(code, leading), geometry)
+            _height(free, regimes.corner(code, half) or regimes.nearest_corner(code, leading), geometry)
             for code in listed
         ]
-        way = chart.Way.over(
-            ends[0][-1], ends[1][-1], np.take_along_axis(heights, np.array(corners)[regime][:, None], 1)
-        )
+        own_heights = np.take_along_axis(heights, np.array(corners)[regime][:, None], 1)
+        way = coarse.way if coarse else chart.Way.over(ends[0][-1], ends[1][-1], own_heights)
+        before = {part.code: part for part in coarse.parts} if coarse else {}
         parts = []
         for r, (code, height) in enumerate(zip(listed, corners, strict=True)):
             rows, corner = np.flatnonzero(regime == r), regimes.corner(code, half)
+            if not rows.size and code not in before:
+                continue
             own = {name: values[rows] for name, values in states.items()}
-            parts.append(_part(code, rows, own, free, height, corner is not None, way, signs[r], sizes))
+            where = regime_fit.place(own, free, height, corner is not None, way, before.get(code))
+            parts.append(regime_fit.fitted(code, rows, own, free, height, where, signs[r], sizes, before.get(code)))
         return Contact(
             parameters=states["parameters"],
             force=states["contact_force"],
@@ -172,6 +96,7 @@ class Contact:
             parts=parts,
             way=way,
             box=ends,
+            coarse=coarse,
         )
 
     def with_its_corners(self, free: Free) -> tuple[Free, Contact]:
@@ -183,20 +108,41 @@ class Contact:
     @cached_property
     def around(self) -> np.ndarray:
         """States nearest to the middle of every cell, see rom.kernel.cell, nearest first; shape (cells, states)."""
+        return self._around(self.parameters, self.touch_distance)
+
+    def _around(self, parameters: np.ndarray, reach: np.ndarray) -> np.ndarray:
         lower, upper = self.box
         p = len(lower)
         cells = max(int(MAP ** (1 / p)), 2)
-        scaled = (self.parameters - lower) / (upper - lower)
-        reach = self.touch_distance
-        scaled[:, -1] = (reach - self.parameters[:, -1]) / (reach - self.way.nearest + self.way.soft)
+        scaled = (parameters - lower) / (upper - lower)
+        scaled[:, -1] = (reach - parameters[:, -1]) / (reach - self.way.nearest + self.way.soft)
         middles = (np.stack(np.meshgrid(*[np.arange(cells)] * p, indexing="ij"), axis=-1).reshape(-1, p) + 0.5) / cells
         found = cKDTree(scaled).query(middles, k=min(NEIGHBOURS, len(scaled)))[1]
         return np.asarray(found.reshape(len(middles), -1))
 
     def map(self) -> tuple[np.ndarray, np.ndarray]:
-        """Regimes by cell, flat: that of the state nearest to its middle; and bits of those nearby."""
-        bits = np.uint64(1) << self.regime.astype(np.uint64)
-        return self.regime[self.around[:, 0]], np.bitwise_or.reduce(bits[self.around], axis=1)
+        """Regimes by cell, flat: that of the state nearest to its middle; and bits of those nearby, on all meshes."""
+        regime, around = self.regime, self.around
+        if self.coarse:
+            both = (self, self.coarse)
+            regime = np.concatenate([one.regime for one in both])
+            around = self._around(
+                np.concatenate([one.parameters for one in both]), np.concatenate([one.touch_distance for one in both])
+            )
+        bits = np.uint64(1) << regime.astype(np.uint64)
+        return regime[around[:, 0]], np.bitwise_or.reduce(bits[around], axis=1)
+
+
+def count_regimes(sets: Sequence[SnapshotSet]) -> Counter[Code]:
+    """Number of contact states by regime."""
+    return Counter(code for snapshots in sets for code in _codes(snapshots)[1])
+
+
+def _codes(snapshots: SnapshotSet) -> tuple[np.ndarray, list[Code]]:
+    """Which of the contact states touch, and their regimes."""
+    touching = snapshots.states_of("contact", "contact_force") > 0
+    codes = snapshots.states_of("contact", "regime")[touching]
+    return touching, [tuple(int(sign) for sign in code) for code in codes]
 
 
 def _corners(listed: list[Code], counts: Counter[Code], half: bool) -> Counter:
@@ -209,61 +155,10 @@ def _corners(listed: list[Code], counts: Counter[Code], half: bool) -> Counter:
     return found
 
 
-def _part(
-    code: Code,
-    rows: np.ndarray,
-    states: dict[str, np.ndarray],
-    free: Free,
-    height: int,
-    begins: bool,
-    way: chart.Way,
-    signs: list[regimes.Sign],
-    sizes: np.ndarray,
-) -> Part:
-    parameters, force = states["parameters"], states["contact_force"]
-    known, rising = free.polynomial.value_and_gradient(parameters[:, :-1])
-    rising = np.concatenate([rising, np.zeros((*rising.shape[:2], 1))], axis=-1)
-    points = way.coordinates(parameters, known[:, 3 + height])
-    lower, upper = points.min(axis=0), points.max(axis=0)
-    blank = Samples(
-        points=points,
-        values=np.zeros((len(rows), 0)),
-        slopes=None,
-        weights=np.ones(len(rows)) if begins else SMALL / (force / force.max() + SMALL),
-        lower=lower,
-        upper=lower + np.maximum(upper - lower, 1e-6 * np.maximum(np.abs(upper), 1e-3)),
-    )
-    place = Place(
-        parameters=parameters,
-        height=known[:, 3 + height],
-        rising=rising[:, 3 + height, :-1],
-        begins=begins,
-        way=way,
-        blank=blank,
-    )
-    values = np.column_stack([states["tip"] - known[:, :3], force])
-    slopes = np.concatenate([states["tip_jacobian"] - rising[:, :3], states["contact_force_jacobian"][:, None]], axis=1)
-    conditions = None
-    if signs:
-        pairs = [regimes.sign_values(sign, states, sizes) for sign in signs]
-        conditions = place.fit(
-            np.column_stack([pair[0] for pair in pairs]), np.stack([pair[1] for pair in pairs], axis=1), grows=False
-        )
-    return Part(
-        code=code,
-        rows=rows,
-        corner=height,
-        place=place,
-        outputs=place.fit(values, slopes),
-        signs=signs,
-        conditions=conditions,
-    )
-
-
-def _height(snapshots: SnapshotSet, free: Free, corner: tuple[int, Code], geometry: dict) -> int:
+def _height(free: Free, corner: tuple[int, Code], geometry: dict) -> int:
     """Which of the heights is that of a corner."""
     segment, ends = corner
     x = np.cumsum(geometry["segments"])[segment] - (0.0 if ends[0] > 0 else geometry["plate"])
     place = [x, ends[1] * geometry["side"] / 2, (ends[2] or 1) * geometry["side"] / 2]
-    away = np.abs(snapshots.nodes[free.edges] - place).max(axis=1)
+    away = np.abs(free.corners - place).max(axis=1)
     return int(away.argmin())

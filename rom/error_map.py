@@ -15,6 +15,7 @@ import numpy as np
 
 from rom import kernel
 from rom.contact import Contact
+from rom.fields import Moved
 from rom.free import Free
 from rom.parts import Errors
 from rom.snapshots import SnapshotSet
@@ -34,7 +35,7 @@ def estimate(
     snapshots: SnapshotSet,
     free: Free,
     contact: Contact | None,
-    left_out: tuple[np.ndarray, np.ndarray],
+    moved: Moved | None,
 ) -> Errors:
     """The errors of a model, from the states it was trained on.
 
@@ -43,14 +44,14 @@ def estimate(
         snapshots: its states.
         free: their fit in free space.
         contact: their fits in contact.
-        left_out: error of the displacement with lines left out, of free and of contact states [m].
+        moved: their displacements, fitted.
     """
     said = model.free_values(free.points)
     errors = np.abs(said - free.polynomial.value(free.points)) + np.abs(free.fitted.residuals)
     tip = float(np.percentile(np.linalg.norm(errors[:, :3], axis=1), KEPT))
     field = 0.0
-    if model.has_field:
-        field = _percentile(left_out[0] + _field_errors(model, snapshots, "free", free.points))
+    if moved is not None:
+        field = _percentile(moved.left_out[0] + _field_errors(model, snapshots, "free", free.points))
     if contact is None:
         return Errors(tip=tip, displacement=field, touch_distance=0.0, contact=np.zeros((1, 3)), margin=1.0)
     lower, upper = model.limits
@@ -64,8 +65,10 @@ def estimate(
         residuals = np.abs(part.outputs.residuals) * part.place.past[:, None]
         found[part.rows, 0] += np.linalg.norm(residuals[:, :3], axis=1)
         found[part.rows, 1] += residuals[:, 3]
-    if model.has_field:
-        found[:, 2] = left_out[1] + _field_errors(model, snapshots, "contact", contact.parameters)[contact.touching]
+    if moved is not None:
+        found[:, 2] = (
+            moved.left_out[1] + _field_errors(model, snapshots, "contact", contact.parameters)[contact.touching]
+        )
     past = contact.touch_distance - contact.parameters[:, -1]
     rates = UNSEEN * found / (past + margin)[:, None]
     return Errors(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +11,8 @@ from rom.contact import Contact
 from rom.enrichment import EnrichmentOptions
 from rom.free import Free
 from rom.parts import Field
-from rom.polynomials import Fitted, Samples, fit
+from rom.polynomials import Fitted, Samples, corrected, fit
+from rom.regimes import Code
 from rom.separation import separated
 from rom.snapshots import SnapshotSet
 
@@ -18,67 +20,119 @@ FINER = 0.3  # share of the tolerance
 MOST = 60  # principal components of one kind of states
 
 
-def train(
-    snapshots: SnapshotSet, free: Free, contact: Contact | None, options: EnrichmentOptions
-) -> tuple[Field, tuple[np.ndarray, np.ndarray]]:
-    """Fit and separate the displacements of a set; also what they err with states left out, of free and contact states.
+@dataclass(frozen=True, kw_only=True)
+class Moved:
+    """The fitted displacements of a set.
 
-    They are asked for seldom, and are separated to a third of the tolerance. Components leave out a tenth of it; those
-    in free space less, as what contact adds is found from them.
+    Attributes:
+        free_basis: principal components in free space, shape (3 nodes, k).
+        free: their amounts by tensions [m].
+        contact_basis: principal components of what contact adds.
+        contact: their amounts in every regime, see rom.regime_fit.
+        left_out: what they err with states left out, root mean square over the nodes, of free and contact states [m].
     """
-    options = replace(options, tolerance=FINER * options.tolerance)
+
+    free_basis: np.ndarray
+    free: Fitted
+    contact_basis: np.ndarray
+    contact: dict[Code, Fitted]
+    left_out: tuple[np.ndarray, np.ndarray]
+
+    def on(self, bring: Callable[[np.ndarray], np.ndarray]) -> Moved:
+        """The same on the nodes of another mesh, to which `bring` interpolates columns of 3 nodes."""
+        return replace(self, free_basis=bring(self.free_basis), contact_basis=bring(self.contact_basis))
+
+    def separated(self, free: Free, contact: Contact | None, options: EnrichmentOptions) -> Field:
+        """As the surrogate has it. It is asked for seldom, and separated to a third of the tolerance."""
+        options = replace(options, tolerance=FINER * options.tolerance)
+        form = separated("free displacement", self.free.polynomial, free.points, options, alike=True)
+        found = Field(free_basis=self.free_basis.astype(np.float32), free=form)
+        if contact is None:
+            return found
+        regimes = [
+            separated(
+                f"displacement in regime {part.code}",
+                self.contact[part.code].polynomial,
+                part.points,
+                options,
+                alike=True,
+            )
+            for part in contact.parts
+        ]
+        return replace(found, contact_basis=self.contact_basis.astype(np.float32), regimes=regimes)
+
+
+def fitted(
+    snapshots: SnapshotSet, free: Free, contact: Contact | None, tolerance: float, before: Moved | None = None
+) -> Moved:
+    """Fit the displacements of a set, or correct by them what is known before, from a coarser mesh.
+
+    Components leave out a tenth of the tolerance, which is relative; those in free space less, as what contact adds is
+    found from them.
+    """
     displacement = _flat(snapshots.states_of("free", "displacement"))
     size = float(np.linalg.norm(displacement, axis=1).max())
-    basis = _principal(displacement, 0.01 * options.tolerance * size)
-    count = free.points.shape[1]
-    box = free.polynomial
-    amounts = fit(
-        Samples(
-            points=free.points,
-            values=displacement @ basis,
-            slopes=snapshots.projected("free", basis)[..., :count],
-            weights=np.ones(len(free.points)),
-            lower=box.lower,
-            upper=box.upper,
-        ),
-        alike=True,
+    least, count = FINER * tolerance * size, free.points.shape[1]
+    if before is None:
+        basis = _principal(displacement, 0.01 * least)
+    else:
+        known = before.free.polynomial.value(free.points) @ before.free_basis.T
+        basis = _beside(before.free_basis, displacement - known, 0.01 * least)
+    samples = Samples(
+        points=free.points,
+        values=displacement @ basis,
+        slopes=snapshots.projected("free", basis)[..., :count],
+        weights=np.ones(len(free.points)),
+        lower=free.polynomial.lower,
+        upper=free.polynomial.upper,
     )
-    form = separated("free displacement", amounts.polynomial, free.points, options, alike=True)
-    found = Field(free_basis=basis.astype(np.float32), free=form)
-    left_out = np.linalg.norm(amounts.residuals, axis=1) / np.sqrt(len(snapshots.nodes))
-    if contact is None:
-        return found, (left_out, np.zeros(0))
-    found, added = _with_contact(found, snapshots, amounts, basis, contact, options, size)
-    return found, (left_out, added)
+    if before is None:
+        amounts = fit(samples, alike=True)
+    else:
+        amounts = corrected(samples, before.free.polynomial.mixed(before.free_basis.T @ basis), alike=True)
+    found = Moved(
+        free_basis=basis,
+        free=amounts,
+        contact_basis=np.zeros((len(basis), 0)),
+        contact={},
+        left_out=(np.linalg.norm(amounts.residuals, axis=1) / np.sqrt(len(snapshots.nodes)), np.zeros(0)),
+    )
+    return found if contact is None else _with_contact(found, snapshots, contact, 0.1 * least, before)
 
 
-def _with_contact(
-    field: Field,
-    snapshots: SnapshotSet,
-    free: Fitted,
-    free_basis: np.ndarray,
-    contact: Contact,
-    options: EnrichmentOptions,
-    size: float,
-) -> tuple[Field, np.ndarray]:
+def _with_contact(found: Moved, snapshots: SnapshotSet, contact: Contact, least: float, before: Moved | None) -> Moved:
     added = _flat(snapshots.states_of("contact", "displacement"))[contact.touching]
-    amounts, turning = free.polynomial.value_and_gradient(contact.parameters[:, :-1])
-    added -= amounts @ free_basis.T
-    basis = _principal(added, 0.1 * options.tolerance * size)
+    amounts, turning = found.free.polynomial.value_and_gradient(contact.parameters[:, :-1])
+    added -= amounts @ found.free_basis.T
+    if before is None:
+        basis = _principal(added, least)
+    else:
+        beyond = added.copy()
+        for part in contact.parts:
+            if part.code in before.contact:
+                known = before.contact[part.code].polynomial.value(part.place.blank.points) * part.place.past[:, None]
+                beyond[part.rows] -= known @ before.contact_basis.T
+        basis = _beside(before.contact_basis, beyond, least)
     values, slopes = added @ basis, snapshots.projected("contact", basis)[contact.touching]
-    slopes[..., :-1] -= (basis.T @ free_basis) @ turning
-    forms, left_out = [], np.zeros(len(values))
+    slopes[..., :-1] -= (basis.T @ found.free_basis) @ turning
+    fits, left_out = {}, np.zeros(len(values))
     for part in contact.parts:
-        fitted = part.place.fit(values[part.rows], slopes[part.rows], field=True)
-        residuals = fitted.residuals * part.place.past[:, None]
+        prior = None
+        if before is not None and part.code in before.contact:
+            prior = before.contact[part.code].polynomial.mixed(before.contact_basis.T @ basis)
+        fits[part.code] = one = part.place.fit(values[part.rows], slopes[part.rows], prior, field=True)
+        residuals = one.residuals * part.place.past[:, None]
         left_out[part.rows] = np.linalg.norm(residuals, axis=1) / np.sqrt(len(snapshots.nodes))
-        name = f"displacement in regime {part.code}"
-        forms.append(separated(name, fitted.polynomial, part.points, options, alike=True))
-    return replace(field, contact_basis=basis.astype(np.float32), regimes=forms), left_out
+    return replace(found, contact_basis=basis, contact=fits, left_out=(found.left_out[0], left_out))
 
 
 def _flat(displacement: np.ndarray) -> np.ndarray:
     return displacement.reshape(len(displacement), -1)
+
+
+def _beside(known: np.ndarray, beyond: np.ndarray, least: float) -> np.ndarray:
+    """Orthonormal basis of what is known and of the states beyond it, shape (3 nodes, k)."""
+    return np.linalg.qr(np.column_stack([known, _principal(beyond, least)]))[0]
 
 
 def _principal(states: np.ndarray, least: float) -> np.ndarray:

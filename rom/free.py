@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from rom.polynomials import Fitted, Polynomial, Samples, fit
+from rom.polynomials import Fitted, Polynomial, Samples, corrected, fit
 from rom.snapshots import SnapshotError, SnapshotSet
 
 PLACES = 2000  # tensions at which to see what leads
@@ -19,19 +20,21 @@ class Free:
 
     Attributes:
         points: tensions of the free states, shape (n, tensions) [N].
-        edges: nodes whose heights are among the values, after the tip's three components, shape (heights,).
-        leads: which of them lead somewhere, shape (heights,).
-        fitted: values [m].
+        along: places of all nodes of the long edges, shape (nodes, 3) [m].
+        kept: which of them matter: corners of plates, and what else leads somewhere, shape (heights,).
+        leads: which of these lead somewhere, shape (heights,).
+        whole: tip, then heights of all nodes of the long edges [m].
     """
 
     points: np.ndarray
-    edges: np.ndarray
+    along: np.ndarray
+    kept: np.ndarray
     leads: np.ndarray
-    fitted: Fitted
+    whole: Fitted
 
     @staticmethod
-    def of(snapshots: SnapshotSet) -> Free:
-        """Fit a set's free states."""
+    def of(snapshots: SnapshotSet, coarse: Free | None = None) -> Free:
+        """Fit a set's free states, or correct by them what a coarser mesh says."""
         description = snapshots.description
         count = description.tensions
         points = snapshots.states_of("free", "parameters")[:, :count]
@@ -53,29 +56,49 @@ class Free:
             lower=lower[:count],
             upper=upper[:count],
         )
-        fitted = fit(samples)
+        along = _long_edges(snapshots) if description.has_obstacle else np.zeros(0, int)
+        places, none = snapshots.nodes[along], np.zeros(0, int)
+        if coarse is None:
+            whole = fit(samples)
+        else:
+            whole = corrected(samples, coarse.whole.polynomial.mixed(_onto(coarse.along, places)))
         if not description.has_obstacle:
-            return Free(points=points, edges=np.zeros(0, int), leads=np.zeros(0, bool), fitted=fitted)
+            return Free(points=points, along=places, kept=none, leads=none.astype(bool), whole=whole)
         everywhere = np.random.default_rng(0).random((PLACES, count)) * (upper - lower)[:count] + lower[:count]
-        leading = _leading(fitted.polynomial.value(np.concatenate([points, everywhere]))[:, 3:])
-        along = _long_edges(snapshots)
+        leading = _leading(whole.polynomial.value(np.concatenate([points, everywhere]))[:, 3:])
         kept = np.union1d(leading, np.flatnonzero(_is_corner(snapshots, along)))
-        return Free(
-            points=points,
-            edges=along[kept],
-            leads=np.isin(kept, leading),
-            fitted=fitted.of(np.concatenate([np.arange(3), 3 + kept])),
-        )
+        return Free(points=points, along=places, kept=kept, leads=np.isin(kept, leading), whole=whole)
 
     def of_heights(self, wanted: np.ndarray) -> Free:
         """The same with only some of the heights."""
-        columns = np.concatenate([np.arange(3), 3 + wanted])
-        return replace(self, edges=self.edges[wanted], leads=self.leads[wanted], fitted=self.fitted.of(columns))
+        return replace(self, kept=self.kept[wanted], leads=self.leads[wanted])
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Places of the nodes whose heights matter, shape (heights, 3) [m]."""
+        return self.along[self.kept]
+
+    @cached_property
+    def fitted(self) -> Fitted:
+        """Tip, then heights of the nodes that matter [m]."""
+        return self.whole.of(np.concatenate([np.arange(3), 3 + self.kept]))
 
     @property
     def polynomial(self) -> Polynomial:
         """Tip, then heights."""
         return self.fitted.polynomial
+
+
+def _onto(coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
+    """Tip and heights of one mesh from those of another: weights, shape (3 + nodes, 3 + nodes), linear along edges."""
+    weights = np.zeros((3 + len(coarse), 3 + len(fine)))
+    weights[:3, :3] = np.eye(3)
+    for column, place in enumerate(fine):
+        edge = np.flatnonzero(np.abs(coarse[:, 1:] - place[1:]).max(axis=1) < 1e-9)
+        edge = edge[np.argsort(coarse[edge, 0])]
+        for row, one in zip(edge, np.eye(len(edge)), strict=True):
+            weights[3 + row, 3 + column] = np.interp(place[0], coarse[edge, 0], one)
+    return weights
 
 
 def _leading(heights: np.ndarray) -> np.ndarray:

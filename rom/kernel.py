@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rom.tables import Tables, evaluate, outside, products_and_slopes, values, weighted
+from rom.tables import Tables, evaluate, outside, products_and_slopes, weighted, write_values
 
 TIP, FORCE, TOUCH = 0, 3, 4  # where they are among the outputs
 OUTPUTS = 5
@@ -37,6 +37,27 @@ class Kernel(NamedTuple):
     way: np.ndarray  # nearest distance and softening of the coordinate [m]
 
 
+class Workspace(NamedTuple):
+    """Room that the compiled answer writes into: nothing is allocated from one point of a batch to the next."""
+
+    held: np.ndarray  # the point, held to the box, shape (p,)
+    where: np.ndarray  # the same in a regime's coordinates, shape (p,)
+    whole: np.ndarray  # products of a form's one-dimensional functions, shape (most terms,)
+    free: np.ndarray  # values of the free form, shape (3 + heights,)
+    added: np.ndarray  # of the form of the regime that holds, shape (4 + most conditions,)
+    tried: np.ndarray  # of a regime that is tried, of the same shape
+
+
+@njit(cache=True)
+def workspace(kernel: Kernel) -> Workspace:
+    """Room for one kernel."""
+    p, forms = len(kernel.lower), kernel.tables.forms
+    free, added = forms[0, 2], 4 + kernel.sizes.shape[1]
+    return Workspace(
+        np.empty(p), np.empty(p), np.empty(forms[:, 1].max()), np.empty(free), np.empty(added), np.empty(added)
+    )
+
+
 @njit(cache=True)
 def cell(kernel: Kernel, point: np.ndarray, touch_distance: float) -> int:
     """Cell of the map in which a point in contact lies: even in the tensions and in the way past the touch distance."""
@@ -60,38 +81,50 @@ def cells_of(kernel: Kernel, points: np.ndarray, touch_distances: np.ndarray) ->
 
 
 @njit(cache=True)
-def coordinates(kernel: Kernel, r: int, point: np.ndarray, height: float) -> np.ndarray:
-    """Contact-aligned coordinates of regime r, whose corner has this height in free space, see rom.chart."""
-    moved = point.copy()
-    p = len(point)
-    moved[p - 1] = (height - point[p - 1]) / (height - kernel.way[0] + kernel.way[1])
-    return moved
+def to_coordinates(kernel: Kernel, point: np.ndarray, height: float, where: np.ndarray) -> None:
+    """Write contact-aligned coordinates into `where`, of a corner with this height in free space, see rom.chart."""
+    d = len(point) - 1
+    where[:d] = point[:d]
+    where[d] = (height - point[d]) / (height - kernel.way[0] + kernel.way[1])
 
 
 @njit(cache=True)
-def regime_at(kernel: Kernel, point: np.ndarray, heights: np.ndarray, touch_distance: float) -> tuple[int, np.ndarray]:
-    """Regime at a point in contact, and the values of its form there.
+def coordinates(kernel: Kernel, point: np.ndarray, height: float) -> np.ndarray:
+    """Those coordinates, shape (p,)."""
+    where = np.empty(len(point))
+    to_coordinates(kernel, point, height, where)
+    return where
+
+
+@njit(cache=True)
+def regime_at(kernel: Kernel, point: np.ndarray, touch_distance: float, room: Workspace) -> int:
+    """Regime at a point in contact; `room.free` has the heights there, `room.added` is given the values of its form.
 
     It is the one that the map says, if all its conditions hold; else the first of those nearby whose do. If none has
     all its conditions, in its own box, it is the one that fails least.
     """
     place = cell(kernel, point, touch_distance)
     r, near = kernel.map[place], kernel.near[place]
-    best, least, found = r, -np.inf, np.empty(0)
+    if near == np.uint64(1) << np.uint64(r):  # no other is possible: its conditions need not be known
+        to_coordinates(kernel, point, room.free[3 + kernel.corners[r]], room.where)
+        write_values(kernel.tables, 1 + r, room.where, room.whole, room.added[:4])
+        return r
+    best, least = r, -np.inf
     for k in range(-1, len(kernel.corners)):
         other = r if k < 0 else k
         if k == r or (k >= 0 and not near & (np.uint64(1) << np.uint64(k))):
             continue
-        where = coordinates(kernel, other, point, heights[kernel.corners[other]])
-        value = values(kernel.tables, 1 + other, where)
-        worst = -outside(kernel.tables, 1 + other, where)
-        for j in range(len(value) - 4):
-            worst = min(worst, value[4 + j] / kernel.sizes[other, j])
+        to_coordinates(kernel, point, room.free[3 + kernel.corners[other]], room.where)
+        write_values(kernel.tables, 1 + other, room.where, room.whole, room.tried)
+        worst = -outside(kernel.tables, 1 + other, room.where)
+        for j in range(kernel.tables.forms[1 + other, 2] - 4):
+            worst = min(worst, room.tried[4 + j] / kernel.sizes[other, j])
         if worst > least:
-            best, least, found = other, worst, value
+            best, least = other, worst
+            room.added[:] = room.tried
         if worst >= 0.0:
             break
-    return best, found
+    return best
 
 
 @njit(cache=True)
@@ -100,9 +133,9 @@ def answer(kernel: Kernel, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, b
 
     A point outside is moved to the nearest inside; derivatives across a wall are then zero.
     """
-    p = len(point)
-    tensions = p - 1 if kernel.has_obstacle else p
-    held, inside = hold_tensions(kernel, point)
+    p, room = len(point), workspace(kernel)
+    tensions, held = p - 1 if kernel.has_obstacle else p, room.held
+    inside = hold_tensions(kernel, point, held)
     free, rising = evaluate(kernel.tables, 0, held[:tensions])
     out = np.zeros(OUTPUTS)
     jacobian = np.zeros((OUTPUTS, p))
@@ -115,8 +148,9 @@ def answer(kernel: Kernel, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, b
         jacobian[TOUCH, :tensions] = rising[first]
         inside = hold_distance(kernel, point, held, out[TOUCH]) and inside
         if held[p - 1] < out[TOUCH]:
-            r, added = regime_at(kernel, held, free[3:], out[TOUCH])
-            _add(kernel, r, added, held, free[3:], rising[3:], out, jacobian)
+            room.free[:] = free
+            r = regime_at(kernel, held, out[TOUCH], room)
+            _add(kernel, r, room, rising[3:], out, jacobian)
     if not inside:
         for j in range(p):
             if held[j] != point[j]:
@@ -125,20 +159,20 @@ def answer(kernel: Kernel, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, b
 
 
 @njit(cache=True)
-def answer_value(kernel: Kernel, point: np.ndarray, out: np.ndarray) -> tuple[bool, int]:
-    """The outputs alone, into `out`; whether the point is inside, and the regime, -1 without contact."""
-    p, r = len(point), -1
-    held, inside = hold_tensions(kernel, point)
-    free = values(kernel.tables, 0, held[: p - 1] if kernel.has_obstacle else held)
+def write_answer(kernel: Kernel, point: np.ndarray, room: Workspace, out: np.ndarray) -> tuple[bool, int]:
+    """Write the outputs alone into `out`; whether the point is inside, and the regime, -1 without contact."""
+    p, r, held, free = len(point), -1, room.held, room.free
+    inside = hold_tensions(kernel, point, held)
+    write_values(kernel.tables, 0, held, room.whole, free)
     out[:3], out[FORCE], out[TOUCH] = free[:3], 0.0, np.nan
     if kernel.has_obstacle:
         out[TOUCH] = free[3 + leading(free)]
         inside = hold_distance(kernel, point, held, out[TOUCH]) and inside
         if held[p - 1] < out[TOUCH]:
-            r, added = regime_at(kernel, held, free[3:], out[TOUCH])
+            r = regime_at(kernel, held, out[TOUCH], room)
             size = free[3 + kernel.corners[r]] - held[p - 1] if kernel.begins[r] else 1.0
             for i in range(4):
-                out[TIP + i] += size * added[i]
+                out[TIP + i] += size * room.added[i]
             out[FORCE] = max(out[FORCE], 0.0)
     return inside, r
 
@@ -154,14 +188,17 @@ def leading(free: np.ndarray) -> int:
 
 
 @njit(cache=True)
-def hold_tensions(kernel: Kernel, point: np.ndarray) -> tuple[np.ndarray, bool]:
-    """The point with its tensions held to the box, and whether they are inside."""
-    held, inside = point.copy(), True
-    for j in range(len(point) - 1 if kernel.has_obstacle else len(point)):
+def hold_tensions(kernel: Kernel, point: np.ndarray, held: np.ndarray) -> bool:
+    """Write the point with its tensions held to the box into `held`; whether they are inside."""
+    inside = True
+    for j in range(len(point)):
+        held[j] = point[j]
+        if kernel.has_obstacle and j == len(point) - 1:
+            break
         if not (kernel.lower[j] <= point[j] <= kernel.upper[j]):
             inside = False
             held[j] = kernel.upper[j] if point[j] > kernel.upper[j] else kernel.lower[j]  # nan goes low
-    return held, inside
+    return inside
 
 
 @njit(cache=True)
@@ -175,24 +212,17 @@ def hold_distance(kernel: Kernel, point: np.ndarray, held: np.ndarray, touch_dis
 
 
 @njit(cache=True)
-def _add(
-    kernel: Kernel,
-    r: int,
-    added: np.ndarray,
-    point: np.ndarray,
-    heights: np.ndarray,
-    rising: np.ndarray,
-    out: np.ndarray,
-    jacobian: np.ndarray,
-) -> None:
+def _add(kernel: Kernel, r: int, room: Workspace, rising: np.ndarray, out: np.ndarray, jacobian: np.ndarray) -> None:
     """Add what contact does, in regime r, to outputs and derivatives."""
+    point, added = room.held, room.added
     p, corner = len(point), kernel.corners[r]
-    height, turned = heights[corner], rising[corner]
+    height, turned = room.free[3 + corner], rising[corner]
     past, whole = height - point[p - 1], height - kernel.way[0] + kernel.way[1]
     s = past / whole
     size = past if kernel.begins[r] else 1.0
     grows = 1.0 if kernel.begins[r] else 0.0
-    _, slopes = products_and_slopes(kernel.tables, 1 + r, coordinates(kernel, r, point, height))
+    to_coordinates(kernel, point, height, room.where)
+    _, slopes = products_and_slopes(kernel.tables, 1 + r, room.where)
     for i in range(4):
         out[TIP + i] += size * added[i]
         by_s = weighted(kernel.tables, 1 + r, slopes[p - 1], i) / whole
@@ -210,6 +240,7 @@ def answers(kernel: Kernel, points: np.ndarray) -> tuple[np.ndarray, np.ndarray,
     out = np.empty((len(points), OUTPUTS))
     inside = np.empty(len(points), np.bool_)
     regimes = np.empty(len(points), np.int64)
+    room = workspace(kernel)
     for i in range(len(points)):
-        inside[i], regimes[i] = answer_value(kernel, points[i], out[i])
+        inside[i], regimes[i] = write_answer(kernel, points[i], room, out[i])
     return out, inside, regimes

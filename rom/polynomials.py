@@ -22,6 +22,7 @@ from scipy.linalg import qr, solve_triangular
 SLOPES = 0.1  # weight of a derivative by an axis scaled to [-1, 1], beside a value
 ROWS = 1.5  # rows a fit has at least for every coefficient
 NOISE, DECAY = 1e-7, 0.4  # coefficients are expected to be smaller than DECAY^degree / NOISE
+FEW = 3  # states below which they correct nothing
 PATIENCE = 3  # degrees without a better prediction after which none is expected
 
 
@@ -83,6 +84,19 @@ class Polynomial:
         first = polynomials[0]
         return Polynomial(lower=first.lower, upper=first.upper, powers=powers, coefficients=np.hstack(columns))
 
+    def mixed(self, weights: np.ndarray) -> Polynomial:
+        """Sums of its values, by weights of shape (m, sums)."""
+        return replace(self, coefficients=self.coefficients @ weights)
+
+    def plus(self, other: Polynomial) -> Polynomial:
+        """The sum with a polynomial on the same box."""
+        powers = max(self.powers, other.powers, key=len)
+        places = {tuple(row): k for k, row in enumerate(powers.tolist())}
+        found = np.zeros((len(powers), self.coefficients.shape[1]))
+        for one in (self, other):
+            found[[places[tuple(row)] for row in one.powers.tolist()]] += one.coefficients
+        return replace(self, powers=powers, coefficients=found)
+
     def _scaled(self, points: np.ndarray) -> np.ndarray:
         return 2 * (points - self.lower) / (self.upper - self.lower) - 1
 
@@ -108,6 +122,18 @@ class Fitted:
             degree=self.degree,
             residuals=self.residuals[:, columns],
         )
+
+
+def corrected(samples: Samples, before: Polynomial, alike: bool = False) -> Fitted:
+    """What is known from elsewhere, on whose box the samples lie, plus a fit of what the samples say beyond it."""
+    known, rising = before.value_and_gradient(samples.points)
+    values = samples.values - known
+    if len(values) < FEW:
+        return Fitted(polynomial=before, degree=0, residuals=values)
+    slopes = None if samples.slopes is None else samples.slopes - rising
+    own = replace(samples, values=values, slopes=slopes, lower=before.lower, upper=before.upper)
+    found = fit(own, alike=alike)
+    return replace(found, polynomial=before.plus(found.polynomial))
 
 
 def fit(samples: Samples, most: int = 16, alike: bool = False) -> Fitted:

@@ -254,12 +254,10 @@ class Surrogate:
         tensions = held[:-1] if self.has_obstacle else held
         moved = self.displacements.free_basis @ self.displacements.free.value(tensions).astype(np.float32)
         if self.has_obstacle:
-            free = values(self.kernel.tables, 0, tensions)
-            touch = free[3:].max()
-            if held[-1] < touch and not point[-1] >= touch:  # an untouched plane may stand anywhere
-                r = kernel.regime_at(self.kernel, held, free[3:], touch)[0]
-                height = free[3 + self.regimes[r].corner]
-                amounts = self.displacements.regimes[r].value(kernel.coordinates(self.kernel, r, held, height))
+            r = kernel.answers(self.kernel, point[None])[2][0]
+            if r >= 0:
+                height = values(self.kernel.tables, 0, tensions)[3 + self.regimes[r].corner]
+                amounts = self.displacements.regimes[r].value(kernel.coordinates(self.kernel, held, height))
                 if self.regimes[r].begins:
                     amounts *= height - held[-1]
                 assert self.displacements.contact_basis is not None

@@ -45,13 +45,14 @@ ANY_ORDER = {"reassoc", "contract", "nsz"}
 
 
 @njit(cache=True, fastmath=ANY_ORDER)
-def products(tables: Tables, f: int, x: np.ndarray) -> np.ndarray:
-    """The products of form f's one-dimensional functions at x, shape (terms,).
+def write_products(tables: Tables, f: int, x: np.ndarray, whole: np.ndarray) -> None:
+    """Write the products of form f's one-dimensional functions at x into whole[:terms].
 
     Outside an axis the end pieces go on for one interval, and then stay: whoever calls decides what lies inside.
     """
     terms = tables.forms[f, 1]
-    found = np.ones(terms)
+    for k in range(terms):
+        whole[k] = 1.0
     for a in range(tables.forms[f, 0]):
         last = float(tables.axes[f, a, 0])
         t = min(max((x[a] - tables.scales[f, a, 0]) * tables.scales[f, a, 1], -1.0), last + 1.0)
@@ -61,13 +62,12 @@ def products(tables: Tables, f: int, x: np.ndarray) -> np.ndarray:
         c0, c1 = tables.data[c : c + terms], tables.data[c + terms : c + 2 * terms]
         c2, c3 = tables.data[c + 2 * terms : c + 3 * terms], tables.data[c + 3 * terms : c + 4 * terms]
         for k in range(terms):
-            found[k] *= c0[k] + t * (c1[k] + t * (c2[k] + t * c3[k]))
-    return found
+            whole[k] *= c0[k] + t * (c1[k] + t * (c2[k] + t * c3[k]))
 
 
 @njit(cache=True, fastmath=ANY_ORDER)
 def products_and_slopes(tables: Tables, f: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same, and their derivatives by every axis, shape (axes, terms)."""
+    """The products, shape (terms,), and their derivatives by every axis, shape (axes, terms)."""
     axes, terms = tables.forms[f, 0], tables.forms[f, 1]
     own = np.empty(terms)
     found = np.ones(terms)
@@ -122,13 +122,19 @@ def evaluate(tables: Tables, f: int, x: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 @njit(cache=True)
+def write_values(tables: Tables, f: int, x: np.ndarray, whole: np.ndarray, value: np.ndarray) -> None:
+    """Write the value of form f at x, or the first of its components, into `value`; `whole` has room for its terms."""
+    write_products(tables, f, x, whole)
+    for j in range(min(tables.forms[f, 2], len(value))):
+        value[j] = weighted(tables, f, whole, j)
+
+
+@njit(cache=True)
 def values(tables: Tables, f: int, x: np.ndarray) -> np.ndarray:
     """Value of form f at x, shape (m,)."""
-    whole = products(tables, f, x)
-    found = np.empty(tables.forms[f, 2])
-    for j in range(len(found)):
-        found[j] = weighted(tables, f, whole, j)
-    return found
+    value = np.empty(tables.forms[f, 2])
+    write_values(tables, f, x, np.empty(tables.forms[f, 1]), value)
+    return value
 
 
 @njit(cache=True)

@@ -2,21 +2,25 @@
 
 In free space everything is a smooth function of the tensions; in contact, it is one in every regime (rom.regimes), of
 contact-aligned coordinates (rom.chart). Each is fitted by a polynomial to the values and sensitivities of its states,
-wherever they lie (rom.polynomials), and then separated (rom.separation).
+wherever they lie (rom.polynomials), and then separated (rom.separation). States on a coarser mesh, if there are any,
+are fitted first, and what they say is corrected by the others (rom.two_meshes).
 """
 
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from rom import chart, error_map, fields
-from rom.contact import Contact
+from rom import chart, error_map, fields, two_meshes
+from rom.contact import Contact, count_regimes
 from rom.enrichment import EnrichmentOptions
 from rom.free import Free
 from rom.parts import Errors
+from rom.regimes import Code
 from rom.separation import separated
 from rom.snapshots import SnapshotError, SnapshotSet
 from rom.surrogate import HEIGHTS, Surrogate
@@ -24,30 +28,40 @@ from rom.surrogate import HEIGHTS, Surrogate
 logger = logging.getLogger(__name__)
 
 
-def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
+class Fits(NamedTuple):
+    """What is fitted to a set's states."""
+
+    free: Free
+    contact: Contact | None
+    moved: fields.Moved | None
+
+
+def train(snapshots: SnapshotSet, options: EnrichmentOptions, coarse: SnapshotSet | None = None) -> Surrogate:
     """Build the surrogate of a training set; states may have failed, and lines that refine it be missing.
 
+    Args:
+        snapshots: the set.
+        options: of the separation.
+        coarse: a set of the same finger on a coarser mesh, which the first then corrects.
+
     Raises:
-        SnapshotError: a held-out set, or no state with an answer, or none that touches the plane.
+        SnapshotError: a held-out set, or no state with an answer, or none that touches the plane; or sets
+            of two fingers.
     """
-    description = snapshots.description
-    if description.random:
-        raise SnapshotError(f"{snapshots.path}: must be a training set, got a held-out set (made with --random)")
-    for kind in ("free", "contact") if description.has_obstacle else ("free",):
-        if not snapshots.count(kind):
-            raise SnapshotError(f"{snapshots.path}: must have {kind} states with an answer, got none")
-    for task, parameters, reason in snapshots.failures:
-        logger.warning("done without the failed state of %s at %s: %s", task, parameters.tolist(), reason)
-    if snapshots.missing:
-        logger.warning("done without %d lines that are not solved yet", len(snapshots.missing))
-    free = Free.of(snapshots)
-    contact = Contact.of(snapshots, free) if description.has_obstacle else None
+    description, sets = snapshots.description, [snapshots] if coarse is None else [snapshots, coarse]
+    for one in sets:
+        _check(one)
+    counts = count_regimes(sets) if description.has_obstacle else Counter()
+    before = None
+    if coarse is not None:
+        two_meshes.check_pair(snapshots, coarse)
+        before = _fitted(coarse, counts, options)
+        if before.moved is not None:
+            before = before._replace(moved=before.moved.on(two_meshes.interpolation(coarse.nodes, snapshots.nodes)))
+    free, contact, moved = _fitted(snapshots, counts, options, before)
     if contact is not None:
         free, contact = contact.with_its_corners(free)
     places, near = contact.map() if contact else (np.zeros(1, np.int64), np.zeros(1, np.uint64))
-    field, left_out = None, (np.zeros(0), np.zeros(0))
-    if description.has_field:
-        field, left_out = fields.train(snapshots, free, contact, options)
     unknown = Errors(
         tip=np.nan, displacement=np.nan, touch_distance=np.nan, contact=np.full((len(places), 3), np.nan), margin=0.0
     )
@@ -60,7 +74,7 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
         near=near,
         way=chart.Way(0.0, 1.0) if contact is None else contact.way,
         errors=unknown,
-        displacements=field,
+        displacements=None if moved is None else moved.separated(free, contact, options),
         lead=description.lead,
         nodes=snapshots.nodes,
         scene=description.scene,
@@ -71,6 +85,43 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions) -> Surrogate:
             "states": snapshots.states,
             "failed": len(snapshots.failures),
             "tolerance": options.tolerance,
-        },
+        }
+        | ({} if coarse is None else {"coarse": _origin(coarse)}),
     )
-    return replace(model, errors=error_map.estimate(model, snapshots, free, contact, left_out))
+    return replace(model, errors=error_map.estimate(model, snapshots, free, contact, moved))
+
+
+def _check(snapshots: SnapshotSet) -> None:
+    description = snapshots.description
+    if description.random:
+        raise SnapshotError(f"{snapshots.path}: must be a training set, got a held-out set (made with --random)")
+    for kind in ("free", "contact") if description.has_obstacle else ("free",):
+        if not snapshots.count(kind):
+            raise SnapshotError(f"{snapshots.path}: must have {kind} states with an answer, got none")
+    for task, parameters, reason in snapshots.failures:
+        logger.warning("done without the failed state of %s at %s: %s", task, parameters.tolist(), reason)
+    if snapshots.missing:
+        logger.warning("done without %d lines that are not solved yet", len(snapshots.missing))
+
+
+def _fitted(
+    snapshots: SnapshotSet, counts: Counter[Code], options: EnrichmentOptions, before: Fits | None = None
+) -> Fits:
+    """Fit a set's states, or correct by them what is known before."""
+    description, contact, moved = snapshots.description, None, None
+    free = Free.of(snapshots, before.free if before else None)
+    if description.has_obstacle:
+        contact = Contact.of(snapshots, free, counts, before.contact if before else None)
+    if description.has_field:
+        moved = fields.fitted(snapshots, free, contact, options.tolerance, before.moved if before else None)
+    return Fits(free, contact, moved)
+
+
+def _origin(coarse: SnapshotSet) -> dict[str, Any]:
+    description = coarse.description
+    return {
+        "fingerprint": description.fingerprint,
+        "cells": description.scene["mesh"]["cells"],
+        "states": coarse.states,
+        "failed": len(coarse.failures),
+    }

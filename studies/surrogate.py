@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from rom import kernel, polynomials  # noqa: E402
-from rom.contact import Contact  # noqa: E402
+from rom.contact import Contact, count_regimes  # noqa: E402
 from rom.enrichment import EnrichmentOptions  # noqa: E402
 from rom.error_map import calibrated  # noqa: E402
 from rom.errors import FELT, check  # noqa: E402
@@ -113,7 +113,7 @@ def honesty(model: Surrogate, fresh: SnapshotSet) -> dict:
 def plain(training: SnapshotSet, fresh: SnapshotSet) -> list[dict]:
     """The same states without regimes: one form over (F, d), and one over (F, s) for all contact states together."""
     free = Free.of(training)
-    contact = Contact.of(training, free)
+    contact = Contact.of(training, free, count_regimes([training]))
     lower, upper = box(training)
     points, force = fresh.random("parameters"), fresh.random("contact_force")
     felt = force > FELT

@@ -1,0 +1,173 @@
+"""One contact regime, fitted: where its states lie in its coordinates, its quantities, and what ends it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rom import chart, regimes
+from rom.enrichment import EnrichmentOptions
+from rom.free import Free
+from rom.parts import Regime
+from rom.polynomials import Fitted, Polynomial, Samples, corrected, fit
+from rom.regimes import Code
+from rom.separation import separated
+
+SHORT = 0.1  # share of the longest way past a corner that is short
+SMALL = 0.02  # share of a regime's largest force below which errors count as of that force
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """Where the states of a regime lie in its coordinates.
+
+    Attributes:
+        parameters: shape (n, p).
+        height: of the regime's corner in free space at their tensions [m], shape (n,).
+        rising: its derivatives by the tensions, shape (n, p - 1).
+        begins: whether the regime begins at touch.
+        way: of the coordinates.
+        blank: the samples without values.
+    """
+
+    parameters: np.ndarray
+    height: np.ndarray
+    rising: np.ndarray
+    begins: bool
+    way: chart.Way
+    blank: Samples
+
+    @property
+    def past(self) -> np.ndarray:
+        """By which quantities that grow from touch on are divided: the way past the corner [m], or 1; shape (n,)."""
+        return self.height - self.parameters[:, -1] if self.begins else np.ones(len(self.height))
+
+    def fit(
+        self,
+        values: np.ndarray,
+        slopes: np.ndarray,
+        before: Polynomial | None,
+        grows: bool = True,
+        field: bool = False,
+    ) -> Fitted:
+        """Fit quantities, shape (n, m), with derivatives by the parameters, shape (n, m, p); or what is known `before`.
+
+        Those that grow from touch on are fitted by their ways past the corner where the regime begins at touch. For
+        those of a field, which count alike, ways so small that they magnify what its basis leaves out count little.
+        """
+        samples = self.blank
+        if self.begins and grows:
+            past = self.past
+            growing = np.column_stack([self.rising, np.full(len(past), -1.0)])
+            values = values / past[:, None]
+            slopes = (slopes - values[..., None] * growing[:, None]) / past[:, None, None]
+            if field:
+                samples = replace(samples, weights=past / (past + SHORT * past.max()))
+        aligned = self.way.slopes(self.parameters, self.height, self.rising, slopes)
+        samples = replace(samples, values=values, slopes=aligned)
+        return fit(samples, alike=field) if before is None else corrected(samples, before, alike=field)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """The contact states of one regime.
+
+    Attributes:
+        code: of the regime.
+        rows: of its states among all contact states.
+        corner: which height of the free states is that of its corner.
+        place: where they lie.
+        points: contact-aligned coordinates of the states from which it is known, on all meshes, shape (n, p).
+        outputs: tip added and contact force.
+        signs: conditions, and the fit of their values.
+    """
+
+    code: Code
+    rows: np.ndarray
+    corner: int
+    place: Place
+    points: np.ndarray
+    outputs: Fitted
+    signs: list[regimes.Sign]
+    conditions: Fitted | None
+
+    def separated(self, options: EnrichmentOptions) -> Regime:
+        """The regime as the surrogate has it."""
+        both = [self.outputs.polynomial] + ([self.conditions.polynomial] if self.conditions else [])
+        values = self.conditions.polynomial.value(self.points) if self.conditions else np.zeros((1, 0))
+        return Regime(
+            code=self.code,
+            corner=self.corner,
+            begins=self.place.begins,
+            states=len(self.rows),
+            sizes=np.maximum(np.abs(values).max(axis=0), np.finfo(float).tiny).tolist(),
+            form=separated(f"regime {self.code}", Polynomial.together(both), self.points, options),
+        )
+
+
+def place(
+    states: dict[str, np.ndarray], free: Free, height: int, begins: bool, way: chart.Way, before: Part | None
+) -> Place:
+    """Where the states of a regime lie, in the box of what is known before, if anything is."""
+    parameters, force = states["parameters"], states["contact_force"]
+    known, rising = free.polynomial.value_and_gradient(parameters[:, :-1])
+    points = way.coordinates(parameters, known[:, 3 + height])
+    if before is None:
+        lower, upper = points.min(axis=0), points.max(axis=0)
+        upper = lower + np.maximum(upper - lower, 1e-6 * np.maximum(np.abs(upper), 1e-3))
+    else:
+        lower, upper = before.place.blank.lower, before.place.blank.upper
+    blank = Samples(
+        points=points,
+        values=np.zeros((len(points), 0)),
+        slopes=None,
+        weights=np.ones(len(points)) if begins else SMALL / (force / force.max(initial=0.0) + SMALL),
+        lower=lower,
+        upper=upper,
+    )
+    return Place(
+        parameters=parameters,
+        height=known[:, 3 + height],
+        rising=rising[:, 3 + height],
+        begins=begins,
+        way=way,
+        blank=blank,
+    )
+
+
+def fitted(
+    code: Code,
+    rows: np.ndarray,
+    states: dict[str, np.ndarray],
+    free: Free,
+    height: int,
+    where: Place,
+    signs: list[regimes.Sign],
+    sizes: np.ndarray,
+    before: Part | None,
+) -> Part:
+    """Fit a regime's quantities and conditions, or correct by them what is known before."""
+    known, rising = free.polynomial.value_and_gradient(states["parameters"][:, :-1])
+    rising = np.concatenate([rising, np.zeros((*rising.shape[:2], 1))], axis=-1)
+    values = np.column_stack([states["tip"] - known[:, :3], states["contact_force"]])
+    slopes = np.concatenate([states["tip_jacobian"] - rising[:, :3], states["contact_force_jacobian"][:, None]], axis=1)
+    conditions = None
+    if signs:
+        pairs = [regimes.sign_values(sign, states, sizes) for sign in signs]
+        conditions = where.fit(
+            np.column_stack([pair[0] for pair in pairs]),
+            np.stack([pair[1] for pair in pairs], axis=1),
+            before.conditions.polynomial if before and before.conditions else None,
+            grows=False,
+        )
+    return Part(
+        code=code,
+        rows=rows,
+        corner=height,
+        place=where,
+        points=np.concatenate([where.blank.points, *([before.points] if before else [])]),
+        outputs=where.fit(values, slopes, before.outputs.polynomial if before else None),
+        signs=signs,
+        conditions=conditions,
+    )
