@@ -39,9 +39,11 @@ training:
 	docker/run python3 studies/refinement.py out/farm
 	docker/run python3 studies/training_page.py out/farm out/solver/solver.json
 
-# docs/surrogate.md, from the studies of the surrogate, about an hour; other packages come from PyPI, in an environment beside.
+# docs/surrogate.md, from the studies of the surrogate, about two hours; other packages come from PyPI, in an environment beside.
 surrogate:
 	docker/run python3 studies/surrogate.py out/surrogate
+	docker/run python3 studies/growth.py out/surrogate
+	docker/run python3 studies/two_meshes.py out/surrogate
 	$(PYTHON) -m venv out/surrogate/others
 	out/surrogate/others/bin/python -m pip install -q --disable-pip-version-check -e . ezyrb tensorly
 	out/surrogate/others/bin/python studies/others.py out/surrogate

@@ -109,7 +109,7 @@ class Sampling(Table):
     `store` says what else.
     """
 
-    lines: Annotated[int, Field(ge=8, le=10_000)] | None = None
+    lines: Annotated[int, Field(ge=3, le=10_000)] | None = None
     tension_nodes: Annotated[int, Field(ge=4, le=101)] = 9
     contact_nodes: Annotated[int, Field(ge=4, le=101)] = 12
     store: list[Quantity] = ["displacement"]

@@ -24,7 +24,8 @@ def build(
     tolerance: Annotated[float, typer.Option(min=1e-12, max=0.5, help="Relative error of the separation.")] = 3e-4,
     terms: Annotated[int, typer.Option(min=1, max=1000, help="Most products of one form.")] = 100,
     held_out: Annotated[
-        Path | None, typer.Option(metavar="HELDOUT/", help="Measure the error on these states.")
+        Path | None,
+        typer.Option(metavar="HELDOUT/", help="Measure the error, and choose 1-D functions, on these states."),
     ] = None,
     coarse: Annotated[
         Path | None, typer.Option(metavar="SET/", help="States of the same finger on a coarser mesh, to be corrected.")
@@ -35,15 +36,17 @@ def build(
     from rom.enrichment import EnrichmentOptions
     from rom.error_map import calibrated
     from rom.errors import accuracy, check
+    from rom.functions import chosen
     from rom.training import train
 
-    logging.basicConfig(format="%(message)s")
+    logging.basicConfig(format="%(message)s", level=logging.INFO)
     if not output.parent.is_dir():
         raise ValueError(f"output must be in a folder that exists, got {output}")
     options = EnrichmentOptions(tolerance=tolerance, terms=terms)
     model = train(SnapshotSet(folder), options, None if coarse is None else SnapshotSet(coarse))
     if held_out is not None:
         fresh = SnapshotSet(held_out)
+        model = chosen(model, fresh)
         model = calibrated(replace(model, accuracy=accuracy(check(model, fresh))), fresh)
     model.save(output)
     show(summary(model), as_json)

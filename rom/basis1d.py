@@ -48,3 +48,10 @@ def coefficients(nodes: np.ndarray, values: np.ndarray, kind: str, slopes: np.nd
         powers[0], powers[1] = values[:-1], np.diff(values, axis=0) / steps[:, None]
     scales = steps ** np.arange(4)[:, None]
     return np.ascontiguousarray((powers * scales[..., None]).transpose(1, 0, 2))
+
+
+def nodal_slopes(nodes: np.ndarray, pieces: np.ndarray) -> np.ndarray:
+    """Derivatives at the nodes, shape (n, r), of piecewise cubics that have one there, shape (n - 1, 4, r)."""
+    steps = np.diff(nodes)[:, None]
+    left, last = pieces[:, 1] / steps, (pieces[-1, 1] + 2 * pieces[-1, 2] + 3 * pieces[-1, 3]) / steps[-1]
+    return np.concatenate([left, last[None]])

@@ -23,6 +23,7 @@ SLOPES = 0.1  # weight of a derivative by an axis scaled to [-1, 1], beside a va
 ROWS = 1.5  # rows a fit has at least for every coefficient
 NOISE, DECAY = 1e-7, 0.4  # coefficients are expected to be smaller than DECAY^degree / NOISE
 FEW = 3  # states below which they correct nothing
+SLIGHT = 1e-6  # share of a function below which a correction of it is rounding
 PATIENCE = 3  # degrees without a better prediction after which none is expected
 
 
@@ -132,17 +133,17 @@ def corrected(samples: Samples, before: Polynomial, alike: bool = False) -> Fitt
         return Fitted(polynomial=before, degree=0, residuals=values)
     slopes = None if samples.slopes is None else samples.slopes - rising
     own = replace(samples, values=values, slopes=slopes, lower=before.lower, upper=before.upper)
-    found = fit(own, alike=alike)
+    found = fit(own, alike=alike, least=SLIGHT * np.abs(samples.values).max(axis=0))
     return replace(found, polynomial=before.plus(found.polynomial))
 
 
-def fit(samples: Samples, most: int = 16, alike: bool = False) -> Fitted:
+def fit(samples: Samples, most: int = 16, alike: bool = False, least: np.ndarray | float = 0.0) -> Fitted:
     """The polynomial of the total degree, up to `most`, that predicts best what is left out.
 
-    Every one of the m functions counts by its own size, unless they are `alike` and have one unit. A fit has the same
-    degree for all of them.
+    Every one of the m functions counts by its own size, or `least`, unless they are `alike` and have one unit. A fit
+    has the same degree for all of them.
     """
-    size = np.abs(samples.values).max(axis=0)
+    size = np.maximum(np.abs(samples.values).max(axis=0), least)
     if alike:
         size[:] = size.max()
     size[size == 0] = 1.0

@@ -63,7 +63,7 @@ class Place:
             values = values / past[:, None]
             slopes = (slopes - values[..., None] * growing[:, None]) / past[:, None, None]
             if field:
-                samples = replace(samples, weights=past / (past + SHORT * past.max()))
+                samples = replace(samples, weights=past / (past + SHORT * past.max(initial=0.0)))
         aligned = self.way.slopes(self.parameters, self.height, self.rising, slopes)
         samples = replace(samples, values=values, slopes=aligned)
         return fit(samples, alike=field) if before is None else corrected(samples, before, alike=field)

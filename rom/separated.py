@@ -64,6 +64,17 @@ class Separated:
         functions = zip(self.nodes, self.factors, self.slopes, strict=True)
         return [basis1d.coefficients(nodes, factor, self.kind, slope) for nodes, factor, slope in functions]
 
+    def of_kind(self, kind: str) -> Separated:
+        """The same terms through one-dimensional functions of another kind.
+
+        Those of a cubic spline are Hermite functions with the spline's slopes, which are then stored.
+        """
+        slopes = self.slopes
+        if kind == "cubic":
+            pieces = [basis1d.coefficients(*both, kind) for both in zip(self.nodes, self.factors, strict=True)]
+            slopes = [basis1d.nodal_slopes(*both) for both in zip(self.nodes, pieces, strict=True)]
+        return replace(self, kind=kind, slopes=slopes)
+
     @cached_property
     def tables(self) -> Tables:
         """The form as plain arrays for compiled code."""

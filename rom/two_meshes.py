@@ -47,7 +47,7 @@ def interpolation(coarse: np.ndarray, fine: np.ndarray) -> Callable[[np.ndarray]
     Raises:
         SnapshotError: the coarse nodes do not fill a grid.
     """
-    lines = [np.unique(np.round(coarse[:, a], 9)) for a in range(3)]
+    lines = [coarse[np.unique(np.round(coarse[:, a], 9), return_index=True)[1], a] for a in range(3)]
     shape = tuple(len(line) for line in lines)
     if np.prod(shape) != len(coarse):
         raise SnapshotError(f"nodes of the coarse mesh must fill a grid of {shape}, got {len(coarse)}")

@@ -20,51 +20,23 @@ from scipy.interpolate import CubicSpline
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from rom import kernel, polynomials  # noqa: E402
+from rom import basis1d, kernel, polynomials  # noqa: E402
 from rom.contact import Contact, count_regimes  # noqa: E402
 from rom.enrichment import EnrichmentOptions  # noqa: E402
 from rom.error_map import calibrated  # noqa: E402
 from rom.errors import FELT, check  # noqa: E402
 from rom.free import Free, box  # noqa: E402
+from rom.functions import of_kind  # noqa: E402
 from rom.separated import Separated  # noqa: E402
 from rom.separation import separated  # noqa: E402
 from rom.snapshots import SnapshotSet  # noqa: E402
 from rom.surrogate import Surrogate  # noqa: E402
 from rom.training import train  # noqa: E402
+from studies import sets  # noqa: E402
 from studies.solver import say  # noqa: E402
-from studies.training import farm  # noqa: E402
 
-SCENES = {"draft": "draft", "middle": "draft", "two segments": "two_segments"}
-MIDDLE = ("cells = [20, 5]", "cells = [40, 7]")
-PAPER = "one_segment"  # trained on few states: only for the time of its field
-FRESH, SCALING = (200, 11), (200, 12)  # held-out states and their seeds: to judge by, and to scale errors by
+JUDGED = ("draft", "middle", "two segments")
 OPTIONS = EnrichmentOptions()
-
-
-def scene(folder: Path, name: str, sampling: tuple[int, int] | None = None) -> Path:
-    """A scene of the study."""
-    text = (ROOT / "scenes" / f"{SCENES.get(name, name)}.toml").read_text()
-    if name == "middle":
-        text = text.replace(*MIDDLE)
-    if sampling:
-        text += f"\n[sampling]\ntension_nodes = {sampling[0]}\ncontact_nodes = {sampling[1]}\n"
-    file = folder / f"{name.replace(' ', '-')}.toml"
-    file.write_text(text)
-    return file
-
-
-def sets(folder: Path, name: str, sampling: tuple[int, int] | None, count: int) -> list[SnapshotSet]:
-    """Training states, fresh states, and fresh states to scale errors by; what is there is not solved again."""
-    file, found = scene(folder, name, sampling), []
-    for kind, options in (
-        ("training", ()),
-        ("fresh", ("--random", str(count), "--seed", str(FRESH[1]))),
-        ("scaling", ("--random", str(count), "--seed", str(SCALING[1]))),
-    ):
-        place = folder / file.stem / kind
-        farm(2, file, place, *options)
-        found.append(SnapshotSet(place))
-    return found
 
 
 def accuracy(training: SnapshotSet, fresh: SnapshotSet, scaling: SnapshotSet) -> tuple[Surrogate, dict]:
@@ -171,14 +143,8 @@ def quantiles(errors: np.ndarray) -> dict:
 def functions(model: Surrogate, fresh: SnapshotSet) -> list[dict]:
     """The same terms with each kind of one-dimensional functions."""
     rows = []
-    for kind in ("hermite", "cubic", "linear"):
-        other = replace(
-            model,
-            free=replace(model.free, kind=kind),
-            regimes=[replace(regime, form=replace(regime.form, kind=kind)) for regime in model.regimes],
-            displacements=None,
-        )
-        found = check(other, fresh)
+    for kind in basis1d.KINDS:
+        found = check(replace(of_kind(model, kind), displacements=None), fresh)
         rows.append({"functions": kind, "contact_force": found["contact_force"], "tip": found["tip"]})
     return rows
 
@@ -223,7 +189,28 @@ def speed(model: Surrogate, file: Path, count: int) -> dict:
     }
 
 
-def cost(model: Surrogate) -> dict:
+def field(folder: Path, draft: SnapshotSet, count: int) -> dict:
+    """Time of the whole displacement field on the paper's mesh, of a model of few states that correct the draft's."""
+    model = train(sets.training(sets.scene(folder, "paper")), OPTIONS, draft)
+    file = folder / "paper.h5"
+    model.save(file)
+    Surrogate.load(file)
+    begun = time.perf_counter()
+    model = Surrogate.load(file)
+    loading = time.perf_counter() - begun
+    assert model.displacements is not None and model.displacements.contact_basis is not None
+    points = draw(model, count)
+    touching = points[model.evaluate(points).contact_force > 0]
+    return {
+        "unknowns": 3 * len(model.nodes),
+        "components": model.displacements.free_basis.shape[1] + model.displacements.contact_basis.shape[1],
+        "in_contact": timed(model.displacement, touching),
+        "load_seconds": loading,
+        "bytes": file.stat().st_size,
+    }
+
+
+def cost() -> dict:
     """Time of one form's value and gradient against terms and against axes, everything else alike."""
 
     def form(axes: int, terms: int) -> Separated:
@@ -280,17 +267,20 @@ def for_others(folder: Path, training: SnapshotSet, fresh: SnapshotSet, model: S
 def main() -> None:
     """Measure, print, write."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("out", nargs="?", default="out/surrogate")
+    parser.add_argument("out", nargs="?", help="out/surrogate by default, out/surrogate-quick if quick")
     parser.add_argument("--quick", action="store_true", help="the draft finger alone, few states")
     options = parser.parse_args()
-    folder = Path(options.out).resolve()
+    folder = Path(options.out or ("out/surrogate-quick" if options.quick else "out/surrogate")).resolve()
     folder.mkdir(parents=True, exist_ok=True)
-    names = ["draft"] if options.quick else list(SCENES)
+    names = ["draft"] if options.quick else list(JUDGED)
     found: dict = {"accuracy": {}}
     for name in names:
         print(name)
-        training, fresh, scaling = sets(
-            folder, name, (5, 6) if options.quick else None, 60 if options.quick else FRESH[0]
+        file = sets.scene(folder, name, options.quick)
+        training = sets.training(file)
+        fresh, scaling = (
+            sets.held_out(file, kind, *((60, drawn[1]) if options.quick else drawn))
+            for kind, drawn in (("fresh", sets.FRESH), ("scaling", sets.SCALING))
         )
         model, found["accuracy"][name] = accuracy(training, fresh, scaling)
         say({key: value for key, value in found["accuracy"][name].items() if key != "regimes"})
@@ -298,10 +288,12 @@ def main() -> None:
             found["plain"] = plain(training, fresh)
             found["functions"] = functions(model, fresh)
             found["speed"] = speed(model, folder / "draft.h5", 10_000 if options.quick else 1_000_000)
-            found["cost"] = cost(model)
+            found["cost"] = cost()
+            if not options.quick:
+                found["field"] = field(folder, training, 2000)
             for_others(folder, training, fresh, model)
-            for key in ("plain", "functions", "speed", "cost"):
-                say({key: found[key]})
+            for key in ("plain", "functions", "speed", "cost", "field"):
+                say({key: found.get(key)})
     (folder / "surrogate.json").write_text(json.dumps(found, indent=1))
 
 

@@ -1,4 +1,7 @@
-"""Write docs/surrogate.md from what studies/surrogate.py and others.py measured: python3 studies/surrogate_page.py OUT."""
+"""Write docs/surrogate.md from what surrogate.py, others.py, growth.py and two_meshes.py measured.
+
+python3 studies/surrogate_page.py [OUT]    (out/surrogate by default)
+"""
 
 from __future__ import annotations
 
@@ -85,7 +88,7 @@ def functions(found: dict) -> str:
 
 def speed(found: dict) -> str:
     """Times on the machine that wrote this."""
-    one = found["speed"]
+    one, field = found["speed"], found["field"]
     call, batch = one["value_and_jacobian"], one["batch"]
     return f"""One core, from Python, on the machine that wrote this: tip, contact force, touch distance and their derivatives in {call["p50_us"]:.1f} us (median;
 {call["p99_us"]:.1f} us at the 99th percentile); {batch["count"]:,} points at once in {batch["us_each"]:.2f} us each; the model is loaded in {1e3 * one["load_seconds"]:.0f} ms and its file has
@@ -93,7 +96,10 @@ def speed(found: dict) -> str:
 
 {table(["terms (3 axes)", *(str(row["terms"]) for row in found["cost"]["terms"])], [["us", *(f"{row['us']:.2f}" for row in found["cost"]["terms"])]])}
 
-{table(["axes (200 terms)", *(str(row["axes"]) for row in found["cost"]["axes"])], [["us", *(f"{row['us']:.2f}" for row in found["cost"]["axes"])]])}"""
+{table(["axes (200 terms)", *(str(row["axes"]) for row in found["cost"]["axes"])], [["us", *(f"{row['us']:.2f}" for row in found["cost"]["axes"])]])}
+
+The displacement of all nodes of the paper's mesh ({field["unknowns"]:,} unknowns, {field["components"]} principal components) takes {field["in_contact"]["p50_us"]:.0f} us in contact (median;
+{field["in_contact"]["p99_us"]:.0f} us at the 99th percentile); that model is loaded in {1e3 * field["load_seconds"]:.0f} ms ({field["bytes"] / 1e6:.0f} MB)."""
 
 
 def beside(rows: list[dict]) -> str:
@@ -113,11 +119,54 @@ def beside(rows: list[dict]) -> str:
     return table(header, listed)
 
 
-def page(found: dict, others: list[dict]) -> str:
+def growth(rows: list[dict]) -> str:
+    """What more parameters cost."""
+    header = ["parameters", "tendons", "states", "a grid of 9 nodes a tension", "regimes", "terms for 1 %"]
+    header += ["terms, all forms", "kB", "us a query, median", "contact force, median", "95 %", "largest"]
+    listed = [
+        [
+            str(row["parameters"]),
+            ", ".join(row["tendons"]),
+            f"{row['states']:,}",
+            f"{row['grid_states']:,}",
+            str(row["regimes"]),
+            str(row["terms"]),
+            str(row["all_terms"]),
+            f"{row['bytes'] / 1e3:,.0f}",
+            f"{row['query']['p50_us']:.0f}",
+            *(percent(row["contact_force"][key]) for key in ("median", "p95", "max")),
+        ]
+        for row in rows
+    ]
+    return table(header, listed)
+
+
+def two_meshes(found: dict) -> str:
+    """Surrogates of one mesh and of two."""
+    header = [
+        "trained on",
+        "fine states",
+        "against its own mesh: median",
+        "95 %",
+        "against a third, finer mesh: median",
+    ]
+    listed = [
+        [row["kind"], f"{row['states']:,}" if "draft" not in row["kind"] else "0"]
+        + [percent(row["surrogate"][key]) for key in ("median", "p95")]
+        + [percent(row["total"]["median"])]
+        for row in found["rows"]
+    ]
+    return table(header, listed)
+
+
+def page(found: dict, others: list[dict], grown: list[dict], both: dict) -> str:
     """The whole page."""
+    headline, meshes = both["headline"], both["mesh"]
+    states = next(row for row in both["rows"] if row["lines"] == headline["lines"])["states"]
+    whole = next(row for row in both["rows"] if row["kind"].endswith("all its states"))["states"]
     return f"""# The surrogate
 
-Numbers written by `make surrogate` from `studies/surrogate.py` and `studies/others.py`.
+Numbers written by `make surrogate` from `studies/surrogate.py`, `others.py`, `growth.py` and `two_meshes.py`.
 
 ## Why contact regimes
 
@@ -144,9 +193,29 @@ states for which least is said, and the other half. Other fresh states scaled wh
 
 {said(found)}
 
+## More parameters
+
+The finger of `scenes/four_tendons.toml` on 12 x 9 x 9 cells a segment, pulled by one to four tendons; lines of states at scattered tensions, 40 a
+tension, so that states grow with the number of parameters and not with its power. Terms are those of the regime with the most states.
+
+{growth(grown)}
+
+## Two meshes
+
+What a finer mesh changes is small and smooth, and few states tell it: `rom build FINE/ --coarse COARSE/`. Draft mesh (20 x 5 x 5 cells,
+{both["coarse_states"]:,} states) corrected by states on the middle mesh (40 x 7 x 7); contact force above 0.1 N. With {states} fine states ({states / whole:.2f} of the {whole} of a
+training set on the fine mesh alone) the displacement's error is {percent(headline["displacement"]["median"])} (median; {percent(headline["displacement"]["p95"])} at 95 %). The meshes
+themselves err by {percent(meshes["draft"]["median"])} and {percent(meshes["middle"]["median"])} (median) against 80 x 11 x 11 cells: a surrogate far better than its mesh is waste, and the picture,
+after figure 9 of the paper, says how many states are enough.
+
+{two_meshes(both)}
+
+![errors of mesh and surrogate](two_meshes.png)
+
 ## One-dimensional functions
 
-The same terms with each kind. Hermite functions use the stored sensitivities and are the default.
+The same terms with each kind. Hermite functions use the stored sensitivities and are the default; `rom build --held-out` takes the kind that errs
+least on the held-out states.
 
 {functions(found)}
 
@@ -167,7 +236,9 @@ def main(folder: Path) -> None:
     """Rewrite docs/surrogate.md."""
     found = json.loads((folder / "surrogate.json").read_text())
     others = json.loads((folder / "others.json").read_text())
-    (ROOT / "docs" / "surrogate.md").write_text(page(found, others))
+    grown = json.loads((folder / "growth.json").read_text())
+    both = json.loads((folder / "two_meshes.json").read_text())
+    (ROOT / "docs" / "surrogate.md").write_text(page(found, others, grown, both))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,88 @@
+"""How states, terms, bytes and query time grow with the number of parameters: python3 studies/growth.py [OUT].
+
+The finger of two segments with both pairs of tendons (scenes/four_tendons.toml, on a coarser mesh), pulled by one to
+four of them; lines of states at scattered tensions, 40 a tension. Writes OUT/growth.json (out/surrogate by default).
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from rom.enrichment import EnrichmentOptions  # noqa: E402
+from rom.errors import check  # noqa: E402
+from rom.surrogate import Surrogate  # noqa: E402
+from rom.training import train  # noqa: E402
+from studies.sets import held_out, training, written  # noqa: E402
+from studies.solver import say  # noqa: E402
+from studies.surrogate import draw, timed  # noqa: E402
+
+PULLED = {2: ["F_l1"], 3: ["F_s1", "F_l1"], 4: ["F_s1", "F_l1", "F_l2"], 5: ["F_s1", "F_s2", "F_l1", "F_l2"]}
+CELLS = ("cells = [20, 9]", "cells = [12, 9]")
+LINES = 40  # a tension
+FRESH = {2: 100, 3: 100, 4: 100, 5: 200}
+SEED = 11
+ENOUGH = 0.01  # separation error for which terms are counted
+
+
+def scene(folder: Path, parameters: int) -> Path:
+    """The four tendons' scene with the first of them."""
+    text = (ROOT / "scenes" / "four_tendons.toml").read_text().replace(*CELLS)
+    head, *tendons = re.split(r"(?=\[\[tendons\]\])", text.replace('"four tendons"', '"growth"'))
+    tendons[-1], rest = tendons[-1].split("[obstacle]", 1)
+    named = {re.search(r'name = "(\w+)"', tendon)[1]: tendon for tendon in tendons}  # type: ignore[index]
+    pulled = PULLED[parameters]
+    sampling = f"\n[sampling]\nlines = {LINES * len(pulled)}\nstore = []\n"
+    return written(
+        folder, f"growth {parameters}", head + "".join(named[name] for name in pulled) + "[obstacle]" + rest + sampling
+    )
+
+
+def terms_for(model: Surrogate, error: float) -> int:
+    """Terms of the regime of most states for a separation error."""
+    form = max(model.regimes, key=lambda regime: regime.states).form
+    return int(np.argmax(form.errors <= error)) + 1
+
+
+def main(folder: Path) -> None:
+    """Measure, print, write."""
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for parameters, names in PULLED.items():
+        file = scene(folder, parameters)
+        states = training(file)
+        begun = time.perf_counter()
+        model = train(states, EnrichmentOptions())
+        seconds = time.perf_counter() - begun
+        report = check(model, held_out(file, "fresh", FRESH[parameters], SEED))
+        rows.append(
+            {
+                "parameters": parameters,
+                "tendons": names,
+                "states": states.states,
+                "grid_states": 9 ** len(names) * 13,
+                "regimes": len(model.regimes),
+                "terms": terms_for(model, ENOUGH),
+                "all_terms": sum(model.terms.values()),
+                "bytes": model.bytes,
+                "separation_seconds": seconds,
+                "query": timed(model.value_and_jacobian, draw(model, 5000)),
+                "contact_force": report["contact_force"],
+                "tip": report["tip"],
+                "wrong_touch_decisions": report["touch"]["wrong_beyond_margin"],
+            }
+        )
+        say(rows[-1])
+    (folder / "growth.json").write_text(json.dumps(rows, indent=1))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "out" / "surrogate").resolve())
