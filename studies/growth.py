@@ -23,7 +23,7 @@ from rom.surrogate import Surrogate  # noqa: E402
 from rom.training import train  # noqa: E402
 from studies.sets import held_out, training, written  # noqa: E402
 from studies.solver import say  # noqa: E402
-from studies.surrogate import draw, timed  # noqa: E402
+from studies.surrogate import draw, honesty, timed  # noqa: E402
 
 PULLED = {2: ["F_l1"], 3: ["F_s1", "F_l1"], 4: ["F_s1", "F_l1", "F_l2"], 5: ["F_s1", "F_s2", "F_l1", "F_l2"]}
 CELLS = ("cells = [20, 9]", "cells = [12, 9]")
@@ -62,7 +62,8 @@ def main(folder: Path) -> None:
         begun = time.perf_counter()
         model = train(states, EnrichmentOptions())
         seconds = time.perf_counter() - begun
-        report = check(model, held_out(file, "fresh", FRESH[parameters], SEED))
+        fresh = held_out(file, "fresh", FRESH[parameters], SEED)
+        report = check(model, fresh)
         rows.append(
             {
                 "parameters": parameters,
@@ -77,6 +78,7 @@ def main(folder: Path) -> None:
                 "query": timed(model.value_and_jacobian, draw(model, 5000)),
                 "contact_force": report["contact_force"],
                 "tip": report["tip"],
+                "said": honesty(model, fresh)["contact_force"],
                 "wrong_touch_decisions": report["touch"]["wrong_beyond_margin"],
             }
         )
