@@ -86,7 +86,7 @@ class Contact:
                 continue
             own = {name: values[rows] for name, values in states.items()}
             where = regime_fit.place(own, free, height, corner is not None, way, before.get(code))
-            parts.append(regime_fit.fitted(code, rows, own, free, height, where, signs[r], sizes, before.get(code)))
+            parts.append(regime_fit.fitted(code, rows, own, free, height, where, signs[r], sizes))
         return Contact(
             parameters=states["parameters"],
             force=states["contact_force"],

@@ -45,7 +45,7 @@ class Moved:
     def separated(self, free: Free, contact: Contact | None, options: EnrichmentOptions) -> Field:
         """As the surrogate has it. It is asked for seldom, and separated to a third of the tolerance."""
         options = replace(options, tolerance=FINER * options.tolerance)
-        form = separated("free displacement", self.free.polynomial, free.points, options, alike=True)
+        form = separated("free displacement", self.free.polynomial, free.known, options, alike=True)
         found = Field(free_basis=self.free_basis.astype(np.float32), free=form)
         if contact is None:
             return found
@@ -67,8 +67,8 @@ def fitted(
 ) -> Moved:
     """Fit the displacements of a set, or correct by them what is known before, from a coarser mesh.
 
-    Components leave out a tenth of the tolerance, which is relative; those in free space less, as what contact adds is
-    found from them.
+    Components leave out a tenth of what their amounts are separated to; those in free space less, as what contact adds
+    is found from them.
     """
     displacement = _flat(snapshots.states_of("free", "displacement"))
     size = float(np.linalg.norm(displacement, axis=1).max())
@@ -109,7 +109,7 @@ def _with_contact(found: Moved, snapshots: SnapshotSet, contact: Contact, least:
     else:
         beyond = added.copy()
         for part in contact.parts:
-            if part.code in before.contact:
+            if part.place.before is not None:
                 known = before.contact[part.code].polynomial.value(part.place.blank.points) * part.place.past[:, None]
                 beyond[part.rows] -= known @ before.contact_basis.T
         basis = _beside(before.contact_basis, beyond, least)
@@ -118,7 +118,7 @@ def _with_contact(found: Moved, snapshots: SnapshotSet, contact: Contact, least:
     fits, left_out = {}, np.zeros(len(values))
     for part in contact.parts:
         prior = None
-        if before is not None and part.code in before.contact:
+        if before is not None and part.place.before is not None:
             prior = before.contact[part.code].polynomial.mixed(before.contact_basis.T @ basis)
         fits[part.code] = one = part.place.fit(values[part.rows], slopes[part.rows], prior, field=True)
         residuals = one.residuals * part.place.past[:, None]

@@ -20,6 +20,7 @@ class Free:
 
     Attributes:
         points: tensions of the free states, shape (n, tensions) [N].
+        known: tensions from which it is known, on all meshes, shape (n, tensions) [N].
         along: places of all nodes of the long edges, shape (nodes, 3) [m].
         kept: which of them matter: corners of plates, and what else leads somewhere, shape (heights,).
         leads: which of these lead somewhere, shape (heights,).
@@ -27,6 +28,7 @@ class Free:
     """
 
     points: np.ndarray
+    known: np.ndarray
     along: np.ndarray
     kept: np.ndarray
     leads: np.ndarray
@@ -57,17 +59,18 @@ class Free:
             upper=upper[:count],
         )
         along = _long_edges(snapshots) if description.has_obstacle else np.zeros(0, int)
-        places, none = snapshots.nodes[along], np.zeros(0, int)
-        if coarse is None:
+        places, none, known = snapshots.nodes[along], np.zeros(0, int), points
+        if coarse is None or len(coarse.points) <= len(points):
             whole = fit(samples)
         else:
+            known = np.concatenate([points, coarse.points])
             whole = corrected(samples, coarse.whole.polynomial.mixed(_onto(coarse.along, places)))
         if not description.has_obstacle:
-            return Free(points=points, along=places, kept=none, leads=none.astype(bool), whole=whole)
+            return Free(points=points, known=known, along=places, kept=none, leads=none.astype(bool), whole=whole)
         everywhere = np.random.default_rng(0).random((PLACES, count)) * (upper - lower)[:count] + lower[:count]
         leading = _leading(whole.polynomial.value(np.concatenate([points, everywhere]))[:, 3:])
         kept = np.union1d(leading, np.flatnonzero(_is_corner(snapshots, along)))
-        return Free(points=points, along=places, kept=kept, leads=np.isin(kept, leading), whole=whole)
+        return Free(points=points, known=known, along=places, kept=kept, leads=np.isin(kept, leading), whole=whole)
 
     def of_heights(self, wanted: np.ndarray) -> Free:
         """The same with only some of the heights."""

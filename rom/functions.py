@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from rom.basis1d import KINDS
 from rom.errors import check
-from rom.snapshots import SnapshotSet
+from rom.snapshots import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
 
 logger = logging.getLogger(__name__)
@@ -29,6 +29,8 @@ def of_kind(model: Surrogate, kind: str) -> Surrogate:
 
 def chosen(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
     """The model with the kind of functions that errs least at 95 % of states: contact force, or tip without a plane."""
+    if not len(held_out.random("parameters")):
+        raise SnapshotError(f"{held_out.path}: must have held-out states with an answer, got none")
     found = {}
     for kind in KINDS:
         report = check(replace(of_kind(model, kind), displacements=None), held_out)

@@ -10,7 +10,15 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rom.tables import Tables, evaluate, outside, products_and_slopes, weighted, write_values
+from rom.tables import (
+    Tables,
+    outside,
+    room_for,
+    weighted,
+    write_products_and_slopes,
+    write_values,
+    write_values_and_gradients,
+)
 
 TIP, FORCE, TOUCH = 0, 3, 4  # where they are among the outputs
 OUTPUTS = 5
@@ -38,12 +46,13 @@ class Kernel(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """Room that the compiled answer writes into: nothing is allocated from one point of a batch to the next."""
+    """Room that the compiled answer writes into: nothing is allocated from one point to the next."""
 
     held: np.ndarray  # the point, held to the box, shape (p,)
     where: np.ndarray  # the same in a regime's coordinates, shape (p,)
-    whole: np.ndarray  # products of a form's one-dimensional functions, shape (most terms,)
+    products: tuple[np.ndarray, np.ndarray, np.ndarray]  # see rom.tables.room_for
     free: np.ndarray  # values of the free form, shape (3 + heights,)
+    rising: np.ndarray  # their derivatives by the tensions, shape (3 + heights, tensions)
     added: np.ndarray  # of the form of the regime that holds, shape (4 + most conditions,)
     tried: np.ndarray  # of a regime that is tried, of the same shape
 
@@ -54,7 +63,13 @@ def workspace(kernel: Kernel) -> Workspace:
     p, forms = len(kernel.lower), kernel.tables.forms
     free, added = forms[0, 2], 4 + kernel.sizes.shape[1]
     return Workspace(
-        np.empty(p), np.empty(p), np.empty(forms[:, 1].max()), np.empty(free), np.empty(added), np.empty(added)
+        np.empty(p),
+        np.empty(p),
+        room_for(kernel.tables),
+        np.empty(free),
+        np.empty((free, forms[0, 0])),
+        np.empty(added),
+        np.empty(added),
     )
 
 
@@ -84,7 +99,8 @@ def cells_of(kernel: Kernel, points: np.ndarray, touch_distances: np.ndarray) ->
 def to_coordinates(kernel: Kernel, point: np.ndarray, height: float, where: np.ndarray) -> None:
     """Write contact-aligned coordinates into `where`, of a corner with this height in free space, see rom.chart."""
     d = len(point) - 1
-    where[:d] = point[:d]
+    for j in range(d):
+        where[j] = point[j]
     where[d] = (height - point[d]) / (height - kernel.way[0] + kernel.way[1])
 
 
@@ -107,7 +123,7 @@ def regime_at(kernel: Kernel, point: np.ndarray, touch_distance: float, room: Wo
     r, near = kernel.map[place], kernel.near[place]
     if near == np.uint64(1) << np.uint64(r):  # no other is possible: its conditions need not be known
         to_coordinates(kernel, point, room.free[3 + kernel.corners[r]], room.where)
-        write_values(kernel.tables, 1 + r, room.where, room.whole, room.added[:4])
+        write_values(kernel.tables, 1 + r, room.where, room.products[0], room.added[:4])
         return r
     best, least = r, -np.inf
     for k in range(-1, len(kernel.corners)):
@@ -115,13 +131,14 @@ def regime_at(kernel: Kernel, point: np.ndarray, touch_distance: float, room: Wo
         if k == r or (k >= 0 and not near & (np.uint64(1) << np.uint64(k))):
             continue
         to_coordinates(kernel, point, room.free[3 + kernel.corners[other]], room.where)
-        write_values(kernel.tables, 1 + other, room.where, room.whole, room.tried)
+        write_values(kernel.tables, 1 + other, room.where, room.products[0], room.tried)
         worst = -outside(kernel.tables, 1 + other, room.where)
         for j in range(kernel.tables.forms[1 + other, 2] - 4):
             worst = min(worst, room.tried[4 + j] / kernel.sizes[other, j])
         if worst > least:
             best, least = other, worst
-            room.added[:] = room.tried
+            for j in range(len(room.added)):
+                room.added[j] = room.tried[j]
         if worst >= 0.0:
             break
     return best
@@ -133,29 +150,34 @@ def answer(kernel: Kernel, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, b
 
     A point outside is moved to the nearest inside; derivatives across a wall are then zero.
     """
-    p, room = len(point), workspace(kernel)
-    tensions, held = p - 1 if kernel.has_obstacle else p, room.held
+    out, jacobian = np.empty(OUTPUTS), np.empty((OUTPUTS, len(point)))
+    return out, jacobian, write_answer_and_jacobian(kernel, point, workspace(kernel), out, jacobian)
+
+
+@njit(cache=True)
+def write_answer_and_jacobian(
+    kernel: Kernel, point: np.ndarray, room: Workspace, out: np.ndarray, jacobian: np.ndarray
+) -> bool:
+    """Write outputs and derivatives; whether the point is inside."""
+    p, held, free = len(point), room.held, room.free
+    tensions = p - 1 if kernel.has_obstacle else p
     inside = hold_tensions(kernel, point, held)
-    free, rising = evaluate(kernel.tables, 0, held[:tensions])
-    out = np.zeros(OUTPUTS)
-    jacobian = np.zeros((OUTPUTS, p))
-    out[:3] = free[:3]
-    jacobian[:3, :tensions] = rising[:3]
-    out[TOUCH] = np.nan
+    write_values_and_gradients(kernel.tables, 0, held, room.products, free, room.rising)
+    jacobian[:] = 0.0
+    out[:3], out[FORCE], out[TOUCH] = free[:3], 0.0, np.nan
+    jacobian[:3, :tensions] = room.rising[:3]
     if kernel.has_obstacle:
         first = 3 + leading(free)
         out[TOUCH] = free[first]
-        jacobian[TOUCH, :tensions] = rising[first]
+        jacobian[TOUCH, :tensions] = room.rising[first]
         inside = hold_distance(kernel, point, held, out[TOUCH]) and inside
         if held[p - 1] < out[TOUCH]:
-            room.free[:] = free
-            r = regime_at(kernel, held, out[TOUCH], room)
-            _add(kernel, r, room, rising[3:], out, jacobian)
+            _add(kernel, regime_at(kernel, held, out[TOUCH], room), room, out, jacobian)
     if not inside:
         for j in range(p):
             if held[j] != point[j]:
                 jacobian[:, j] = 0.0
-    return out, jacobian, inside
+    return inside
 
 
 @njit(cache=True)
@@ -163,8 +185,10 @@ def write_answer(kernel: Kernel, point: np.ndarray, room: Workspace, out: np.nda
     """Write the outputs alone into `out`; whether the point is inside, and the regime, -1 without contact."""
     p, r, held, free = len(point), -1, room.held, room.free
     inside = hold_tensions(kernel, point, held)
-    write_values(kernel.tables, 0, held, room.whole, free)
-    out[:3], out[FORCE], out[TOUCH] = free[:3], 0.0, np.nan
+    write_values(kernel.tables, 0, held, room.products[0], free)
+    for i in range(3):
+        out[TIP + i] = free[i]
+    out[FORCE], out[TOUCH] = 0.0, np.nan
     if kernel.has_obstacle:
         out[TOUCH] = free[3 + leading(free)]
         inside = hold_distance(kernel, point, held, out[TOUCH]) and inside
@@ -212,17 +236,17 @@ def hold_distance(kernel: Kernel, point: np.ndarray, held: np.ndarray, touch_dis
 
 
 @njit(cache=True)
-def _add(kernel: Kernel, r: int, room: Workspace, rising: np.ndarray, out: np.ndarray, jacobian: np.ndarray) -> None:
+def _add(kernel: Kernel, r: int, room: Workspace, out: np.ndarray, jacobian: np.ndarray) -> None:
     """Add what contact does, in regime r, to outputs and derivatives."""
-    point, added = room.held, room.added
-    p, corner = len(point), kernel.corners[r]
-    height, turned = room.free[3 + corner], rising[corner]
+    point, added, (products, own, slopes) = room.held, room.added, room.products
+    p, corner = len(point), 3 + kernel.corners[r]
+    height, turned = room.free[corner], room.rising[corner]
     past, whole = height - point[p - 1], height - kernel.way[0] + kernel.way[1]
     s = past / whole
     size = past if kernel.begins[r] else 1.0
     grows = 1.0 if kernel.begins[r] else 0.0
     to_coordinates(kernel, point, height, room.where)
-    _, slopes = products_and_slopes(kernel.tables, 1 + r, room.where)
+    write_products_and_slopes(kernel.tables, 1 + r, room.where, products, own, slopes)
     for i in range(4):
         out[TIP + i] += size * added[i]
         by_s = weighted(kernel.tables, 1 + r, slopes[p - 1], i) / whole

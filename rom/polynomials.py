@@ -22,6 +22,7 @@ from scipy.linalg import qr, solve_triangular
 SLOPES = 0.1  # weight of a derivative by an axis scaled to [-1, 1], beside a value
 ROWS = 1.5  # rows a fit has at least for every coefficient
 NOISE, DECAY = 1e-7, 0.4  # coefficients are expected to be smaller than DECAY^degree / NOISE
+MOST = 16  # total degree
 FEW = 3  # states below which they correct nothing
 SLIGHT = 1e-6  # share of a function below which a correction of it is rounding
 PATIENCE = 3  # degrees without a better prediction after which none is expected
@@ -125,23 +126,24 @@ class Fitted:
         )
 
 
-def corrected(samples: Samples, before: Polynomial, alike: bool = False) -> Fitted:
-    """What is known from elsewhere, on whose box the samples lie, plus a fit of what the samples say beyond it."""
+def corrected(samples: Samples, before: Polynomial, alike: bool = False, rows: float = ROWS) -> Fitted:
+    """What is known from elsewhere, in or near whose box the samples lie, plus a fit of what they say beyond it."""
     known, rising = before.value_and_gradient(samples.points)
     values = samples.values - known
     if len(values) < FEW:
         return Fitted(polynomial=before, degree=0, residuals=values)
     slopes = None if samples.slopes is None else samples.slopes - rising
     own = replace(samples, values=values, slopes=slopes, lower=before.lower, upper=before.upper)
-    found = fit(own, alike=alike, least=SLIGHT * np.abs(samples.values).max(axis=0))
+    least = SLIGHT * np.abs(samples.values).max(axis=0)
+    found = fit(own, alike=alike, least=least, rows=rows)
     return replace(found, polynomial=before.plus(found.polynomial))
 
 
-def fit(samples: Samples, most: int = 16, alike: bool = False, least: np.ndarray | float = 0.0) -> Fitted:
-    """The polynomial of the total degree, up to `most`, that predicts best what is left out.
+def fit(samples: Samples, alike: bool = False, least: np.ndarray | float = 0.0, rows: float = ROWS) -> Fitted:
+    """The polynomial of the total degree, up to MOST, that predicts best what is left out.
 
-    Every one of the m functions counts by its own size, or `least`, unless they are `alike` and have one unit. A fit
-    has the same degree for all of them.
+    It has at least so many `rows`, values and slopes of states, for every coefficient. Every one of the m functions
+    counts by its own size, or `least`, unless they are `alike` and have one unit. All have the same degree.
     """
     size = np.maximum(np.abs(samples.values).max(axis=0), least)
     if alike:
@@ -149,10 +151,10 @@ def fit(samples: Samples, most: int = 16, alike: bool = False, least: np.ndarray
     size[size == 0] = 1.0
     found = _fit(samples, 0)
     smallest, since = _score(samples, found, size), 0
-    for degree in range(1, most + 1):
+    for degree in range(1, MOST + 1):
         powers = total_degree(samples.points.shape[1], degree)
-        rows = len(samples.points) * (1 if samples.slopes is None else 1 + samples.points.shape[1])
-        if rows < ROWS * len(powers) or since == PATIENCE:
+        known = len(samples.points) * (1 if samples.slopes is None else 1 + samples.points.shape[1])
+        if known < rows * len(powers) or since == PATIENCE:
             break
         candidate = _fit(samples, degree)
         score, since = _score(samples, candidate, size), since + 1

@@ -15,6 +15,8 @@ from rom.regimes import Code
 from rom.separation import separated
 
 SHORT = 0.1  # share of the longest way past a corner that is short
+ROWS = 2.5  # of a correction for every coefficient: states come in few lines, and these are not left out whole
+BEYOND = 1.5  # of a box scaled to [-1, 1], how far beyond a fit is still of use
 SMALL = 0.02  # share of a regime's largest force below which errors count as of that force
 
 
@@ -29,6 +31,7 @@ class Place:
         begins: whether the regime begins at touch.
         way: of the coordinates.
         blank: the samples without values.
+        before: what is known of the regime on a coarser mesh, and is corrected; None if that is nothing of use.
     """
 
     parameters: np.ndarray
@@ -37,6 +40,7 @@ class Place:
     begins: bool
     way: chart.Way
     blank: Samples
+    before: Part | None
 
     @property
     def past(self) -> np.ndarray:
@@ -66,7 +70,7 @@ class Place:
                 samples = replace(samples, weights=past / (past + SHORT * past.max(initial=0.0)))
         aligned = self.way.slopes(self.parameters, self.height, self.rising, slopes)
         samples = replace(samples, values=values, slopes=aligned)
-        return fit(samples, alike=field) if before is None else corrected(samples, before, alike=field)
+        return fit(samples, alike=field) if before is None else corrected(samples, before, field, ROWS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,10 +104,19 @@ class Part:
             code=self.code,
             corner=self.corner,
             begins=self.place.begins,
-            states=len(self.rows),
+            states=len(self.points),
             sizes=np.maximum(np.abs(values).max(axis=0), np.finfo(float).tiny).tolist(),
             form=separated(f"regime {self.code}", Polynomial.together(both), self.points, options),
         )
+
+
+def _of_use(before: Part | None, points: np.ndarray) -> Part | None:
+    """What is known before, unless it is from fewer states than these, or of a box that they lie beyond."""
+    if before is None or not len(points):
+        return before
+    box = before.place.blank
+    scaled = np.abs(2 * (points - box.lower) / (box.upper - box.lower) - 1)
+    return before if len(before.points) > len(points) and scaled.max() <= BEYOND else None
 
 
 def place(
@@ -113,6 +126,7 @@ def place(
     parameters, force = states["parameters"], states["contact_force"]
     known, rising = free.polynomial.value_and_gradient(parameters[:, :-1])
     points = way.coordinates(parameters, known[:, 3 + height])
+    before = _of_use(before, points)
     if before is None:
         lower, upper = points.min(axis=0), points.max(axis=0)
         upper = lower + np.maximum(upper - lower, 1e-6 * np.maximum(np.abs(upper), 1e-3))
@@ -133,6 +147,7 @@ def place(
         begins=begins,
         way=way,
         blank=blank,
+        before=before,
     )
 
 
@@ -145,9 +160,9 @@ def fitted(
     where: Place,
     signs: list[regimes.Sign],
     sizes: np.ndarray,
-    before: Part | None,
 ) -> Part:
     """Fit a regime's quantities and conditions, or correct by them what is known before."""
+    before = where.before
     known, rising = free.polynomial.value_and_gradient(states["parameters"][:, :-1])
     rising = np.concatenate([rising, np.zeros((*rising.shape[:2], 1))], axis=-1)
     values = np.column_stack([states["tip"] - known[:, :3], states["contact_force"]])

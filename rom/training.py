@@ -51,14 +51,15 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions, coarse: SnapshotSe
     description, sets = snapshots.description, [snapshots] if coarse is None else [snapshots, coarse]
     for one in sets:
         _check(one)
+    if coarse is not None:
+        two_meshes.check_pair(snapshots, coarse)
     counts = count_regimes(sets) if description.has_obstacle else Counter()
     before = None
     if coarse is not None:
-        two_meshes.check_pair(snapshots, coarse)
-        before = _fitted(coarse, counts, options)
+        before = _fitted(coarse, counts, options, with_field=description.has_field)
         if before.moved is not None:
             before = before._replace(moved=before.moved.on(two_meshes.interpolation(coarse.nodes, snapshots.nodes)))
-    free, contact, moved = _fitted(snapshots, counts, options, before)
+    free, contact, moved = _fitted(snapshots, counts, options, description.has_field, before)
     if contact is not None:
         free, contact = contact.with_its_corners(free)
     places, near = contact.map() if contact else (np.zeros(1, np.int64), np.zeros(1, np.uint64))
@@ -68,7 +69,7 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions, coarse: SnapshotSe
     model = Surrogate(
         parameters=description.parameters,
         # What contact adds begins where the heights say, so these are to be known better.
-        free=separated("free", free.polynomial, free.points, replace(options, tolerance=HEIGHTS * options.tolerance)),
+        free=separated("free", free.polynomial, free.known, replace(options, tolerance=HEIGHTS * options.tolerance)),
         regimes=[] if contact is None else [part.separated(options) for part in contact.parts],
         map=places,
         near=near,
@@ -105,14 +106,18 @@ def _check(snapshots: SnapshotSet) -> None:
 
 
 def _fitted(
-    snapshots: SnapshotSet, counts: Counter[Code], options: EnrichmentOptions, before: Fits | None = None
+    snapshots: SnapshotSet,
+    counts: Counter[Code],
+    options: EnrichmentOptions,
+    with_field: bool,
+    before: Fits | None = None,
 ) -> Fits:
     """Fit a set's states, or correct by them what is known before."""
     description, contact, moved = snapshots.description, None, None
     free = Free.of(snapshots, before.free if before else None)
     if description.has_obstacle:
         contact = Contact.of(snapshots, free, counts, before.contact if before else None)
-    if description.has_field:
+    if with_field:
         moved = fields.fitted(snapshots, free, contact, options.tolerance, before.moved if before else None)
     return Fits(free, contact, moved)
 

@@ -30,6 +30,9 @@ def check_pair(fine: SnapshotSet, coarse: SnapshotSet) -> None:
     for key in sorted((scenes[0].keys() | scenes[1].keys()) - OWN):
         if scenes[0].get(key) != scenes[1].get(key):
             raise SnapshotError(f"{coarse.path}: must have the {key} of the fine set, got {scenes[1].get(key)}")
+    if len(coarse.nodes) >= len(fine.nodes):
+        counts = f"{len(fine.nodes)} nodes, got {len(coarse.nodes)}"
+        raise SnapshotError(f"{coarse.path}: must be of a coarser mesh than the fine set's {counts}")
     halves = [one.nodes[:, 2].min() > -1e-9 for one in (fine, coarse)]
     if halves[0] != halves[1] or fine.description.has_field > coarse.description.has_field:
         raise SnapshotError(

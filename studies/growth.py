@@ -46,10 +46,11 @@ def scene(folder: Path, parameters: int) -> Path:
     )
 
 
-def terms_for(model: Surrogate, error: float) -> int:
-    """Terms of the regime of most states for a separation error."""
+def terms_for(model: Surrogate, error: float) -> int | None:
+    """Terms of the regime of most states for a separation error; None if it has too few."""
     form = max(model.regimes, key=lambda regime: regime.states).form
-    return int(np.argmax(form.errors <= error)) + 1
+    good = np.flatnonzero(form.errors <= error)
+    return int(good[0]) + 1 if good.size else None
 
 
 def main(folder: Path) -> None:

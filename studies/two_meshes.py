@@ -104,6 +104,8 @@ def main(folder: Path) -> None:
     report = check(model, fresh["middle"])
     found["headline"] = {"lines": HEADLINE} | {key: report[key] for key in ("contact_force", "displacement", "touch")}
     scaling = sets.held_out(files["middle"], "scaling", *sets.SCALING)
+    found["headline"]["scaling_states"] = len(scaling.description.random)
+    found["headline"]["said_unscaled"] = honesty(model, fresh["middle"])
     found["headline"]["said"] = honesty(calibrated(model, scaling), fresh["middle"])
     say(found["headline"])
     (folder / "two_meshes.json").write_text(json.dumps(found, indent=1))

@@ -59,6 +59,8 @@ def test_the_model_says_of_which_meshes_it_is(sets):
 
 
 def test_sets_of_two_fingers_are_refused_in_one_line(sets, tmp_path):
+    with pytest.raises(SnapshotError, match="must be of a coarser mesh"):
+        train(sets["coarse"], OPTIONS, sets["few"])
     with pytest.raises(SnapshotError, match="must be a training set"):
         train(sets["few"], OPTIONS, sets["fresh"])
     scene = tmp_path / "other.toml"
