@@ -85,6 +85,7 @@ def fitted(
         weights=np.ones(len(free.points)),
         lower=free.polynomial.lower,
         upper=free.polynomial.upper,
+        noise=free.noise,
     )
     if before is None:
         amounts = fit(samples, alike=True)

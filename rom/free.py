@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rom.polynomials import Fitted, Polynomial, Samples, corrected, fit
+from rom.polynomials import NOISE, Fitted, Polynomial, Samples, corrected, fit
 from rom.snapshots import SnapshotError, SnapshotSet
 
 PLACES = 2000  # tensions at which to see what leads
@@ -25,6 +25,7 @@ class Free:
         kept: which of them matter: corners of plates, and what else leads somewhere, shape (heights,).
         leads: which of these lead somewhere, shape (heights,).
         whole: tip, then heights of all nodes of the long edges [m].
+        noise: of these fits, and of all that build on them, see rom.polynomials.Samples.
     """
 
     points: np.ndarray
@@ -33,9 +34,10 @@ class Free:
     kept: np.ndarray
     leads: np.ndarray
     whole: Fitted
+    noise: float
 
     @staticmethod
-    def of(snapshots: SnapshotSet, coarse: Free | None = None) -> Free:
+    def of(snapshots: SnapshotSet, coarse: Free | None = None, noise: float = NOISE) -> Free:
         """Fit a set's free states, or correct by them what a coarser mesh says."""
         description = snapshots.description
         count = description.tensions
@@ -57,6 +59,7 @@ class Free:
             weights=np.ones(len(points)),
             lower=lower[:count],
             upper=upper[:count],
+            noise=noise,
         )
         along = _long_edges(snapshots) if description.has_obstacle else np.zeros(0, int)
         places, none, known = snapshots.nodes[along], np.zeros(0, int), points
@@ -66,11 +69,15 @@ class Free:
             known = np.concatenate([points, coarse.points])
             whole = corrected(samples, coarse.whole.polynomial.mixed(_onto(coarse.along, places)))
         if not description.has_obstacle:
-            return Free(points=points, known=known, along=places, kept=none, leads=none.astype(bool), whole=whole)
+            return Free(
+                points=points, known=known, along=places, kept=none, leads=none.astype(bool), whole=whole, noise=noise
+            )
         everywhere = np.random.default_rng(0).random((PLACES, count)) * (upper - lower)[:count] + lower[:count]
         leading = _leading(whole.polynomial.value(np.concatenate([points, everywhere]))[:, 3:])
         kept = np.union1d(leading, np.flatnonzero(_is_corner(snapshots, along)))
-        return Free(points=points, known=known, along=places, kept=kept, leads=np.isin(kept, leading), whole=whole)
+        return Free(
+            points=points, known=known, along=places, kept=kept, leads=np.isin(kept, leading), whole=whole, noise=noise
+        )
 
     def of_heights(self, wanted: np.ndarray) -> Free:
         """The same with only some of the heights."""

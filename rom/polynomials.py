@@ -22,9 +22,11 @@ from scipy.linalg import qr, solve_triangular
 SLOPES = 0.1  # weight of a derivative by an axis scaled to [-1, 1], beside a value
 ROWS = 1.5  # rows a fit has at least for every coefficient
 NOISE, DECAY = 1e-7, 0.4  # coefficients are expected to be smaller than DECAY^degree / NOISE
+CALM = 1e-6  # noise of a fit that will be corrected, by states that may lie a little beyond its own
 MOST = 16  # total degree
 FEW = 3  # states below which they correct nothing
 SLIGHT = 1e-6  # share of a function below which a correction of it is rounding
+NOTHING = 1e-9  # share of the largest function below which another, as it is here in SI units, is rounding
 PATIENCE = 3  # degrees without a better prediction after which none is expected
 
 
@@ -38,6 +40,7 @@ class Samples:
         slopes: derivatives, shape (n, m, p); None if not known.
         weights: of the states, shape (n,).
         lower, upper: of the box, shapes (p,).
+        noise: NOISE or CALM: the larger, the less a fit swings where there are no states.
     """
 
     points: np.ndarray
@@ -46,11 +49,12 @@ class Samples:
     weights: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
+    noise: float = NOISE
 
 
 @dataclass(frozen=True, kw_only=True)
 class Polynomial:
-    """Sum of coefficients times products of Chebyshev polynomials of the scaled variables.
+    """Sum of coefficients times products of Chebyshev polynomials of the scaled variables; linear beyond its box.
 
     Attributes:
         lower, upper: of the box that is scaled to [-1, 1], shapes (p,).
@@ -65,13 +69,18 @@ class Polynomial:
 
     def value(self, points: np.ndarray) -> np.ndarray:
         """Values, shape (n, m), at points, shape (n, p)."""
+        if ((points < self.lower) | (points > self.upper)).any():
+            return self.value_and_gradient(points)[0]
         return _products(self._scaled(points), self.powers) @ self.coefficients
 
     def value_and_gradient(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values, shape (n, m), and derivatives, shape (n, m, p)."""
-        scaled, half = self._scaled(points), (self.upper - self.lower) / 2
+        """Values, shape (n, m), and derivatives, shape (n, m, p); beyond the box those of its nearest point."""
+        inside = np.clip(points, self.lower, self.upper)
+        scaled, half = self._scaled(inside), (self.upper - self.lower) / 2
         slopes = [_products(scaled, self.powers, a) @ self.coefficients / half[a] for a in range(len(half))]
-        return _products(scaled, self.powers) @ self.coefficients, np.stack(slopes, axis=-1)
+        gradient = np.stack(slopes, axis=-1)
+        values = _products(scaled, self.powers) @ self.coefficients
+        return values + np.einsum("nmp,np->nm", gradient, points - inside), gradient
 
     @staticmethod
     def together(polynomials: Sequence[Polynomial]) -> Polynomial:
@@ -134,7 +143,8 @@ def corrected(samples: Samples, before: Polynomial, alike: bool = False, rows: f
         return Fitted(polynomial=before, degree=0, residuals=values)
     slopes = None if samples.slopes is None else samples.slopes - rising
     own = replace(samples, values=values, slopes=slopes, lower=before.lower, upper=before.upper)
-    least = SLIGHT * np.abs(samples.values).max(axis=0)
+    size = np.abs(samples.values).max(axis=0)
+    least = np.maximum(SLIGHT * size, NOTHING * size.max())
     found = fit(own, alike=alike, least=least, rows=rows)
     return replace(found, polynomial=before.plus(found.polynomial))
 
@@ -145,7 +155,8 @@ def fit(samples: Samples, alike: bool = False, least: np.ndarray | float = 0.0, 
     It has at least so many `rows`, values and slopes of states, for every coefficient. Every one of the m functions
     counts by its own size, or `least`, unless they are `alike` and have one unit. All have the same degree.
     """
-    size = np.maximum(np.abs(samples.values).max(axis=0), least)
+    size = np.abs(samples.values).max(axis=0)
+    size = np.maximum(size, np.maximum(least, NOTHING * size.max()))
     if alike:
         size[:] = size.max()
     size[size == 0] = 1.0
@@ -179,7 +190,7 @@ def _fit(samples: Samples, degree: int) -> Fitted:
             right.append(SLOPES * half[a] * samples.slopes[..., a])
     weights = np.tile(samples.weights, len(rows))[:, None]
     matrix, wanted = weights * np.concatenate(rows), weights * np.concatenate(right)
-    prior = np.sqrt(len(wanted)) * NOISE * DECAY ** -powers.sum(axis=1)
+    prior = np.sqrt(len(wanted)) * samples.noise * DECAY ** -powers.sum(axis=1)
     Q, R = qr(np.concatenate([matrix, np.diag(prior)]), mode="economic")
     Q = Q[: len(wanted)]
     along = Q.T @ wanted

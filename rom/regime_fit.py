@@ -139,6 +139,7 @@ def place(
         weights=np.ones(len(points)) if begins else SMALL / (force / force.max(initial=0.0) + SMALL),
         lower=lower,
         upper=upper,
+        noise=free.noise,
     )
     return Place(
         parameters=parameters,

@@ -20,6 +20,7 @@ from rom.contact import Contact, count_regimes
 from rom.enrichment import EnrichmentOptions
 from rom.free import Free
 from rom.parts import Errors
+from rom.polynomials import CALM, NOISE
 from rom.regimes import Code
 from rom.separation import separated
 from rom.snapshots import SnapshotError, SnapshotSet
@@ -56,7 +57,7 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions, coarse: SnapshotSe
     counts = count_regimes(sets) if description.has_obstacle else Counter()
     before = None
     if coarse is not None:
-        before = _fitted(coarse, counts, options, with_field=description.has_field)
+        before = _fitted(coarse, counts, options, description.has_field, noise=CALM)
         if before.moved is not None:
             before = before._replace(moved=before.moved.on(two_meshes.interpolation(coarse.nodes, snapshots.nodes)))
     free, contact, moved = _fitted(snapshots, counts, options, description.has_field, before)
@@ -111,10 +112,11 @@ def _fitted(
     options: EnrichmentOptions,
     with_field: bool,
     before: Fits | None = None,
+    noise: float = NOISE,
 ) -> Fits:
     """Fit a set's states, or correct by them what is known before."""
     description, contact, moved = snapshots.description, None, None
-    free = Free.of(snapshots, before.free if before else None)
+    free = Free.of(snapshots, before.free if before else None, noise)
     if description.has_obstacle:
         contact = Contact.of(snapshots, free, counts, before.contact if before else None)
     if with_field:

@@ -23,9 +23,9 @@ OPTIONS = EnrichmentOptions()
 def sets(tmp_path_factory):
     folder, found = tmp_path_factory.mktemp("meshes"), {}
     for name, cells, lines, options in (
-        ("coarse", "[10, 4]", 16, ()),
-        ("few", "[20, 6]", 3, ()),
-        ("fresh", "[20, 6]", 3, ("--random", "24")),
+        ("coarse", "[14, 4]", 32, ()),
+        ("few", "[20, 6]", 4, ()),
+        ("fresh", "[20, 6]", 4, ("--random", "24")),
     ):
         scene = folder / f"{name}.toml"
         scene.write_text(f"{ONE.replace('[20, 5]', cells)}\n[sampling]\nlines = {lines}\ncontact_nodes = 6\n")
@@ -55,7 +55,7 @@ def test_few_fine_states_bring_the_fine_mesh_to_a_coarse_surrogate(sets):
 def test_the_model_says_of_which_meshes_it_is(sets):
     provenance = train(sets["few"], OPTIONS, sets["coarse"]).provenance
     assert provenance["fingerprint"] == sets["few"].description.fingerprint
-    assert provenance["coarse"]["cells"] == [10, 4] and provenance["coarse"]["states"] == sets["coarse"].states
+    assert provenance["coarse"]["cells"] == [14, 4] and provenance["coarse"]["states"] == sets["coarse"].states
 
 
 def test_sets_of_two_fingers_are_refused_in_one_line(sets, tmp_path):
