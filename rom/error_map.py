@@ -95,9 +95,10 @@ def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
         ours = np.array([model.displacement(point) for point in points])
         true["displacement"] = np.sqrt(np.mean(np.sum((ours - field) ** 2, axis=2), axis=1))
     errors = model.errors
+    # A touch distance is the same whether the plane is touched or not.
+    rows = {name: np.ones_like(touching) if name == "touch_distance" else ~touching for name in FREE & true.keys()}
     free = {
-        name: getattr(errors, name) * _scale(true[name][~touching], answer.error[name][~touching])
-        for name in FREE & true.keys()
+        name: getattr(errors, name) * _scale(true[name][own], answer.error[name][own]) for name, own in rows.items()
     }
     contact = errors.contact.copy()
     for column, name in enumerate(("tip", "contact_force", "displacement")):
