@@ -19,7 +19,7 @@ MESHES = {"draft": "draft", "middle": "one segment, middle mesh", "two segments"
 
 def percent(value: float) -> str:
     """For people."""
-    return f"{100 * value:.2g} %"
+    return f"{100 * value:.0f} %" if value >= 0.1 else f"{100 * value:.2g} %"
 
 
 def errors(found: dict) -> str:
@@ -92,7 +92,7 @@ def speed(found: dict) -> str:
     call, batch = one["value_and_jacobian"], one["batch"]
     return f"""One core, from Python, on the machine that wrote this: tip, contact force, touch distance and their derivatives in {call["p50_us"]:.1f} us (median;
 {call["p99_us"]:.1f} us at the 99th percentile); {batch["count"]:,} points at once in {batch["us_each"]:.2f} us each; the model is loaded in {1e3 * one["load_seconds"]:.0f} ms and its file has
-{one["bytes"] / 1e6:.1f} MB, most of it the displacement field. Value and gradient of a single form, called from Python, against terms and axes:
+{one["bytes"] / 1e6:.1f} MB, most of it the displacement field. Value and gradient of a single form within compiled code, against terms and axes:
 
 {table(["terms (3 axes)", *(str(row["terms"]) for row in found["cost"]["terms"])], [["us", *(f"{row['us']:.2f}" for row in found["cost"]["terms"])]])}
 
