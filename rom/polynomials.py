@@ -86,14 +86,8 @@ class Polynomial:
     def together(polynomials: Sequence[Polynomial]) -> Polynomial:
         """Polynomials on one box as one of all their values."""
         powers = max((one.powers for one in polynomials), key=len)
-        places = {tuple(row): k for k, row in enumerate(powers.tolist())}
-        columns = []
-        for one in polynomials:
-            found = np.zeros((len(powers), one.coefficients.shape[1]))
-            found[[places[tuple(row)] for row in one.powers.tolist()]] = one.coefficients
-            columns.append(found)
-        first = polynomials[0]
-        return Polynomial(lower=first.lower, upper=first.upper, powers=powers, coefficients=np.hstack(columns))
+        columns = [one._by(powers) for one in polynomials]
+        return replace(polynomials[0], powers=powers, coefficients=np.hstack(columns))
 
     def mixed(self, weights: np.ndarray) -> Polynomial:
         """Sums of its values, by weights of shape (m, sums)."""
@@ -102,11 +96,14 @@ class Polynomial:
     def plus(self, other: Polynomial) -> Polynomial:
         """The sum with a polynomial on the same box."""
         powers = max(self.powers, other.powers, key=len)
+        return replace(self, powers=powers, coefficients=self._by(powers) + other._by(powers))
+
+    def _by(self, powers: np.ndarray) -> np.ndarray:
+        """Its coefficients by powers among which its own are."""
         places = {tuple(row): k for k, row in enumerate(powers.tolist())}
         found = np.zeros((len(powers), self.coefficients.shape[1]))
-        for one in (self, other):
-            found[[places[tuple(row)] for row in one.powers.tolist()]] += one.coefficients
-        return replace(self, powers=powers, coefficients=found)
+        found[[places[tuple(row)] for row in self.powers.tolist()]] = self.coefficients
+        return found
 
     def _scaled(self, points: np.ndarray) -> np.ndarray:
         return 2 * (points - self.lower) / (self.upper - self.lower) - 1

@@ -23,7 +23,7 @@ from rom.enrichment import EnrichmentOptions  # noqa: E402
 from rom.error_map import calibrated  # noqa: E402
 from rom.errors import FELT, check  # noqa: E402
 from rom.set_folder import create  # noqa: E402
-from rom.snapshots import SnapshotSet, read_description  # noqa: E402
+from rom.snapshots import Description, SnapshotSet, read_description  # noqa: E402
 from rom.surrogate import Surrogate  # noqa: E402
 from rom.training import train  # noqa: E402
 from studies import sets  # noqa: E402
@@ -40,11 +40,9 @@ def first_lines(of: SnapshotSet, count: int, fields: bool = False) -> SnapshotSe
     """The first lines of a set of scattered lines, as a set of their own beside it."""
     place = of.path.parent / f"first-{count}{'-fields' if fields else ''}"
     shutil.rmtree(place, ignore_errors=True)
-    description = read_description(of.path)
-    scene = description.scene
-    if not fields:
-        scene = scene | {"sampling": scene["sampling"] | {"store": []}}
-    create(place, replace(description, scene=scene, scattered=description.scattered[:count]))
+    whole = read_description(of.path)
+    description = whole if fields else without_store(whole)
+    create(place, replace(description, scattered=whole.scattered[:count]))
     for k in range(count):
         shutil.copy(of.path / "tasks" / f"scattered-{k}.npz", place / "tasks")
     shutil.copy(of.path / "nodes.npy", place)
@@ -54,9 +52,14 @@ def first_lines(of: SnapshotSet, count: int, fields: bool = False) -> SnapshotSe
 def without_fields(of: SnapshotSet) -> SnapshotSet:
     """The same set, its fields not read."""
     found = SnapshotSet(of.path)
-    scene = found.description.scene
-    found.description = replace(found.description, scene=scene | {"sampling": scene["sampling"] | {"store": []}})
+    found.description = without_store(found.description)
     return found
+
+
+def without_store(description: Description) -> Description:
+    """A set's description with nothing stored besides what always is."""
+    scene = description.scene
+    return replace(description, scene=scene | {"sampling": scene["sampling"] | {"store": []}})
 
 
 def force_errors(said: np.ndarray, true: np.ndarray) -> dict:
