@@ -1,11 +1,11 @@
 # make demo   train the draft finger, grasp, verify, report to out/demo
 # make test   all tests, lint, types, import contracts
-# make readme, solver, training, surrogate, figures   what README and docs/ show (see below)
+# make readme, solver, training, surrogate, control, figures   what README and docs/ show (see below)
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test clean readme solver training surrogate figures
+.PHONY: demo test clean readme solver training surrogate control figures
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -48,6 +48,11 @@ surrogate:
 	out/surrogate/others/bin/python -m pip install -q --disable-pip-version-check -e . ezyrb tensorly
 	out/surrogate/others/bin/python studies/others.py out/surrogate
 	docker/run python3 studies/surrogate_page.py out/surrogate
+
+# docs/control.md, from the sets of the surrogate's study, which are solved if they are not there; half an hour besides.
+control:
+	docker/run python3 studies/control.py out/control
+	docker/run python3 studies/control_page.py out/control
 
 # The pictures of docs/figures.md: free states, contact states, two segments, as figures 3, 4 and 6 of the paper.
 figures:

@@ -3,8 +3,23 @@
 This is not python-control, which is also imported as `control`: run from the checkout, or install editable.
 """
 
-from control.finger import Finger, Motion
+from control.finger import Finger
+from control.grip import GraspOptions
 from control.gripper import Grasp, Gripper
-from control.plant import Plant, SimulatedPlant
+from control.motion import Limits, Motion
+from control.plant import Flaws, Plant, SimulatedPlant
+from control.targets import Object, Targets
 
-__all__ = ["Finger", "Grasp", "Gripper", "Motion", "Plant", "SimulatedPlant"]
+__all__ = [
+    "Finger",
+    "Flaws",
+    "Grasp",
+    "GraspOptions",
+    "Gripper",
+    "Limits",
+    "Motion",
+    "Object",
+    "Plant",
+    "SimulatedPlant",
+    "Targets",
+]

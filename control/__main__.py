@@ -6,9 +6,10 @@ import math
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
-from control import Finger, Gripper, SimulatedPlant
+from control import Finger, Gripper, Object, SimulatedPlant
 from rom import Surrogate
 from rom.commands import NOTHING_USABLE, AsJson, application, run, show
 
@@ -33,17 +34,21 @@ def reach(
 def hold(
     model: ModelFile,
     distance: Annotated[float, typer.Option(help="Of the plane [m].")],
-    contact_force: ContactForce = 1.0,
+    contact_force: Annotated[float | None, typer.Option(help="To hold [N], above 0; 1 N if left out.")] = None,
+    pad_pressure: Annotated[float | None, typer.Option(help="To hold instead [Pa], above 0.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Tensions that press on the plane with a contact force."""
+    """Tensions that press on the plane with a contact force, or with a pressure on the pad."""
     surrogate = Surrogate.load(model)
     lower, upper = (limits[-1] for limits in surrogate.limits)
     if surrogate.has_obstacle and not lower <= distance <= upper:
         raise ValueError(f"distance must lie in [{lower:g}, {upper:g}] m, got {distance:g}")
-    if not contact_force > 0:
-        raise ValueError(f"contact_force must be above 0 N, got {contact_force:g}")
-    motion = Finger(surrogate).hold(contact_force, distance)
+    if contact_force is None and pad_pressure is None:
+        contact_force = 1.0
+    for name, value, unit in (("contact_force", contact_force, "N"), ("pad_pressure", pad_pressure, "Pa")):
+        if value is not None and not 0 < value < math.inf:
+            raise ValueError(f"{name} must be above 0 {unit}, got {value:g}")
+    motion = Finger(surrogate).hold(contact_force, distance, pad_pressure=pad_pressure)
     show(motion.as_json(), as_json, 0 if motion.converged else NOTHING_USABLE)
 
 
@@ -56,27 +61,42 @@ def grasp(
     ),
     radius: Annotated[float, typer.Option(help="Of the object [m].")] = 0.012,
     contact_force: ContactForce = 1.0,
+    held: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            "--object", help="Mass [kg], friction [-], admissible force [N]: forces that neither drop nor crush."
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Three simulated fingers close around an object of unknown position and hold it."""
     surrogate = Surrogate.load(model)
     gripper = Gripper(surrogate)
     plants = [SimulatedPlant(surrogate, distance) for distance in gripper.distances(centre, radius)]
-    result = gripper.grasp(contact_force, plants)
+    forces: float | np.ndarray = contact_force
+    if held is not None:
+        mass, friction, admissible = held
+        targets = gripper.targets(Object(mass=mass, friction=friction, admissible_force=admissible))
+        if not targets.exist:
+            show({"status": "no targets", "reason": targets.reason}, as_json, NOTHING_USABLE)
+            return
+        forces = targets.contact_forces
+    result = gripper.grasp(forces, plants)
     show(result.as_json(), as_json, 0 if result.converged else NOTHING_USABLE)
 
 
 @app.command()
 def campaign(
     model: ModelFile,
-    starts: Annotated[int, typer.Option(min=4, help="How many: a square, as many distances as lead tensions.")] = 10000,
+    starts: Annotated[int, typer.Option(min=4, help="How many.")] = 10000,
     contact_force: ContactForce = 1.0,
+    sweep: Annotated[bool, typer.Option("--sweep", help="A square grid of distances and lead tensions.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Hold one force at many distances from many starts; count what came of it and how long it took."""
-    from control import campaign as authors_sweep
+    """Hold one force at random distances from random starts; count what came of it and how long it took."""
+    from control.campaign import run as hold_all
 
-    result = authors_sweep.run(Surrogate.load(model), starts, contact_force)
+    result = hold_all(Surrogate.load(model), starts, contact_force, sweep).as_json()
     show(result, as_json, 0 if result["converged"] else NOTHING_USABLE)
 
 

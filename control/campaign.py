@@ -1,60 +1,156 @@
-"""The authors' sweep: hold one force at many distances from many starts, every answer judged.
+"""Campaigns: hold one force from thousands of starts, every answer judged and every solve timed.
 
-Chenevier et al., PLoS ONE 13(2): e0192052 (2018), table 1: 100 distances times 100 starts.
+Chenevier et al., PLoS ONE 13(2): e0192052 (2018), table 1: 10,000 random starts. Their published results are a sweep of
+100 distances times 100 starts.
 """
 
 from __future__ import annotations
 
+import ctypes
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from time import perf_counter_ns
 from typing import Any
 
 import numpy as np
+from numba import njit
 
 from control.finger import Finger
+from control.holding import hold
+from control.problems import desk_for, rules
+from control.room import CONVERGED, STATIONARY
 from rom import Surrogate
 
+CALLS = 2000  # of Python that are timed
 
-def run(model: Surrogate, starts: int, contact_force: float) -> dict[str, Any]:
-    """Hold `contact_force` [N] at sqrt(starts) distances from sqrt(starts) lead tensions each.
 
-    Returns:
-        starts: the square that was run, the nearest to what was asked; counts of converged, unreachable and failed
-        answers; out_of_limits: answers beyond the trained tensions; and the time of one call, mean, median, 99th
-        percentile and largest [us].
+@dataclass(frozen=True, kw_only=True)
+class Campaign:
+    """What came of many solves.
+
+    Attributes:
+        distances: of the plane, shape (n,) [m].
+        starts: shape (n, tensions) [N].
+        tensions: that came out, shape (n, tensions) [N].
+        status: of each, see control.room, shape (n,).
+        residual: |contact force - target|, shape (n,) [N].
+        iterations: evaluations of the model, shape (n,).
+        microseconds: of each solve in compiled code, shape (n,) [us].
+        call_microseconds: of calls of Finger.hold from Python, the first of them [us].
+        lower, upper: limits of the tensions, shape (tensions,) [N].
+        contact_force: target [N].
+    """
+
+    distances: np.ndarray = field(repr=False)
+    starts: np.ndarray = field(repr=False)
+    tensions: np.ndarray = field(repr=False)
+    status: np.ndarray = field(repr=False)
+    residual: np.ndarray = field(repr=False)
+    iterations: np.ndarray = field(repr=False)
+    microseconds: np.ndarray = field(repr=False)
+    call_microseconds: np.ndarray = field(repr=False)
+    lower: np.ndarray
+    upper: np.ndarray
+    contact_force: float
+
+    def as_json(self) -> dict[str, Any]:
+        """Counts, and times by mean and quantiles."""
+        beyond = (self.tensions < self.lower) | (self.tensions > self.upper)
+        infinite = ~np.isfinite(self.tensions)
+        converged, unreachable = (int(np.sum(self.status == code)) for code in (CONVERGED, STATIONARY))
+        return {
+            "starts": len(self.status),
+            "contact_force": self.contact_force,
+            "converged": converged,
+            "unreachable": unreachable,
+            "failed": len(self.status) - converged - unreachable,
+            "out_of_limits": int(np.any(beyond | infinite, axis=1).sum()),
+            "infinite": int(np.any(infinite, axis=1).sum()),
+            "largest_residual": float(self.residual[self.status == CONVERGED].max(initial=0.0)),
+            "mean_iterations": float(self.iterations.mean()),
+            "mean_us": float(self.microseconds.mean()),
+            **_quantiles("", self.microseconds),
+            "call_mean_us": float(self.call_microseconds.mean()),
+            **_quantiles("call_", self.call_microseconds),
+        }
+
+
+def _quantiles(name: str, times: np.ndarray) -> dict[str, float]:
+    found = np.percentile(times, [50, 99, 100])
+    return {f"{name}{which}_us": float(time) for which, time in zip(("p50", "p99", "max"), found, strict=True)}
+
+
+def run(model: Surrogate, starts: int, contact_force: float, sweep: bool = False, seed: int = 2018) -> Campaign:
+    """Hold `contact_force` [N] at random distances from random starts; or, as the authors' sweep, on a grid.
+
+    Args:
+        model: the surrogate.
+        starts: how many; a sweep has the nearest square.
+        contact_force: [N].
+        sweep: every distance with every start of the lead tendon, the others slack.
+        seed: of the random starts.
 
     Raises:
         ValueError: a contact force that is not above 0, or a model without an obstacle.
     """
     if not (np.isfinite(contact_force) and contact_force > 0):
         raise ValueError(f"contact_force must be above 0 N, got {contact_force}")
-    side = max(2, round(np.sqrt(starts)))
-    lower, upper = model.limits
-    finger, lead = Finger(model), model.lead
-    cases = [
-        (d, f) for d in np.linspace(lower[-1], upper[-1], side) for f in np.linspace(lower[lead], upper[lead], side)
-    ]
-    finger.hold(contact_force, float(np.mean([lower[-1], upper[-1]])))  # compile before the clock runs
-    microseconds, counts, beyond = [], {"converged": 0, "unreachable": 0}, 0
-    for distance, tension in cases:
-        start = lower[:-1].copy()
-        start[lead] = tension
-        begun = perf_counter_ns()
-        motion = finger.hold(contact_force, float(distance), start=start)
-        microseconds.append((perf_counter_ns() - begun) / 1e3)
-        counts[motion.status] = counts.get(motion.status, 0) + 1
-        beyond += not (
-            np.isfinite(motion.tensions).all()
-            and np.all((motion.tensions >= lower[:-1]) & (motion.tensions <= upper[:-1]))
-        )
-    return {
-        "starts": len(microseconds),
-        "contact_force": contact_force,
-        "converged": counts["converged"],
-        "unreachable": counts["unreachable"],
-        "failed": len(microseconds) - counts["converged"] - counts["unreachable"],
-        "out_of_limits": int(beyond),
-        "mean_us": float(np.mean(microseconds)),
-        "p50_us": float(np.percentile(microseconds, 50)),
-        "p99_us": float(np.percentile(microseconds, 99)),
-        "max_us": float(np.max(microseconds)),
-    }
+    if not model.has_obstacle:
+        raise ValueError("model must have an obstacle to hold a force, got a scene without one")
+    finger, (lower, upper) = Finger(model), model.limits
+    if sweep:
+        side = max(2, round(np.sqrt(starts)))
+        distances = np.repeat(np.linspace(lower[-1], upper[-1], side), side)
+        begun = np.tile(lower[:-1], (side * side, 1))
+        begun[:, model.lead] = np.tile(np.linspace(lower[model.lead], upper[model.lead], side), side)
+    else:
+        random = np.random.default_rng(seed).random((starts, len(lower)))
+        points = lower + random * (upper - lower)
+        distances, begun = points[:, -1].copy(), points[:, :-1].copy()
+    desk = desk_for(finger.known)
+    solve = _timed()
+    arguments = (finger.known, desk, begun, distances, float(contact_force), rules(1e-6))
+    solve(*(a[:2] if a is begun or a is distances else a for a in arguments))  # compile before the clock runs
+    status, residual, iterations, tensions, nanoseconds = solve(*arguments)
+    calls = []
+    finger.hold(contact_force, float(distances[0]))
+    for distance, start in zip(distances[:CALLS], begun[:CALLS], strict=True):
+        before = perf_counter_ns()
+        finger.hold(contact_force, float(distance), start=start)
+        calls.append((perf_counter_ns() - before) / 1e3)
+    return Campaign(
+        distances=distances,
+        starts=begun,
+        tensions=tensions,
+        status=status,
+        residual=residual,
+        iterations=iterations,
+        microseconds=nanoseconds / 1e3,
+        call_microseconds=np.array(calls),
+        lower=finger.lower,
+        upper=finger.upper,
+        contact_force=contact_force,
+    )
+
+
+def _timed() -> Callable[..., tuple[np.ndarray, ...]]:
+    """Compiled code that holds from every start and looks at the clock itself: Python's call is no part of a solve."""
+    clock = ctypes.CDLL(None).clock_gettime
+    clock.argtypes, clock.restype = [ctypes.c_int, ctypes.c_void_p], ctypes.c_int
+
+    @njit(error_model="numpy")
+    def solve(model, desk, starts, distances, contact_force, rules):
+        n = len(distances)
+        status, iterations, times = np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64)
+        residual, tensions = np.zeros(n), np.zeros(starts.shape)
+        stamp = np.zeros(2, np.int64)  # seconds, nanoseconds
+        for i in range(n):
+            clock(1, stamp.ctypes)  # 1: monotonic
+            before = 1_000_000_000 * stamp[0] + stamp[1]
+            status[i], residual[i], iterations[i] = hold(model, desk, starts[i], contact_force, distances[i], rules)
+            clock(1, stamp.ctypes)
+            times[i] = 1_000_000_000 * stamp[0] + stamp[1] - before
+            tensions[i] = desk.best
+        return status, residual, iterations, tensions, times
+
+    return solve

@@ -1,57 +1,23 @@
-"""One finger: reach a point before contact, find the plane from a felt force, hold a contact force."""
+"""One finger: reach a point before contact, find the plane from a felt force, hold a contact force, follow a path."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import product
-from typing import Any
+from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from control.least_squares import Options, Residual, Solution, minimise
+from control.holding import hold_once
+from control.locating import locate_once
+from control.motion import Limits, Motion
+from control.problems import Model, known, rules
+from control.reaching import reach_once
+from control.room import CONVERGED, LIMIT, STATIONARY
 from rom import Surrogate
-from rom.kernel import answer
+from rom.kernel import PAD
 
-TIP, FORCE, TOUCH = slice(0, 3), 3, 4  # rows of the model's outputs
-
-
-@dataclass(frozen=True, kw_only=True)
-class Motion:
-    """What a controller asks of a finger.
-
-    Attributes:
-        tensions: [N], shape (tensions,); if the target cannot be met, those that come nearest.
-        distance: of the plane [m], inf where there is none.
-        status: converged, unreachable (the nearest reachable answer), out_of_domain or iteration_limit.
-        residual: distance from the target, [m] for reach, [N] for locate and hold.
-        error: what 95 % of held-out states kept of the model's error, in the residual's unit; nan if not measured.
-        iterations: evaluations of the model.
-    """
-
-    tensions: np.ndarray
-    distance: float
-    status: str
-    residual: float
-    error: float
-    iterations: int
-
-    @property
-    def converged(self) -> bool:
-        """Whether the target is met."""
-        return self.status == "converged"
-
-    def as_json(self) -> dict[str, Any]:
-        """Plain numbers."""
-        return {
-            "tensions": self.tensions.tolist(),
-            "distance": self.distance,
-            "status": self.status,
-            "residual": self.residual,
-            "error": self.error,
-            "iterations": self.iterations,
-        }
+KEPT = 1.96  # standard deviations within which 95 % of a normal distribution are
 
 
 class Finger:
@@ -59,19 +25,29 @@ class Finger:
 
     Args:
         model: the surrogate.
+        limits: of the tensions and of their rate.
+
+    Raises:
+        ValueError: limits that leave nothing.
     """
 
-    def __init__(self, model: Surrogate):
-        self.model = model
-        self._kernel = model.kernel
+    def __init__(self, model: Surrogate, limits: Limits | None = None):
+        self.model, self.limits = model, limits or Limits()
         lower, upper = model.limits
         self._tensions = len(lower) - model.has_obstacle
-        self._bounds = lower[: self._tensions], upper[: self._tensions]
-        self._middle = (self._bounds[0] + self._bounds[1]) / 2
-        self._gentle = self._bounds[0].copy()
-        self._gentle[model.lead] = self._middle[model.lead]
-        plate, length = model.scene["geometry"]["plate"], sum(model.scene["geometry"]["segments"])
-        self.rest = np.array([length - plate / 2, 0.0, 0.0])  # the tip plate's centre at rest [m]
+        self.lower, self.upper = self.limits.within(lower[: self._tensions], upper[: self._tensions])
+        self.known = known(model, self.lower, self.upper)
+        self._pad = known(model, self.lower, self.upper, PAD) if model.has_pad else None
+        if np.isfinite(self.limits.pad_pressure):
+            self._needs_pad()
+        self._gentle = self.lower.copy()
+        self._gentle[model.lead] = (self.lower[model.lead] + self.upper[model.lead]) / 2
+        geometry, tendons = model.scene["geometry"], model.scene["tendons"]
+        self.rest = np.array([sum(geometry["segments"]) - geometry["plate"] / 2, 0.0, 0.0])  # tip plate's centre [m]
+        self._offsets = np.array([tendon["offset"] for tendon in tendons], float)
+        self._tip_error = float(model.errors.tip)
+
+    # -- reach and follow --------------------------------------------------------------------------------------------
 
     def reach(
         self,
@@ -82,100 +58,199 @@ class Finger:
     ) -> Motion:
         """Bring the tip plate's centre to a point without touching the plane.
 
+        Points on the other side of the finger than its tendons are reached by the tendons' mirror images, as far as the
+        plane leaves that symmetry: `sides` says which are pulled.
+
         Args:
             point: position, shape (3,) [m], in the finger's axes (clamp at the origin, finger along x).
             distance: of the plane [m]; the finger stays this side of it.
-            start: tensions to start from [N].
+            start: tensions to start from [N]; of many answers the nearest to them is taken.
             tolerance: bounds the tip's distance from the point [m].
 
         Raises:
             ValueError: a start of the wrong shape, or a distance where the model has no obstacle.
         """
+        begin = (self.lower + self.upper) / 2 if start is None else self._start(start)
+        goal = self._goal(point, distance)
+        if goal is None or not np.isfinite(begin).all():
+            return self._out_of_domain(distance)
+        return self._reach(goal, distance, begin, tolerance, self._sides(goal, distance))
+
+    def follow(
+        self,
+        points: Iterable[ArrayLike],
+        period: float,
+        distance: float = np.inf,
+        start: ArrayLike | None = None,
+        tolerance: float = 1e-4,
+    ) -> list[Motion]:
+        """Lead the tip plate's centre along points, one a period, each motion from the one before.
+
+        No tension changes by more than rate times period from one motion to the next; where a point is too far for
+        that, the motion that comes nearest is unreachable, and the next goes on from there. A point that is no number
+        is out_of_domain, and the tensions stay.
+
+        Args:
+            points: positions, shapes (3,) [m].
+            period: from point to point [s].
+            distance: see reach.
+            tolerance: see reach.
+            start: tensions before the first point [N], at rest if left out; on the tendons of the scene.
+
+        Raises:
+            ValueError: a start of the wrong shape, a period not above 0, or a distance where the model has no obstacle.
+        """
+        if not period > 0:
+            raise ValueError(f"period must be above 0 s, got {period}")
+        present = self.lower.copy() if start is None else np.clip(self._start(start), self.lower, self.upper)
+        if not np.isfinite(present).all():
+            raise ValueError(f"start must be finite tensions in N, got {present.tolist()}")
+        sides, found = (1, 1), []
+        change = self.limits.rate * period
+        for point in points:
+            goal = self._goal(point, distance)
+            if goal is None:
+                found.append(self._out_of_domain(distance, present, sides))
+                continue
+            wanted = self._sides(goal, distance)
+            # A side is changed only where its tendons are slack: no tendon is let go at once.
+            pulled = [bool(np.any(present[self._offsets[:, a] != 0] > 0)) for a in (0, 1)]
+            sides = (sides[0] if pulled[0] else wanted[0], sides[1] if pulled[1] else wanted[1])
+            found.append(self._reach(goal, distance, present, tolerance, sides, change))
+            present = found[-1].tensions
+        return found
+
+    def _goal(self, point: ArrayLike, distance: float) -> np.ndarray | None:
+        """Displacement of the tip to a point [m]; None if that is none."""
         if np.isfinite(distance):
             self._needs_obstacle()
         goal = np.asarray(point, float)
-        if goal.shape != (3,) or not np.all(np.abs(goal) < 1e6) or np.isnan(distance):
-            return self._out_of_domain(distance)
-        target = goal - self.rest
-        starts = [self._middle if start is None else np.asarray(start, float), self._gentle]
-        plane, weight = distance, 10.0  # of passing the plane against missing the point
+        if goal.shape != (3,) or not np.all(np.abs(goal) < 1e6) or not distance > -np.inf:
+            return None
+        return np.asarray(goal - self.rest)
 
-        def residual(tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            out, jacobian = self._free(tensions)
-            passed = out[TOUCH] - plane
-            r, dr = out[TIP] - target, jacobian[TIP, : self._tensions]
-            if not passed > 0:
-                return r, dr
-            return np.append(r, weight * passed), np.vstack([dr, weight * jacobian[TOUCH, : self._tensions]])
+    def _sides(self, goal: np.ndarray, distance: float) -> tuple[int, int]:
+        """Sides of the finger on which a goal lies, as far as the tendons there are mirror images of the scene's."""
+        return (
+            -1 if goal[1] < 0 and not np.isfinite(distance) and self._mirrors(0) else 1,
+            -1 if goal[2] < 0 and self._mirrors(1) else 1,
+        )
 
-        for _ in range(5):
-            best = self._best(residual, starts, tolerance)
-            passed = self._free(best.x)[0][TOUCH] - distance
-            if not passed > 0:
-                break
-            plane, starts = plane - 1.5 * passed, [best.x]  # the penalty gives a little: ask for that much more
-        if passed > 0:  # nan, without an obstacle, is not above 0
-            best = replace(best, status="stationary")
-        miss = float(np.linalg.norm(self._free(best.x)[0][TIP] - target))
-        return self._motion(best, best.x, distance, "tip", miss)
+    def _mirrors(self, axis: int) -> bool:
+        """Whether the scene's own tendons are on one side only."""
+        return bool(np.all(self._offsets[:, axis] >= 0))
 
-    def locate(self, tensions: ArrayLike, contact_force: float) -> Motion:
-        """Find the plane from the tensions and the contact force felt; the motion's `distance` is d*.
+    def _reach(
+        self,
+        goal: np.ndarray,
+        distance: float,
+        start: np.ndarray,
+        tolerance: float,
+        sides: tuple[int, int],
+        change: float = np.inf,
+    ) -> Motion:
+        mirrored = goal * np.array([1.0, *sides])
+        status, missed, tried, tensions = reach_once(
+            self.known, start, change, mirrored, float(distance), rules(tolerance)
+        )
+        return self._motion(status, tensions, distance, missed, self._tip_error, tried, sides)
+
+    # -- feel and hold -----------------------------------------------------------------------------------------------
+
+    def locate(self, tensions: ArrayLike, contact_force: ArrayLike, noise: float = 0.0, hint: float = np.nan) -> Motion:
+        """Find the plane from tensions and the contact force felt; the motion's `distance` is d*.
+
+        Its `deviation` is that of d* by the sensor's noise, which many readings average out, and by the model's error,
+        which they do not.
 
         Args:
-            tensions: [N], shape (tensions,).
-            contact_force: felt [N], above 0.
+            tensions: [N], shape (tensions,), or those of m readings, shape (m, tensions).
+            contact_force: felt [N], above 0, or shape (m,).
+            noise: standard deviation of the force sensor [N].
+            hint: where the plane may be [m].
 
         Raises:
             ValueError: a model without an obstacle.
         """
         self._needs_obstacle()
-        pulled = np.asarray(tensions, float)
+        pulled, felt = np.array(tensions, float, ndmin=2), np.array(contact_force, float, ndmin=1)
+        if pulled.ndim != 2 or pulled.shape != (len(felt), self._tensions) or not len(felt):
+            return self._out_of_domain(np.nan)
         lower, upper = self.model.limits
-        inside = pulled.shape == (self._tensions,) and np.all((pulled >= lower[:-1]) & (pulled <= upper[:-1]))
-        if not (inside and np.isfinite(contact_force) and contact_force > 0):
-            return self._out_of_domain(np.nan, pulled)
-        touch = self._free(pulled)[0][TOUCH]
-
-        def residual(distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            force, slope = self._signed_force(np.append(pulled, distance), contact_force)
-            return np.array([force - contact_force]), slope[-1:].reshape(1, 1)
-
-        bounds = lower[-1:], np.clip([touch], lower[-1], upper[-1])
-        options = Options(residual=1e-9 * max(contact_force, 1.0))
-        starts = [bounds[0] + way * (bounds[1] - bounds[0]) for way in (0.9, 0.5, 0.1)]
-        best = min(
-            (minimise(residual, start, bounds, options) for start in starts), key=lambda solution: solution.residual
-        )
-        distance = float(best.x[0])
-        return self._motion(best, pulled, distance, "contact_force", self._off(pulled, distance, contact_force))
+        inside = np.all((pulled >= lower[:-1]) & (pulled <= upper[:-1]))
+        if not (inside and np.all((felt > 0) & (felt < np.inf)) and 0 <= noise < np.inf):
+            return self._out_of_domain(np.nan, pulled[-1])
+        close = rules(1e-9 * max(float(felt.max()), 1.0))
+        status, distance, missed, tried, steep, wrong = locate_once(self.known, pulled, felt, float(hint), close)
+        error = wrong / np.sqrt(steep * len(felt)) if steep > 0 else np.inf
+        if len(felt) > 1 and steep > 0 and status != CONVERGED and missed <= 3 * noise + error:
+            status = CONVERGED
+        deviation = float(np.hypot(noise / np.sqrt(steep), wrong / KEPT / steep)) if steep > 0 else np.inf
+        return self._motion(status, pulled[-1], distance, missed, error, tried, deviation=deviation)
 
     def hold(
-        self, contact_force: float, distance: float, start: ArrayLike | None = None, tolerance: float = 1e-6
+        self,
+        contact_force: float | None = None,
+        distance: float = np.nan,
+        start: ArrayLike | None = None,
+        tolerance: float = 1e-6,
+        pad_pressure: float | None = None,
     ) -> Motion:
-        """Press on the plane with a contact force, changing the tensions as little as needed.
+        """Press on the plane with a contact force or with a pressure on the pad, changing the tensions little.
+
+        Where the pad would press harder than the limits allow, the motion is unreachable, and holds what they allow.
 
         Args:
             contact_force: [N], above 0.
             distance: of the plane [m].
-            start: tensions to start from [N].
-            tolerance: bounds the force's deviation [N].
+            start: tensions now [N]; of many answers the nearest to them is taken.
+            tolerance: bounds the force's deviation [N]; a pressure's by what that force makes.
+            pad_pressure: to hold instead of a contact force [Pa], above 0; residual and error are then in [Pa].
 
         Raises:
-            ValueError: a model without an obstacle, or a start of the wrong shape.
+            ValueError: a model without an obstacle, or one that does not know its pad's pressure; both targets or none;
+                or a start of the wrong shape.
         """
         self._needs_obstacle()
+        if (contact_force is None) == (pad_pressure is None):
+            raise ValueError(f"hold must have contact_force or pad_pressure, got {contact_force} and {pad_pressure}")
+        begin = self._gentle if start is None else self._start(start)
         lower, upper = self.model.limits
-        if not (lower[-1] <= distance <= upper[-1] and np.isfinite(contact_force) and contact_force > 0):
+        target = contact_force if pad_pressure is None else pad_pressure
+        assert target is not None
+        if not (lower[-1] <= distance <= upper[-1] and 0 < target < np.inf and np.isfinite(begin).all()):
             return self._out_of_domain(distance)
+        most = self.limits.pad_pressure
+        if pad_pressure is not None:
+            return self._press(self._needs_pad(), min(target, most), target, distance, begin, tolerance)
+        motion = self._press(self.known, target, target, distance, begin, tolerance)
+        if not np.isfinite(most) or self._pressed(motion)[1] <= most:
+            return motion
+        allowed = self._press(self._needs_pad(), most, most, distance, begin, tolerance)
+        force, _ = self._pressed(allowed)
+        return replace(
+            allowed,
+            status="unreachable" if allowed.converged else allowed.status,
+            residual=abs(force - target),
+            error=float(self.model.evaluate([*allowed.tensions, distance]).error["contact_force"]),
+        )
 
-        def residual(tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            force, slope = self._signed_force(np.append(tensions, distance), contact_force)
-            return np.array([force - contact_force]), slope[: self._tensions].reshape(1, -1)
+    def _press(
+        self, model: Model, aim: float, target: float, distance: float, start: np.ndarray, tolerance: float
+    ) -> Motion:
+        """Hold what a model presses with, as far as it may: its aim, which is not beyond the target."""
+        unit = model.unit
+        status, missed, tried, tensions, error = hold_once(
+            model, start, float(aim) / unit, float(distance), rules(tolerance)
+        )
+        if aim < target:
+            status, missed = STATIONARY if status == CONVERGED else status, missed + (target - aim) / unit
+        return self._motion(status, tensions, distance, missed * unit, error, tried)
 
-        begin = self._gentle if start is None else np.asarray(start, float)
-        best = self._best(residual, [begin, self._gentle], tolerance)
-        return self._motion(best, best.x, distance, "contact_force", self._off(best.x, distance, contact_force))
+    def _pressed(self, motion: Motion) -> tuple[float, float]:
+        """Contact force [N] and pad pressure [Pa] of a motion."""
+        answer = self.model.evaluate([*motion.tensions, motion.distance])
+        return float(answer.contact_force), float(answer.pad_pressure)
 
     # -- shared ------------------------------------------------------------------------------------------------------
 
@@ -183,65 +258,48 @@ class Finger:
         if not self.model.has_obstacle:
             raise ValueError("model must have an obstacle to feel, hold or find it, got a scene without one")
 
-    def _free(self, tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Outputs and derivatives with the plane away."""
-        point = np.append(tensions, np.inf) if self.model.has_obstacle else tensions
-        out, jacobian, _ = answer(self._kernel, point)
-        return out, jacobian
+    def _needs_pad(self) -> Model:
+        if self._pad is None:
+            raise ValueError("model must know its pad's pressure, got a scene whose sampling.store does not ask for it")
+        return self._pad
 
-    def _signed_force(self, point: np.ndarray, scale: float) -> tuple[float, np.ndarray]:
-        """Contact force [N] and its derivatives, shape (p,); before touch minus a stiffness times the gap.
+    def _start(self, start: ArrayLike) -> np.ndarray:
+        found = np.array(start, float)
+        if found.shape != (self._tensions,):
+            raise ValueError(f"start must be {self._tensions} tensions in N, got shape {found.shape}")
+        return found
 
-        Before touch the force is zero whatever the tensions, and a solver could not tell where to go. The gap can.
-        """
-        out, jacobian, _ = answer(self._kernel, point)
-        gap = point[-1] - out[TOUCH]
-        if gap < 0:
-            return out[FORCE], jacobian[FORCE]
-        stiffness = scale / 1e-3  # [N/m]: a millimetre of gap counts like the whole force
-        slope = stiffness * jacobian[TOUCH]
-        slope[-1] = -stiffness
-        return -stiffness * gap, slope
-
-    def _best(self, residual: Residual, starts: Sequence[np.ndarray], tolerance: float) -> Solution:
-        """The first start that converges, else the least residual of all, from the box's corners too."""
-        solutions: list[Solution] = []
-        corners = [np.array(corner) for corner in product(*zip(*self._bounds, strict=True))]
-        for start in [*starts, *corners]:
-            if start.shape != (self._tensions,):
-                raise ValueError(f"start must be {self._tensions} tensions in N, got {start.shape}")
-            solutions.append(minimise(residual, start, self._bounds, Options(residual=tolerance)))
-            if solutions[-1].status == "converged":
-                return solutions[-1]
-        return min(solutions, key=lambda solution: solution.residual)
-
-    def _off(self, tensions: np.ndarray, distance: float, contact_force: float) -> float:
-        """How far the model's contact force is from a target [N]."""
-        return abs(float(answer(self._kernel, np.append(tensions, distance))[0][FORCE]) - contact_force)
-
+    @staticmethod
     def _motion(
-        self, solution: Solution, tensions: np.ndarray, distance: float, quantity: str, residual: float
+        status: int,
+        tensions: np.ndarray,
+        distance: float,
+        residual: float,
+        error: float,
+        tried: int,
+        sides: tuple[int, int] = (1, 1),
+        deviation: float = np.nan,
     ) -> Motion:
-        point = np.append(tensions, distance) if self.model.has_obstacle else tensions
-        said = self.model.evaluate(point)
-        status = {"stationary": "unreachable"}.get(solution.status, solution.status)
-        if not said.inside:
-            status = "out_of_domain"
         return Motion(
-            tensions=np.array(tensions),
+            tensions=tensions,
             distance=float(distance),
-            status=status,
-            residual=residual,
-            error=float(said.error[quantity]),
-            iterations=solution.iterations,
+            status={CONVERGED: "converged", LIMIT: "iteration_limit"}.get(status, "unreachable"),
+            residual=float(residual),
+            error=float(error),
+            iterations=int(tried),
+            sides=sides,
+            deviation=deviation,
         )
 
-    def _out_of_domain(self, distance: float, tensions: np.ndarray | None = None) -> Motion:
+    def _out_of_domain(
+        self, distance: float, tensions: np.ndarray | None = None, sides: tuple[int, int] = (1, 1)
+    ) -> Motion:
         return Motion(
-            tensions=self._bounds[0].copy() if tensions is None else tensions,
+            tensions=self.lower.copy() if tensions is None else tensions,
             distance=float(distance),
             status="out_of_domain",
             residual=np.inf,
             error=np.nan,
             iterations=0,
+            sides=sides,
         )

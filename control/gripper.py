@@ -3,46 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from control.finger import Finger, Motion
-from control.plant import Plant
+from control.finger import Finger
+from control.grip import GraspOptions, Grip, Pull
+from control.motion import Limits
+from control.plant import Plant, age_of
+from control.targets import Object, Targets, targets
 from rom import Surrogate
+from rom.kernel import FORCE
 
-
-@dataclass(frozen=True, kw_only=True)
-class GraspOptions:
-    """How to grasp.
-
-    Attributes:
-        feel: a force above this is contact [N].
-        approach_step: the lead tension's step while nothing is felt [N].
-        squeeze_steps: pulls from touch to the held force.
-        tolerance: a held force this near its target needs no correction [-]. Choose it, and `feel`, above three
-            standard deviations of the sensor's noise, or corrections chase the noise.
-        corrections: most corrections of a finger, new approaches after a touch that was none included.
-    """
-
-    feel: float = 0.05
-    approach_step: float = 4.0
-    squeeze_steps: int = 3
-    tolerance: float = 0.005
-    corrections: int = 6
-
-
-@dataclass(frozen=True, kw_only=True)
-class Pull:
-    """One pull of one finger: its stage (approach, squeeze, hold), tensions [N], force felt [N], d* so far [m]."""
-
-    finger: int
-    time: int
-    stage: str
-    tensions: list[float]
-    contact_force: float
-    distance: float | None
+FIRST = 0.3  # of a contact force that the first touch may have, readings in doubt and late included
+SQUEEZE = 0.06  # [s] from touch to the held force
+STEEP = 1000  # points at which it looks how steeply contact force grows with tension
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,8 +27,7 @@ class Grasp:
     """How a grasp ended.
 
     Attributes:
-        status: of every finger: converged, or why not (see Motion; "no_contact" if it felt nothing up to its highest
-            tension, "sensor_failed" if what it felt was no number).
+        status: of every finger: converged, or why not (see control.grip; iteration_limit if it took too many pulls).
         tensions: of every finger, shape (fingers, tensions) [N].
         contact_forces: last felt, shape (fingers,) [N].
         distances: d* of every finger, shape (fingers,) [m]; nan without contact.
@@ -97,15 +73,16 @@ class Gripper:
         model: the surrogate of every finger.
         fingers: how many.
         radius: of the circle of fingers [m].
+        limits: of every finger's tensions and of their rate.
     """
 
-    def __init__(self, model: Surrogate, fingers: int = 3, radius: float = 0.025):
+    def __init__(self, model: Surrogate, fingers: int = 3, radius: float = 0.025, limits: Limits | None = None):
         if fingers < 1:
             raise ValueError(f"fingers must be at least 1, got {fingers}")
         if not model.has_obstacle:
             raise ValueError("model must have an obstacle to grasp, got a scene without one")
         self.model, self.radius = model, radius
-        self.fingers = [Finger(model) for _ in range(fingers)]
+        self.fingers = [Finger(model, limits)] * fingers  # one model, one place in memory
         angles = 2 * np.pi * np.arange(fingers) / fingers
         self.directions = np.column_stack([np.cos(angles), np.sin(angles)])
 
@@ -113,38 +90,111 @@ class Gripper:
         """Distances of an object's faces from the fingers, shape (fingers,) [m]."""
         return self.radius - self.directions @ np.asarray(centre, float) - radius
 
-    def grasp(self, contact_force: float, plants: Sequence[Plant], options: GraspOptions | None = None) -> Grasp:
+    def grips(self, contact_forces: float | ArrayLike, options: GraspOptions | None = None) -> list[Grip]:
+        """Controllers of the fingers, open, for a contact force of all or of each, shape (fingers,) [N].
+
+        Raises:
+            ValueError: contact forces that are not above 0, or not one for each finger.
+        """
+        wanted = np.asarray(contact_forces, float)
+        if wanted.shape not in ((), (len(self.fingers),)):
+            raise ValueError(
+                f"contact_force must be one, or {len(self.fingers)} of the fingers, got shape {wanted.shape}"
+            )
+        if not np.all((wanted > 0) & (wanted < np.inf)):
+            raise ValueError(f"contact_force must be above 0 N, got {wanted.tolist()}")
+        forces, options = np.broadcast_to(wanted, len(self.fingers)), options or GraspOptions()
+        return [Grip(finger, float(force), options) for finger, force in zip(self.fingers, forces, strict=True)]
+
+    def targets(self, held: Object, distances: ArrayLike | None = None, margin: float = 0.1) -> Targets:
+        """Contact forces that neither drop nor crush an object, or why there are none.
+
+        Args:
+            held: the object.
+            distances: of its faces from the fingers, if they are known, shape (fingers,) [m]: only forces that the
+                fingers can press there.
+            margin: that forces may be off [-].
+        """
+        found = targets(self.directions, held, margin)
+        if distances is None or not found.exist:
+            return found
+        for i, (finger, force) in enumerate(zip(self.fingers, found.contact_forces, strict=True)):
+            motion = finger.hold(float(force), float(np.asarray(distances, float)[i]))
+            if not motion.converged:
+                why = f"finger {i} cannot press {force:.3g} N on a plane at {motion.distance:.3g} m ({motion.status})"
+                return replace(found, contact_forces=np.full(len(self.fingers), np.nan), reason=why)
+        return found
+
+    def options(
+        self, contact_force: float, noise: float = 0.0, delay: int = 0, period: float = 1e-3, tolerance: float = 0.03
+    ) -> GraspOptions:
+        """Options of a loop at a rate: it closes so slowly that the first touch is felt in time.
+
+        Args:
+            contact_force: least to be held [N].
+            noise: standard deviation of the force sensors [N].
+            delay: periods by which readings are late.
+            period: [s].
+            tolerance: of held forces [-].
+        """
+        if not (delay >= 0 and 0 < period < np.inf):
+            raise ValueError(f"delay must be at least 0 and period above 0 s, got {delay} and {period}")
+        random = np.random.default_rng(0).random((STEEP, len(self.model.parameters)))
+        lower, upper = self.model.limits
+        slopes = [self.model.jacobian(point)[FORCE, self.model.lead] for point in lower + random * (upper - lower)]
+        steep = max(*slopes, 1e-6)
+        return GraspOptions(
+            noise=noise,
+            approach_step=FIRST * contact_force / (steep * (delay + 3)),
+            squeeze_steps=round(SQUEEZE / period) + 1,
+            tolerance=tolerance,
+            period=period,
+            patience=20 + 2 * delay,
+        )
+
+    def grasp(
+        self, contact_force: float | ArrayLike, plants: Sequence[Plant], options: GraspOptions | None = None
+    ) -> Grasp:
         """Close until every finger feels the object, find it, squeeze to the contact force and hold.
 
         Args:
-            contact_force: of every finger [N].
+            contact_force: of every finger, or of each, shape (fingers,) [N].
             plants: what each finger drives.
             options: how.
 
         Raises:
             ValueError: a contact force that is not above 0, or plants that are not one for each finger.
         """
-        if not (np.isfinite(contact_force) and contact_force > 0):
-            raise ValueError(f"contact_force must be above 0 N, got {contact_force}")
-        if len(plants) != len(self.fingers):
-            raise ValueError(f"plants must be one for each of the {len(self.fingers)} fingers, got {len(plants)}")
         options = options or GraspOptions()
-        closing = [
-            _Closing(i, finger, plant, contact_force, options)
-            for i, (finger, plant) in enumerate(zip(self.fingers, plants, strict=True))
-        ]
-        while not all(hand.done for hand in closing):
-            for hand in closing:
-                if not hand.done:
-                    hand.pull()
-        distances = np.array([np.nan if hand.distance is None else hand.distance for hand in closing])
-        holding = np.array([hand.status == "converged" for hand in closing])
+        grips = self.grips(contact_force, options)
+        if len(plants) != len(grips):
+            raise ValueError(f"plants must be one for each of the {len(grips)} fingers, got {len(plants)}")
+        history: list[Pull] = []
+        for time in range(options.pulls):
+            closing = [i for i, grip in enumerate(grips) if not grip.done]
+            if not closing:
+                break
+            for i in closing:
+                grip, tensions, stage = grips[i], grips[i].tensions, grips[i].stage
+                felt = plants[i].pull(tensions.tolist())
+                grip.step(felt, age_of(plants[i]))
+                history.append(
+                    Pull(
+                        finger=i,
+                        time=time,
+                        stage=stage,
+                        tensions=tensions.tolist(),
+                        contact_force=felt,
+                        distance=None if np.isnan(grip.distance) else grip.distance,
+                    )
+                )
+        distances = np.array([grip.distance for grip in grips])
+        holding = np.array([grip.status == "converged" for grip in grips])
         centre, radius = self._object(np.where(holding, distances, np.nan))
-        history = sorted((pull for hand in closing for pull in hand.history), key=lambda pull: (pull.time, pull.finger))
         return Grasp(
-            status=[hand.status for hand in closing],
-            tensions=np.array([hand.tensions for hand in closing]),
-            contact_forces=np.array([hand.felt for hand in closing]),
+            status=["iteration_limit" if grip.status == "moving" else grip.status for grip in grips],
+            tensions=np.array([grip.tensions for grip in grips]),
+            contact_forces=np.array([grip.felt for grip in grips]),
             distances=distances,
             centre=centre,
             radius=radius,
@@ -159,75 +209,3 @@ class Gripper:
         system = np.column_stack([self.directions[known], np.ones(known.sum())])
         *centre, radius = np.linalg.lstsq(system, self.radius - distances[known], rcond=None)[0]
         return np.array(centre), float(radius)
-
-
-class _Closing:
-    """One finger's way from open to holding, a pull at a time."""
-
-    def __init__(self, index: int, finger: Finger, plant: Plant, target: float, options: GraspOptions):
-        self._index, self._finger, self._plant, self._target, self._options = index, finger, plant, target, options
-        lower, upper = finger.model.limits
-        self._lead, self._highest = finger.model.lead, float(upper[finger.model.lead])
-        self.tensions = lower[: len(lower) - 1].copy()
-        self.felt, self.status, self.done = 0.0, "no_contact", False
-        self.distance: float | None = None
-        self.history: list[Pull] = []
-        self._plan: list[np.ndarray] = []
-        self._corrections = 0
-
-    def pull(self) -> None:
-        """One more pull: closer while nothing is felt, then along the plan, then corrections."""
-        if self.distance is None:
-            self._approach()
-        elif self._plan:
-            stage = "squeeze" if len(self._plan) > 1 else "hold"
-            self._feel(self._plan.pop(0), stage)
-        elif abs(self.felt - self._target) <= self._options.tolerance * self._target:
-            self.status, self.done = "converged", True
-        elif self._corrections >= self._options.corrections:
-            self.status, self.done = "iteration_limit", True
-        elif self.felt <= self._options.feel:  # the touch was noise, or contact was lost: close further
-            self._corrections += 1
-            self.distance = None
-        else:
-            self._corrections += 1
-            self._decide(squeeze_steps=1)
-
-    def _approach(self) -> None:
-        if self.tensions[self._lead] >= self._highest:
-            self.done = True
-            return
-        ahead = self.tensions.copy()
-        ahead[self._lead] = min(ahead[self._lead] + self._options.approach_step, self._highest)
-        self._feel(ahead, "approach")
-        if not self.done and self.felt > self._options.feel:
-            self._decide(self._options.squeeze_steps)
-
-    def _decide(self, squeeze_steps: int) -> None:
-        """Find the plane from what is felt, and plan the pulls to the target from there."""
-        found = self._finger.locate(self.tensions, self.felt)
-        if found.status not in ("converged", "unreachable"):
-            self.status, self.done = found.status, True
-            return
-        self.distance = found.distance
-        goal: Motion = self._finger.hold(self._target, self.distance, start=self.tensions)
-        if not goal.converged:
-            self.status, self.done = goal.status, True
-            return
-        ways = np.linspace(0, 1, squeeze_steps + 1)[1:]
-        self._plan = [self.tensions + way * (goal.tensions - self.tensions) for way in ways]
-
-    def _feel(self, tensions: np.ndarray, stage: str) -> None:
-        self.felt, self.tensions = self._plant.pull(tensions.tolist()), tensions
-        if not np.isfinite(self.felt):
-            self.status, self.done = "sensor_failed", True
-        self.history.append(
-            Pull(
-                finger=self._index,
-                time=len(self.history),
-                stage=stage,
-                tensions=tensions.tolist(),
-                contact_force=self.felt,
-                distance=self.distance,
-            )
-        )

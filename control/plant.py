@@ -1,36 +1,68 @@
-"""What a controller drives: a finger whose tendons are pulled and whose contact force is felt."""
+"""What a controller drives: a finger whose tendons are pulled and whose force is felt; and what may go wrong."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rom import Surrogate
+from rom.kernel import FORCE, answer
 
 
 class Plant(Protocol):
-    """A finger, real or simulated."""
+    """A finger, real or simulated. One whose readings come late also has an `age`: that of the last reading [s]."""
 
     def pull(self, tensions: ArrayLike) -> float:
         """Set the tensions [N], shape (tensions,), let the finger come to rest, return the contact force felt [N]."""
         ...
 
 
+def age_of(plant: Plant) -> float:
+    """Age of a plant's last reading [s]; 0 if it does not say."""
+    return float(getattr(plant, "age", 0.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flaws:
+    """How a simulated finger differs from its model.
+
+    Attributes:
+        noise: standard deviation of the force sensor [N].
+        resolution: what it rounds to [N]; 0 does not.
+        delay: pulls by which its readings are late.
+        period: from pull to pull [s], by which they tell their age.
+        force_error: share by which the contact force is larger than the model's [-].
+    """
+
+    noise: float = 0.0
+    resolution: float = 0.0
+    delay: int = 0
+    period: float = 1e-3
+    force_error: float = 0.0
+
+
 class SimulatedPlant:
     """A finger played by a surrogate, in front of a plane that the controller does not know.
+
+    Attributes:
+        contact_force: the true one, after the last pull [N].
+        age: of the last reading [s].
 
     Args:
         model: the surrogate.
         distance: of the plane [m].
-        noise: standard deviation of the force sensor [N].
+        flaws: none if left out.
         seed: of the noise.
     """
 
-    def __init__(self, model: Surrogate, distance: float, noise: float = 0.0, seed: int = 0):
-        self._model, self._distance, self._noise = model, distance, noise
+    def __init__(self, model: Surrogate, distance: float, flaws: Flaws | None = None, seed: int = 0):
+        self.contact_force, self.age = 0.0, 0.0
+        self._model, self._kernel, self._distance, self._flaws = model, model.kernel, distance, flaws or Flaws()
         self._random = np.random.default_rng(seed)
+        self._forces: list[float] = []
 
     def pull(self, tensions: ArrayLike) -> float:
         """See Plant.
@@ -38,8 +70,66 @@ class SimulatedPlant:
         Raises:
             ValueError: tensions or plane outside the trained box: the model cannot play such a finger.
         """
-        point = np.append(tensions, self._distance)
-        answer = self._model.evaluate(point)
-        if not answer.inside:
+        flaws, point = self._flaws, np.append(np.asarray(tensions, float), self._distance)
+        out, _, inside = answer(self._kernel, point)
+        if not inside:
             raise ValueError(f"tensions and d must lie in the trained box, got {point.tolist()}")
-        return float(answer.contact_force) + self._noise * float(self._random.standard_normal())
+        self.contact_force = (1 + flaws.force_error) * float(out[FORCE])
+        self._forces = [*self._forces[-flaws.delay :], self.contact_force] if flaws.delay else [self.contact_force]
+        self.age = flaws.period * (len(self._forces) - 1)
+        felt = self._forces[0] + flaws.noise * float(self._random.standard_normal())
+        return felt if flaws.resolution == 0 else flaws.resolution * round(felt / flaws.resolution)
+
+
+class Slipping:
+    """A finger one of whose tendons slips in its clamp: from a pull on, only a share of its tension arrives."""
+
+    def __init__(self, plant: Plant, tendon: int, share: float, begin: int):
+        self._plant, self._tendon, self._share, self._begin, self._pulls = plant, tendon, share, begin, 0
+
+    @property
+    def age(self) -> float:
+        """Of the last reading [s]."""
+        return age_of(self._plant)
+
+    def pull(self, tensions: ArrayLike) -> float:
+        """See Plant."""
+        arriving = np.array(tensions, float)
+        if self._pulls >= self._begin:
+            arriving[self._tendon] *= self._share
+        self._pulls += 1
+        return self._plant.pull(arriving)
+
+
+class Dead:
+    """A finger whose sensor says nothing (NaN) during some pulls."""
+
+    def __init__(self, plant: Plant, begin: int, end: float = np.inf):
+        self._plant, self._begin, self._end, self._pulls = plant, begin, end, 0
+
+    @property
+    def age(self) -> float:
+        """Of the last reading [s]."""
+        return age_of(self._plant)
+
+    def pull(self, tensions: ArrayLike) -> float:
+        """See Plant."""
+        felt, self._pulls = self._plant.pull(tensions), self._pulls + 1
+        return float("nan") if self._begin < self._pulls <= self._end else felt
+
+
+class Stale:
+    """A finger whose sensor repeats its last reading during some pulls, and says how old it is."""
+
+    def __init__(self, plant: Plant, begin: int, end: float = np.inf, period: float = 1e-3):
+        self._plant, self._begin, self._end, self._period = plant, begin, end, period
+        self._pulls, self._felt, self.age = 0, 0.0, 0.0
+
+    def pull(self, tensions: ArrayLike) -> float:
+        """See Plant."""
+        felt, self._pulls = self._plant.pull(tensions), self._pulls + 1
+        if self._begin < self._pulls <= self._end:
+            self.age += self._period
+        else:
+            self._felt, self.age = felt, age_of(self._plant)
+        return self._felt

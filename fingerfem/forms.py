@@ -57,6 +57,7 @@ class ContactForms:
     gap_work: fem.Form  # integral of p |g|, which the exact solution does not have [J]
     pad_force: fem.Form | None  # the part of N that rests on the pad [N]
     pad_area: fem.Form | None  # [m^2]
+    pad_gradient: fem.Form | None  # of pad_force by u [N/m], if the scene stores the pad's pressure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -203,13 +204,17 @@ def _contact(scene: Scene, ds: ufl.Measure, fields: Fields) -> tuple[Any, Contac
         ),
         pad_force=None,
         pad_area=None,
+        pad_gradient=None,
     )
     if scene.obstacle is None or scene.obstacle.pad is None:
         return energy, made
     assert fields.pad_share is not None
     on_pad = sum(p * fields.pad_share[1] * ds(facets) for facets, p in pressures)
     area = fem.Constant(ds.ufl_domain(), 1.0) * ds(geometry.PAD)
-    return energy, replace(made, pad_force=compilation.form(on_pad), pad_area=compilation.form(area))
+    made = replace(made, pad_force=compilation.form(on_pad), pad_area=compilation.form(area))
+    if "pad_pressure" in scene.sampling.store:
+        made = replace(made, pad_gradient=compilation.form(ufl.derivative(on_pad, u, v)))
+    return energy, made
 
 
 def pad_areas(ds: ufl.Measure, space: fem.FunctionSpace) -> tuple[fem.Form, fem.Form]:

@@ -134,6 +134,9 @@ class Record:
             row |= self._footprint(self._footprints, found)
         if "pad_pressure" in store:
             row["pad_pressure"] = pad_pressure(model)
+            row["pad_pressure_jacobian"] = self._padded(
+                found.pad_pressure if found.pad_pressure is not None else np.zeros(0)
+            )
         if "channel_shortening" in store:
             row["channel_shortening"] = channel_shortening(model)
             row["channel_shortening_jacobian"] = self._padded(found.channel_shortening).T
@@ -227,7 +230,7 @@ class Record:
                 found |= {name: (shape, float), f"{name}_jacobian": ((*shape, p), float)}
             found["regime"] = ((5 * segments,), float)
         if "pad_pressure" in self._store:
-            found["pad_pressure"] = ((), float)
+            found |= {"pad_pressure": ((), float), "pad_pressure_jacobian": ((p,), float)}
         if "channel_shortening" in self._store:
             found["channel_shortening"] = ((tendons,), float)
             found["channel_shortening_jacobian"] = ((tendons, p), float)

@@ -27,6 +27,7 @@ class Sensitivities:
         channel_shortening: shape (p, tendons) [m].
         touch_distance: of a free state as the parameters grow, shape (p,) [m]; None without an obstacle or in contact.
         contact_force: shape (p,) [N]; None without a plane.
+        pad_pressure: shape (p,) [Pa]; None without a plane, or if the scene does not store it.
     """
 
     displacement: np.ndarray
@@ -34,6 +35,7 @@ class Sensitivities:
     channel_shortening: np.ndarray
     touch_distance: np.ndarray | None
     contact_force: np.ndarray | None
+    pad_pressure: np.ndarray | None
 
 
 def differentiate(model: FingerModel) -> Sensitivities:
@@ -49,10 +51,16 @@ def differentiate(model: FingerModel) -> Sensitivities:
     changes = np.array([-newton.linear_solve(model.load_gradient(*load)) for load in loads])
     lengths = [_owned(model.load_gradient(unit)) for unit in np.eye(count)]
     tips = [_owned(model.tip_gradient(i)) for i in range(3)]
-    contact_force = touch_distance = None
+    contact_force = touch_distance = pad_pressure = None
     if plane and forms.contact is not None:
         contact_force = _along(model, [_owned(model.gradient(forms.contact.force_gradient))], changes)[:, 0]
         contact_force[-1] -= model.scalar(forms.contact.stiffness)  # at fixed displacement
+        if forms.contact.pad_gradient is not None and forms.contact.pad_area is not None:
+            # A plane that moves away is a finger that moves the other way: only the gap between them counts.
+            lifted = model.nodal(forms.contact.pad_gradient)[: changes.shape[1] // 3, 1].sum()
+            pad_pressure = _along(model, [_owned(model.gradient(forms.contact.pad_gradient))], changes)[:, 0]
+            pad_pressure[-1] -= model.copies * model.comm.allreduce(lifted)
+            pad_pressure /= model.scalar(forms.contact.pad_area)
     elif scene.obstacle is not None:
         touch_distance = np.array([_reach_change(model, change) for change in changes])
     return Sensitivities(
@@ -61,6 +69,7 @@ def differentiate(model: FingerModel) -> Sensitivities:
         channel_shortening=-_along(model, lengths, changes),
         touch_distance=touch_distance,
         contact_force=contact_force,
+        pad_pressure=pad_pressure,
     )
 
 

@@ -48,16 +48,20 @@ class Contact:
     coarse: Contact | None = None
 
     @staticmethod
-    def of(snapshots: SnapshotSet, free: Free, counts: Counter[Code], coarse: Contact | None = None) -> Contact:
+    def of(
+        snapshots: SnapshotSet, free: Free, counts: Counter[Code], pad: bool, coarse: Contact | None = None
+    ) -> Contact:
         """Fit a set's contact states, or correct by them what a coarser mesh says.
 
         Args:
             snapshots: the set.
             free: its free states.
             counts: of states by regime, on all meshes: regimes are numbered in the order of these.
+            pad: whether the pad's pressure is to be known too.
             coarse: the contact states on a coarser mesh.
         """
-        names = ["parameters", "touch_distance", "regime", *QUANTITIES, *(f"{name}_jacobian" for name in QUANTITIES)]
+        quantities = [*QUANTITIES, *(["pad_pressure"] if pad else [])]
+        names = ["parameters", "touch_distance", "regime", *quantities, *(f"{name}_jacobian" for name in quantities)]
         states = {name: snapshots.states_of("contact", name) for name in names}
         touching, codes = _codes(snapshots)
         states = {name: values[touching] for name, values in states.items()}

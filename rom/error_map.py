@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rom import kernel
+from rom import batches, kernel
 from rom.contact import Contact
 from rom.fields import Moved
 from rom.free import Free
@@ -27,6 +27,7 @@ AROUND = 8  # states whose errors a cell goes by
 FREE = {"tip", "displacement", "touch_distance"}  # quantities whose errors in free space are known
 FEW, LEAST = 20, 1e-3  # held-out states that scale nothing; factor that none goes below
 UNSEEN = 4.0  # factor on the errors as long as no held-out states have scaled them
+IDLE = 0.01  # of the middle error of a pad, that it has at least where it bears nothing
 MARGIN = 1e-3  # share of the range of d: ways past touch below which errors do not become smaller
 
 
@@ -53,24 +54,34 @@ def estimate(
     if moved is not None:
         field = _percentile(moved.left_out[0] + _field_errors(model, snapshots, "free", free.points))
     if contact is None:
-        return Errors(tip=tip, displacement=field, touch_distance=0.0, contact=np.zeros((1, 3)), margin=1.0)
+        return Errors(
+            tip=tip, displacement=field, touch_distance=0.0, contact=np.zeros((1, 3 + model.has_pad)), margin=1.0
+        )
     lower, upper = model.limits
     margin = MARGIN * float(upper[-1] - lower[-1])
-    out = kernel.answers(model.kernel, contact.parameters)[0]
-    found = np.zeros((len(contact.parameters), 3))
+    out = batches.answers(model.kernel, contact.parameters)[0]
+    found = np.zeros((len(contact.parameters), 3 + model.has_pad))
     truth = snapshots.states_of("contact", "tip")[contact.touching], contact.force
     found[:, 0] = np.linalg.norm(out[:, :3] - truth[0], axis=1)
     found[:, 1] = np.abs(out[:, kernel.FORCE] - truth[1])
+    if model.has_pad:
+        pressed = snapshots.states_of("contact", "pad_pressure")[contact.touching]
+        found[:, 3] = np.abs(out[:, kernel.PAD] - pressed)
     for part in contact.parts:
         residuals = np.abs(part.outputs.residuals) * part.place.past[:, None]
         found[part.rows, 0] += np.linalg.norm(residuals[:, :3], axis=1)
         found[part.rows, 1] += residuals[:, 3]
+        if model.has_pad:
+            found[part.rows, 3] += residuals[:, 4]
     if moved is not None:
         found[:, 2] = (
             moved.left_out[1] + _field_errors(model, snapshots, "contact", contact.parameters)[contact.touching]
         )
     past = contact.touch_distance - contact.parameters[:, -1]
     rates = UNSEEN * found / (past + margin)[:, None]
+    if model.has_pad:  # where the pad bears nothing, nothing seems to be wrong
+        some = rates[:, 3][rates[:, 3] > 0]
+        rates[:, 3] = np.maximum(rates[:, 3], IDLE * np.median(some) if some.size else 0.0)
     return Errors(
         tip=tip,
         displacement=field,
@@ -94,6 +105,8 @@ def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
         field = held_out.random("displacement")
         ours = np.array([model.displacement(point) for point in points])
         true["displacement"] = np.sqrt(np.mean(np.sum((ours - field) ** 2, axis=2), axis=1))
+    if model.has_pad:
+        true["pad_pressure"] = np.abs(answer.pad_pressure - held_out.random("pad_pressure"))
     errors = model.errors
     # A touch distance is the same whether the plane is touched or not.
     rows = {name: np.ones_like(touching) if name == "touch_distance" else ~touching for name in FREE & true.keys()}
@@ -101,7 +114,7 @@ def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
         name: getattr(errors, name) * _scale(true[name][own], answer.error[name][own]) for name, own in rows.items()
     }
     contact = errors.contact.copy()
-    for column, name in enumerate(("tip", "contact_force", "displacement")):
+    for column, name in enumerate(("tip", "contact_force", "displacement", "pad_pressure")):
         if name in true:
             before, after = getattr(errors, name, 0.0), free.get(name, 0.0)
             contact[:, column] *= _scale(true[name][touching] - after, answer.error[name][touching] - before)

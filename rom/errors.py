@@ -9,6 +9,7 @@ import numpy as np
 from rom.snapshots import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
 
+PRESSED = 0.03  # share of the largest pad pressure above which its relative errors are counted
 FELT = 0.1  # [N] above which relative errors of contact forces are counted
 MARGIN = 5e-5  # [m] from touch, within which a touch decision may be wrong
 
@@ -43,6 +44,10 @@ def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
         result["touch_distance"] = _statistics(np.abs(answer.touch_distance - touch), np.abs(touch))
         counted = force > FELT
         result["contact_force"] = _statistics(np.abs(answer.contact_force - force)[counted], force[counted])
+        if model.has_pad:
+            pressed = held_out.random("pad_pressure")
+            pressing = pressed > PRESSED * pressed.max(initial=0.0)
+            result["pad_pressure"] = _statistics(np.abs(answer.pad_pressure - pressed)[pressing], pressed[pressing])
         wrong = (answer.touch_distance > points[:, -1]) != touches
         close = np.abs(touch - points[:, -1]) <= MARGIN
         result["touch"] = {
@@ -60,7 +65,11 @@ def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
 
 def accuracy(report: dict[str, Any]) -> dict[str, dict[str, float]]:
     """The part of a check's report that a model carries along."""
-    return {name: report[name] for name in ("tip", "displacement", "touch_distance", "contact_force") if name in report}
+    return {
+        name: report[name]
+        for name in ("tip", "displacement", "touch_distance", "contact_force", "pad_pressure")
+        if name in report
+    }
 
 
 def _norm(values: np.ndarray) -> np.ndarray:

@@ -45,6 +45,7 @@ def header(model: Surrogate, name: str = "finger") -> str:
         f"#define @_COMPONENTS {int(tables.forms[:, 2].max())}",
         f"#define @_REGIMES {max(regimes, 1)}",
         f"#define @_CONDITIONS {max(kernel.sizes.shape[1] if regimes else 0, 1)}",
+        f"#define @_PAD {int(kernel.has_pad)} /* the pad's pressure is among the forms, but not answered here */",
         f"#define @_CELLS {kernel.cells}",
         _array("double", "data", tables.data),
         _array("int", "form", tables.forms),
@@ -158,7 +159,7 @@ static inline double @_try(int r, const double *point, const double *heights, do
     where[@_TENSIONS] = (height - point[@_TENSIONS]) / (height - @_nearest + @_soft);
     @_products(1 + r, where, whole, slopes);
     worst = -@_outside(1 + r, where);
-    for (int j = 0; j < @_form[4 * (1 + r) + 2]; j++) {
+    for (int j = 0; j < @_form[4 * (1 + r) + 2] - @_PAD; j++) {
         value[j] = @_weighted(1 + r, whole, j);
         if (j > 3 && value[j] / @_size[@_CONDITIONS * r + j - 4] < worst)
             worst = value[j] / @_size[@_CONDITIONS * r + j - 4];

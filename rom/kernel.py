@@ -8,35 +8,35 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from rom.compiled import compiled
 from rom.tables import (
     Tables,
     outside,
     room_for,
-    weighted,
+    write_gradient,
     write_products_and_slopes,
     write_values,
-    write_values_and_gradients,
+    write_weighted,
 )
 
-TIP, FORCE, TOUCH = 0, 3, 4  # where they are among the outputs
-OUTPUTS = 5
-BLOCK = 64  # points of a batch that are worked on together
+TIP, FORCE, TOUCH, PAD = 0, 3, 4, 5  # where they are among the outputs; the pad only where a model knows it
 
 
 class Kernel(NamedTuple):
     """What the compiled answer reads.
 
     Form 0 is the free one: tip [m], then heights [m] of what may touch first. Form 1 + r is that of regime r: what
-    contact adds to the tip [m], contact force [N] (both per way past the corner [1/m] where the regime begins at
-    touch), then the regime's conditions, which hold while they are positive.
+    contact adds to the tip [m], contact force [N], then the regime's conditions, which hold while they are positive,
+    then the pad's pressure [Pa] if the model knows it. All but conditions are per way past the corner [1/m] where the
+    regime begins at touch.
     """
 
     tables: Tables
     lower: np.ndarray  # of the trained box
     upper: np.ndarray
     has_obstacle: bool
+    has_pad: bool
     corners: np.ndarray  # (regimes,): which height is the regime's own
     begins: np.ndarray  # (regimes,): whether the regime begins at touch
     sizes: np.ndarray  # (regimes, most conditions): what each is large or small against
@@ -53,28 +53,36 @@ class Workspace(NamedTuple):
     where: np.ndarray  # the same in a regime's coordinates, shape (p,)
     products: tuple[np.ndarray, np.ndarray, np.ndarray]  # see rom.tables.room_for
     free: np.ndarray  # values of the free form, shape (3 + heights,)
-    rising: np.ndarray  # their derivatives by the tensions, shape (3 + heights, tensions)
-    added: np.ndarray  # of the form of the regime that holds, shape (4 + most conditions,)
+    rising: np.ndarray  # derivatives of one of them by the tensions, shape (tensions,)
+    turning: np.ndarray  # derivatives of a regime's form by its coordinates, shape (p,)
+    added: np.ndarray  # of the form of the regime that holds, shape (most outputs,)
     tried: np.ndarray  # of a regime that is tried, of the same shape
 
 
-@njit(cache=True)
+@compiled
+def outputs(kernel: Kernel) -> int:
+    """Number of the outputs."""
+    return 6 if kernel.has_pad else 5
+
+
+@compiled(allocates=True)
 def workspace(kernel: Kernel) -> Workspace:
     """Room for one kernel."""
     p, forms = len(kernel.lower), kernel.tables.forms
-    free, added = forms[0, 2], 4 + kernel.sizes.shape[1]
+    free, added = forms[0, 2], max(forms[:, 2].max(), 4)
     return Workspace(
         np.empty(p),
         np.empty(p),
         room_for(kernel.tables),
         np.empty(free),
-        np.empty((free, forms[0, 0])),
+        np.empty(forms[0, 0]),
+        np.empty(p),
         np.empty(added),
         np.empty(added),
     )
 
 
-@njit(cache=True)
+@compiled
 def cell(kernel: Kernel, point: np.ndarray, touch_distance: float) -> int:
     """Cell of the map in which a point in contact lies: even in the tensions and in the way past the touch distance."""
     p, found = len(point), 0
@@ -87,16 +95,7 @@ def cell(kernel: Kernel, point: np.ndarray, touch_distance: float) -> int:
     return found
 
 
-@njit(cache=True)
-def cells_of(kernel: Kernel, points: np.ndarray, touch_distances: np.ndarray) -> np.ndarray:
-    """Cells of many points, shape (n,)."""
-    found = np.empty(len(points), np.int64)
-    for i in range(len(points)):
-        found[i] = cell(kernel, points[i], touch_distances[i])
-    return found
-
-
-@njit(cache=True)
+@compiled
 def to_coordinates(kernel: Kernel, point: np.ndarray, height: float, where: np.ndarray) -> None:
     """Write contact-aligned coordinates into `where`, of a corner with this height in free space, see rom.chart."""
     d = len(point) - 1
@@ -105,7 +104,7 @@ def to_coordinates(kernel: Kernel, point: np.ndarray, height: float, where: np.n
     where[d] = (height - point[d]) / (height - kernel.way[0] + kernel.way[1])
 
 
-@njit(cache=True)
+@compiled(allocates=True)
 def coordinates(kernel: Kernel, point: np.ndarray, height: float) -> np.ndarray:
     """Those coordinates, shape (p,)."""
     where = np.empty(len(point))
@@ -113,7 +112,7 @@ def coordinates(kernel: Kernel, point: np.ndarray, height: float) -> np.ndarray:
     return where
 
 
-@njit(cache=True)
+@compiled
 def regime_at(kernel: Kernel, point: np.ndarray, touch_distance: float, room: Workspace) -> int:
     """Regime at a point in contact; `room.free` has the heights there, `room.added` is given the values of its form.
 
@@ -124,7 +123,8 @@ def regime_at(kernel: Kernel, point: np.ndarray, touch_distance: float, room: Wo
     r, near = kernel.map[place], kernel.near[place]
     if near == np.uint64(1) << np.uint64(r):  # no other is possible: its conditions need not be known
         to_coordinates(kernel, point, room.free[3 + kernel.corners[r]], room.where)
-        write_values(kernel.tables, 1 + r, room.where, room.products[0], room.added[:4])
+        some = len(room.added) if kernel.has_pad else 4
+        write_values(kernel.tables, 1 + r, room.where, room.products[0], room.added[:some])
         return r
     best, least = r, -np.inf
     for k in range(-1, len(kernel.corners)):
@@ -134,7 +134,7 @@ def regime_at(kernel: Kernel, point: np.ndarray, touch_distance: float, room: Wo
         to_coordinates(kernel, point, room.free[3 + kernel.corners[other]], room.where)
         write_values(kernel.tables, 1 + other, room.where, room.products[0], room.tried)
         worst = -outside(kernel.tables, 1 + other, room.where)
-        for j in range(kernel.tables.forms[1 + other, 2] - 4):
+        for j in range(kernel.tables.forms[1 + other, 2] - 4 - kernel.has_pad):
             worst = min(worst, room.tried[4 + j] / kernel.sizes[other, j])
         if worst > least:
             best, least = other, worst
@@ -145,35 +145,43 @@ def regime_at(kernel: Kernel, point: np.ndarray, touch_distance: float, room: Wo
     return best
 
 
-@njit(cache=True)
+@compiled(allocates=True)
 def answer(kernel: Kernel, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
-    """Outputs, shape (5,), their derivatives by the parameters, shape (5, p), and whether the point is inside.
+    """Outputs, shape (m,), their derivatives by the parameters, shape (m, p), and whether the point is inside.
+
+    The m = 5 outputs are tip, contact force and touch distance; a sixth is the pad's pressure, if the model knows it.
 
     A point outside is moved to the nearest inside; derivatives across a wall are then zero.
     """
-    out, jacobian = np.empty(OUTPUTS), np.empty((OUTPUTS, len(point)))
+    m = outputs(kernel)
+    out, jacobian = np.empty(m), np.empty((m, len(point)))
     return out, jacobian, write_answer_and_jacobian(kernel, point, workspace(kernel), out, jacobian)
 
 
-@njit(cache=True)
+@compiled
 def write_answer_and_jacobian(
     kernel: Kernel, point: np.ndarray, room: Workspace, out: np.ndarray, jacobian: np.ndarray
 ) -> bool:
     """Write outputs and derivatives; whether the point is inside."""
-    p, held, free = len(point), room.held, room.free
-    tensions = p - 1 if kernel.has_obstacle else p
+    p, held, free, rising, tables = len(point), room.held, room.free, room.rising, kernel.tables
+    whole, own, slopes = room.products
     inside = hold_tensions(kernel, point, held)
-    write_values_and_gradients(kernel.tables, 0, held, room.products, free, room.rising)
+    write_products_and_slopes(tables, 0, held, whole, own, slopes)
+    write_weighted(tables, 0, whole, free)
     jacobian[:] = 0.0
-    out[:3], out[FORCE], out[TOUCH] = free[:3], 0.0, np.nan
-    jacobian[:3, :tensions] = room.rising[:3]
+    for i in range(3):
+        out[TIP + i] = free[i]
+        write_gradient(tables, 0, slopes, i, jacobian[TIP + i])
+    out[FORCE], out[TOUCH], out[-1] = 0.0, np.nan, 0.0 if kernel.has_pad else np.nan
     if kernel.has_obstacle:
         first = 3 + leading(free)
         out[TOUCH] = free[first]
-        jacobian[TOUCH, :tensions] = room.rising[first]
+        write_gradient(tables, 0, slopes, first, jacobian[TOUCH])
         inside = hold_distance(kernel, point, held, out[TOUCH]) and inside
         if held[p - 1] < out[TOUCH]:
-            _add(kernel, regime_at(kernel, held, out[TOUCH], room), room, out, jacobian)
+            r = regime_at(kernel, held, out[TOUCH], room)
+            write_gradient(tables, 0, slopes, 3 + kernel.corners[r], rising)
+            _add(kernel, r, room, out, jacobian)
     if not inside:
         for j in range(p):
             if held[j] != point[j]:
@@ -181,18 +189,7 @@ def write_answer_and_jacobian(
     return inside
 
 
-@njit(cache=True)
-def _add_contact(kernel: Kernel, room: Workspace, out: np.ndarray) -> int:
-    """Add what contact does to the outputs at room.held, where room.free are the free form's values; the regime."""
-    r = regime_at(kernel, room.held, out[TOUCH], room)
-    size = room.free[3 + kernel.corners[r]] - room.held[-1] if kernel.begins[r] else 1.0
-    for i in range(4):
-        out[TIP + i] += size * room.added[i]
-    out[FORCE] = max(out[FORCE], 0.0)
-    return r
-
-
-@njit(cache=True)
+@compiled
 def leading(free: np.ndarray) -> int:
     """Which height leads."""
     first = 0
@@ -202,7 +199,7 @@ def leading(free: np.ndarray) -> int:
     return first
 
 
-@njit(cache=True)
+@compiled
 def hold_tensions(kernel: Kernel, point: np.ndarray, held: np.ndarray) -> bool:
     """Write the point with its tensions held to the box into `held`; whether they are inside."""
     inside = True
@@ -216,7 +213,7 @@ def hold_tensions(kernel: Kernel, point: np.ndarray, held: np.ndarray) -> bool:
     return inside
 
 
-@njit(cache=True)
+@compiled
 def hold_distance(kernel: Kernel, point: np.ndarray, held: np.ndarray, touch_distance: float) -> bool:
     """Hold the plane's distance to the box, in `held`; a plane that is not touched may stand anywhere."""
     d = len(point) - 1
@@ -226,60 +223,31 @@ def hold_distance(kernel: Kernel, point: np.ndarray, held: np.ndarray, touch_dis
     return False
 
 
-@njit(cache=True)
+@compiled
 def _add(kernel: Kernel, r: int, room: Workspace, out: np.ndarray, jacobian: np.ndarray) -> None:
     """Add what contact does, in regime r, to outputs and derivatives."""
-    point, added, (products, own, slopes) = room.held, room.added, room.products
-    p, corner = len(point), 3 + kernel.corners[r]
-    height, turned = room.free[corner], room.rising[corner]
+    point, added, turned, turning, (products, own, slopes) = (
+        room.held,
+        room.added,
+        room.rising,
+        room.turning,
+        room.products,
+    )
+    p, height = len(point), room.free[3 + kernel.corners[r]]
     past, whole = height - point[p - 1], height - kernel.way[0] + kernel.way[1]
     s = past / whole
     size = past if kernel.begins[r] else 1.0
     grows = 1.0 if kernel.begins[r] else 0.0
     to_coordinates(kernel, point, height, room.where)
     write_products_and_slopes(kernel.tables, 1 + r, room.where, products, own, slopes)
-    for i in range(4):
-        out[TIP + i] += size * added[i]
-        by_s = weighted(kernel.tables, 1 + r, slopes[p - 1], i) / whole
+    for j in range(5 if kernel.has_pad else 4):
+        i, own_row = (j, j) if j < 4 else (PAD, kernel.tables.forms[1 + r, 2] - 1)
+        out[i] += size * added[own_row]
+        write_gradient(kernel.tables, 1 + r, slopes, own_row, turning)
+        by_s = turning[p - 1] / whole
         for k in range(p - 1):
-            by_tension = weighted(kernel.tables, 1 + r, slopes[k], i)
-            jacobian[i, k] += size * (by_tension + by_s * (1.0 - s) * turned[k]) + grows * added[i] * turned[k]
-        jacobian[i, p - 1] -= size * by_s + grows * added[i]
-    if out[FORCE] < 0.0:  # a fit may swing below zero just after touch; a plane never pulls
-        out[FORCE] = 0.0
-
-
-@njit(cache=True)
-def answers(kernel: Kernel, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Outputs, shape (n, 5), whether inside, shape (n,), and regimes, -1 without contact, of points, shape (n, p).
-
-    Block by block first all as free, then those in contact: two loops that are short cost less than one that is long.
-    """
-    n, d = points.shape[0], points.shape[1] - 1
-    out = np.empty((n, OUTPUTS))
-    inside = np.empty(n, np.bool_)
-    regimes = np.full(n, -1)
-    room = workspace(kernel)
-    tables, held, products = kernel.tables, room.held, room.products[0]
-    free = np.empty((BLOCK, len(room.free)))
-    for begin in range(0, n, BLOCK):
-        end = min(begin + BLOCK, n)
-        for i in range(begin, end):
-            own = free[i - begin]
-            inside[i] = hold_tensions(kernel, points[i], held)
-            write_values(tables, 0, held, products, own)
-            for k in range(3):
-                out[i, TIP + k] = own[k]
-            out[i, FORCE], out[i, TOUCH] = 0.0, np.nan
-            if kernel.has_obstacle:
-                out[i, TOUCH] = own[3 + leading(own)]
-                inside[i] = hold_distance(kernel, points[i], held, out[i, TOUCH]) and inside[i]
-                if held[d] < out[i, TOUCH]:
-                    regimes[i] = 0
-        for i in range(begin, end):
-            if regimes[i] == 0:
-                hold_tensions(kernel, points[i], held)
-                hold_distance(kernel, points[i], held, out[i, TOUCH])
-                room.free[:] = free[i - begin]
-                regimes[i] = _add_contact(kernel, room, out[i])
-    return out, inside, regimes
+            jacobian[i, k] += size * (turning[k] + by_s * (1.0 - s) * turned[k]) + grows * added[own_row] * turned[k]
+        jacobian[i, p - 1] -= size * by_s + grows * added[own_row]
+    out[FORCE] = max(out[FORCE], 0.0)  # a fit may swing below zero just after touch; a plane never pulls
+    if kernel.has_pad:
+        out[PAD] = max(out[PAD], 0.0)

@@ -91,8 +91,8 @@ def _write(model: Surrogate, file: h5py.File) -> None:
         _dataset(
             contact,
             "error",
-            model.errors.contact.astype(np.float32).reshape(*cells, 3),
-            "tip m/m, contact force N/m, displacement m/m",
+            model.errors.contact.astype(np.float32).reshape(*cells, -1),
+            "tip m/m, contact force N/m, displacement m/m" + (", pad pressure Pa/m" if model.has_pad else ""),
         )
         for r, regime in enumerate(model.regimes):
             group = contact.create_group(f"regime_{r}")
@@ -106,6 +106,8 @@ def _write(model: Surrogate, file: h5py.File) -> None:
             per = "/m" if regime.begins else ""
             unit = f"m{per}, m{per}, m{per}, N{per}" + ", -" * len(regime.sizes)
             names = ["x", "y", "z", "contact_force", *["condition"] * len(regime.sizes)]
+            if model.has_pad:
+                unit, names = f"{unit}, Pa{per}", [*names, "pad_pressure"]
             _write_form(group, regime.form, aligned, unit, names)
     if model.displacements is not None:
         group = file.create_group("displacement")
@@ -148,7 +150,8 @@ def _read(file: h5py.File) -> Surrogate:
     places, near = np.zeros(1, np.int64), np.zeros(1, np.uint64)
     if obstacle:
         group = file["contact"]
-        contact, places = group["error"][:].astype(float).reshape(-1, 3), group["map"][:].ravel().astype(np.int64)
+        contact, places = group["error"][:].astype(float), group["map"][:].ravel().astype(np.int64)
+        contact = contact.reshape(-1, contact.shape[-1])
         near = group["near"][:].ravel()
         way = Way(float(group.attrs["nearest"]), float(group.attrs["soft"]))
         while f"regime_{len(regimes)}" in group:

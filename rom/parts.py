@@ -20,6 +20,8 @@ class Answer:
         tip: displacement of the tip plate's centre, shape (3,) or (n, 3) [m].
         contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle.
         touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without one.
+        pad_pressure: mean contact pressure on the tactile pad [Pa], as the contact force; None if the model does not
+            know it.
         error: that 95 % of fresh states keep, by quantity in its unit, shapes as the quantities without components.
         inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
             Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
@@ -28,6 +30,7 @@ class Answer:
     tip: np.ndarray
     contact_force: Any
     touch_distance: Any
+    pad_pressure: Any
     error: Mapping[str, Any]
     inside: Any
 
@@ -42,7 +45,8 @@ class Regime:
         begins: whether it begins at touch: tip and force are then by that way.
         states: number of states it was fitted to.
         sizes: what its conditions are large or small against.
-        form: what contact adds to the tip [m], contact force [N], conditions; by tensions and s.
+        form: what contact adds to the tip [m], contact force [N], conditions, pad pressure [Pa] if it is known; by
+            tensions and s.
     """
 
     code: Code
@@ -78,8 +82,8 @@ class Errors:
         tip: in free space [m].
         displacement: in free space, root mean square over the nodes [m]; 0 without the field.
         touch_distance: [m].
-        contact: of tip, contact force and displacement, by way past touch [-, N/m, -], by cell of the map of regimes,
-            shape (cells, 3).
+        contact: of tip, contact force, displacement and pad pressure, if that is known, by way past touch [-, N/m, -,
+            Pa/m], by cell of the map of regimes, shape (cells, 3 or 4).
         margin: added to the way past touch [m].
     """
 

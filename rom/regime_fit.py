@@ -83,7 +83,7 @@ class Part:
         corner: which height of the free states is that of its corner.
         place: where they lie.
         points: contact-aligned coordinates of the states from which it is known, on all meshes, shape (n, p).
-        outputs: tip added and contact force.
+        outputs: tip added, contact force, and pad pressure if that is to be known.
         signs: conditions, and the fit of their values.
     """
 
@@ -98,7 +98,11 @@ class Part:
 
     def separated(self, options: EnrichmentOptions) -> Regime:
         """The regime as the surrogate has it."""
-        both = [self.outputs.polynomial] + ([self.conditions.polynomial] if self.conditions else [])
+        outputs = self.outputs.polynomial
+        all_of = np.eye(outputs.coefficients.shape[1])
+        both = [outputs.mixed(all_of[:, :4]), *([self.conditions.polynomial] if self.conditions else [])]
+        if len(all_of) > 4:
+            both.append(outputs.mixed(all_of[:, 4:]))
         values = self.conditions.polynomial.value(self.points) if self.conditions else np.zeros((1, 0))
         return Regime(
             code=self.code,
@@ -168,6 +172,9 @@ def fitted(
     rising = np.concatenate([rising, np.zeros((*rising.shape[:2], 1))], axis=-1)
     values = np.column_stack([states["tip"] - known[:, :3], states["contact_force"]])
     slopes = np.concatenate([states["tip_jacobian"] - rising[:, :3], states["contact_force_jacobian"][:, None]], axis=1)
+    if "pad_pressure" in states:
+        values = np.column_stack([values, states["pad_pressure"]])
+        slopes = np.concatenate([slopes, states["pad_pressure_jacobian"][:, None]], axis=1)
     conditions = None
     if signs:
         pairs = [regimes.sign_values(sign, states, sizes) for sign in signs]

@@ -27,7 +27,7 @@ A task is a line of states solved in a fixed order. Its file holds, state by sta
     X_jacobian          (n, *X, p)      derivatives of these by the parameters; not of the regime
     displacement        (n, nodes, 3)   [m], if sampling.store asks for it, as for the next three
     displacement_jacobian (n, p, nodes, 3) derivatives of the displacement, in single precision
-    pad_pressure        (n,)            [Pa]
+    pad_pressure        (n,)            [Pa], and its jacobian
     channel_shortening  (n, tendons)    [m], and its jacobian
     iterations          (n,)            Newton iterations
     converged           (n,)            bool; a state that is not is nan everywhere
@@ -184,6 +184,11 @@ class SnapshotSet:
         Shape (states, *quantity).
         """
         return np.concatenate([self._values(task, name)[rows] for task, rows in self._rows(kind)])
+
+    @property
+    def has_pad_slopes(self) -> bool:
+        """Whether the pad's pressure has its derivatives."""
+        return all("pad_pressure_jacobian" in states for states in self._tasks.values())
 
     def count(self, kind: str) -> int:
         """Number of free states that have an answer, or of contact states that touch."""

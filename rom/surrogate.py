@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom import kernel
+from rom import batches, kernel
 from rom.chart import Way
+from rom.growing_errors import growing_errors
 from rom.parts import Answer, Errors, Field, Regime
 from rom.separated import Separated
 from rom.tables import tables, values
@@ -77,6 +78,11 @@ class Surrogate:
         return self.displacements is not None
 
     @property
+    def has_pad(self) -> bool:
+        """Whether it knows the pad's pressure."""
+        return any(len(regime.form.modes) > 4 + len(regime.sizes) for regime in self.regimes)
+
+    @property
     def forms(self) -> dict[str, Separated]:
         """Its separated forms by name."""
         found = {"free": self.free} | {f"regime {r}": regime.form for r, regime in enumerate(self.regimes)}
@@ -105,6 +111,7 @@ class Surrogate:
             lower=lower,
             upper=upper,
             has_obstacle=self.has_obstacle,
+            has_pad=self.has_pad,
             corners=np.array([regime.corner for regime in self.regimes], np.int64),
             begins=np.array([regime.begins for regime in self.regimes], np.bool_),
             sizes=sizes,
@@ -127,31 +134,30 @@ class Surrogate:
             ModelError: the wrong number of parameters.
         """
         point = self._point(parameters, most=2)
-        out, inside, _ = kernel.answers(self.kernel, np.atleast_2d(point))
+        out, inside, _ = batches.answers(self.kernel, np.atleast_2d(point))
         if point.ndim == 1:
             out, inside = out[0], inside[0]
         return Answer(
             tip=out[..., :3],
             contact_force=out[..., kernel.FORCE],
             touch_distance=out[..., kernel.TOUCH],
+            pad_pressure=out[..., kernel.PAD] if self.has_pad else None,
             error=self._error(point, out),
             inside=inside,
         )
 
     def _error(self, point: np.ndarray, out: np.ndarray) -> dict[str, Any]:
         touch, errors = out[..., kernel.TOUCH], self.errors
-        grown = np.zeros((*touch.shape, 3))
-        if self.has_obstacle:
-            lower, upper = self.limits
-            held = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
-            past = np.where(point[..., -1] >= touch, 0.0, np.maximum(touch - held[..., -1], 0.0))
-            cells = kernel.cells_of(self.kernel, np.atleast_2d(held), np.atleast_1d(touch)).reshape(touch.shape)
-            grown = errors.contact[cells] * ((past + errors.margin) * (past > 0))[..., None]
+        grown = growing_errors(
+            self.kernel, errors.contact, errors.margin, np.atleast_2d(point), np.atleast_1d(touch)
+        ).reshape(*touch.shape, -1)
         found = {
             "tip": errors.tip + grown[..., 0],
             "contact_force": grown[..., 1],
             "touch_distance": np.full_like(touch, errors.touch_distance),
         }
+        if self.has_pad:
+            found["pad_pressure"] = grown[..., 3]
         return found | ({"displacement": errors.displacement + grown[..., 2]} if self.has_field else {})
 
     def free_values(self, tensions: np.ndarray) -> np.ndarray:
@@ -159,7 +165,10 @@ class Surrogate:
         return np.array([values(self.kernel.tables, 0, point) for point in np.asarray(tensions, float)])
 
     def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and `jacobian`; the fastest call."""
+        """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and `jacobian`; the fastest call.
+
+        Models that know the pad have a sixth output, its pressure [Pa].
+        """
         out, jacobian, _ = kernel.answer(self.kernel, self._point(parameters))
         return out, jacobian
 
@@ -226,12 +235,13 @@ class Surrogate:
         Raises:
             ModelError: the wrong number of parameters.
         """
-        r = int(kernel.answers(self.kernel, self._point(parameters)[None])[2][0])
+        r = int(batches.answers(self.kernel, self._point(parameters)[None])[2][0])
         return None if r < 0 else self.regimes[r]
 
     def jacobian(self, parameters: ArrayLike) -> np.ndarray:
         """Derivatives of tip x, y, z [m], contact force [N] and touch distance [m], shape (5, p), by the parameters.
 
+        Models that know the pad have a sixth row, its pressure [Pa].
         At touch itself, a kink, they are those of the free side. Outside the trained box they are zero across its
         walls. Where a fit swings below zero just after touch, the force is held at zero but not its derivative, so
         that a solver finds its way.
@@ -254,7 +264,7 @@ class Surrogate:
         tensions = held[:-1] if self.has_obstacle else held
         moved = self.displacements.free_basis @ self.displacements.free.value(tensions).astype(np.float32)
         if self.has_obstacle:
-            r = kernel.answers(self.kernel, point[None])[2][0]
+            r = batches.answers(self.kernel, point[None])[2][0]
             if r >= 0:
                 height = values(self.kernel.tables, 0, tensions)[3 + self.regimes[r].corner]
                 amounts = self.displacements.regimes[r].value(kernel.coordinates(self.kernel, held, height))

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numba import njit
+
+from rom.compiled import compiled
 
 if TYPE_CHECKING:
     from rom.separated import Separated
@@ -44,7 +45,7 @@ def tables(forms: Sequence[Separated]) -> Tables:
 ANY_ORDER = {"reassoc", "contract", "nsz"}
 
 
-@njit(cache=True, fastmath=ANY_ORDER)
+@compiled(fastmath=ANY_ORDER)
 def write_products(tables: Tables, f: int, x: np.ndarray, whole: np.ndarray) -> None:
     """Write the products of form f's one-dimensional functions at x into whole[:terms].
 
@@ -65,7 +66,7 @@ def write_products(tables: Tables, f: int, x: np.ndarray, whole: np.ndarray) -> 
             whole[k] *= c0[k] + t * (c1[k] + t * (c2[k] + t * c3[k]))
 
 
-@njit(cache=True, fastmath=ANY_ORDER)
+@compiled(fastmath=ANY_ORDER)
 def write_products_and_slopes(
     tables: Tables, f: int, x: np.ndarray, whole: np.ndarray, own: np.ndarray, slopes: np.ndarray
 ) -> None:
@@ -98,19 +99,25 @@ def write_products_and_slopes(
                     other[k] *= own[k]
 
 
-@njit(cache=True, fastmath=ANY_ORDER)
-def weighted(tables: Tables, f: int, weights: np.ndarray, j: int) -> float:
-    """Component j of form f's modes, weighted by terms and added up."""
-    terms = tables.forms[f, 1]
-    at = tables.forms[f, 3] + j * terms
-    modes = tables.data[at : at + terms]
+@compiled(fastmath=ANY_ORDER, forceinline=True)
+def weighted(data: np.ndarray, weights: np.ndarray, at: int, terms: int) -> float:
+    """Terms, weighted by the numbers in `data` from `at` on, and added up."""
     found = 0.0
     for k in range(terms):
-        found += weights[k] * modes[k]
+        found += weights[k] * data[at + k]
     return found
 
 
-@njit(cache=True)
+@compiled(fastmath=ANY_ORDER)
+def write_gradient(tables: Tables, f: int, slopes: np.ndarray, j: int, gradient: np.ndarray) -> None:
+    """Write the gradient of component j of form f, shape (axes,), from the slopes of its terms."""
+    terms = tables.forms[f, 1]
+    at = tables.forms[f, 3] + j * terms
+    for a in range(tables.forms[f, 0]):
+        gradient[a] = weighted(tables.data, slopes[a], at, terms)
+
+
+@compiled
 def write_values_and_gradients(
     tables: Tables,
     f: int,
@@ -122,20 +129,19 @@ def write_values_and_gradients(
     """Write value, shape (m,), and gradient, shape (m, axes), of form f at x, shape (axes,); see `room_for`."""
     whole, own, slopes = room
     write_products_and_slopes(tables, f, x, whole, own, slopes)
+    write_weighted(tables, f, whole, value)
     for j in range(tables.forms[f, 2]):
-        value[j] = weighted(tables, f, whole, j)
-        for a in range(tables.forms[f, 0]):
-            gradient[j, a] = weighted(tables, f, slopes[a], j)
+        write_gradient(tables, f, slopes, j, gradient[j])
 
 
-@njit(cache=True)
+@compiled(allocates=True)
 def room_for(tables: Tables) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Room for the products of any of the forms, for those of one axis, and for slopes."""
     terms = tables.forms[:, 1].max()
     return np.empty(terms), np.empty(terms), np.empty((tables.forms[:, 0].max(), terms))
 
 
-@njit(cache=True)
+@compiled(allocates=True)
 def evaluate(tables: Tables, f: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Value, shape (m,), and gradient, shape (m, axes), of form f at x, shape (axes,)."""
     axes, m = tables.forms[f, 0], tables.forms[f, 2]
@@ -144,20 +150,22 @@ def evaluate(tables: Tables, f: int, x: np.ndarray) -> tuple[np.ndarray, np.ndar
     return value, gradient
 
 
-@njit(cache=True, fastmath=ANY_ORDER)
+@compiled(fastmath=ANY_ORDER)
+def write_weighted(tables: Tables, f: int, whole: np.ndarray, value: np.ndarray) -> None:
+    """Write the components of form f, or the first of them, from the products of its terms."""
+    terms, at = tables.forms[f, 1], tables.forms[f, 3]
+    for j in range(min(tables.forms[f, 2], len(value))):
+        value[j] = weighted(tables.data, whole, at + j * terms, terms)
+
+
+@compiled(fastmath=ANY_ORDER)
 def write_values(tables: Tables, f: int, x: np.ndarray, whole: np.ndarray, value: np.ndarray) -> None:
     """Write the value of form f at x, or the first of its components, into `value`; `whole` has room for its terms."""
     write_products(tables, f, x, whole)
-    terms, at = tables.forms[f, 1], tables.forms[f, 3]
-    for j in range(min(tables.forms[f, 2], len(value))):
-        modes = tables.data[at + j * terms : at + (j + 1) * terms]  # written out: calling `weighted` costs a third
-        found = 0.0
-        for k in range(terms):
-            found += whole[k] * modes[k]
-        value[j] = found
+    write_weighted(tables, f, whole, value)
 
 
-@njit(cache=True)
+@compiled(allocates=True)
 def values(tables: Tables, f: int, x: np.ndarray) -> np.ndarray:
     """Value of form f at x, shape (m,)."""
     value = np.empty(tables.forms[f, 2])
@@ -165,7 +173,7 @@ def values(tables: Tables, f: int, x: np.ndarray) -> np.ndarray:
     return value
 
 
-@njit(cache=True)
+@compiled
 def outside(tables: Tables, f: int, x: np.ndarray) -> float:
     """How far x lies outside the box of form f, by more than an interval, as a share of the box."""
     found = 0.0

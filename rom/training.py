@@ -54,18 +54,23 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions, coarse: SnapshotSe
         _check(one)
     if coarse is not None:
         two_meshes.check_pair(snapshots, coarse)
+    pad = all("pad_pressure" in one.description.stored for one in sets)
     counts = count_regimes(sets) if description.has_obstacle else Counter()
     before = None
     if coarse is not None:
-        before = _fitted(coarse, counts, options, description.has_field, noise=CALM)
+        before = _fitted(coarse, counts, options, description.has_field, pad, noise=CALM)
         if before.moved is not None:
             before = before._replace(moved=before.moved.on(two_meshes.interpolation(coarse.nodes, snapshots.nodes)))
-    free, contact, moved = _fitted(snapshots, counts, options, description.has_field, before)
+    free, contact, moved = _fitted(snapshots, counts, options, description.has_field, pad, before)
     if contact is not None:
         free, contact = contact.with_its_corners(free)
     places, near = contact.map() if contact else (np.zeros(1, np.int64), np.zeros(1, np.uint64))
     unknown = Errors(
-        tip=np.nan, displacement=np.nan, touch_distance=np.nan, contact=np.full((len(places), 3), np.nan), margin=0.0
+        tip=np.nan,
+        displacement=np.nan,
+        touch_distance=np.nan,
+        contact=np.full((len(places), 3 + pad), np.nan),
+        margin=0.0,
     )
     model = Surrogate(
         parameters=description.parameters,
@@ -100,6 +105,10 @@ def _check(snapshots: SnapshotSet) -> None:
     for kind in ("free", "contact") if description.has_obstacle else ("free",):
         if not snapshots.count(kind):
             raise SnapshotError(f"{snapshots.path}: must have {kind} states with an answer, got none")
+    if "pad_pressure" in description.stored and not snapshots.has_pad_slopes:
+        raise SnapshotError(
+            f"{snapshots.path}: must have derivatives of pad_pressure, which older versions did not store"
+        )
     for task, parameters, reason in snapshots.failures:
         logger.warning("done without the failed state of %s at %s: %s", task, parameters.tolist(), reason)
     if snapshots.missing:
@@ -111,6 +120,7 @@ def _fitted(
     counts: Counter[Code],
     options: EnrichmentOptions,
     with_field: bool,
+    pad: bool,
     before: Fits | None = None,
     noise: float = NOISE,
 ) -> Fits:
@@ -118,7 +128,7 @@ def _fitted(
     description, contact, moved = snapshots.description, None, None
     free = Free.of(snapshots, before.free if before else None, noise)
     if description.has_obstacle:
-        contact = Contact.of(snapshots, free, counts, before.contact if before else None)
+        contact = Contact.of(snapshots, free, counts, pad, before.contact if before else None)
     if with_field:
         moved = fields.fitted(snapshots, free, contact, options.tolerance, before.moved if before else None)
     return Fits(free, contact, moved)

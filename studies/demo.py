@@ -10,7 +10,6 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -18,10 +17,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from control import Finger, Gripper
-from control import campaign as authors_sweep
+from control import Finger, Gripper, campaign
 from control.gripper import Grasp
 from fingerfem import FingerModel, load_scene
+from fingerfem.plant import FullOrderPlant
 from fingerfem.render import Deformed, draw
 from rom.enrichment import EnrichmentOptions
 from rom.error_map import calibrated
@@ -37,18 +36,6 @@ CASES = [([50.0, 0.0], None), ([100.0, 0.0], None), ([50.0, 0.0], 0.005), ([60.0
 TARGET = 1.0  # [N]
 OBJECT_CENTRE, OBJECT_RADIUS = (0.002, -0.0015), 0.012  # [m]; the controller is told neither
 HOLD_DISTANCES = [0.003, 0.006, 0.010, 0.014, 0.018]  # [m]
-
-
-class FullOrderFinger:
-    """A plant: the full-order model in front of a plane."""
-
-    def __init__(self, model: FingerModel, distance: float):
-        self._model, self._distance, self.solves = model, distance, 0
-
-    def pull(self, tensions: Sequence[float]) -> float:
-        """Contact force [N] at these tensions [N]."""
-        self.solves += 1
-        return self._model.solve(tensions, self._distance, sensitivities=False).contact_force
 
 
 def farm(folder: Path, *options: str) -> tuple[SnapshotSet, dict]:
@@ -101,9 +88,9 @@ def grasp(model: Surrogate, full_order: FingerModel, out: Path) -> tuple[Grasp, 
     say("grasp: three full-order fingers, driven by the surrogate's controller")
     gripper = Gripper(model)
     true = gripper.distances(OBJECT_CENTRE, OBJECT_RADIUS)
-    plants = [FullOrderFinger(full_order, float(distance)) for distance in true]
+    plants = [FullOrderPlant(full_order, float(distance)) for distance in true]
     result = gripper.grasp(TARGET, plants)
-    forces = [FullOrderFinger(full_order, float(d)).pull(t) for d, t in zip(true, result.tensions, strict=True)]
+    forces = [FullOrderPlant(full_order, float(d)).pull(t) for d, t in zip(true, result.tensions, strict=True)]
     report.history(result, TARGET, model.lead, out / "grasp.png")
     numbers = result.as_json() | {
         "target": TARGET,
@@ -158,7 +145,7 @@ def main(out: Path) -> None:
     result, numbers["grasp"] = grasp(model, full_order, out)
     numbers |= single_finger(model, full_order)
     say("the authors' sweep: 10,000 holds")
-    numbers["campaign"] = authors_sweep.run(model, 10_000, TARGET)
+    numbers["campaign"] = campaign.run(model, 10_000, TARGET, sweep=True).as_json()
     say("pictures")
     states = [full_order.solve(tensions, distance, sensitivities=False) for tensions, distance in CASES]
     draw([Deformed.of(full_order, state) for state in states], out / "s11.png")

@@ -37,7 +37,7 @@ Touch decided right in {touch["count"] - touch["wrong"]} of {touch["count"]} sta
 {table(report.HOLD_HEADER, report.hold_rows(numbers))}
 
 The authors' sweep of {sweep["starts"]:,} holds: {sweep["converged"]:,} converged, {sweep["unreachable"]:,} unreachable and flagged,
-{sweep["failed"]} failed, {sweep["out_of_limits"]} outside the limits; {sweep["mean_us"]:.0f} us a call on average and {sweep["p99_us"]:.0f} us at the 99th percentile
+{sweep["failed"]} failed, {sweep["out_of_limits"]} outside the limits; {sweep["mean_us"]:.0f} us a solve on average and {sweep["p99_us"]:.0f} us at the 99th percentile
 on the machine that wrote this (the authors report 7,160 us and 31,000 us at worst on theirs).
 """
 

@@ -21,7 +21,7 @@ from scipy.interpolate import CubicSpline
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from rom import basis1d, kernel, polynomials  # noqa: E402
+from rom import basis1d, batches, polynomials  # noqa: E402
 from rom.contact import Contact, count_regimes  # noqa: E402
 from rom.enrichment import EnrichmentOptions  # noqa: E402
 from rom.error_map import calibrated  # noqa: E402
@@ -180,7 +180,7 @@ def speed(model: Surrogate, file: Path, count: int) -> dict:
     many = draw(model, count)
     model.evaluate(many[:10])
     begun = time.perf_counter()
-    kernel.answers(model.kernel, many)
+    batches.answers(model.kernel, many)
     batch = (time.perf_counter() - begun) / count
     return {
         "load_seconds": loading,

@@ -9,17 +9,32 @@ import numpy as np
 import pytest
 
 from control.campaign import run
+from control.room import CONVERGED, STATIONARY
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_every_answer_of_the_sweep_is_inside_the_limits_and_judged_rightly(surrogate):
-    result = run(surrogate, 2500, 1.0)
-    assert result["starts"] == 2500 and result["failed"] == 0 and result["out_of_limits"] == 0
+    result = run(surrogate, 2500, 1.0, sweep=True).as_json()
+    assert result["starts"] == 2500 and result["failed"] == 0 and result["out_of_limits"] == result["infinite"] == 0
     distances = np.linspace(0.001, 0.031, 50)
     grid = [[f1, f2, d] for d in distances for f1 in np.linspace(0, 100, 41) for f2 in np.linspace(0, 100, 21)]
     most = surrogate.evaluate(np.array(grid)).contact_force.reshape(50, -1).max(axis=1)
     assert result["unreachable"] == 50 * np.count_nonzero(most < 1.0)
+
+
+@pytest.mark.parametrize("force", [0.02, 0.3, 5.0])
+def test_a_dense_search_agrees_with_every_flag_of_random_starts(surrogate, force):
+    """A search that finds points above the target and below it has not yet found the target: forces may jump."""
+    found = run(surrogate, 1500, force)
+    axes = [np.linspace(0, 100, 101)] * 2
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    assert np.all((found.status == CONVERGED) | (found.status == STATIONARY))
+    assert found.residual[found.status == CONVERGED].max() <= 1e-6
+    for i in np.flatnonzero(found.status == STATIONARY):
+        most = surrogate.evaluate(np.column_stack([grid, np.full(len(grid), found.distances[i])])).contact_force.max()
+        assert most < force
+        assert force - found.residual[i] >= 0.95 * most  # and the answer is nearly the best there is
 
 
 def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(demo):
@@ -34,18 +49,28 @@ def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(demo):
     assert code == 3 and far["status"] == "unreachable" and far["distance"] is None
     code, grasp = control("grasp")
     assert code == 0 and grasp["status"] == ["converged"] * 3
-    code, sweep = control("campaign", "--starts", "105")
-    assert sweep["starts"] == 100
-    assert code == 0 and sweep.keys() >= {
-        "converged",
-        "unreachable",
-        "failed",
-        "out_of_limits",
-        "mean_us",
-        "p50_us",
-        "p99_us",
-        "max_us",
-    }
+    code, egg = control("grasp", "--object", "0.06", "0.5", "3")
+    assert code == 0 and egg["contact_forces"] == pytest.approx([1.09] * 3, rel=0.01)  # sqrt(0.39 3) N
+    code, stone = control("grasp", "--object", "2", "0.3", "5")
+    assert code == 3 and "are crushed above 5 N" in stone["reason"]
+    code, sweep = control("campaign", "--starts", "105", "--sweep")
+    assert code == 0 and sweep["starts"] == 100
+    code, starts = control("campaign", "--starts", "105")
+    assert code == 0 and starts["starts"] == starts["converged"] + starts["unreachable"] == 105
+    assert (
+        starts.keys()
+        == sweep.keys()
+        >= {
+            "converged",
+            "unreachable",
+            "failed",
+            "out_of_limits",
+            "mean_us",
+            "p50_us",
+            "p99_us",
+            "max_us",
+        }
+    )
 
 
 @pytest.mark.parametrize(
@@ -53,6 +78,7 @@ def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(demo):
     [
         (["hold", "--distance", "10"], "distance must lie in [0.001, 0.031] m, got 10"),
         (["hold", "--distance", "0.01", "--contact-force", "0"], "contact_force must be above 0 N, got 0"),
+        (["hold", "--distance", "0.01", "--pad-pressure", "1e5"], "model must know its pad's pressure"),
         (["campaign", "--contact-force", "-1"], "contact_force must be above 0 N, got -1"),
         (["grasp", "--contact-force", "nan"], "contact_force must be above 0 N, got nan"),
         (["grasp", "--radius", "1.0"], "must lie in the trained box"),

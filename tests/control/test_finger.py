@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from control import Finger
+from control import Finger, Limits
 
 
 @pytest.fixture(scope="module")
@@ -122,3 +122,124 @@ def test_nothing_raises_for_a_hard_target(finger):
         finger.locate([50.0, 0.0], 0.0),
     ]
     assert {motion.status for motion in nothing} == {"out_of_domain"}
+
+
+# -- sides, limits, paths, deviations --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("sides", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+def test_the_other_sides_are_reached_by_mirror_images_of_the_tendons(finger, surrogate, sides):
+    goal = finger.rest + surrogate.evaluate([60.0, 40.0, np.inf]).tip * [1, *sides]
+    motion = finger.reach(goal)
+    assert motion.converged and motion.sides == sides
+    assert motion.tensions == pytest.approx([60.0, 40.0], abs=0.5)
+
+
+def test_before_a_plane_only_the_sides_along_it_are_mirror_images(finger, surrogate):
+    tip = surrogate.evaluate([30.0, 40.0, np.inf]).tip
+    assert finger.reach(finger.rest + tip * [1, 1, -1], distance=0.030).sides == (1, -1)
+    away = finger.reach(finger.rest + tip * [1, -1, 1], distance=0.030)
+    assert away.sides == (1, 1) and away.status == "unreachable"
+
+
+def test_limits_are_kept_and_make_targets_unreachable(surrogate):
+    narrow = Finger(surrogate, Limits(lower=[2.0, 0.0], upper=[40.0, 10.0]))
+    goal = narrow.rest + surrogate.evaluate([60.0, 40.0, np.inf]).tip
+    for motion in (narrow.reach(goal), narrow.hold(1.0, 0.020), narrow.hold(0.5, 0.010), narrow.hold(9.0, 0.005)):
+        assert np.all(motion.tensions >= [2.0, 0.0]) and np.all(motion.tensions <= [40.0, 10.0])
+    assert narrow.reach(goal).status == narrow.hold(1.0, 0.020).status == "unreachable"
+    assert narrow.hold(0.5, 0.010).converged
+    with pytest.raises(ValueError, match="limits must leave some of the trained tensions"):
+        Finger(surrogate, Limits(lower=200.0))
+
+
+def test_a_path_is_followed_within_the_rate_and_across_the_sides(surrogate):
+    finger = Finger(surrogate, Limits(rate=400.0))
+    angles = np.linspace(0, 2 * np.pi, 200)
+    turning = [surrogate.evaluate([45 * abs(np.cos(a)), 45 * abs(np.sin(a)), np.inf]).tip for a in angles]
+    signs = [[1, np.sign(np.cos(a)) or 1, np.sign(np.sin(a)) or 1] for a in angles]
+    path = [finger.rest + tip * sign for tip, sign in zip(turning, signs, strict=True)]
+    motions = finger.follow(path, period=0.01, start=[45.0, 0.0])
+    signed = np.array([motion.tensions * motion.sides for motion in motions])
+    assert np.abs(np.diff(signed, axis=0)).max() <= 2 * 4.0  # [N] a period; from one side to the other through slack
+    assert np.abs(np.diff(np.abs(signed), axis=0)).max() <= 4.0 + 1e-9
+    assert {motion.sides for motion in motions} == {(1, 1), (1, -1), (-1, 1), (-1, -1)}
+    assert np.mean([motion.converged for motion in motions]) > 0.95
+    assert max(motion.residual for motion in motions) < 1e-3
+
+
+def test_a_point_too_far_for_one_period_is_approached(surrogate):
+    finger = Finger(surrogate, Limits(rate=100.0))
+    goal = finger.rest + surrogate.evaluate([60.0, 20.0, np.inf]).tip
+    motions = finger.follow([goal] * 80, period=0.01)
+    assert motions[0].status == "unreachable" and motions[0].tensions.max() <= 1.0 + 1e-9
+    assert motions[-1].converged
+    lost = finger.follow([goal, [np.nan] * 3, goal], period=0.01)
+    assert [motion.status for motion in lost] == ["unreachable", "out_of_domain", "unreachable"]
+    assert np.array_equal(lost[1].tensions, lost[0].tensions)
+    with pytest.raises(ValueError, match="period must be above 0 s, got 0"):
+        finger.follow([goal], period=0.0)
+
+
+@pytest.mark.parametrize(("tensions", "distance"), [([50.0, 5.0], 0.012), ([70.0, 40.0], 0.006)])
+def test_the_deviation_of_a_plane_is_what_noise_makes_of_it(finger, surrogate, tensions, distance):
+    random, noise = np.random.default_rng(8), 0.05  # [N], far above the model's error
+    true = float(surrogate.evaluate([*tensions, distance]).contact_force)
+    found = [finger.locate(tensions, true + noise * random.standard_normal(), noise=noise) for _ in range(400)]
+    assert np.std([motion.distance for motion in found]) == pytest.approx(found[0].deviation, rel=0.15)
+
+
+def test_many_readings_make_a_plane_better_known(finger, surrogate):
+    random, noise, distance = np.random.default_rng(9), 0.03, 0.010
+    tensions = np.column_stack([np.linspace(35, 60, 25), np.full(25, 10.0)])
+    true = surrogate.evaluate(np.column_stack([tensions, np.full(25, distance)])).contact_force
+    errors, deviations = [], []
+    for _ in range(100):
+        motion = finger.locate(tensions, true + noise * random.standard_normal(25), noise=noise)
+        assert motion.status == "converged"
+        errors.append(motion.distance - distance)
+        deviations.append(motion.deviation)
+    one = finger.locate(tensions[10], true[10], noise=noise).deviation
+    assert np.std(errors) < 0.3 * one and np.std(errors) < 1.3 * np.mean(deviations)
+    assert finger.locate(tensions, true[::-1], noise=noise).status == "unreachable"  # no plane feels like that
+
+
+def test_of_the_tensions_that_hold_those_near_the_present_are_taken(finger, surrogate):
+    """Against a search along the whole contour of the force."""
+    random, far = np.random.default_rng(3), []
+    grid = np.stack(np.meshgrid(np.linspace(0, 100, 401), np.linspace(0, 100, 401), indexing="ij"), -1).reshape(-1, 2)
+    for distance in (0.006, 0.012):
+        force = surrogate.evaluate(np.column_stack([grid, np.full(len(grid), distance)])).contact_force
+        contour = grid[np.abs(force - 2.0) < 0.02]
+        for start in random.uniform(0, 100, (40, 2)):
+            motion = finger.hold(2.0, distance, start=start)
+            assert motion.converged
+            far.append(np.linalg.norm(motion.tensions - start) / np.linalg.norm(contour - start, axis=1).min())
+    assert np.median(far) < 1.01 and np.mean(np.array(far) < 1.05) > 0.9
+
+
+def test_a_start_that_is_no_number_is_out_of_domain(finger):
+    assert finger.hold(1.0, 0.010, start=[np.nan, 0.0]).status == "out_of_domain"
+    assert finger.reach(finger.rest, start=[np.inf, 0.0]).status == "out_of_domain"
+    with pytest.raises(ValueError, match="start must be 2 tensions in N"):
+        finger.hold(1.0, 0.010, start=[1.0])
+
+
+def test_a_goal_just_within_the_plane_is_reached_without_touching_it(finger, surrogate):
+    random = np.random.default_rng(6)
+    for tensions, inside in zip(random.uniform(5, 95, (150, 2)), random.uniform(0, 3e-5, 150), strict=True):
+        free = surrogate.evaluate([*tensions, np.inf])
+        distance = float(free.touch_distance) - inside
+        motion = finger.reach(finger.rest + free.tip, distance, start=tensions)
+        assert surrogate.evaluate([*motion.tensions, np.inf]).touch_distance <= distance
+        less = np.column_stack([np.linspace(0.9, 1, 201)[:, None] * tensions, np.full(201, np.inf)])
+        ways = surrogate.evaluate(less)
+        before = ways.touch_distance <= distance
+        nearest = np.linalg.norm(ways.tip[before] - free.tip, axis=1).min()
+        assert motion.converged or nearest > 0.9e-4
+        assert motion.residual <= max(1e-4, 1.3 * nearest)
+
+
+def test_a_plane_is_not_located_where_nothing_could_be_felt(finger):
+    motion = finger.locate([[0.0, 0.0], [0.0, 0.0]], [50.0, 50.0])
+    assert motion.status == "unreachable" and motion.residual == pytest.approx(50.0)

@@ -1,0 +1,99 @@
+"""A gymnasium environment: press on a plane of unknown distance with a contact force, by changing tensions.
+
+Needs the optional extra: pip install -e '.[gymnasium]'.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from control.finger import Finger
+from control.plant import Flaws, SimulatedPlant
+from rom import Surrogate
+
+FELT = 10.0  # times the largest target: what a sensor says beyond is not observed
+DRAWS = 1000  # of planes and targets, until one can be held
+CRUSHED = 2.0  # times the target that ends an episode
+
+
+class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
+    """One finger, a target and a plane, both drawn anew in every episode so that the target can be held.
+
+    Observation: tensions, contact force felt and target, over the largest tensions and target; shape (tensions + 2,)
+    [-]. Action: change of every tension over `change`, shape (tensions,), in [-1, 1]. Reward: minus |felt - target| by
+    the target, at least -1; an object pressed with twice its target is crushed, which costs 10 and ends the episode.
+
+    Args:
+        model: the surrogate of a scene with an obstacle.
+        targets: least and largest contact force [N].
+        change: most that a tension changes in a step [N].
+        steps: of an episode.
+        flaws: of the simulated finger.
+
+    Raises:
+        ValueError: a model without an obstacle, or targets that are not in order above 0.
+    """
+
+    metadata = {"render_modes": []}
+
+    def __init__(
+        self,
+        model: Surrogate,
+        targets: tuple[float, float] = (0.5, 3.0),
+        change: float = 2.0,
+        steps: int = 200,
+        flaws: Flaws | None = None,
+    ):
+        if not model.has_obstacle:
+            raise ValueError("model must have an obstacle to press on, got a scene without one")
+        if not 0 < targets[0] <= targets[1] < np.inf:
+            raise ValueError(f"targets must be in order above 0 N, got {targets}")
+        self._model, self._targets, self._change, self._steps, self._flaws = model, targets, change, steps, flaws
+        self._finger = Finger(model)
+        n = len(self._finger.lower)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (n,), np.float32)
+        high = np.array([*np.ones(n), FELT, 1.0], np.float32)
+        self.observation_space = gymnasium.spaces.Box(np.array([*np.zeros(n), -1.0, 0.0], np.float32), high)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Draw a plane and a target; `options` may say them: distance [m], target [N]."""
+        super().reset(seed=seed)
+        lower, upper = self._model.limits
+        given = options or {}
+        for _ in range(DRAWS):
+            distance = float(given.get("distance", self.np_random.uniform(lower[-1], upper[-1])))
+            self._target = float(given.get("target", self.np_random.uniform(*self._targets)))
+            if self._finger.hold(self._target, distance).converged:
+                break
+            if {"distance", "target"} <= given.keys():
+                raise ValueError(f"target must be within reach at d = {distance:g} m, got {self._target:g} N")
+        else:
+            raise ValueError(f"target and distance must leave something within reach, got {given or self._targets}")
+        self._plant = SimulatedPlant(self._model, distance, self._flaws, seed=int(self.np_random.integers(2**31)))
+        self._tensions, self._taken = self._finger.lower.copy(), 0
+        self._felt = self._plant.pull(self._tensions)
+        return self._observation(), {"distance": distance, "target": self._target}
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Change the tensions; what is felt then."""
+        wanted = np.asarray(action, float)
+        if wanted.shape != self._tensions.shape or not np.isfinite(wanted).all():
+            raise ValueError(f"action must be {len(self._tensions)} finite numbers, got {action}")
+        change = self._change * np.clip(wanted, -1.0, 1.0)
+        self._tensions = np.clip(self._tensions + change, self._finger.lower, self._finger.upper)
+        self._felt, self._taken = self._plant.pull(self._tensions), self._taken + 1
+        crushed = self._plant.contact_force > CRUSHED * self._target
+        reward = -10.0 if crushed else -min(abs(self._felt - self._target) / self._target, 1.0)
+        info = {"contact_force": self._plant.contact_force, "crushed": crushed}
+        return self._observation(), reward, crushed, self._taken >= self._steps, info
+
+    def _observation(self) -> np.ndarray:
+        scaled = self._tensions / np.maximum(self._finger.upper, 1e-9)
+        largest = self._targets[1]
+        felt = np.clip(self._felt / largest, -1.0, FELT)
+        return np.array([*scaled, felt, min(self._target / largest, 1.0)], np.float32)

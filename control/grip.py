@@ -1,0 +1,294 @@
+"""One finger of a gripper, pull by pull: it closes until it feels something, finds it, squeezes and holds.
+
+From pull to pull it knows what it last felt. Where the plane is it takes from every reading anew, a little at a time:
+so it corrects an error of the model, and averages the sensor's noise. What it cannot see, it does not move by.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from control.finger import Finger
+from control.holding import hold
+from control.locating import locate
+from control.problems import Model, ask, desk_for, rules
+from control.room import CONVERGED, GOING, STATIONARY, Rules, room_for
+from rom.compiled import compiled
+from rom.kernel import FORCE
+
+PAST = 256  # pulls that are remembered: a reading that is older cannot be used
+SMOOTH = 0.2  # share of a reading's news in the contact force that a noisy finger is said to hold, at most
+SURPRISED = 3  # readings in a row that are not what was expected, before they are believed
+AGAIN = 1.25  # of its tension that a finger pulls at most to find again what it held
+BEYOND = 1.5  # of the tension that a target should take, above which the sensor is not believed any more
+TELL = 1.3  # times what is felt as contact that a target must be
+
+
+@dataclass(frozen=True, kw_only=True)
+class GraspOptions:
+    """How to grasp.
+
+    Attributes:
+        noise: standard deviation of the force sensor [N].
+        feel: a force above this is contact [N]; three standard deviations of the noise if that is more.
+        approach_step: most that the lead tension grows in a pull while nothing is felt [N]. At the first
+            touch up to a fifth of this is felt, and as much more for every pull by which readings are late.
+        squeeze_steps: pulls from touch to the held force.
+        tolerance: a held force this near its target is held [-].
+        period: from pull to pull [s], for ages of readings and rates of tensions.
+        patience: pulls without a usable reading before a sensor counts as failed.
+        pulls: most of a finger.
+    """
+
+    noise: float = 0.0
+    feel: float = 0.05
+    approach_step: float = 2.0
+    squeeze_steps: int = 3
+    tolerance: float = 0.005
+    period: float = 1e-3
+    patience: int = 20
+    pulls: int = 5000
+
+    def __post_init__(self) -> None:
+        for name in ("feel", "approach_step", "squeeze_steps", "tolerance", "period", "patience", "pulls"):
+            if not 0 < getattr(self, name) < np.inf:
+                raise ValueError(f"{name} must be above 0, got {getattr(self, name)}")
+        if not 0 <= self.noise < np.inf:
+            raise ValueError(f"noise must be at least 0 N, got {self.noise}")
+
+    def gain(self, target: float) -> float:
+        """Share of a reading's news that is believed: noise then moves the held force by a third of its tolerance."""
+        if self.noise == 0:
+            return 1.0
+        return float(np.clip(2 * (self.tolerance * target / (3 * self.noise)) ** 2, 1 / PAST, 1.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pull:
+    """One pull of one finger: its stage (approach, squeeze, hold), tensions [N], force felt [N], d* so far [m]."""
+
+    finger: int
+    time: int
+    stage: str
+    tensions: list[float]
+    contact_force: float
+    distance: float | None
+
+
+class Grip:
+    """The controller of one finger; `step` takes a reading and says what to pull next.
+
+    Attributes:
+        tensions: to be pulled now, shape (tensions,) [N].
+        stage: approach, squeeze or hold.
+        status: converged while it holds its target; or why not: "moving", "no_contact" (nothing felt up to the highest
+            tension), "lost_contact" (what was held is gone), "sensor_failed" (no usable reading, or one that does not
+            answer to far more tension than the target should take; the tensions stay),
+            "unreachable" or "out_of_domain" (see control.finger; the tensions stay).
+        felt: contact force by the readings, smoothed [N].
+        distance: d*, nan before touch [m].
+        events: what happened, by pull: "touch", "surprise", "lost", "blind", "sees again", "does not answer", "target
+            refused".
+
+    Args:
+        finger: what it controls, within its limits.
+        target: contact force to hold [N].
+        options: how.
+    """
+
+    def __init__(self, finger: Finger, target: float, options: GraspOptions):
+        self._finger, self._options = finger, options
+        self._known, self._rules = finger.known, rules(1e-6)
+        self.tensions = finger.lower.copy()
+        self.stage, self.status, self.felt, self.distance = "approach", "moving", 0.0, np.nan
+        self.events: list[tuple[int, str]] = []
+        self.pulls = 0
+        self._past: deque[np.ndarray] = deque(maxlen=PAST)
+        self._target = self._aim = 0.0
+        least = TELL * max(options.feel, 3 * options.noise)
+        if not least < target < np.inf:
+            raise ValueError(f"contact_force must be above {least:.3g} N to be told from no contact, got {target:g}")
+        self._trusted, self._held, self._cap = np.nan, False, np.inf
+        self._touching = self._blind = self._surprised = self._missing = self._steady = self._seen = 0
+        self._highest = float(finger.upper[finger.model.lead])
+        self.target = target
+
+    @property
+    def target(self) -> float:
+        """Contact force to hold [N]; may change at any time. What is no force above 0 is refused: the last stays."""
+        return self._target
+
+    @target.setter
+    def target(self, target: float) -> None:
+        if not TELL * max(self._options.feel, 3 * self._options.noise) < target < np.inf:
+            if not self.events or self.events[-1][1] != "target refused":
+                self._happened("target refused")
+            return
+        if target != self._target:
+            if abs(target - self._target) > self._options.tolerance * target:
+                self._steady = 0
+            self._target, self._gain = target, self._options.gain(target)
+            self._smooth = self._gain if self._options.noise == 0 else min(self._gain, SMOOTH)
+            self._cap = self._most()
+            if self.stage == "hold" and target > self._aim + target / self._options.squeeze_steps:
+                self.stage = "squeeze"
+
+    @property
+    def period(self) -> float:
+        """From step to step [s]."""
+        return self._options.period
+
+    @property
+    def done(self) -> bool:
+        """Whether it holds, or has given up."""
+        return self.status != "moving"
+
+    def step(self, felt: float, age: float = 0.0) -> np.ndarray:
+        """What to pull next, shape (tensions,) [N], after a reading [N] of an age [s] at the tensions pulled so far."""
+        self.pulls += 1
+        self._past.append(self.tensions)
+        ages = age / self._options.period
+        late = max(round(ages), 0) if ages < PAST else PAST  # nan is not below
+        if not np.isfinite(felt) or late >= self._options.patience or late >= len(self._past):
+            self._see_nothing()
+            return self.tensions
+        if self._blind >= self._options.patience:
+            self._happened("sees again")
+            self.status = "moving"
+        self._blind = 0
+        if self.stage == "approach":
+            self._approach(felt)
+        if self.stage != "approach":
+            self._squeeze(felt, self._past[-1 - late])
+        return self.tensions
+
+    def _happened(self, event: str) -> None:
+        self.events.append((self.pulls, event))
+
+    def _see_nothing(self) -> None:
+        self._blind += 1
+        if self._blind == self._options.patience:
+            self._happened("blind")
+            self.status = "sensor_failed"
+
+    def _feels(self, felt: float, share: float = 1.0) -> bool:
+        return felt > share * max(self._options.feel, 3 * self._options.noise)
+
+    def _most(self) -> float:
+        """Lead tension above which the target is not sought where something was held [N]."""
+        if not np.isfinite(self._trusted):
+            return np.inf
+        return BEYOND * float(self._finger.hold(self._target, self._trusted).tensions[self._finger.model.lead])
+
+    def _approach(self, felt: float) -> None:
+        lead = self._finger.model.lead
+        self._touching = self._touching + 1 if self._feels(felt) else 0
+        if self._touching >= (1 if self._options.noise == 0 else 2):
+            self._happened("touch")
+            self.stage, self.status, self.distance, self.felt = "squeeze", "moving", np.nan, felt
+            self._aim, self._missing, self._seen = min(felt, self._target), 0, 0
+            return
+        if self._touching:
+            return  # once is noise perhaps: wait
+        if self.tensions[lead] >= self._highest:
+            self.status = "no_contact" if self._highest >= self._finger.upper[lead] else "lost_contact"
+            return
+        self.tensions = self.tensions.copy()
+        step = min(self._options.approach_step, self._finger.limits.rate * self._options.period)
+        self.tensions[lead] = min(self.tensions[lead] + step, self._highest)
+
+    def _squeeze(self, felt: float, then: np.ndarray) -> None:
+        self._seen += 1
+        gain = max(self._gain, 1 / self._seen)
+        self.felt += max(self._smooth, 1 / self._seen) * (felt - self.felt)
+        if self._lost(felt) or self._missing:
+            return
+        growing = self._aim < self._target
+        self._aim = min(self._aim + self._target / self._options.squeeze_steps, self._target)
+        if self.stage == "hold":
+            self._aim = self._target
+        believed = 1.0 if self._surprised >= SURPRISED else gain
+        distance, expected, held, tensions = grip_once(
+            self._known, then, felt, self.tensions, self._aim, self.distance, believed, self._rules
+        )
+        self._judge(felt, expected)
+        self.distance = distance
+        if np.isfinite(self._finger.limits.pad_pressure) and np.isfinite(distance):
+            allowed = self._finger.hold(self._aim, distance, start=self.tensions)
+            held, tensions = CONVERGED if allowed.converged else STATIONARY, allowed.tensions
+        if tensions[self._finger.model.lead] > self._cap and self.stage == "hold":
+            if self.status != "sensor_failed":
+                self._happened("does not answer")
+            self.status = "sensor_failed"
+            return
+        if held != CONVERGED:
+            self.status = "unreachable" if np.isfinite(distance) else "out_of_domain"
+            return
+        change = self._finger.limits.rate * self._options.period
+        way = tensions - self.tensions
+        longest = float(np.abs(way).max())
+        arrives = longest <= change
+        self.tensions = tensions if arrives else self.tensions + way * (change / longest)
+        if self.stage == "squeeze" and not growing and self._aim == self._target and arrives:
+            self.stage = "hold"
+        wide = 2 if self.status == "converged" else 1  # what holds is not given up for a reading or two
+        near = abs(self.felt - self._target) <= wide * self._options.tolerance * self._target
+        self._steady = self._steady + 1 if self.stage == "hold" and near else 0
+        self.status = "converged" if self._steady >= min(1 / self._smooth, PAST) else "moving"
+        if self.status == "converged" and not np.isfinite(self._trusted):
+            self._trusted, self._held = self.distance, True
+            self._cap = self._most()
+
+    def _lost(self, felt: float) -> bool:
+        """Whether contact is lost: then it closes again, but not much beyond where it held something."""
+        self._missing = 0 if self._feels(felt, 0.5) else self._missing + 1  # lower than what is contact at first
+        if self._missing < (1 if self._options.noise == 0 else 2 * SURPRISED):
+            return False
+        self._happened("lost")
+        if self._held:
+            lead = self._finger.model.lead
+            self._highest = min(AGAIN * float(self.tensions[lead]), float(self._finger.upper[lead]))
+        self.stage, self.status, self._touching, self.distance = "approach", "moving", 0, np.nan
+        return True
+
+    def _judge(self, felt: float, expected: float) -> None:
+        """Whether a reading is no news but a surprise: something slipped, or moved."""
+        wide = 6 * self._options.noise + 0.1 * self._target
+        self._surprised = self._surprised + 1 if abs(felt - expected) > wide else 0  # nan is none
+        if self._surprised == (1 if self._gain == 1 else SURPRISED) and self.stage == "hold":
+            self._happened("surprise")
+
+
+@compiled(allocates=True)
+def grip_once(
+    model: Model,
+    then: np.ndarray,
+    felt: float,
+    present: np.ndarray,
+    aim: float,
+    distance: float,
+    gain: float,
+    rules: Rules,
+) -> tuple[float, float, int, np.ndarray]:
+    """Find the plane from a reading [N] at the tensions `then`; then tensions near the present that hold `aim` [N].
+
+    Of the plane's distance [m], nan if it is not known yet, a share `gain` of the news is believed.
+
+    Returns:
+        distance [m], contact force that was expected [N], status of holding, tensions [N].
+    """
+    desk = desk_for(model)
+    expected, status = np.nan, GOING
+    if np.isfinite(distance):
+        ask(model, desk, then, distance)
+        expected = desk.out[FORCE]
+    if felt > 0.0:
+        pulled, force = then.reshape(1, -1), np.full(1, felt)
+        _, found, _, _, _, _ = locate(model, desk, room_for(1, 1), pulled, force, distance, rules)
+        distance = distance + gain * (found - distance) if np.isfinite(distance) else found
+    if np.isfinite(distance):
+        status, _, _ = hold(model, desk, present, aim, distance, rules)
+    return distance, expected, status, desk.best

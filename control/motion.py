@@ -1,0 +1,92 @@
+"""What a controller asks of a finger, and what its motors and its object allow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """What a controller asks of a finger.
+
+    Attributes:
+        tensions: [N], shape (tensions,); if the target cannot be met, those that come nearest.
+        distance: of the plane [m], inf where there is none.
+        status: converged, unreachable (the nearest reachable answer), out_of_domain or iteration_limit.
+        residual: distance from the target, [m] for reach, [N] for locate and hold.
+        error: that 95 % of fresh states keep of the model's error, in the residual's unit.
+        iterations: evaluations of the model.
+        sides: of the finger, along y and z, on which its tendons are pulled: 1 those of the scene, -1 their mirror
+            images (in y in free space only, in z before a plane too).
+        deviation: standard deviation of `distance` where that was located [m]; else nan.
+    """
+
+    tensions: np.ndarray
+    distance: float
+    status: str
+    residual: float
+    error: float
+    iterations: int
+    sides: tuple[int, int] = (1, 1)
+    deviation: float = np.nan
+
+    @property
+    def converged(self) -> bool:
+        """Whether the target is met."""
+        return self.status == "converged"
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain numbers."""
+        return {
+            "tensions": self.tensions.tolist(),
+            "distance": self.distance,
+            "status": self.status,
+            "residual": self.residual,
+            "error": self.error,
+            "iterations": self.iterations,
+            "sides": list(self.sides),
+            "deviation": self.deviation,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What the tendons' motors can do; the model's trained tensions limit them too.
+
+    Attributes:
+        lower, upper: of the tensions [N], one for all or shape (tensions,).
+        rate: most that a tension changes [N/s].
+        pad_pressure: most that the pad presses with [Pa]: what the object bears.
+    """
+
+    lower: ArrayLike = 0.0
+    upper: ArrayLike = np.inf
+    rate: float = np.inf
+    pad_pressure: float = np.inf
+
+    def within(self, lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The limits within others, shapes (tensions,) [N].
+
+        Raises:
+            ValueError: none are left, or no rate.
+        """
+        shape = lower.shape
+        own = (
+            np.broadcast_to(np.asarray(self.lower, float), shape),
+            np.broadcast_to(np.asarray(self.upper, float), shape),
+        )
+        found = np.maximum(own[0], lower), np.minimum(own[1], upper)
+        if not np.all(found[0] <= found[1]):
+            raise ValueError(
+                f"limits must leave some of the trained tensions, {lower.tolist()} to {upper.tolist()} N, "
+                f"got {own[0].tolist()} to {own[1].tolist()}"
+            )
+        if not self.rate > 0:
+            raise ValueError(f"limits.rate must be above 0 N/s, got {self.rate}")
+        if not self.pad_pressure > 0:
+            raise ValueError(f"limits.pad_pressure must be above 0 Pa, got {self.pad_pressure}")
+        return found

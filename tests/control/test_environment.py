@@ -1,0 +1,58 @@
+"""The gymnasium environment is one, and this project's controller solves it."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("gymnasium", reason="the optional extra [gymnasium]")
+
+from gymnasium.utils.env_checker import check_env
+
+from control import Finger, Flaws
+from control.environment import HoldEnvironment
+
+
+@pytest.mark.filterwarnings("error")
+def test_it_passes_gymnasiums_own_check(surrogate):
+    check_env(HoldEnvironment(surrogate, flaws=Flaws(noise=0.01)), skip_render_check=True)
+
+
+def test_who_knows_the_plane_is_soon_rewarded_fully(surrogate):
+    environment, finger = HoldEnvironment(surrogate), Finger(surrogate)
+    for seed in range(5):
+        _, known = environment.reset(seed=seed)
+        goal = finger.hold(known["target"], known["distance"]).tensions
+        tensions, rewards = finger.lower.copy(), []
+        for _ in range(60):
+            action = np.clip((goal - tensions) / 2.0, -1, 1)
+            _, reward, ended, *_ = environment.step(action)
+            tensions = np.clip(tensions + 2.0 * action, finger.lower, finger.upper)
+            rewards.append(reward)
+            assert not ended
+        assert rewards[-1] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_who_pulls_on_and_on_crushes_the_object(surrogate):
+    environment = HoldEnvironment(surrogate)
+    environment.reset(seed=1, options={"distance": 0.010, "target": 1.0})
+    for _ in range(60):
+        *_, reward, ended, _, info = environment.step(np.ones(2))
+        if ended:
+            break
+    assert ended and info["crushed"] and reward == -10.0
+
+
+def test_wrong_input_is_refused(surrogate):
+    with pytest.raises(ValueError, match="targets must be in order above 0 N"):
+        HoldEnvironment(surrogate, targets=(3.0, 1.0))
+    with pytest.raises(ValueError, match=r"within reach at d = 0\.0305 m, got 5 N"):
+        HoldEnvironment(surrogate).reset(options={"distance": 0.0305, "target": 5.0})
+
+
+def test_what_nobody_could_hold_is_refused_and_an_action_that_is_none_changes_nothing(surrogate):
+    with pytest.raises(ValueError, match="must leave something within reach"):
+        HoldEnvironment(surrogate, targets=(100.0, 200.0)).reset(seed=1)
+    environment = HoldEnvironment(surrogate)
+    environment.reset(seed=1)
+    with pytest.raises(ValueError, match="action must be 2 finite numbers"):
+        environment.step(np.array([np.nan, 0.0]))
+    assert np.isfinite(environment.step(np.array([1.0, 0.0]))[0]).all()
