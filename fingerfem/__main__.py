@@ -6,7 +6,6 @@ import json
 import logging
 import math
 import os
-import re
 import signal
 import sys
 import time
@@ -22,6 +21,7 @@ except ModuleNotFoundError:
 
 import fingerfem
 from fingerfem.convergence import LoadNotReached
+from fingerfem.durations import seconds as duration
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 BAD_INPUT, NOTHING_USABLE = 2, 3
@@ -95,6 +95,9 @@ def snapshots(
     folder: Annotated[Path, typer.Argument(metavar="SET/", help="The set's folder; begun if new, finished if not.")],
     random: Annotated[int, typer.Option(min=0, help="How many held-out points, instead of training nodes.")] = 0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the held-out points.")] = 0,
+    distances: Annotated[
+        int, typer.Option(min=1, help="Distances of the plane at each held-out point's tensions: cheaper by the state.")
+    ] = 1,
     ranks_per_finger: Annotated[int, typer.Option(min=1, help="Ranks that solve one finger together.")] = 1,
     until: Annotated[
         float | None, typer.Option(help="Refine a coarse grid until this estimated relative error.")
@@ -141,8 +144,10 @@ def snapshots(
         raise ValueError(f"until must lie in (0, 1), got {until}")
     if random and (refines or reuse is not None):
         raise ValueError(f"random must not be given with until, budget or reuse, got {random}")
-    seconds = _seconds(budget) if budget is not None else math.inf
-    held_out = HeldOut(count=random, seed=seed) if random else None
+    seconds = duration("budget", budget) if budget is not None else math.inf
+    if distances > 1 and not random:
+        raise ValueError(f"distances must be given with random, got {distances}")
+    held_out = HeldOut(count=random, seed=seed, distances=distances) if random else None
     description = describe(scene, versions(), held_out, refines)
     donor = Donor(reuse, description) if reuse is not None else None
     create(folder, description)
@@ -186,18 +191,6 @@ def snapshots(
     needed = [task for task, *_ in ledger.failures if task in description.lines]
     unusable = needed and not (random and result["solved"])
     _finish(result, as_json, NOTHING_USABLE if unusable else 0)
-
-
-def _seconds(text: str) -> float:
-    """A time such as 90s, 30min or 2h [s].
-
-    Raises:
-        ValueError: it is none.
-    """
-    found = re.fullmatch(r"([0-9]*\.?[0-9]+)\s*(s|min|h)", text)
-    if found is None or float(found[1]) == 0:
-        raise ValueError(f"budget must be a time such as 90s, 30min or 2h, got {text!r}")
-    return float(found[1]) * {"s": 1.0, "min": 60.0, "h": 3600.0}[found[2]]
 
 
 def _terminated(*_) -> None:

@@ -48,7 +48,7 @@ class LineSolver:
         """The arrays of a task's file, whole on the model's first rank; states without an answer are marked."""
         begun, line = time.perf_counter(), self._line(task)
         if line.kind == "random":
-            arrays = self._random(line.index[0])
+            arrays = self._random(line)
         elif line.kind == "scattered":
             arrays = self._scattered(line)
         elif line.kind == "contact":
@@ -62,8 +62,8 @@ class LineSolver:
         description, line = self.description, self._line(task)
         record = Record(self.model, self.numbering, edges=line.kind != "contact")
         if line.kind == "random":
-            point = np.array(description.random[line.index[0]])
-            record.failed(point[: description.tensions], point[-1], reason)
+            for tensions, distance in self._held_out(line):
+                record.failed(tensions, distance, reason)
             return record.arrays() | {"seconds": np.array(0.0)}
         if line.kind == "contact":
             self._no_contact(record, line, reason)
@@ -267,19 +267,32 @@ class LineSolver:
                 found[int(stored["nodes"][k])] = (float(stored["parameters"][k, -1]), stored["displacement"][k])
         return found
 
-    def _random(self, k: int) -> Arrays:
-        point = np.array(self.description.random[k])
-        tensions = point[: self.description.tensions]
-        record = Record(self.model, self.numbering)
-        self.model.stepper.rest()
+    def _held_out(self, line: Line) -> list[tuple[np.ndarray, float]]:
+        """Tensions [N] and distance [m] of a line of held-out states; nan without a plane."""
+        description = self.description
+        points = np.array([description.random[k] for k in line.nodes])
+        distances = points[:, -1] if description.has_obstacle else np.full(len(points), np.nan)
+        return list(zip(points[:, : description.tensions], distances.tolist(), strict=True))
+
+    def _random(self, line: Line) -> Arrays:
+        """Held-out states of the same tensions: from rest to these, then the plane ever nearer."""
+        model, record, points = self.model, Record(self.model, self.numbering), self._held_out(line)
+        tensions = points[0][0]
+        model.stepper.rest()
         if not self.description.has_obstacle:
             record.state(tensions, None)
             return record.arrays()
         try:
-            self.model.stepper.advance(tensions, None)
+            model.stepper.advance(tensions, None)
         except LoadNotReached as failure:
-            record.failed(tensions, point[-1], failure.reason, last_good=(failure.tensions, np.nan))
-        else:
-            record.touch()
-            record.state(tensions, float(point[-1]), iterations_before=0)
+            for _, distance in points:
+                record.failed(tensions, distance, failure.reason, last_good=(failure.tensions, np.nan))
+            return record.arrays()
+        record.touch()
+        free = model.displacement.copy()
+        for k, (_, distance) in enumerate(points):
+            if record.is_broken:
+                model.stepper.start(tensions, None, free)
+                record.restarted()
+            record.state(tensions, distance, None if k else 0)  # the first counts the way from rest
         return record.arrays()

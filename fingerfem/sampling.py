@@ -14,14 +14,36 @@ from rom.snapshots import Description
 
 @dataclass(frozen=True, kw_only=True)
 class HeldOut:
-    """Held-out points: how many, drawn uniformly over the parameters' ranges from which seed."""
+    """Held-out points, drawn uniformly over the parameters' ranges.
+
+    Attributes:
+        count: of tensions.
+        seed: of what is drawn.
+        distances: of the plane at each of these; states that share their tensions are solved one after the other, for
+            less than half of what each costs from rest.
+    """
 
     count: int
     seed: int = 0
+    distances: int = 1
 
     def __post_init__(self) -> None:
-        if self.count < 1:
-            raise ValueError(f"random must be at least 1, got {self.count}")
+        for name, value in (("random", self.count), ("distances", self.distances)):
+            if value < 1:
+                raise ValueError(f"{name} must be at least 1, got {value}")
+
+    def points(self, box: np.ndarray, has_obstacle: bool) -> list[list[float]]:
+        """Parameters, shape (count, p), in a box of lower and upper ends, shape (p, 2)."""
+        if not has_obstacle and self.distances > 1:
+            raise SceneError(f"distances must be 1 where the scene has no obstacle, got {self.distances}")
+        axes = np.arange(len(box) + self.distances - 1).clip(max=len(box) - 1)
+        draw = np.random.default_rng(self.seed).random((self.count, len(axes)))
+        drawn = box[axes, 0] + draw * (box[axes, 1] - box[axes, 0])
+        if not has_obstacle:
+            return drawn.tolist()
+        tensions, distances = drawn[:, : len(box) - 1], -np.sort(-drawn[:, len(box) - 1 :])
+        points = np.repeat(tensions, self.distances, axis=0)
+        return np.column_stack([points, distances.ravel()]).tolist()
 
 
 FINEST = {"tension": 17, "contact": 33}  # nodes of a grid that is refined
@@ -55,10 +77,7 @@ def describe(
     scattered = [] if held_out or refines else _scattered(scene, tensions)
     if scattered:
         along_tension, along_contact = 2, scene.sampling.contact_nodes if _asks(scene, "contact_nodes") else ALONG
-    points: list[list[float]] = []
-    if held_out is not None:
-        draw = np.random.default_rng(held_out.seed).random((held_out.count, len(box)))
-        points = (box[:, 0] + draw * (box[:, 1] - box[:, 0])).tolist()
+    points = held_out.points(box, scene.obstacle is not None) if held_out else []
     return Description(
         scene=scene.model_dump(mode="json"),
         fingerprint=scene.fingerprint(),

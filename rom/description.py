@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
+from itertools import groupby, product
 from typing import Any
 
 import numpy as np
@@ -19,10 +19,10 @@ class Line:
 
     Attributes:
         kind: free (along the lead tension), contact (along the plane's way), scattered (a free state and the plane's
-            way from there, at tensions of its own) or random (one held-out state).
+            way from there, at tensions of its own) or random (held-out states of the same tensions).
         index: what it holds fixed, as positions: of the other tensions' combination; and for contact of the onset node.
             A number of its own for scattered and random lines.
-        nodes: positions along the line, of `tension_nodes[lead]` or of `contact_nodes`.
+        nodes: positions along the line, of `tension_nodes[lead]` or of `contact_nodes`; of a random line in `random`.
         tensions: of a scattered line [N].
     """
 
@@ -96,7 +96,7 @@ class Description:
     def lines(self) -> dict[str, Line]:
         """The first lines by the names of their tasks; a task only ever needs tasks before it."""
         if self.random:
-            return {f"random-{k}": Line("random", (k,), ()) for k in range(len(self.random))}
+            return {f"random-{k}": Line("random", (k,), nodes) for k, nodes in enumerate(self._held_out_lines())}
         if self.scattered:
             return {f"scattered-{k}": self.scattered_line(k, tensions) for k, tensions in enumerate(self.scattered)}
         lead, way = self.strides[self.lead], self.strides[-1]
@@ -111,6 +111,11 @@ class Description:
             for j, i in product(others, range(0, len(self.onset_nodes), lead)):
                 found[f"contact-{j}-{i}"] = Line("contact", (j, i), nodes)
         return found
+
+    def _held_out_lines(self) -> list[tuple[int, ...]]:
+        """Positions of the held-out points that follow each other at the same tensions."""
+        together = groupby(range(len(self.random)), lambda k: self.random[k][: self.tensions])
+        return [tuple(points) for _, points in together]
 
     def has(self, line: Line) -> bool:
         """Whether a line can be one of this set: on its grid, or scattered in its box."""

@@ -34,7 +34,7 @@ def run(ranks: int, scene: Path, folder: Path, *options: str, **settings: str) -
 def assert_same_task(ours: dict, theirs: dict, tolerance: float = 0.0) -> None:
     """All but the time it took; with a tolerance, over a quantity's largest value, a hundredfold for derivatives.
 
-    With a tolerance the iterations are not compared either: on the way to a state, rounding alone may accept or halve a step.
+    With a tolerance iterations are not compared either: on the way to a state, rounding may accept or halve a step.
     """
     assert ours.keys() == theirs.keys()
     for name in ours.keys() - ({"seconds", "iterations"} if tolerance else {"seconds"}):

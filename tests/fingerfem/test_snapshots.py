@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from farm import ROOT, assert_same, assert_same_task, command, run
 
+from fingerfem import FingerModel, load_scene
 from rom.snapshots import SnapshotError, SnapshotSet, read_description, read_task, task_file
 
 
@@ -87,6 +88,28 @@ def test_held_out_states_are_drawn_from_the_seed_and_solved_from_rest(scene, tmp
     assert points == pytest.approx(box[:, 0] + draw * (box[:, 1] - box[:, 0]))
     touching = snapshots.random("touch_distance") > points[:, 2]
     assert np.array_equal(snapshots.random("contact_force") > 0, touching)
+
+
+def test_held_out_planes_at_the_same_tensions_are_what_they_are_from_rest(scene, tmp_path):
+    run(2, scene, tmp_path / "held", "--random", "3", "--seed", "5", "--distances", "3")
+    snapshots = SnapshotSet(tmp_path / "held")
+    points, force = snapshots.random("parameters"), snapshots.random("contact_force")
+    assert len(snapshots.plan.lines) == 3 and points.shape == (9, 3) and (force > 0).sum() >= 3
+    assert len(np.unique(points[:, :2], axis=0)) == 3
+    model = FingerModel(load_scene(scene))
+    for point, tip, pressed in zip(points, snapshots.random("tip"), force, strict=True):
+        state = model.solve(point[:2], point[2], sensitivities=False)
+        assert tip == pytest.approx(state.tip, abs=1e-9)
+        assert pressed == pytest.approx(state.contact_force, abs=1e-6)
+
+
+def test_distances_without_held_out_points_or_without_a_plane_are_refused(scene, tmp_path):
+    free = tmp_path / "free.toml"
+    free.write_text((ROOT / "scenes" / "free.toml").read_text())
+    for file, options in ((scene, ["--distances", "2"]), (free, ["--random", "2", "--distances", "2"])):
+        done = subprocess.run(command(1, file, tmp_path / "set", *options), cwd=ROOT, capture_output=True, text=True)
+        assert done.returncode == 2
+        assert done.stderr.strip().startswith("distances must be") and len(done.stderr.strip().splitlines()) == 1
 
 
 def test_another_scene_or_a_foreign_folder_is_refused_in_one_line(scene, undisturbed, tmp_path):
