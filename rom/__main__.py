@@ -96,7 +96,7 @@ def summary(model: Surrogate) -> dict:
         "regimes": [{"code": list(regime.code), "states": regime.states} for regime in model.regimes],
         "separation_error": {name: float(form.errors[-1]) for name, form in model.forms.items()},
         "accuracy": model.accuracy or "not measured: build with --held-out",
-        "nodes": len(model.nodes),
+        "nodes": len(model.nodes) or "without the displacement field",
         "provenance": model.provenance,
     }
 

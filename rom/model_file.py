@@ -19,7 +19,8 @@ from rom.parts import Errors, Field, Regime
 from rom.separated import Separated
 from rom.surrogate import ModelError, Surrogate
 
-KIND, FORMAT = "fingerfem surrogate", 3
+KIND, FORMAT = "fingerfem surrogate", 4
+COMPRESSED = 1024  # bytes from which on an array is
 BLOCK = 512  # bytes before what is HDF5
 PLAIN = ("parameters", "scene", "accuracy", "provenance")
 
@@ -28,7 +29,7 @@ def save(model: Surrogate, path: Path) -> None:
     """Write a model, beside and renamed: the file is whole or absent."""
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:
         file = Path(beside) / path.name
-        with h5py.File(file, "w", userblock_size=BLOCK) as stored:
+        with h5py.File(file, "w", userblock_size=BLOCK, libver="v110") as stored:
             _write(model, stored)
         with file.open("r+b") as stream:
             stream.seek(BLOCK)
@@ -73,7 +74,8 @@ def _write(model: Surrogate, file: h5py.File) -> None:
     for name in PLAIN:
         file.attrs[name] = json.dumps(getattr(model, name))
     file.attrs["lead"] = model.lead
-    _dataset(file, "nodes", model.nodes.astype(np.float32), "m")
+    if model.has_field:
+        _dataset(file, "nodes", model.nodes.astype(np.float32), "m")
     tensions = [(parameter["name"], parameter["unit"]) for parameter in model.parameters if parameter["name"] != "d"]
     heights = len(model.free.modes) - 3
     _write_form(file.create_group("free"), model.free, tensions, "m", ["x", "y", "z", *["height"] * heights])
@@ -86,12 +88,12 @@ def _write(model: Surrogate, file: h5py.File) -> None:
         contact = file.create_group("contact")
         contact.attrs["nearest"], contact.attrs["soft"] = model.way
         cells = [round(len(model.map) ** (1 / len(model.parameters)))] * len(model.parameters)
-        _dataset(contact, "map", model.map.astype(np.uint8).reshape(cells), "-")
+        _dataset(contact, "map", model.map.reshape(cells), "-")
         _dataset(contact, "near", model.near.reshape(cells), "-")
         _dataset(
             contact,
             "error",
-            model.errors.contact.astype(np.float32).reshape(*cells, -1),
+            _rounded_up(model.errors.contact).reshape(*cells, -1),
             "tip m/m, contact force N/m, displacement m/m" + (", pad pressure Pa/m" if model.has_pad else ""),
         )
         for r, regime in enumerate(model.regimes):
@@ -120,8 +122,20 @@ def _write(model: Surrogate, file: h5py.File) -> None:
                 _write_form(group.create_group(f"regime_{r}"), form, aligned, unit, [])
 
 
+def _rounded_up(errors: np.ndarray) -> np.ndarray:
+    """Errors to 7 binary digits, by less than 2 % larger: what they say is a size, and so few digits compress well."""
+    mantissa, exponent = np.frexp(errors)
+    return np.ldexp(np.ceil(mantissa * 128) / 128, exponent)
+
+
 def _dataset(group: h5py.Group, name: str, values: np.ndarray, unit: str) -> None:
-    group[name] = values
+    """Stored in the smallest type that holds every value exactly, compressed if that is worth it."""
+    if values.dtype.kind in "iu":
+        values = values.astype(np.min_scalar_type(values.max(initial=0)))
+    elif np.array_equal(single := values.astype(np.float32), values):
+        values = single
+    worth = {"compression": "gzip", "shuffle": True} if values.nbytes >= COMPRESSED else {}
+    group.create_dataset(name, data=values, **worth)
     group[name].attrs["unit"] = unit
 
 
@@ -152,7 +166,7 @@ def _read(file: h5py.File) -> Surrogate:
         group = file["contact"]
         contact, places = group["error"][:].astype(float), group["map"][:].ravel().astype(np.int64)
         contact = contact.reshape(-1, contact.shape[-1])
-        near = group["near"][:].ravel()
+        near = group["near"][:].ravel().astype(np.uint64)
         way = Way(float(group.attrs["nearest"]), float(group.attrs["soft"]))
         while f"regime_{len(regimes)}" in group:
             regimes.append(_read_regime(group[f"regime_{len(regimes)}"]))
@@ -180,7 +194,7 @@ def _read(file: h5py.File) -> Surrogate:
         ),
         displacements=field,
         lead=int(file.attrs["lead"]),
-        nodes=file["nodes"][:].astype(float),
+        nodes=file["nodes"][:].astype(float) if "nodes" in file else np.zeros((0, 3)),
         **plain,
     )
 
@@ -198,14 +212,14 @@ def _read_regime(group: h5py.Group) -> Regime:
 
 def _read_form(group: h5py.Group) -> Separated:
     axes = range(sum(name.startswith("nodes_") for name in group))
-    nodes = [group[f"nodes_{a}"][:] for a in axes]
+    nodes = [group[f"nodes_{a}"][:].astype(float) for a in axes]
     return Separated(
         lower=np.array([axis[0] for axis in nodes]),
         upper=np.array([axis[-1] for axis in nodes]),
-        factors=[group[f"values_{a}"][:] for a in axes],
-        slopes=[group[f"slopes_{a}"][:] for a in axes],
-        modes=group["modes"][:],
-        errors=group["errors"][:],
-        lost=group["lost"][:],
+        factors=[group[f"values_{a}"][:].astype(float) for a in axes],
+        slopes=[group[f"slopes_{a}"][:].astype(float) for a in axes],
+        modes=group["modes"][:].astype(float),
+        errors=group["errors"][:].astype(float),
+        lost=group["lost"][:].astype(float),
         kind=str(group.attrs["functions"]),
     )

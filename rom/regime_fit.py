@@ -17,6 +17,7 @@ from rom.separation import separated
 SHORT = 0.1  # share of the longest way past a corner that is short
 ROWS = 2.5  # of a correction for every coefficient: states come in few lines, and these are not left out whole
 BEYOND = 1.5  # of a box scaled to [-1, 1], how far beyond a fit is still of use
+CONDITIONS = 0.1  # how much they count in a regime's separation, beside tip and force
 SMALL = 0.02  # share of a regime's largest force below which errors count as of that force
 
 
@@ -103,6 +104,9 @@ class Part:
         both = [outputs.mixed(all_of[:, :4]), *([self.conditions.polynomial] if self.conditions else [])]
         if len(all_of) > 4:
             both.append(outputs.mixed(all_of[:, 4:]))
+        # Where a condition is near its end, the regimes on both sides say nearly the same: it may err more than they.
+        weights = np.ones(sum(len(one.coefficients.T) for one in both))
+        weights[4 : len(weights) - (len(all_of) - 4)] = CONDITIONS
         values = self.conditions.polynomial.value(self.points) if self.conditions else np.zeros((1, 0))
         return Regime(
             code=self.code,
@@ -110,7 +114,7 @@ class Part:
             begins=self.place.begins,
             states=len(self.points),
             sizes=np.maximum(np.abs(values).max(axis=0), np.finfo(float).tiny).tolist(),
-            form=separated(f"regime {self.code}", Polynomial.together(both), self.points, options),
+            form=separated(f"regime {self.code}", Polynomial.together(both), self.points, options, weights=weights),
         )
 
 

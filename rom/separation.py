@@ -13,13 +13,18 @@ from rom.separated import Separated
 
 logger = logging.getLogger(__name__)
 
-GRID = 10_000  # points of the grid on which it is separated, about
+GRID = 3_500  # points of the grid on which it is separated, about
 FEWEST, MOST = 7, 21  # nodes of an axis
 NEAR = 1.5  # steps of the grid that a state is known around itself, at least in one axis
 
 
 def separated(
-    name: str, polynomial: Polynomial, points: np.ndarray, options: EnrichmentOptions, alike: bool = False
+    name: str,
+    polynomial: Polynomial,
+    points: np.ndarray,
+    options: EnrichmentOptions,
+    alike: bool = False,
+    weights: np.ndarray | None = None,
 ) -> Separated:
     """Separate a polynomial.
 
@@ -29,6 +34,9 @@ def separated(
         points: where there were states, shape (n, p); only around them the form has to be like the polynomial.
         options: of the separation.
         alike: whether its m values have one unit and keep their proportions; else each counts by its own size.
+        weights: how much every value counts, shape (m,) [-]; alike if left out.
+
+    Its numbers are those that single precision holds: a model file need not store more, see rom.model_file.
     """
     p = len(polynomial.lower)
     count = int(np.clip(GRID ** (1 / max(p, 1)), FEWEST, MOST))
@@ -40,6 +48,7 @@ def separated(
     values, gradient = polynomial.value_and_gradient(grid)
     size = np.abs(values[known]).max(axis=0) if not alike else np.full(values.shape[1], np.abs(values[known]).max())
     size[size == 0] = 1.0
+    size = size if weights is None else size / weights
     shape = (-1, *[count] * p)
 
     def tensor(columns: np.ndarray) -> np.ndarray:
@@ -51,12 +60,17 @@ def separated(
     return Separated(
         lower=polynomial.lower,
         upper=polynomial.upper,
-        lost=_lost(tensor(values), factors) * size,
-        factors=factors[1:],
-        slopes=[slopes(factors, tensor(gradient[..., a]), a + 1) for a in range(p)],
-        modes=size[:, None] * factors[0],
-        errors=errors,
+        lost=_single(_lost(tensor(values), factors) * size),
+        factors=[_single(factor) for factor in factors[1:]],
+        slopes=[_single(slopes(factors, tensor(gradient[..., a]), a + 1)) for a in range(p)],
+        modes=_single(size[:, None] * factors[0]),
+        errors=_single(errors),
     )
+
+
+def _single(values: np.ndarray) -> np.ndarray:
+    """Rounded to single precision: 6e-8 of every value, where the fit and its separation err by 1e-4 and more."""
+    return values.astype(np.float32).astype(float)
 
 
 def _constant(polynomial: Polynomial, p: int) -> Separated:
@@ -65,7 +79,7 @@ def _constant(polynomial: Polynomial, p: int) -> Separated:
         upper=polynomial.upper,
         factors=[np.ones((2, 1))] * p,
         slopes=[np.zeros((2, 1))] * p,
-        modes=polynomial.coefficients[:1].T,
+        modes=_single(polynomial.coefficients[:1].T),
         errors=np.zeros(1),
         lost=np.zeros((1, polynomial.coefficients.shape[1])),
     )

@@ -83,7 +83,7 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions, coarse: SnapshotSe
         errors=unknown,
         displacements=None if moved is None else moved.separated(free, contact, options),
         lead=description.lead,
-        nodes=snapshots.nodes,
+        nodes=snapshots.nodes if moved is not None else np.zeros((0, 3)),
         scene=description.scene,
         accuracy={},
         provenance={

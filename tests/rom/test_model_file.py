@@ -23,7 +23,8 @@ def test_a_saved_model_is_the_model_bit_for_bit(surrogate, tmp_path):
     ours, theirs = (model.evaluate(points) for model in (surrogate, copy))
     assert np.array_equal(ours.tip, theirs.tip) and np.array_equal(ours.contact_force, theirs.contact_force)
     for name in ours.error:
-        assert ours.error[name] == pytest.approx(theirs.error[name], rel=1e-6)
+        assert np.all(ours.error[name] <= theirs.error[name] * (1 + 1e-12))  # rounded up
+        assert ours.error[name] == pytest.approx(theirs.error[name], rel=0.02)
     assert copy.parameters == surrogate.parameters and copy.accuracy == surrogate.accuracy
     assert list(tmp_path.iterdir()) == [tmp_path / "copy.h5"]
 
@@ -81,8 +82,8 @@ def test_files_that_are_no_models_are_refused_in_one_line(tmp_path, demo):
 
 def test_a_newer_format_is_refused_by_its_number(tmp_path, demo):
     file = tmp_path / "newer.h5"
-    file.write_bytes((demo / "finger.h5").read_bytes().replace(b"format 3,", b"format 4,", 1))
-    refused(file, "must be a model of format 3, got format 4")
+    file.write_bytes((demo / "finger.h5").read_bytes().replace(b"format 4,", b"format 5,", 1))
+    refused(file, "must be a model of format 4, got format 5")
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.999])

@@ -60,7 +60,7 @@ def test_snapshots_it_was_trained_on_are_met(surrogate, demo):
     points, forces = training.states_of("contact", "parameters"), training.states_of("contact", "contact_force")
     touching = forces > 0.1  # [N]
     off = np.abs(surrogate.evaluate(points[touching]).contact_force - forces[touching]) / forces[touching]
-    assert np.percentile(off, 95) < 0.005
+    assert np.percentile(off, 95) < 0.007
 
 
 @pytest.mark.parametrize("point", [FREE, TOUCHING, [30.0, 80.0, 0.004], [99.0, 5.0, 0.0011]], ids=str)
