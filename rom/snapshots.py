@@ -42,12 +42,13 @@ Tasks come in four kinds. `free-J` is a line along the lead tension (the tendon 
 plane) at the J-th combination of the others. `contact-J-I` holds the tensions (I-th node of the lead between onset and
 its highest) and brings the plane from where it touches to its nearest; where that is the same place, one state stands
 for the line. `scattered-K` holds tensions of its own: the free state there, then the plane's way. `free-J-rN` and
-`contact-J-I-rN` add states to a line in round N. `random-K` is one held-out state.
+`contact-J-I-rN` add states to a line in round N. `random-K` holds the held-out states at the K-th tensions.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 
@@ -57,6 +58,7 @@ from rom.description import FORMAT, Description, Line
 from rom.files import write_whole
 from rom.plan import Plan
 
+SAME_PLACE = 9  # decimals of the parameters' ranges in which states at one place agree
 FIELDS = ("displacement", "displacement_jacobian")
 
 
@@ -198,17 +200,35 @@ class SnapshotSet:
         return sum(int((self._tasks[task]["contact_force"][rows] > 0).sum()) for task, rows in found)
 
     def _rows(self, kind: str) -> list[tuple[str, np.ndarray]]:
-        """Tasks that hold states of a kind, and which of their states these are; a scattered line's first is free."""
-        found = []
+        """Tasks that hold states of a kind, and which of their states these are; a scattered line's first is free.
+
+        States at one place count once: a fit that is judged by states left out would find each in its twin.
+        """
+        if kind not in self._distinct:
+            self._distinct[kind] = list(self._each_once(kind))
+        return self._distinct[kind]
+
+    @cached_property
+    def _distinct(self) -> dict[str, list[tuple[str, np.ndarray]]]:
+        return {}
+
+    def _each_once(self, kind: str) -> Iterator[tuple[str, np.ndarray]]:
+        seen: set[bytes] = set()
+        size = np.array([parameter["upper"] - parameter["lower"] for parameter in self.description.parameters])
         for task, line in self.plan.lines.items():
             if task not in self._tasks or line.kind not in (kind, "scattered"):
                 continue
             rows = np.flatnonzero(self._tasks[task]["converged"])
             if line.kind == "scattered":
                 rows = rows[(rows == 0) == (kind == "free")]
-            if rows.size:
-                found.append((task, rows))
-        return found
+            places = np.round(self._tasks[task]["parameters"][rows] / size, SAME_PLACE)
+            fresh = []
+            for row, place in zip(rows, np.nan_to_num(places) + 0.0, strict=True):
+                if place.tobytes() not in seen:
+                    seen.add(place.tobytes())
+                    fresh.append(row)
+            if fresh:
+                yield task, np.array(fresh)
 
     def projected(self, kind: str, basis: np.ndarray) -> np.ndarray:
         """The displacement's derivatives of the same states in a basis, shape (states, k, p); read task by task.
