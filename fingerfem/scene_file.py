@@ -44,10 +44,10 @@ def load_scene(path: str | Path) -> Scene:
     try:
         return Scene.model_validate(table)
     except ValidationError as error:
-        raise SceneError(f"{path}: {_one_line(error)}") from None
+        raise SceneError(f"{path}: {one_line(error)}") from None
 
 
-def _one_line(error: ValidationError) -> str:
+def one_line(error: ValidationError) -> str:
     """The first broken rule as `field rule, got value`."""
     # A misspelt key is also a missing one: name what was written.
     first = min(error.errors(), key=lambda broken: broken["type"] != "extra_forbidden")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 from rom.snapshots import SnapshotSet
 from studies.training import farm
@@ -16,9 +18,11 @@ SCENES = {
     "reference": ("draft", "[80, 11]", ""),
     "paper": ("one_segment", None, "lines = 6\ncontact_nodes = 4"),
     "two segments": ("two_segments", None, "lines = 60"),
+    "draft lines": ("draft", None, "lines = 40"),
 }
 FRESH, SCALING = (200, 11), (200, 12)  # held-out states and their seeds: to judge by, and to scale errors by
 QUICK = "tension_nodes = 5\ncontact_nodes = 6"
+QUICK_FRESH = (40, 11)
 
 
 def scene(folder: Path, name: str, quick: bool = False) -> Path:
@@ -36,6 +40,25 @@ def written(folder: Path, name: str, text: str) -> Path:
     file = folder / f"{name.replace(' ', '-')}.toml"
     file.write_text(text)
     return file
+
+
+def as_toml(table: dict[str, Any]) -> str:
+    """A scene's table as text; keys without a value are left out."""
+    plain = [
+        f"{key} = {json.dumps(value)}" for key, value in table.items() if not _is_table(value) and value is not None
+    ]
+    for key, value in table.items():
+        for one in value if isinstance(value, list) else [value]:
+            if isinstance(one, dict):
+                head = f"[[{key}]]" if isinstance(value, list) else f"[{key}]"
+                inner = {k: v for k, v in one.items() if not isinstance(v, dict)}
+                plain.append(f"\n{head}\n{as_toml(inner)}")
+                plain += [f"[{key}.{k}]\n{as_toml(v)}" for k, v in one.items() if isinstance(v, dict)]
+    return "\n".join(plain) + "\n"
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
 
 
 def training(file: Path) -> SnapshotSet:
