@@ -28,7 +28,7 @@ import ufl
 from dolfinx import fem
 
 from fingerfem import compilation, contact, geometry, kinematics, materials, tendons
-from fingerfem.laws import STEEL, Law
+from fingerfem.laws import Law, plate_law
 from fingerfem.scene import Scene
 
 
@@ -133,7 +133,7 @@ def compile_forms(scene: Scene, mesh: geometry.FingerMesh, fields: Fields) -> Fo
 
     bodies = [
         *rubber_terms(scene.law, dx, geometry.RUBBERS, scene.mesh.order),
-        (materials.energy(STEEL), dx(geometry.PLATES)),
+        (materials.energy(plate_law(scene.law)), dx(geometry.PLATES)),
     ]
     paths = {tendon.path for tendon in scene.tendons}
     fibres = [(tendons.channelled(fields.tension_density), dx(geometry.CHANNELS))] if "channel" in paths else []

@@ -138,3 +138,9 @@ def neo_hookean_from(young_modulus: float, poisson: float) -> NeoHookean:
 
 
 STEEL = neo_hookean_from(young_modulus=200e9, poisson=0.3)
+RIGID = 1e6  # times the rubber's modulus: a plate bends by a millionth of what the rubber does
+
+
+def plate_law(rubber: Law) -> NeoHookean:
+    """Steel, or RIGID times the rubber where that is softer: of stiffer plates, round-off hides the rubber's stress."""
+    return neo_hookean_from(young_modulus=min(STEEL.young_modulus, RIGID * rubber.young_modulus), poisson=0.3)

@@ -5,6 +5,7 @@ import pytest
 
 from fingerfem import FingerModel, LoadNotReached
 from fingerfem.convergence import NotConverged
+from fingerfem.laws import neo_hookean_from
 from fingerfem.newton import Newton, NewtonOptions
 from fingerfem.scene import Scene
 from fingerfem.stepping import StepOptions, Stepper
@@ -221,3 +222,20 @@ def test_a_contact_line_takes_at_most_five_factorisations_a_state(draft):
 
 def test_rest_to_the_strongest_pull_takes_at_most_22_factorisations(draft):
     assert solver_study.from_rest(draft)["factorisations"] <= 22
+
+
+@pytest.mark.parametrize("modulus", [1e3, 1e5])
+def test_soft_rubber_pulled_less_bends_as_stiff_rubber_pulled_more(table, modulus):
+    """Everything but the plates scales with the rubber's modulus, and they are rigid to a millionth."""
+    tips, forces = [], []
+    for young in (modulus, 1e7):
+        law = neo_hookean_from(young, 0.3)
+        scene = table | {
+            "material": {"law": "neo-hookean", "C1": law.C1, "D1": law.D1},
+            "tendons": table["tendons"][:1],
+        }
+        state = FingerModel(Scene.model_validate(scene)).solve([50.0 * young / 1e7], 0.010, sensitivities=False)
+        tips.append(state.tip)
+        forces.append(state.contact_force / young)
+    assert tips[0] == pytest.approx(tips[1], rel=1e-3, abs=1e-9)
+    assert forces[0] == pytest.approx(forces[1], rel=1e-3)
