@@ -34,7 +34,8 @@ def create(path: str | Path, description: Description) -> None:
     file = path / "set.json"
     try:
         path.mkdir(parents=True, exist_ok=True)
-        if not file.exists() and not all(there.name.startswith(OURS) for there in path.iterdir()):
+        strangers = [there for there in path.iterdir() if not there.name.startswith(OURS)]
+        if strangers and not file.exists():  # in this order: another rank may begin the set meanwhile
             raise SnapshotError(f"{path}: must be a snapshot set or an empty folder")
         (path / "tasks").mkdir(exist_ok=True)
         if not file.exists():
