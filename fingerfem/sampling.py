@@ -19,8 +19,8 @@ class HeldOut:
     Attributes:
         count: of tensions.
         seed: of what is drawn.
-        distances: of the plane at each of these; states that share their tensions are solved one after the other, for
-            less than half of what each costs from rest.
+        distances: of the plane at each of these; states that share their tensions are solved one after the other, four
+            of them for half the iterations that each takes from rest.
     """
 
     count: int
