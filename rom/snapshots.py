@@ -48,7 +48,6 @@ for the line. `scattered-K` holds tensions of its own: the free state there, the
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 
@@ -204,16 +203,7 @@ class SnapshotSet:
 
         States at one place count once: a fit that is judged by states left out would find each in its twin.
         """
-        if kind not in self._distinct:
-            self._distinct[kind] = list(self._each_once(kind))
-        return self._distinct[kind]
-
-    @cached_property
-    def _distinct(self) -> dict[str, list[tuple[str, np.ndarray]]]:
-        return {}
-
-    def _each_once(self, kind: str) -> Iterator[tuple[str, np.ndarray]]:
-        seen: set[bytes] = set()
+        found, seen = [], set()
         size = np.array([parameter["upper"] - parameter["lower"] for parameter in self.description.parameters])
         for task, line in self.plan.lines.items():
             if task not in self._tasks or line.kind not in (kind, "scattered"):
@@ -221,14 +211,12 @@ class SnapshotSet:
             rows = np.flatnonzero(self._tasks[task]["converged"])
             if line.kind == "scattered":
                 rows = rows[(rows == 0) == (kind == "free")]
-            places = np.round(self._tasks[task]["parameters"][rows] / size, SAME_PLACE)
-            fresh = []
-            for row, place in zip(rows, np.nan_to_num(places) + 0.0, strict=True):
-                if place.tobytes() not in seen:
-                    seen.add(place.tobytes())
-                    fresh.append(row)
+            places = np.round(np.nan_to_num(self._tasks[task]["parameters"][rows] / size), SAME_PLACE) + 0.0
+            fresh = [row for row, place in zip(rows, places, strict=True) if place.tobytes() not in seen]
+            seen |= {place.tobytes() for place in places}
             if fresh:
-                yield task, np.array(fresh)
+                found.append((task, np.array(fresh)))
+        return found
 
     def projected(self, kind: str, basis: np.ndarray) -> np.ndarray:
         """The displacement's derivatives of the same states in a basis, shape (states, k, p); read task by task.

@@ -17,7 +17,7 @@ from studies.readme import table  # noqa: E402
 
 INTRO = """# The ends of every range
 
-Written by `make extremes` from `studies/extremes.py`. Whatever is asked at the end of a range comes out right, within a stated bound of a
+Written by `studies/extremes_page.py` from what `studies/extremes.py` found. Whatever is asked at the end of a range comes out right, within a stated bound of a
 reference that does not come from the same computation, or is refused with its reason. There is no third outcome: {rows} extremes, {right}
 right, {refused} refused.
 """
