@@ -19,7 +19,7 @@ sys.path.insert(0, str(ROOT))
 from fingerfem import FingerModel  # noqa: E402
 from fingerfem.scene import Scene  # noqa: E402
 from rom.enrichment import EnrichmentOptions  # noqa: E402
-from rom.snapshots import SnapshotSet  # noqa: E402
+from rom.snapshots import SnapshotSet, read_task  # noqa: E402
 from rom.surrogate import Surrogate  # noqa: E402
 from rom.training import train  # noqa: E402
 from studies import sets  # noqa: E402
@@ -68,7 +68,7 @@ def row(name: str, table: dict[str, Any], folder: Path, lines: int) -> dict:
         "unknowns": model.unknowns,
         "forms": count(model.forms),
         "states": training.states,
-        "quantities": len(training.task(next(iter(training.lines)))),
+        "quantities": len(read_task(place, next(iter(training.lines)))),
         "core_seconds": seconds(training),
         "datasets": len(datasets),
         "bytes": stored.stat().st_size,
