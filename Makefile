@@ -1,11 +1,12 @@
 # make demo   train the draft finger, grasp, verify, report to out/demo
 # make test   all tests, lint, types, import contracts
-# make readme, solver, training, surrogate, control, figures   what README and docs/ show (see below)
+# make readme, solver, training, surrogate, control, tradeoff, extremes, required, figures   what README and docs/ show (see below)
+# make bench  the short form of all studies, compared with docs/bench.json
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test clean readme solver training surrogate control figures
+.PHONY: demo test clean readme solver training surrogate control tradeoff extremes required bench figures
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -53,6 +54,24 @@ surrogate:
 control:
 	docker/run python3 studies/control.py out/control
 	docker/run python3 studies/control_page.py out/control
+
+# docs/tradeoff.md and the front that accuracy, budget and presets choose from: some two hours on two cores; it resumes.
+tradeoff:
+	docker/run python3 studies/tradeoff.py out/tradeoff
+	docker/run python3 studies/tradeoff_page.py out/tradeoff
+
+# docs/extremes.md: the ends of every range.
+extremes:
+	docker/run python3 studies/extremes.py out/extremes
+	docker/run python3 studies/extremes_page.py out/extremes
+
+# docs/required.md: what each kind of scene costs.
+required:
+	docker/run python3 studies/required.py out/required
+	docker/run python3 studies/required_page.py out/required
+
+bench:
+	docker/run python3 studies/bench.py out/bench
 
 # The pictures of docs/figures.md: free states, contact states, two segments, as figures 3, 4 and 6 of the paper.
 figures:

@@ -65,6 +65,11 @@ def grid_lines(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     except ValueError as error:
         raise ValueError(f"mesh.cells[0] {error}") from None
     x = np.unique(np.concatenate(lines))
+    if np.diff(x).max() > scene.geometry.side * (1 + 1e-6):
+        raise ValueError(
+            f"mesh.cells[0] must leave no cell longer than the side, {scene.geometry.side:g} m, or bending locks, "
+            f"got one of {np.diff(x).max():.3g} m"
+        )
     try:
         if not scene.planar:
             # The same for both, so that mirrored pulls give mirrored states.
