@@ -21,7 +21,12 @@ ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
 def build(
     folder: Annotated[Path, typer.Argument(metavar="SET/", help="A complete training set.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="MODEL.h5")],
-    tolerance: Annotated[float, typer.Option(min=1e-12, max=0.5, help="Relative error of the separation.")] = 3e-4,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            min=1e-12, max=0.5, help="Relative error of the separation; 3e-4, or what the scene's accuracy chose."
+        ),
+    ] = None,
     terms: Annotated[int, typer.Option(min=1, max=1000, help="Most products of one form.")] = 100,
     held_out: Annotated[
         Path | None,
@@ -42,8 +47,12 @@ def build(
     logging.basicConfig(format="%(message)s", level=logging.INFO)
     if not output.parent.is_dir():
         raise ValueError(f"output must be in a folder that exists, got {output}")
+    snapshots = SnapshotSet(folder)
+    if tolerance is None:
+        expected = snapshots.description.scene.get("expected") or {}
+        tolerance = expected.get("tolerance", EnrichmentOptions().tolerance)
     options = EnrichmentOptions(tolerance=tolerance, terms=terms)
-    model = train(SnapshotSet(folder), options, None if coarse is None else SnapshotSet(coarse))
+    model = train(snapshots, options, None if coarse is None else SnapshotSet(coarse))
     if held_out is not None:
         fresh = SnapshotSet(held_out)
         model = chosen(model, fresh)

@@ -22,7 +22,8 @@ def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
 
     Returns:
         by quantity count, median, p95, max of the relative error and p95_absolute in the quantity's unit; wrong touch
-        decisions; terms; bytes.
+        decisions; terms; bytes; and, of a scene whose mesh and sampling were chosen by an accuracy, a budget or a
+        preset, what was asked, expected and got.
 
     Raises:
         SnapshotError: the sets do not belong together.
@@ -60,7 +61,24 @@ def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
             "force_without_touch": int((felt & ~touches).sum()),
         }
     result["terms"], result["bytes"] = model.terms, model.bytes
+    expected = model.scene.get("expected")
+    if expected:
+        result["chosen"] = _chosen(model.scene, expected, result.get("contact_force", {}).get("p95"))
     return result
+
+
+def _chosen(scene: dict[str, Any], expected: dict[str, float], own: float | None) -> dict[str, Any]:
+    """What an accuracy, a budget or a preset asked for, what it expected, and what was got.
+
+    The surrogate's error is measured here, against states on its own mesh; the mesh's is that of the front's finger.
+    """
+    asked = next(f"{key} {scene[key]}" for key in ("accuracy", "budget", "preset") if scene.get(key))
+    found: dict[str, Any] = {"asked": asked, "expected": expected["contact_force"]}
+    found["expected_of_mesh"] = expected["contact_force_of_mesh"]
+    found["expected_of_surrogate"] = expected["contact_force_of_surrogate"]
+    if own is not None:
+        found |= {"of_surrogate": own, "got": own + expected["contact_force_of_mesh"]}
+    return found
 
 
 def accuracy(report: dict[str, Any]) -> dict[str, dict[str, float]]:

@@ -15,7 +15,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from rom.snapshots import SnapshotError, SnapshotSet
 
-OWN = {"name", "mesh", "sampling"}  # of a scene: what may differ
+OWN = {"name", "mesh", "sampling", "accuracy", "budget", "preset", "expected"}  # of a scene: what may differ
 
 
 def check_pair(fine: SnapshotSet, coarse: SnapshotSet) -> None:
