@@ -139,6 +139,8 @@ def snapshots(
     if world.size % ranks_per_finger:
         raise ValueError(f"ranks-per-finger must divide the number of ranks, {world.size}, got {ranks_per_finger}")
     scene = fingerfem.load_scene(scene_file)
+    if first and scene.expected is not None and not random:
+        logging.info("expected: %s", scene.expected)
     refines = until is not None or budget is not None
     if until is not None and not 0 < until < 1:
         raise ValueError(f"until must lie in (0, 1), got {until}")

@@ -1,7 +1,8 @@
 """Mesh, sampling and terms for an accuracy, a budget or a preset: from the measured front of speed against accuracy.
 
-`studies/tradeoff.py` measures the front on the draft finger and writes front.json beside this module; docs/tradeoff.md
-shows it. Other fingers get cells of the same shape, and as many lines of states a tension.
+`studies/tradeoff.py` measures the front on the draft finger, its page writes front.json beside this module, and
+docs/tradeoff.md shows it. Other fingers get cells of the same shape and as many lines of states a tension; what they
+cost is scaled by cells and lines, what they err is not known before `check` measures it.
 """
 
 from __future__ import annotations
@@ -17,15 +18,17 @@ from fingerfem.durations import seconds
 FRONT = Path(__file__).with_name("front.json")
 KEYS = ("accuracy", "budget", "preset")
 OF_MESH, OF_SAMPLING = ("cells", "order"), ("lines", "tension_nodes", "contact_nodes")
-MEASURED_TENSIONS, SLENDERNESS = 2, 5.0  # of the finger the front was measured on; its length over its side [-]
+TENSIONS, SLENDERNESS = 2, 5.0  # of the finger the front was measured on; its length over its side [-]
+LINES = 3  # the fewest a scene may ask for
 
 
 @cache
 def front() -> list[dict[str, Any]]:
-    """What no other choice beats in both cost and error, cheapest first.
+    """What no other choice beats in both cost and error of the contact force, cheapest first.
 
-    Each has `cells`, `order`, `lines` [a tension], `tolerance`; `preset` if it is one; and as measured `contact_force`,
-    `contact_force_of_mesh`, `contact_force_of_surrogate` (95 % of states, relative [-]), `core_seconds` [s], `states`.
+    Each has `cells`, `order`, `lines` [a tension], `tolerance`; `preset` if it is one; and as measured
+    `contact_force`, `contact_force_of_mesh`, `contact_force_of_surrogate` and the same of `displacement`
+    (95 % of states, relative [-]), `core_seconds` [s], `states`.
     """
     return json.loads(FRONT.read_text())["choices"]
 
@@ -45,55 +48,63 @@ def chosen(table: dict[str, Any]) -> dict[str, Any]:
         for key in keys:
             if key in table.get(part, {}):
                 raise ValueError(f"{part}.{key} must be left out where {asked[0]} chooses it, got {table[part][key]}")
-    geometry, tensions = table.get("geometry", {}), len(table.get("tendons", []))
-    one = _choice(asked[0], table[asked[0]])
     try:
-        longest = max(geometry["segments"]) / geometry["side"] / SLENDERNESS
+        segments, tensions = table["geometry"]["segments"], len(table["tendons"])
+        longest, bodies = max(segments) / table["geometry"]["side"] / SLENDERNESS, len(segments)
     except (KeyError, TypeError, ValueError, ZeroDivisionError):
-        return table  # whatever is wrong with the geometry is told as such
-    along, across = one["cells"]
-    lines = max(3, round(one["lines"] * tensions))
+        return table  # whatever is wrong with finger or tendons is told as such
+    quantity = "contact_force" if table.get("obstacle") else "displacement"
+    choices = [_fitted(one, longest, bodies, tensions, quantity) for one in front()]
+    one = _choice(asked[0], table[asked[0]], choices)
     return table | {
-        "mesh": table.get("mesh", {}) | {"cells": [max(round(along * longest), 3), across], "order": one["order"]},
-        "sampling": table.get("sampling", {}) | {"lines": lines},
-        "expected": {
-            key: one[key]
-            for key in (
-                "contact_force",
-                "contact_force_of_mesh",
-                "contact_force_of_surrogate",
-                "core_seconds",
-                "states",
-            )
-        }
-        | {"tolerance": one["tolerance"]},
+        "mesh": table.get("mesh", {}) | {key: one[key] for key in OF_MESH},
+        "sampling": table.get("sampling", {}) | {"lines": one["lines"]},
+        "expected": one["expected"],
     }
 
 
-def _choice(key: str, value: Any) -> dict[str, Any]:
-    choices = front()
+def _fitted(one: dict[str, Any], longest: float, bodies: int, tensions: int, quantity: str) -> dict[str, Any]:
+    """A measured choice on another finger, with what to expect of it."""
+    along, across = one["cells"]
+    fitted = max(round(along * longest), 3)
+    lines = max(LINES, round(one["lines"] * tensions))
+    more_lines = lines / (one["lines"] * TENSIONS)
+    return {
+        "cells": [fitted, across],
+        "order": one["order"],
+        "lines": lines,
+        "preset": one.get("preset"),
+        "expected": {
+            "quantity": quantity,
+            "error": one[quantity],
+            "error_of_mesh": one[f"{quantity}_of_mesh"],
+            "error_of_surrogate": one[f"{quantity}_of_surrogate"],
+            "core_seconds": one["core_seconds"] * more_lines * fitted * bodies / along,
+            "states": round(one["states"] * more_lines),
+            "tolerance": one["tolerance"],
+        },
+    }
+
+
+def _choice(key: str, value: Any, choices: list[dict[str, Any]]) -> dict[str, Any]:
+    """The cheapest of an accuracy, the best of a budget, or the one of that name."""
     if key == "preset":
-        named = {one["preset"]: one for one in choices if one.get("preset")}
+        named = {one["preset"]: one for one in choices if one["preset"]}
         if value not in named:
             raise ValueError(f"preset must be one of {', '.join(named)}, got {value!r}")
         return named[value]
+    errors, costs = ([one["expected"][what] for one in choices] for what in ("error", "core_seconds"))
     if key == "accuracy":
         wanted = _share(value)
-        found = [one for one in choices if one["contact_force"] <= wanted]
+        found = [one for one, error in zip(choices, errors, strict=True) if error <= wanted]
         if not found:
-            best = min(one["contact_force"] for one in choices)
-            raise ValueError(
-                f'accuracy must be at least "{100 * best:.2g} %", the best that was measured, got "{value}"'
-            )
-        return min(found, key=lambda one: one["core_seconds"])
+            raise ValueError(f'accuracy must be at least "{100 * min(errors):.2g} %", the best measured, got "{value}"')
+        return min(found, key=lambda one: one["expected"]["core_seconds"])
     budget = seconds("budget", value)
-    found = [one for one in choices if one["core_seconds"] <= budget]
+    found = [one for one, cost in zip(choices, costs, strict=True) if cost <= budget]
     if not found:
-        least = min(one["core_seconds"] for one in choices)
-        raise ValueError(
-            f'budget must be at least "{least:.0f}s" of core time, the least that was measured, got "{value}"'
-        )
-    return min(found, key=lambda one: one["contact_force"])
+        raise ValueError(f'budget must be at least "{min(costs):.0f}s" of core time for this finger, got "{value}"')
+    return min(found, key=lambda one: one["expected"]["error"])
 
 
 def _share(text: Any) -> float:

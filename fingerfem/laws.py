@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Formulation = Literal["displacement", "mixed"]
 NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which displacements alone begin to lock
@@ -24,6 +24,15 @@ class Law(Table):
     """
 
     formulation: Formulation | None = None
+
+    @model_validator(mode="after")
+    def _does_not_widen(self) -> Law:
+        if self.poisson < -1e-9:
+            raise ValueError(
+                "law must have a Poisson's ratio of at least 0, below which coarse cells lock in shear, "
+                f"got {self.poisson:.3g}"
+            )
+        return self
 
     @property
     def shear_modulus(self) -> float:
@@ -114,7 +123,7 @@ class SaintVenantKirchhoff(Law):
     law: Literal["saint-venant-kirchhoff"] = "saint-venant-kirchhoff"
     formulation: Literal["displacement"] | None = None
     E: Annotated[float, Field(ge=1e2, le=1e12)]
-    nu: Annotated[float, Field(gt=-1, le=NEARLY_INCOMPRESSIBLE)]
+    nu: Annotated[float, Field(ge=0, le=NEARLY_INCOMPRESSIBLE)]
 
     @property
     def shear_modulus(self) -> float:

@@ -120,17 +120,26 @@ class Sampling(Table):
 
 
 class Expected(Table):
-    """What was measured with the mesh, sampling and terms that an accuracy, a budget or a preset chose, see choice.
+    """What the mesh, sampling and terms that an accuracy, a budget or a preset chose are expected to give, see choice.
 
-    Errors are of the contact force, relative [-], that 95 % of states kept on the finger the front was measured on.
+    Errors are relative [-], of the contact force or, without an obstacle, of the displacement, and kept by 95 % of
+    states on the finger that the front was measured on.
     """
 
-    contact_force: float
-    contact_force_of_mesh: float
-    contact_force_of_surrogate: float
+    quantity: Literal["contact_force", "displacement"]
+    error: float
+    error_of_mesh: float
+    error_of_surrogate: float
     core_seconds: float
     states: int
     tolerance: float
+
+    def __str__(self) -> str:
+        shares = [f"{100 * share:.2g} %" for share in (self.error, self.error_of_mesh, self.error_of_surrogate)]
+        return (
+            f"{self.quantity.replace('_', ' ')} within {shares[0]} in 95 % of states ({shares[1]} of the mesh, "
+            f"{shares[2]} of the surrogate), {self.states} states, {self.core_seconds / 60:.2g} core-minutes"
+        )
 
 
 class Scene(Table):

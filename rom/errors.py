@@ -63,22 +63,19 @@ def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
     result["terms"], result["bytes"] = model.terms, model.bytes
     expected = model.scene.get("expected")
     if expected:
-        result["chosen"] = _chosen(model.scene, expected, result.get("contact_force", {}).get("p95"))
+        result["chosen"] = _chosen(model.scene, expected, result)
     return result
 
 
-def _chosen(scene: dict[str, Any], expected: dict[str, float], own: float | None) -> dict[str, Any]:
+def _chosen(scene: dict[str, Any], expected: dict[str, Any], found: dict[str, Any]) -> dict[str, Any]:
     """What an accuracy, a budget or a preset asked for, what it expected, and what was got.
 
     The surrogate's error is measured here, against states on its own mesh; the mesh's is that of the front's finger.
     """
     asked = next(f"{key} {scene[key]}" for key in ("accuracy", "budget", "preset") if scene.get(key))
-    found: dict[str, Any] = {"asked": asked, "expected": expected["contact_force"]}
-    found["expected_of_mesh"] = expected["contact_force_of_mesh"]
-    found["expected_of_surrogate"] = expected["contact_force_of_surrogate"]
-    if own is not None:
-        found |= {"of_surrogate": own, "got": own + expected["contact_force_of_mesh"]}
-    return found
+    got = found.get(expected["quantity"], {}).get("p95")
+    told = {"asked": asked} | {key: expected[key] for key in ("quantity", "error", "error_of_mesh")}
+    return told | ({} if got is None else {"got_of_surrogate": got, "got": got + expected["error_of_mesh"]})
 
 
 def accuracy(report: dict[str, Any]) -> dict[str, dict[str, float]]:

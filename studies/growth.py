@@ -1,11 +1,14 @@
-"""How states, terms, bytes and query time grow with the number of parameters: python3 studies/growth.py [OUT].
+"""How states, terms, bytes and query time grow with the number of parameters.
+
+python3 studies/growth.py [OUT] [--quick]    prints rows, writes OUT/growth.json (out/surrogate by default)
 
 The finger of two segments with both pairs of tendons (scenes/four_tendons.toml, on a coarser mesh), pulled by one to
-four of them; lines of states at scattered tensions, 40 a tension. Writes OUT/growth.json (out/surrogate by default).
+four of them; lines of states at scattered tensions, 40 a tension.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 import sys
@@ -33,14 +36,14 @@ SEED = 11
 ENOUGH = 0.01  # separation error for which terms are counted
 
 
-def scene(folder: Path, parameters: int) -> Path:
-    """The four tendons' scene with the first of them."""
+def scene(folder: Path, parameters: int, lines: int = LINES) -> Path:
+    """The four tendons' scene with the first of them, and so many lines of states a tension."""
     text = (ROOT / "scenes" / "four_tendons.toml").read_text().replace(*CELLS)
     head, *tendons = re.split(r"(?=\[\[tendons\]\])", text.replace('"four tendons"', '"growth"'))
     tendons[-1], rest = tendons[-1].split("[obstacle]", 1)
     named = {re.search(r'name = "(\w+)"', tendon)[1]: tendon for tendon in tendons}  # type: ignore[index]
     pulled = PULLED[parameters]
-    sampling = f"\n[sampling]\nlines = {LINES * len(pulled)}\nstore = []\n"
+    sampling = f"\n[sampling]\nlines = {lines * len(pulled)}\nstore = []\n"
     return written(
         folder, f"growth {parameters}", head + "".join(named[name] for name in pulled) + "[obstacle]" + rest + sampling
     )
@@ -53,17 +56,19 @@ def terms_for(model: Surrogate, error: float) -> int | None:
     return int(good[0]) + 1 if good.size else None
 
 
-def main(folder: Path) -> None:
+def main(folder: Path, quick: bool) -> None:
     """Measure, print, write."""
     folder.mkdir(parents=True, exist_ok=True)
     rows = []
     for parameters, names in PULLED.items():
-        file = scene(folder, parameters)
+        if quick and len(names) > 2:
+            continue
+        file = scene(folder, parameters, 8 if quick else LINES)
         states = training(file)
         begun = time.perf_counter()
         model = train(states, EnrichmentOptions())
         seconds = time.perf_counter() - begun
-        fresh = held_out(file, "fresh", FRESH[parameters], SEED)
+        fresh = held_out(file, "fresh", 20 if quick else FRESH[parameters], SEED)
         report = check(model, fresh)
         rows.append(
             {
@@ -88,4 +93,9 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "out" / "surrogate").resolve())
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("out", type=Path, nargs="?", help="out/surrogate by default, out/surrogate-quick if quick")
+    parser.add_argument("--quick", action="store_true", help="one and two tendons, a fifth of the lines")
+    given = parser.parse_args()
+    usual = ROOT / "out" / ("surrogate-quick" if given.quick else "surrogate")
+    main((given.out or usual).resolve(), given.quick)

@@ -21,6 +21,14 @@ def table(header: list[str], rows: list[list[str]]) -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
+def put(begin: str, text: str) -> None:
+    """Rewrite README's block that starts with a mark."""
+    readme = ROOT / "README.md"
+    before, rest = readme.read_text().split(begin)
+    after = rest.split(END, 1)[1]
+    readme.write_text(before + begin + text + END + after)
+
+
 def measured(numbers: dict) -> str:
     """The block between the marks."""
     training, touch, sweep = numbers["training"], numbers["errors"]["touch"], numbers["campaign"]
@@ -45,10 +53,7 @@ on the machine that wrote this (the authors report 7,160 us and 31,000 us at wor
 def main(folder: Path) -> None:
     """Rewrite README.md and docs/finger.png."""
     numbers = json.loads((folder / "report.json").read_text())
-    readme = ROOT / "README.md"
-    before, rest = readme.read_text().split(BEGIN)
-    after = rest.split(END)[1]
-    readme.write_text(before + BEGIN + measured(numbers) + END + after)
+    put(BEGIN, measured(numbers))
     (ROOT / "docs").mkdir(exist_ok=True)
     shutil.copyfile(folder / "s11.png", ROOT / "docs" / "finger.png")
 

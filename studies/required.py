@@ -31,6 +31,7 @@ from studies.training import farm  # noqa: E402
 
 NOT_HERE = ("straight", "incompressible", "Nitsche")  # other physics, not other requirements
 CELLS = [12, 5]  # of each segment
+LINES = 16  # of states, a tension
 
 
 def scenes() -> dict[str, dict[str, Any]]:
@@ -81,7 +82,7 @@ def main() -> None:
     """Measure, print, write."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", nargs="?", help="out/required by default, out/required-quick if quick")
-    parser.add_argument("--quick", action="store_true", help="a quarter of the lines, one segment only")
+    parser.add_argument("--quick", action="store_true", help="half the lines, one segment only")
     options = parser.parse_args()
     folder = Path(options.out or ROOT / "out" / ("required-quick" if options.quick else "required")).resolve()
     folder.mkdir(parents=True, exist_ok=True)
@@ -89,7 +90,7 @@ def main() -> None:
     for name, table in scenes().items():
         if options.quick and "segments" in name:
             continue
-        rows.append(row(name, table, folder, 8 if options.quick else 30))
+        rows.append(row(name, table, folder, 8 if options.quick else LINES))
         say(rows[-1])
     (folder / "required.json").write_text(json.dumps({"scenes": rows}, indent=1))
 

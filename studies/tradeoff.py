@@ -120,6 +120,8 @@ def full() -> Plan:
     models += [Training(SQUARE, sampling) for sampling in ("10 lines", "20 lines", "60 lines")]
     models += [Training(DRAFT, "9 x 12", functions=kind) for kind in ("cubic", "linear")]
     models += [Training(DRAFT, "9 x 12", tolerance=tolerance) for tolerance in (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4)]
+    models += [Training(SQUARE, "10 lines", tolerance=tolerance) for tolerance in (3e-3, 1e-2)]
+    models += [Training(SQUARE, "60 lines", tolerance=tolerance) for tolerance in (1e-3, 1e-4)]
     models += [
         Training(MIDDLE, "10 lines", coarse=(DRAFT, "9 x 12")),
         Training(SQUARES, "10 lines", coarse=(SQUARE, "40 lines")),
