@@ -24,9 +24,9 @@ LINES = 3  # the fewest a scene may ask for
 
 @cache
 def front() -> list[dict[str, Any]]:
-    """What no other choice beats in both cost and error of the contact force, cheapest first.
+    """The presets, and what no other choice beats in both cost and error of the contact force; cheapest first.
 
-    Each has `cells`, `order`, `lines` [a tension], `tolerance`; `preset` if it is one; and as measured
+    Each has `cells`, `order`, `lines` [a tension], `tolerance`; `preset`, its name or None; and as measured
     `contact_force`, `contact_force_of_mesh`, `contact_force_of_surrogate` and the same of `displacement`
     (95 % of states, relative [-]), `core_seconds` [s], `states`.
     """
@@ -73,7 +73,7 @@ def _fitted(one: dict[str, Any], longest: float, bodies: int, tensions: int, qua
         "cells": [fitted, across],
         "order": one["order"],
         "lines": lines,
-        "preset": one.get("preset"),
+        "preset": one["preset"],
         "expected": {
             "quantity": quantity,
             "error": one[quantity],
@@ -110,6 +110,6 @@ def _choice(key: str, value: Any, choices: list[dict[str, Any]]) -> dict[str, An
 def _share(text: Any) -> float:
     """A percentage such as "1 %" [-]."""
     match = re.fullmatch(r"\s*([0-9]*\.?[0-9]+)\s*%\s*", text) if isinstance(text, str) else None
-    if match is None or not 0 < float(match[1]) <= 50:
-        raise ValueError(f'accuracy must be a share such as "1 %", above 0 and at most 50 %, got {text!r}')
+    if match is None or not 0 < float(match[1]) < 100:
+        raise ValueError(f'accuracy must be a share such as "1 %", above 0 and below 100 %, got {text!r}')
     return float(match[1]) / 100

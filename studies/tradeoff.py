@@ -104,31 +104,35 @@ SAMPLINGS = {
     "60 lines": "lines = 60",
 }
 DRAFT, MIDDLE, THIRD, PAPER, TWICE = (Mesh(cells) for cells in ((20, 5), (40, 7), (70, 8), (100, 10), (200, 20)))
-SQUARE, SQUARES = Mesh((10, 5), 2), Mesh((20, 5), 2)
+SHORT, SQUARE, SQUARES = Mesh((6, 5), 2), Mesh((10, 5), 2), Mesh((20, 5), 2)
+
+PRESETS = {
+    "draft": Training(DRAFT, "40 lines"),
+    "standard": Training(SQUARE, "60 lines"),
+    "fine": Training(SQUARES, "60 lines"),
+}
 
 
 def full() -> Plan:
     """The whole study."""
-    fine = Mesh((25, 8), 2)
     few = 10
-    meshes = dict.fromkeys([DRAFT, MIDDLE, THIRD, PAPER, SQUARE, SQUARES, fine], few)
+    meshes = dict.fromkeys([DRAFT, MIDDLE, THIRD, PAPER, SHORT, SQUARE, SQUARES], few)
     methods = [Mesh((20, 5), order, "nitsche") for order in (1, 2)]
     methods += [Mesh((20, 5), 1, "penalty", factor) for factor in (100.0, 1e5)]
-    usual, curve = "40 lines", ["4 x 4", "5 x 6", "7 x 9", "9 x 12", "10 lines", "20 lines", "60 lines"]
-    models = [Training(mesh, usual) for mesh in (DRAFT, MIDDLE, SQUARE, SQUARES)]
-    models += [Training(DRAFT, sampling) for sampling in curve]
-    models += [Training(SQUARE, sampling) for sampling in ("10 lines", "20 lines", "60 lines")]
-    models += [Training(DRAFT, "9 x 12", functions=kind) for kind in ("cubic", "linear")]
-    models += [Training(DRAFT, "9 x 12", tolerance=tolerance) for tolerance in (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4)]
-    models += [Training(SQUARE, "10 lines", tolerance=tolerance) for tolerance in (3e-3, 1e-2)]
-    models += [Training(SQUARE, "60 lines", tolerance=tolerance) for tolerance in (1e-3, 1e-4)]
+    grids, few_lines = ["4 x 4", "5 x 6", "7 x 9", "9 x 12"], ["10 lines", "20 lines"]
+    models = [Training(mesh, lines) for mesh in (DRAFT, SQUARE, SQUARES) for lines in ("40 lines", "60 lines")]
+    models += [Training(mesh, "40 lines") for mesh in (SHORT, MIDDLE)]
     models += [
-        Training(MIDDLE, "10 lines", coarse=(DRAFT, "9 x 12")),
         Training(SQUARES, "10 lines", coarse=(SQUARE, "40 lines")),
         Training(SQUARES, "20 lines", coarse=(DRAFT, "60 lines")),
-        Training(PAPER, "20 lines"),
-        Training(fine, "10 lines", coarse=(SQUARE, "40 lines")),
+        Training(MIDDLE, "10 lines", coarse=(DRAFT, "9 x 12")),
     ]
+    models += [Training(mesh, lines) for mesh in (DRAFT, SHORT, SQUARE) for lines in few_lines]
+    models += [Training(DRAFT, sampling) for sampling in grids]
+    models += [Training(SQUARE, "60 lines", tolerance=tolerance) for tolerance in (1e-2, 1e-3)]
+    models += [Training(DRAFT, "9 x 12", functions=kind) for kind in ("cubic", "linear")]
+    models += [Training(DRAFT, "9 x 12", tolerance=tolerance) for tolerance in (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4)]
+    models += [Training(PAPER, "20 lines")]
     return Plan(Mesh((40, 8), 2), meshes | dict.fromkeys(methods, few) | {TWICE: 2}, (few, 4), models, 5000)
 
 

@@ -9,17 +9,15 @@ import json
 import sys
 from pathlib import Path
 
-import numpy as np
-
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from fingerfem.choice import FRONT  # noqa: E402
 from studies.readme import put, table  # noqa: E402
 from studies.surrogate_page import percent  # noqa: E402
+from studies.tradeoff import PRESETS, front  # noqa: E402
 
 BEGIN = "<!-- presets: written by `make tradeoff` -->"  # in README
-PRESETS = ("draft", "standard", "fine")
 USUAL = 3e-4  # tolerance of the separation
 NAMES = {"mor": "e_MOR", "total": "total"}
 INTRO = """# Speed against accuracy
@@ -37,13 +35,13 @@ PAGE = """
 ## Presets
 
 A scene names one by `preset`, or says `accuracy = "1 %"` (of the contact force) or `budget = "20min"` (of core time), and leaves `mesh` and
-`sampling.lines` out. The choice is taken from the table below it: what no other choice of one mesh beats in cost, terms and error.
+`sampling.lines` out. The choice is taken from the second table: the presets, and what no other choice of one mesh beats in both cost and error.
 `snapshots` says what is expected, `rom check` what was got. Other fingers get cells of the same shape and as many lines a tension; what
 these cost is scaled by cells and lines, and what they err is the draft finger's until it is measured.
 
 {presets}
 
-{front}
+{listing}
 
 ![cost against error; mesh and surrogate](tradeoff.png)
 
@@ -120,7 +118,7 @@ def models(rows: list[dict], front: list[str]) -> str:
 
 
 def choices(found: dict) -> list[dict]:
-    """What a scene can choose: one mesh, lines of states, Hermite functions; none beaten in cost, query time and error."""
+    """What a scene can choose: models of one mesh by lines that none beats in cost and error, and the presets."""
     of_mesh = {row["name"]: row["fem"] for row in found["meshes"]}
     plain = [
         row
@@ -129,21 +127,14 @@ def choices(found: dict) -> list[dict]:
         and row["training"]["functions"] == "hermite"
         and "lines" in row["training"]["sampling"]
     ]
-    listed = [_choice(row, of_mesh) for row in plain if not any(_beats(other, row) for other in plain)]
-    listed.sort(key=lambda one: (one["core_seconds"], one["query_us"]))
-    for one, preset in zip(_ends_and_middle(listed), PRESETS, strict=True):
-        one["preset"] = preset
-    return listed
-
-
-def _merits(row: dict) -> np.ndarray:
-    return np.array([row["core_seconds"], row["terms"], row["total"]["contact_force"]["p95"]])
-
-
-def _beats(one: dict, other: dict) -> bool:
-    """Whether one is nowhere worse and somewhere better; terms stand for query time, which varies from run to run."""
-    ours, theirs = _merits(one), _merits(other)
-    return bool((ours <= theirs).all() and (ours < theirs).any())
+    presets = {training.name: preset for preset, training in PRESETS.items()}
+    best = front(plain, "core_seconds")
+    listed = [
+        _choice(row, of_mesh) | {"preset": presets.get(row["name"])}
+        for row in plain
+        if row["name"] in best or row["name"] in presets
+    ]
+    return sorted(listed, key=lambda one: one["core_seconds"])
 
 
 def _choice(row: dict, of_mesh: dict[str, dict]) -> dict:
@@ -165,18 +156,7 @@ def _choice(row: dict, of_mesh: dict[str, dict]) -> dict:
     return found | {key: row[key] for key in ("core_seconds", "states", "bytes", "terms", "query_us")}
 
 
-def _ends_and_middle(listed: list[dict]) -> list[dict]:
-    """Of those that none beats in cost and error: the cheapest, the one half way in the logarithm of cost, the best."""
-    front: list[dict] = []
-    for one in sorted(listed, key=lambda one: (one["core_seconds"], one["contact_force"])):
-        if not front or one["contact_force"] < front[-1]["contact_force"]:
-            front.append(one)
-    costs = np.log([one["core_seconds"] for one in front])
-    middle = int(np.abs(costs - (costs[0] + costs[-1]) / 2).argmin())
-    return [front[0], front[min(max(middle, 1), len(front) - 2)], front[-1]]
-
-
-def front(listed: list[dict]) -> str:
+def listing(listed: list[dict]) -> str:
     """All that a scene can choose from."""
     header = [
         "cells, order",
@@ -196,7 +176,7 @@ def front(listed: list[dict]) -> str:
             f"{one['core_seconds']:.0f}",
             str(one["terms"]),
             *(percent(one[f"contact_force{part}"]) for part in ("", "_of_mesh", "_of_surrogate")),
-            one.get("preset", ""),
+            one["preset"] or "",
         ]
         for one in listed
     ]
@@ -222,7 +202,7 @@ def presets(listed: list[dict]) -> str:
             percent(one["held_force"]),
         ]
         for one in listed
-        if "preset" in one
+        if one["preset"]
     ]
     return table(header, rows)
 
@@ -250,8 +230,11 @@ def draw(found: dict, file: Path) -> None:
     left.set(xlabel="training [core-seconds]", title="against the reference")
     for label, colour in (("20 x 5, order 1", "tab:blue"), ("10 x 5, order 2", "tab:orange")):
         rows = sorted(kinds.get(label, []), key=lambda row: row["states"])
+        lines, grids = ([row for row in rows if ("lines" in row["training"]["sampling"]) == of] for of in (True, False))
         for key, style in (("mor", "o:"), ("total", "o-")):
-            right.loglog(*_curve(rows, key, "states"), style, color=colour, label=f"{NAMES[key]}, {label}")
+            right.loglog(*_curve(lines, key, "states"), style, color=colour, label=f"{NAMES[key]}, {label}, lines")
+        if grids:
+            right.loglog(*_curve(grids, "mor", "states"), "x", color=colour, label=f"e_MOR, {label}, grids")
         for row in found["meshes"]:
             if label.replace(", ", " ") == row["name"]:
                 right.axhline(100 * row["fem"]["contact_force"]["p95"], color=colour, lw=0.8, ls="--")
@@ -289,7 +272,7 @@ def main() -> None:
         presets=presets(listed),
         meshes=meshes(found),
         models=models(found["models"], found["front"]),
-        front=front(listed),
+        listing=listing(listed),
     )
     (ROOT / "docs" / "tradeoff.md").write_text(text)
     draw(found, ROOT / "docs" / "tradeoff.png")
