@@ -1,6 +1,6 @@
-"""Write docs/tradeoff.md, its picture and fingerfem/front.json from what tradeoff.py measured.
+"""Write docs/tradeoff.md, its picture, README's presets and fingerfem/front.json from what tradeoff.py measured.
 
-python3 studies/tradeoff_page.py [OUT]    (out/tradeoff by default)
+python3 studies/tradeoff_page.py [OUT]    (out/tradeoff by default; docs, where the numbers are kept, to write them anew)
 """
 
 from __future__ import annotations
@@ -260,6 +260,7 @@ def main() -> None:
     """Write page, picture, front and README's presets."""
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "out" / "tradeoff")
     found = json.loads((folder / "tradeoff.json").read_text())
+    (ROOT / "docs" / "tradeoff.json").write_text(json.dumps(found) + "\n")
     listed = choices(found)
     FRONT.write_text(json.dumps({"choices": listed}, indent=1) + "\n")
     text = INTRO.format(
