@@ -1,0 +1,50 @@
+"""The bench sees what changed, and nothing else."""
+
+import copy
+
+import pytest
+
+from studies.bench import compare
+
+RECORDED = {
+    "solver": {
+        "states": 12,
+        "seconds": 3.0,
+        "speedup_ratio": 2.0,
+        "rows": [{"name": "a", "error": 1e-3, "ok": "right"}],
+    }
+}
+
+
+def changed(**values) -> dict:
+    found = copy.deepcopy(RECORDED)
+    for key, value in values.items():
+        (found["solver"]["rows"][0] if key in ("name", "error", "ok") else found["solver"])[key] = value
+    return found
+
+
+@pytest.mark.parametrize(
+    "values", [{}, {"seconds": 30.0}, {"error": 1.005e-3}, {"speedup_ratio": 1.2}, {"speedup_ratio": 3.5}]
+)
+def test_times_errors_within_a_hundredth_and_ratios_within_two_are_the_same(values):
+    assert compare(changed(**values), RECORDED) == []
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"states": 13}, ["/solver/states: 12 on record, now 13"]),
+        ({"error": 1.02e-3}, ["/solver/rows/a/error: 0.001 on record, now 0.00102"]),
+        ({"error": float("nan")}, ["/solver/rows/a/error: 0.001 on record, now nan"]),
+        ({"ok": "WRONG"}, ["/solver/rows/a/ok: right on record, now WRONG"]),
+        ({"speedup_ratio": 0.9}, ["/solver/speedup_ratio: 2.0 on record, now 0.9"]),
+        ({"terms": 4}, ["/solver/terms: not on record, now 4"]),
+    ],
+)
+def test_counts_verdicts_errors_and_ratios_that_differ_are_told_one_a_line(values, told):
+    assert compare(changed(**values), RECORDED) == told
+
+
+def test_what_is_gone_is_told():
+    (line,) = compare({"solver": {key: RECORDED["solver"][key] for key in ("states", "seconds", "rows")}}, RECORDED)
+    assert line == "/solver/speedup_ratio: 2.0 on record, now gone"
