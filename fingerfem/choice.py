@@ -8,6 +8,7 @@ cost is scaled by cells and lines, what they err is not known before `check` mea
 from __future__ import annotations
 
 import json
+import math
 import re
 from functools import cache
 from pathlib import Path
@@ -20,6 +21,7 @@ KEYS = ("accuracy", "budget", "preset")
 OF_MESH, OF_SAMPLING = ("cells", "order"), ("lines", "tension_nodes", "contact_nodes")
 TENSIONS, SLENDERNESS = 2, 5.0  # of the finger the front was measured on; its length over its side [-]
 LINES = 3  # the fewest a scene may ask for
+LONGEST, PLAIN = 1e6, {"cells": [20, 5]}  # no finger is longer [-]; cells of a scene that is to be refused
 
 
 @cache
@@ -45,6 +47,8 @@ def chosen(table: dict[str, Any]) -> dict[str, Any]:
     if len(asked) > 1:
         raise ValueError(f"{asked[1]} must be left out where {asked[0]} is given, got {table[asked[1]]!r}")
     for part, keys in (("mesh", OF_MESH), ("sampling", OF_SAMPLING)):
+        if not isinstance(table.get(part, {}), dict):
+            return table  # told as such
         for key in keys:
             if key in table.get(part, {}):
                 raise ValueError(f"{part}.{key} must be left out where {asked[0]} chooses it, got {table[part][key]}")
@@ -52,7 +56,9 @@ def chosen(table: dict[str, Any]) -> dict[str, Any]:
         segments, tensions = table["geometry"]["segments"], len(table["tendons"])
         longest, bodies = max(segments) / table["geometry"]["side"] / SLENDERNESS, len(segments)
     except (KeyError, TypeError, ValueError, ZeroDivisionError):
-        return table  # whatever is wrong with finger or tendons is told as such
+        longest = math.nan
+    if not 0 < longest < LONGEST:
+        return table | {"mesh": PLAIN}  # whatever is wrong with finger or tendons is told as such
     quantity = "contact_force" if table.get("obstacle") else "displacement"
     choices = [_fitted(one, longest, bodies, tensions, quantity) for one in front()]
     one = _choice(asked[0], table[asked[0]], choices)
@@ -90,7 +96,7 @@ def _choice(key: str, value: Any, choices: list[dict[str, Any]]) -> dict[str, An
     """The cheapest of an accuracy, the best of a budget, or the one of that name."""
     if key == "preset":
         named = {one["preset"]: one for one in choices if one["preset"]}
-        if value not in named:
+        if not isinstance(value, str) or value not in named:
             raise ValueError(f"preset must be one of {', '.join(named)}, got {value!r}")
         return named[value]
     errors, costs = ([one["expected"][what] for one in choices] for what in ("error", "core_seconds"))

@@ -114,7 +114,7 @@ PRESETS = {
 
 
 def full() -> Plan:
-    """The whole study."""
+    """The whole study: some two hours on two cores."""
     few = 10
     meshes = dict.fromkeys([DRAFT, MIDDLE, THIRD, PAPER, SHORT, SQUARE, SQUARES], few)
     methods = [Mesh((20, 5), order, "nitsche") for order in (1, 2)]
@@ -137,7 +137,7 @@ def full() -> Plan:
 
 
 def quick() -> Plan:
-    """Five minutes on two cores."""
+    """A few of each kind."""
     meshes = dict.fromkeys([DRAFT, SQUARE, Mesh((20, 5), 1, "nitsche")], 4)
     models = [
         Training(DRAFT, "4 x 4"),
@@ -301,7 +301,7 @@ def main() -> None:
     """Solve, train, measure, print, write; what is in the file already stays."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", nargs="?", help="out/tradeoff by default, out/tradeoff-quick if quick")
-    parser.add_argument("--quick", action="store_true", help="few meshes and models: seven minutes on two cores")
+    parser.add_argument("--quick", action="store_true", help="few meshes and models")
     options = parser.parse_args()
     folder = Path(options.out or ROOT / "out" / ("tradeoff-quick" if options.quick else "tradeoff")).resolve()
     folder.mkdir(parents=True, exist_ok=True)

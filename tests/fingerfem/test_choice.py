@@ -96,6 +96,8 @@ BROKEN = {
     "no share": ("accuracy = 0.01\n", "", "accuracy must be a share"),
     "nothing": ('accuracy = "0 %"\n', "", "accuracy must be a share"),
     "too small": ('budget = "1s"\n', "", "budget must be at least"),
+    "a list": ('preset = ["draft"]\n', "", "preset must be one of draft, standard, fine, got ['draft']"),
+    "no table": ('preset = "draft"\nmesh = 3\n', "", "mesh "),
     "no time": ('budget = "soon"\n', "", "budget must be a time such as 90s, 30min or 2h, got 'soon'"),
 }
 
@@ -108,6 +110,15 @@ def test_a_choice_that_cannot_be_made_is_refused_in_one_line(case, open_table, t
     with pytest.raises(ValueError) as refused:
         load_scene(file)
     assert words in str(refused.value) and "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("side", ["nan", "inf", "0.0", "-0.01", "1e-300", '"1 cm"'])
+def test_a_finger_that_is_none_is_refused_as_such(side, open_table, tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text('preset = "draft"\n' + as_toml(open_table).replace("side = 0.01", f"side = {side}"))
+    with pytest.raises(ValueError, match=r"geometry\.side") as refused:
+        load_scene(file)
+    assert "\n" not in str(refused.value)
 
 
 def test_the_cheapest_says_what_it_expects_and_check_what_was_got(open_table, tmp_path):
