@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from fingerfem.choice import chosen
+from fingerfem.choice import KEYS, chosen
 from fingerfem.grid import grid_lines
 from fingerfem.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff, Table
 
@@ -19,7 +19,7 @@ Position = Annotated[float, Field(ge=0, le=2.0)]  # [m]
 Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
 
 
-NOT_OF_THE_FINGER = {"name", "sampling", "accuracy", "budget", "preset", "expected"}
+NOT_OF_THE_FINGER = {"name", "sampling", "expected", *KEYS}
 
 
 class SceneError(ValueError):
@@ -164,7 +164,11 @@ class Scene(Table):
     @model_validator(mode="before")
     @classmethod
     def _choose(cls, table: Any) -> Any:
-        if not isinstance(table, dict) or table.get("expected") is not None:  # it was chosen when it was written
+        if not isinstance(table, dict):
+            return table
+        if table.get("expected") is not None:  # it was chosen when it was written
+            if not any(table.get(key) for key in KEYS):
+                raise ValueError(f"expected must be left out where no {' or '.join(KEYS)} chooses it, got a table")
             return table
         return chosen(table)
 

@@ -98,6 +98,7 @@ BROKEN = {
     "too small": ('budget = "1s"\n', "", "budget must be at least"),
     "a list": ('preset = ["draft"]\n', "", "preset must be one of draft, standard, fine, got ['draft']"),
     "no table": ('preset = "draft"\nmesh = 3\n', "", "mesh "),
+    "by hand": ("", "[expected]\nerror = 0.0\n", "expected must be left out where no accuracy or budget or preset"),
     "no time": ('budget = "soon"\n', "", "budget must be a time such as 90s, 30min or 2h, got 'soon'"),
 }
 
