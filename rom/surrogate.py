@@ -122,7 +122,12 @@ class Surrogate:
         )
 
     def _point(self, parameters: ArrayLike, most: int = 1) -> np.ndarray:
-        point = np.ascontiguousarray(parameters, float)
+        try:
+            point = np.ascontiguousarray(parameters, float)
+        except (TypeError, ValueError):
+            raise ModelError(
+                f"parameters must be numbers, one for each of {', '.join(self.names)}, got {parameters!r}"
+            ) from None
         if point.shape[-1:] != (len(self.parameters),) or point.ndim > most:
             raise ModelError(f"parameters must be {', '.join(self.names)} (in that order), got shape {point.shape}")
         return point

@@ -22,19 +22,21 @@ from studies.two_meshes import without_store
 
 PART = "surrogate"
 OPTIONS = EnrichmentOptions()
+Change = Callable[[str, np.ndarray], np.ndarray]
 
 
-def rewritten(of: SnapshotSet, name: str, *changes: Callable[[str, np.ndarray], np.ndarray]) -> SnapshotSet:
+def rewritten(of: SnapshotSet, name: str, *changes: Change, fields: bool = False) -> SnapshotSet:
     """A set of scattered lines beside another, with all its lines once for every change of their numbers."""
     place = of.path.parent / name
     shutil.rmtree(place, ignore_errors=True)
-    description = without_store(of.description)
+    description = of.description if fields else without_store(of.description)
+    left = ("task", "fingerprint", *(() if fields else FIELDS))
     create(place, replace(description, scattered=list(description.scattered) * len(changes)))
     shutil.copy(of.path / "nodes.npy", place)
     count = len(description.scattered)
     for k, change in enumerate(changes):
         for line in range(count):
-            stored = read_task(of.path, f"scattered-{line}", without=("task", "fingerprint", *FIELDS))
+            stored = read_task(of.path, f"scattered-{line}", without=left)
             new = {key: change(key, values) if values.dtype.kind == "f" else values for key, values in stored.items()}
             write_task(place, f"scattered-{k * count + line}", description.fingerprint, new)
     return SnapshotSet(place)
@@ -56,7 +58,7 @@ def snapshots(folder: Path) -> Iterator[Row]:
     usual = train(rewritten(whole, "as it is", as_it_is), OPTIONS).evaluate(points).contact_force
     noise = np.random.default_rng(0)
 
-    def far(name: str, *changes: Callable[[str, np.ndarray], np.ndarray]) -> Callable[[], float]:
+    def far(name: str, *changes: Change) -> Callable[[], float]:
         def error() -> float:
             found = train(rewritten(whole, name, *changes), OPTIONS).evaluate(points).contact_force
             return float(np.percentile(np.abs(found - usual)[felt] / true[felt], 95))
@@ -69,6 +71,11 @@ def snapshots(folder: Path) -> Iterator[Row]:
     def apart(name: str, values: np.ndarray) -> np.ndarray:
         return values if name == "regime" else values * (1 + 1e-7 * noise.standard_normal(values.shape))
 
+    def in_single_fields() -> float:
+        usual, found = (train(one, OPTIONS) for one in (whole, rewritten(whole, "fields", single, fields=True)))
+        off = [np.abs(found.displacement(point) - usual.displacement(point)).max() for point in points]
+        return float(np.percentile(off, 95) / np.percentile(np.abs(fresh.random("displacement")), 99))
+
     def first(name: str, values: np.ndarray) -> np.ndarray:
         return np.repeat(values[:1], len(values), axis=0) if values.ndim else values
 
@@ -77,6 +84,8 @@ def snapshots(folder: Path) -> Iterator[Row]:
     yield judged(PART, "snapshots", "every state twice, 1e-12 apart", what, 1e-6, far("nearly", as_it_is, nearly))
     yield judged(PART, "snapshots", "every state twice, 1e-7 apart", what, 5e-2, far("apart", as_it_is, apart))
     yield judged(PART, "snapshots", "in single precision", what, 1e-2, far("single", single))
+    what = "the same set as it is, displacement"
+    yield judged(PART, "snapshots", "in single precision, fields too", what, 1e-2, in_single_fields)
     yield judged(PART, "snapshots", "no state in contact", "", 0.0, far("first", first))
 
 

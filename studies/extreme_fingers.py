@@ -127,9 +127,9 @@ def loads() -> Iterator[Row]:
     yield judged(
         PART, "tension", "beyond the scene's range", "", 0.0, lambda: float(solved(model(draft()), [101.0, 0.0]).tip[0])
     )
-    opposite = [free["tendons"][0] | {"name": name, "offset": [y, 0.0]} for name, y in (("F1", 0.004), ("F3", -0.004))]
-    pair = model(changed(free, tendons=opposite))
-    for tension in (1.0, 100.0):
+    opposite = [wide["tendons"][0] | {"name": name, "offset": [y, 0.0]} for name, y in (("F1", 0.004), ("F3", -0.004))]
+    pair = model(changed(wide, tendons=opposite))
+    for tension in (1.0, 100.0, 1e4):
 
         def straight(tension: float = tension) -> float:
             pair.stepper.rest()

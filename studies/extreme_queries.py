@@ -90,7 +90,7 @@ def targets(model: Surrogate) -> Iterator[Row]:
                 return abs(float(model.evaluate([*motion.tensions, distance]).contact_force) / target - 1)
 
             yield judged(
-                CONTROL, f"hold at d = {1e3 * distance:g} mm", f"{share:g} of the most", "the model's force", 1e-3, held
+                CONTROL, f"hold at d = {1e3 * distance:g} mm", f"{share!r} of the most", "the model's force", 1e-3, held
             )
     for tensions in ([0.0, 0.0], [100.0, 0.0], [100.0, 100.0], [1e-9, 0.0]):
         goal = finger.rest + model.evaluate([*tensions, np.inf]).tip

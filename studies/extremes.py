@@ -54,7 +54,7 @@ def judged(part: str, extreme: str, case: str, reference: str, bound: float, err
     try:
         found = float(error())
     except (ValueError, LoadNotReached, Refused) as refusal:
-        reason = str(refusal).strip()
+        reason = str(refusal).strip().replace(f"{ROOT}/", "")
         outcome = REFUSED if reason and "\n" not in reason else WRONG
         return Row(part=part, extreme=extreme, case=case, outcome=outcome, error=None, bound=None, reference=reason)
     outcome = RIGHT if found <= bound else WRONG

@@ -165,6 +165,14 @@ def test_the_wrong_number_of_parameters_is_refused(surrogate, point):
             ask(point)
 
 
+@pytest.mark.parametrize("point", ["finger", {"F1": 1.0}, [1.0, None, "wide"], [[1.0], [2.0, 3.0]]], ids=str)
+def test_what_is_no_number_is_refused_with_its_value(surrogate, point):
+    for ask in (surrogate.evaluate, surrogate.jacobian, surrogate.displacement, surrogate.value_and_jacobian):
+        with pytest.raises(ModelError, match="parameters must be numbers, one for each of F1, F2, d, got ") as refusal:
+            ask(point)
+        assert repr(point) in str(refusal.value) and "\n" not in str(refusal.value)
+
+
 def test_a_saved_model_is_the_model(surrogate, tmp_path):
     surrogate.save(tmp_path / "copy.h5")
     copy = Surrogate.load(tmp_path / "copy.h5")
