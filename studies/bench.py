@@ -25,8 +25,10 @@ sys.path.insert(0, str(ROOT))
 
 RECORD = ROOT / "docs" / "bench.json"
 # All but two_meshes, of which tradeoff has a short form, and others, which wants other packages.
-STUDIES = ("solver", "choices", "scenes", "training", "refinement", "surrogate", "growth")
-STUDIES += ("control", "tradeoff", "required", "extremes")
+STUDIES = (
+    *("solver", "choices", "scenes", "training", "refinement", "surrogate", "growth"),
+    *("control", "tradeoff", "required", "extremes"),
+)
 TIME = re.compile(r"seconds|(^|_)us($|_)|_ms$|memory|rate|per_second|share|load_|missed|periods|wall")
 RATIO = re.compile(r"ratio|speedup|times_faster")
 ERRORS, RATIOS = 0.01, 2.0  # relative difference of errors; factor on ratios of times

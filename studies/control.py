@@ -23,7 +23,7 @@ sys.path.insert(0, str(ROOT))
 
 from control import Flaws, Gripper, Limits, SimulatedPlant, campaign  # noqa: E402
 from control.loop import run  # noqa: E402
-from control.plant import Dead, Slipping  # noqa: E402
+from control.plant import Dead, Plant, Slipping  # noqa: E402
 from control.room import CONVERGED, STATIONARY  # noqa: E402
 from rom import Surrogate  # noqa: E402
 from rom.enrichment import EnrichmentOptions  # noqa: E402
@@ -126,7 +126,7 @@ def trouble(surrogate: Surrogate, picture: Path) -> list[tuple[int, int, str]]:
     options = gripper.options(TARGET, noise=0.01, delay=3)
     flaws = Flaws(noise=0.01, resolution=0.005, delay=3, force_error=0.05)
     plants = [SimulatedPlant(surrogate, d, flaws, seed=k) for k, d in enumerate(DISTANCES)]
-    broken = [Slipping(plants[0], 0, 0.8, 1400), Dead(plants[1], 1800, 2100), plants[2]]
+    broken: list[Plant] = [Slipping(plants[0], 0, 0.8, 1400), Dead(plants[1], 1800, 2100), plants[2]]
     forces: list[list[float]] = []
 
     def targets(k: int) -> list[float] | None:

@@ -40,7 +40,7 @@ HOLD_DISTANCES = [0.003, 0.006, 0.010, 0.014, 0.018]  # [m]
 
 def farm(folder: Path, *options: str) -> tuple[SnapshotSet, dict]:
     """Solve a snapshot set on all cores."""
-    cores = os.process_cpu_count() if sys.version_info >= (3, 13) else os.cpu_count()
+    cores = getattr(os, "process_cpu_count", os.cpu_count)()
     ranks = int(os.environ.get("FINGERFEM_RANKS") or cores or 1)
     command = ["mpirun", "-n", str(ranks), sys.executable, "-m", "fingerfem", "snapshots", SCENE, str(folder), *options]
     if sys.stderr.isatty():
@@ -115,6 +115,7 @@ def single_finger(model: Surrogate, full_order: FingerModel) -> dict:
     for distance in HOLD_DISTANCES:
         motion = finger.hold(TARGET, distance)
         force = full_order.solve(motion.tensions.tolist(), distance, sensitivities=False).contact_force
+        assert force is not None
         holds.append(
             {
                 "distance": distance,

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from control import Finger
 from control.motion import Motion
@@ -71,9 +73,7 @@ def anything(model: Surrogate, queries: int) -> Iterator[Row]:
     yield judged(SURROGATE, "query", "2,000 of them", "one by one and together", 1e-12, alone)
     yield judged(SURROGATE, "query", "2,000 of them", "share of fields that are no numbers", 0.0, fields)
     for point in ([50.0], [[[50.0, 0.0, 0.01]]], "finger"):
-        yield judged(
-            SURROGATE, "query", f"{point}", "", 0.0, lambda point=point: float(model.evaluate(point).contact_force)
-        )
+        yield judged(SURROGATE, "query", f"{point}", "", 0.0, partial(force_at, model, point))
 
 
 def targets(model: Surrogate) -> Iterator[Row]:
@@ -108,7 +108,7 @@ def targets(model: Surrogate) -> Iterator[Row]:
             reached,
         )
     for goal in ([1.0, 0.0, 0.0], [0.0, 1e200, 0.0], [np.nan, 0.0, 0.0]):
-        yield judged(CONTROL, "reach", f"{goal}", "", 0.0, lambda goal=goal: done(finger.reach(goal)).residual)
+        yield judged(CONTROL, "reach", f"{goal}", "", 0.0, partial(residual, finger.reach, goal))
     for distance in (model.limits[0][-1], 0.010):
         felt = float(model.evaluate([60.0, 10.0, distance]).contact_force)
 
@@ -126,12 +126,10 @@ def targets(model: Surrogate) -> Iterator[Row]:
             f"{force:g} N felt",
             "",
             0.0,
-            lambda force=force: done(finger.locate([60.0, 10.0], force)).residual,
+            partial(residual, finger.locate, [60.0, 10.0], force),
         )
     for force in (0.0, -1.0, np.nan, np.inf):
-        yield judged(
-            CONTROL, "hold", f"{force:g} N", "", 0.0, lambda force=force: done(finger.hold(force, 0.010)).residual
-        )
+        yield judged(CONTROL, "hold", f"{force:g} N", "", 0.0, partial(residual, finger.hold, force, 0.010))
     for distance in (-1.0, 0.0, 1e9, np.nan):
         yield judged(
             CONTROL,
@@ -139,8 +137,18 @@ def targets(model: Surrogate) -> Iterator[Row]:
             f"1 N at d = {distance:g} m",
             "",
             0.0,
-            lambda distance=distance: done(finger.hold(1.0, distance)).residual,
+            partial(residual, finger.hold, 1.0, distance),
         )
+
+
+def force_at(model: Surrogate, point: ArrayLike) -> float:
+    """The contact force that a model answers [N]."""
+    return float(model.evaluate(point).contact_force)
+
+
+def residual(command: Callable[..., Motion], *wanted: ArrayLike) -> float:
+    """How far a command that converged stays from what was wanted."""
+    return done(command(*wanted)).residual
 
 
 def done(motion: Motion) -> Motion:

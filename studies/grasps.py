@@ -10,6 +10,7 @@ import json
 import sys
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -51,7 +52,7 @@ def drawn(random: np.random.Generator, gripper: Gripper) -> tuple[Object, np.nda
 def grasped(gripper: Gripper, random: np.random.Generator) -> dict:
     """One grasp: what became of the object, and why."""
     held, distances, noise, flaws = drawn(random, gripper)
-    known = {"mass": held.mass, "friction": held.friction, "admissible_force": held.admissible_force}
+    known: dict[str, Any] = {"mass": held.mass, "friction": held.friction, "admissible_force": held.admissible_force}
     known |= {"distances": distances.tolist(), "noise": noise, "delay": flaws[0].delay}
     targets = gripper.targets(held)
     if not targets.exist:

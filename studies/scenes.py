@@ -65,17 +65,19 @@ def cost(name: str, scene: Scene) -> dict:
     newton.factorise()
     right = model.residual()
     assembly = timed(lambda: model.residual().destroy()) + timed(model.tangent)
-    row = {
-        "scene": name,
-        "parameters": len(scene.parameters),
-        "unknowns": model.unknowns,
-        "forms": count(model.forms),
+    seconds = {
         "assembly_seconds": assembly,
         "factorise_seconds": timed(newton.factorise) - timed(model.tangent),
         "solve_seconds": timed(lambda: newton.linear_solve(right.copy())),
     }
-    row["iteration_seconds"] = row["assembly_seconds"] + row["factorise_seconds"] + row["solve_seconds"]
-    return row
+    return {
+        "scene": name,
+        "parameters": len(scene.parameters),
+        "unknowns": model.unknowns,
+        "forms": count(model.forms),
+        **seconds,
+        "iteration_seconds": sum(seconds.values()),
+    }
 
 
 def main() -> None:

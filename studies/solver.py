@@ -46,6 +46,12 @@ def from_rest(model: FingerModel) -> dict:
     }
 
 
+def contact_force(model: FingerModel) -> float:
+    """Of the state that the model is in [N]."""
+    assert model.forms.contact is not None
+    return model.scalar(model.forms.contact.force)
+
+
 def contact_line(model: FingerModel, tensions: list[float]) -> dict:
     """A training line: the plane comes nearer, state by state, each starting from the last."""
     stepper, newton = model.stepper, model.stepper.newton
@@ -56,7 +62,7 @@ def contact_line(model: FingerModel, tensions: list[float]) -> dict:
     forces = []
     for distance in distances:
         stepper.advance(tensions, float(distance))
-        forces.append(model.scalar(model.forms.contact.force))
+        forces.append(contact_force(model))
     return {
         "tensions": tensions,
         "distances": distances.tolist(),
@@ -119,7 +125,7 @@ class PlainNewton:
             if self._snes.getConvergedReason() <= 0:
                 return None
         self._set(self._x)
-        return self.model.scalar(self.model.forms.contact.force)
+        return contact_force(self.model)
 
 
 def against_plain_newton(model: FingerModel, tensions: list[float]) -> dict:

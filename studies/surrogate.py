@@ -13,6 +13,7 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -87,7 +88,7 @@ def honesty(model: Surrogate, fresh: SnapshotSet) -> dict:
 def plain(training: SnapshotSet, fresh: SnapshotSet) -> list[dict]:
     """The same states without regimes: one form over (F, d), and one over (F, s) for all contact states together."""
     free = Free.of(training)
-    contact = Contact.of(training, free, count_regimes([training]))
+    contact = Contact.of(training, free, count_regimes([training]), pad=False)
     lower, upper = box(training)
     points, force = fresh.random("parameters"), fresh.random("contact_force")
     felt = force > FELT
@@ -263,7 +264,7 @@ def for_others(folder: Path, training: SnapshotSet, fresh: SnapshotSet, model: S
     aligned = points.copy()
     aligned[:, lead] = (points[:, lead] - onset) / (upper[lead] - onset)
     aligned[:, -1] = (reach - points[:, -1]) / (reach - lower[-1])
-    axes = {f"nodes_{k}": np.array(nodes) for k, nodes in enumerate(description.tension_nodes)}
+    axes: dict[str, Any] = {f"nodes_{k}": np.array(nodes) for k, nodes in enumerate(description.tension_nodes)}
     axes[f"nodes_{lead}"] = np.array(description.onset_nodes)
     axes[f"nodes_{description.tensions}"] = np.array(description.contact_nodes)
     np.savez(

@@ -53,7 +53,7 @@ def farm(ranks: int, file: Path, folder: Path, *options: str) -> dict:
 
 def resident(job: int) -> dict[int, float]:
     """Resident memory of a job's ranks [MB]."""
-    found = {}
+    found: dict[int, float] = {}
     for pid in subprocess.run(["pgrep", "-P", str(job)], capture_output=True, text=True).stdout.split():
         try:
             lines = Path(f"/proc/{pid}/status").read_text().splitlines()

@@ -36,7 +36,8 @@ FORCES = 0.25, 4.0  # [N], two octaves on both sides of the paper's 1 N
 def answers(model: Surrogate, cases: int, seed: int) -> list[dict]:
     """Held answers: `cases` that are converged, of random starts, distances and contact forces."""
     finger, (lower, upper) = Finger(model), model.limits
-    random, found = np.random.default_rng(seed), []
+    random = np.random.default_rng(seed)
+    found: list[dict] = []
     while len(found) < cases:
         *start, distance = lower + random.random(len(lower)) * (upper - lower)
         target = float(np.exp(random.uniform(*np.log(FORCES))))
