@@ -2,9 +2,10 @@
 
 python3 studies/bench.py [OUT] [--record] [--only NAME ...]    writes OUT/bench.json (out/bench by default)
 
-Counts (iterations, states, terms, forms, bytes, verdicts) must be those of docs/bench.json; errors may differ by a
-hundredth of themselves; times are of the machine and are not compared, but ratios of times taken in one run are, within
-a factor. --record makes what was found the record.
+Counts (iterations, states, terms, forms, verdicts) must be those of docs/bench.json; errors and bytes may differ by a
+hundredth of themselves. Times are of the machine: only those taken in one run are compared with each other, as ratios
+that may change by a factor, or by what one of them has grown beside the others of its study. --record makes what was
+found the record.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import re
+import statistics
 import subprocess
 import sys
 import time
@@ -29,9 +30,11 @@ STUDIES = (
     *("solver", "choices", "scenes", "training", "refinement", "surrogate", "growth"),
     *("control", "tradeoff", "required", "extremes"),
 )
-TIME = re.compile(r"seconds|(^|_)us($|_)|_ms$|memory|rate|per_second|share|load_|missed|periods|wall")
-RATIO = re.compile(r"ratio|speedup|times_faster")
-ERRORS, RATIOS = 0.01, 2.0  # relative difference of errors; factor on ratios of times
+# Words of a name: ratios of times; times, to be compared with others of the run; what is of the machine and its moment.
+RATIOS = {"faster", "over", "speedup"}
+TIMES = {"seconds", "us"}
+UNSTEADY = {"second", "memory", "overhead", "max", "p99", "p999", "first", "build", "start", "restart", "load"}
+WITHIN, FACTOR, LONGER = 0.01, 2.0, 3.0  # of errors and bytes; factor on ratios; factor on one time among others
 
 
 def run(name: str, folder: Path) -> tuple[Any, float]:
@@ -56,24 +59,40 @@ def numbers(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
         yield path, value
 
 
+def words_of(path: str) -> set[str]:
+    """Of a number's own name; places in lists have none."""
+    return set(next((key for key in reversed(path.split("/")) if not key.isdigit()), "").split("_"))
+
+
 def differs(path: str, ours: Any, theirs: Any) -> bool:
     """Whether a number is not the one on record."""
-    key = path.rsplit("/", 1)[-1]
-    if RATIO.search(key):
-        return not 1 / RATIOS <= (ours or math.nan) / (theirs or math.nan) <= RATIOS
-    if TIME.search(key):
+    words = words_of(path)
+    if words & RATIOS:
+        return not 1 / FACTOR <= (ours or math.nan) / (theirs or math.nan) <= FACTOR
+    if words & (TIMES | UNSTEADY):
         return False
-    if isinstance(ours, float) and isinstance(theirs, float):
-        return not math.isclose(ours, theirs, rel_tol=ERRORS, abs_tol=1e-9) and not (
-            math.isnan(ours) and math.isnan(theirs)
-        )
+    if (isinstance(ours, float) and isinstance(theirs, float)) or "bytes" in words:
+        both_nan = math.isnan(ours) and math.isnan(theirs)
+        return not math.isclose(ours, theirs, rel_tol=WITHIN, abs_tol=1e-9) and not both_nan
     return bool(ours != theirs)
 
 
+def slower(ours: dict[str, Any], theirs: dict[str, Any]) -> list[str]:
+    """One line for every time of a study that has grown far more than the study's others."""
+    steady = [path for path in ours if (words := words_of(path)) & TIMES and not words & UNSTEADY]
+    grown = {path: ours[path] / theirs[path] for path in steady if ours[path] and theirs.get(path)}
+    pace = statistics.median(grown.values()) if grown else 1.0
+    return [
+        f"{path}: {by:.2g} times as long as on record, the others of its study {pace:.2g} times"
+        for path, by in grown.items()
+        if by > LONGER * pace
+    ]
+
+
 def compare(found: dict, record: dict) -> list[str]:
-    """One line for every number that differs, is new, or is gone."""
+    """One line for every number of a study that differs, is new, is gone, or takes longer."""
     ours, theirs = (dict(numbers(one)) for one in (found, record))
-    lines = [
+    lines = slower(ours, theirs) + [
         f"{path}: {theirs[path]} on record, now {ours[path]}"
         for path in ours.keys() & theirs.keys()
         if differs(path, ours[path], theirs[path])

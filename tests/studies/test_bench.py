@@ -10,7 +10,7 @@ RECORDED = {
     "solver": {
         "states": 12,
         "seconds": 3.0,
-        "speedup_ratio": 2.0,
+        "times_faster": 2.0,
         "rows": [{"name": "a", "error": 1e-3, "ok": "right"}],
     }
 }
@@ -24,7 +24,7 @@ def changed(**values) -> dict:
 
 
 @pytest.mark.parametrize(
-    "values", [{}, {"seconds": 30.0}, {"error": 1.005e-3}, {"speedup_ratio": 1.2}, {"speedup_ratio": 3.5}]
+    "values", [{}, {"seconds": 30.0}, {"error": 1.005e-3}, {"times_faster": 1.2}, {"times_faster": 3.5}]
 )
 def test_times_errors_within_a_hundredth_and_ratios_within_two_are_the_same(values):
     assert compare(changed(**values), RECORDED) == []
@@ -37,7 +37,7 @@ def test_times_errors_within_a_hundredth_and_ratios_within_two_are_the_same(valu
         ({"error": 1.02e-3}, ["/solver/rows/a/error: 0.001 on record, now 0.00102"]),
         ({"error": float("nan")}, ["/solver/rows/a/error: 0.001 on record, now nan"]),
         ({"ok": "WRONG"}, ["/solver/rows/a/ok: right on record, now WRONG"]),
-        ({"speedup_ratio": 0.9}, ["/solver/speedup_ratio: 2.0 on record, now 0.9"]),
+        ({"times_faster": 0.9}, ["/solver/times_faster: 2.0 on record, now 0.9"]),
         ({"terms": 4}, ["/solver/terms: not on record, now 4"]),
     ],
 )
@@ -45,6 +45,14 @@ def test_counts_verdicts_errors_and_ratios_that_differ_are_told_one_a_line(value
     assert compare(changed(**values), RECORDED) == told
 
 
+def test_one_time_that_grew_beside_its_others_is_told_on_a_machine_of_any_speed():
+    record = {"control": {"solve_us": 10.0, "call_us": 20.0, "mean_us": 30.0, "max_us": 90.0}}
+    assert compare({"control": {"solve_us": 50.0, "call_us": 90.0, "mean_us": 140.0, "max_us": 9e4}}, record) == []
+    assert compare({"control": {"solve_us": 100.0, "call_us": 21.0, "mean_us": 29.0, "max_us": 90.0}}, record) == [
+        "/control/solve_us: 10 times as long as on record, the others of its study 1.1 times"
+    ]
+
+
 def test_what_is_gone_is_told():
     (line,) = compare({"solver": {key: RECORDED["solver"][key] for key in ("states", "seconds", "rows")}}, RECORDED)
-    assert line == "/solver/speedup_ratio: 2.0 on record, now gone"
+    assert line == "/solver/times_faster: 2.0 on record, now gone"
