@@ -145,7 +145,7 @@ def quick() -> Plan:
         Training(DRAFT, "20 lines", functions="linear"),
         Training(SQUARE, "10 lines", coarse=(DRAFT, "20 lines")),
     ]
-    return Plan(SQUARES, meshes, (4, 2), models, 1000)
+    return Plan(SQUARES, meshes, (4, 3), models, 1000)
 
 
 @dataclass
