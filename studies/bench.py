@@ -30,10 +30,12 @@ STUDIES = (
     *("solver", "choices", "scenes", "training", "refinement", "surrogate", "growth"),
     *("control", "tradeoff", "required", "extremes"),
 )
-# Words of a name: ratios of times; times, to be compared with others of the run; what is of the machine and its moment.
+# Words of a name: ratios of times; times, and those too unsteady to be compared with others of the run; what else is of
+# the machine and its moment.
 RATIOS = {"faster", "over", "speedup"}
 TIMES = {"seconds", "us"}
-UNSTEADY = {"second", "memory", "overhead", "max", "p99", "p999", "first", "build", "start", "restart", "load"}
+UNSTEADY = {"max", "p99", "p999", "first", "build", "start", "restart", "load"}
+MOMENT = {"second", "memory", "overhead", "missed", "share"}
 WITHIN, FACTOR, LONGER = 0.01, 2.0, 3.0  # of errors and bytes; factor on ratios; factor on one time among others
 
 
@@ -69,7 +71,7 @@ def differs(path: str, ours: Any, theirs: Any) -> bool:
     words = words_of(path)
     if words & RATIOS:
         return not 1 / FACTOR <= (ours or math.nan) / (theirs or math.nan) <= FACTOR
-    if words & (TIMES | UNSTEADY):
+    if words & (TIMES | MOMENT):
         return False
     if (isinstance(ours, float) and isinstance(theirs, float)) or "bytes" in words:
         both_nan = math.isnan(ours) and math.isnan(theirs)

@@ -11,6 +11,7 @@ RECORDED = {
         "states": 12,
         "seconds": 3.0,
         "times_faster": 2.0,
+        "force_error_max": 0.25,
         "rows": [{"name": "a", "error": 1e-3, "ok": "right"}],
     }
 }
@@ -36,6 +37,7 @@ def test_times_errors_within_a_hundredth_and_ratios_within_two_are_the_same(valu
         ({"states": 13}, ["/solver/states: 12 on record, now 13"]),
         ({"error": 1.02e-3}, ["/solver/rows/a/error: 0.001 on record, now 0.00102"]),
         ({"error": float("nan")}, ["/solver/rows/a/error: 0.001 on record, now nan"]),
+        ({"force_error_max": 0.5}, ["/solver/force_error_max: 0.25 on record, now 0.5"]),
         ({"ok": "WRONG"}, ["/solver/rows/a/ok: right on record, now WRONG"]),
         ({"times_faster": 0.9}, ["/solver/times_faster: 2.0 on record, now 0.9"]),
         ({"terms": 4}, ["/solver/terms: not on record, now 4"]),
@@ -54,5 +56,7 @@ def test_one_time_that_grew_beside_its_others_is_told_on_a_machine_of_any_speed(
 
 
 def test_what_is_gone_is_told():
-    (line,) = compare({"solver": {key: RECORDED["solver"][key] for key in ("states", "seconds", "rows")}}, RECORDED)
+    (line,) = compare(
+        {"solver": {key: RECORDED["solver"][key] for key in ("states", "seconds", "force_error_max", "rows")}}, RECORDED
+    )
     assert line == "/solver/times_faster: 2.0 on record, now gone"
