@@ -36,6 +36,7 @@ RATIOS = {"faster", "over", "speedup"}
 TIMES = {"seconds", "us"}
 UNSTEADY = {"max", "p99", "p999", "first", "build", "start", "restart", "load"}
 MOMENT = {"second", "memory", "overhead", "missed", "share"}
+NAMES = ("scene", "name", "part", "extreme", "case")  # of a table's rows
 WITHIN, FACTOR, LONGER = 0.01, 2.0, 3.0  # of errors and bytes; factor on ratios; factor on one time among others
 
 
@@ -55,7 +56,7 @@ def numbers(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
             yield from numbers(item, f"{path}/{key}")
     elif isinstance(value, list):
         for k, item in enumerate(value):
-            named = item.get("name") or item.get("scene") if isinstance(item, dict) else None
+            named = ", ".join(item[key] for key in NAMES if key in item) if isinstance(item, dict) else ""
             yield from numbers(item, f"{path}/{named or k}")
     else:
         yield path, value
