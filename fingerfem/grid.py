@@ -65,10 +65,13 @@ def grid_lines(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     except ValueError as error:
         raise ValueError(f"mesh.cells[0] {error}") from None
     x = np.unique(np.concatenate(lines))
-    if np.diff(x).max() > scene.geometry.side * (1 + 1e-6):
+    # Longer cells lock in bending: docs/extremes.md.
+    share, of_side = (2 / 3, "two thirds of the side") if scene.mesh.order == 1 else (1.0, "the side")
+    longest = share * scene.geometry.side
+    if np.diff(x).max() > longest * (1 + 1e-6):
         raise ValueError(
-            f"mesh.cells[0] must leave no cell longer than the side, {scene.geometry.side:g} m, or bending locks, "
-            f"got one of {np.diff(x).max():.3g} m"
+            f"mesh.cells[0] must leave no cell of order {scene.mesh.order} longer than {of_side}, {longest:.3g} m, "
+            f"or bending locks, got one of {np.diff(x).max():.3g} m"
         )
     try:
         if not scene.planar:

@@ -14,7 +14,7 @@ from rom.training import train
 from studies.scenes import count
 from studies.sets import as_toml
 
-SMALL = {"mesh": {"cells": [8, 5], "order": 1}}
+SMALL = {"mesh": {"cells": [10, 5], "order": 1}}
 
 
 @pytest.fixture(scope="module")

@@ -41,6 +41,12 @@ BROKEN = {
     "no cells": ("cells = [20, 5]", "cells = [20, 0]", ["mesh.cells.1", "at least 1", "0"]),
     "no room for channels": ("cells = [20, 5]", "cells = [20, 4]", ["mesh.cells[1]", "at least 5 cells", "4"]),
     "no room for the plate": ("cells = [20, 5]", "cells = [1, 5]", ["mesh.cells[0]", "at least 2 cells", "1"]),
+    "cells that lock": ("cells = [20, 5]", "cells = [8, 5]", ["mesh.cells[0]", "two thirds of the side", "0.007 m"]),
+    "cells of order 2 that lock": (
+        "cells = [20, 5]       # per segment along the axis, across the side\norder = 1",
+        "cells = [5, 5]\norder = 2",
+        ["mesh.cells[0]", "longer than the side", "0.0122 m"],
+    ),
     "half a cell": ("cells = [20, 5]", "cells = [20, 5.5]", ["mesh.cells.1", "whole number", "5.5"]),
     "order 3": ("order = 1", "order = 3", ["mesh.order", "at most 2", "3"]),
     "law without name": ('law = "neo-hookean"', "", ["material.law", "required"]),
