@@ -45,7 +45,7 @@ BROKEN = {
     "cells of order 2 that lock": (
         "cells = [20, 5]       # per segment along the axis, across the side\norder = 1",
         "cells = [5, 5]\norder = 2",
-        ["mesh.cells[0]", "longer than the side", "0.0122 m"],
+        ["mesh.cells[0]", "longer than the side", "0.0123 m"],
     ),
     "half a cell": ("cells = [20, 5]", "cells = [20, 5.5]", ["mesh.cells.1", "whole number", "5.5"]),
     "order 3": ("order = 1", "order = 3", ["mesh.order", "at most 2", "3"]),
