@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import shutil
 import statistics
 import subprocess
 import sys
@@ -43,6 +44,7 @@ WITHIN, FACTOR, LONGER = 0.01, 2.0, 3.0  # of errors and bytes; factor on ratios
 def run(name: str, folder: Path) -> tuple[Any, float]:
     """A study's short form: what it writes, and how long it took [s]."""
     place, begun = folder / name, time.perf_counter()
+    shutil.rmtree(place, ignore_errors=True)  # what an older version solved says nothing of this one
     done = subprocess.run([sys.executable, str(ROOT / "studies" / f"{name}.py"), str(place), "--quick"], cwd=ROOT)
     if done.returncode:
         raise SystemExit(f"studies/{name}.py --quick ended with {done.returncode}")

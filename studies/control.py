@@ -42,11 +42,10 @@ CROSSINGS = 45  # bisections
 DISTANCES = 0.010, 0.012, 0.008  # [m] of the planes before the loop's fingers
 
 
-def model(name: str, folder: Path) -> Surrogate:
-    """A trained model, from its file if it is there."""
+def model(name: str, folder: Path, surrogates: Path) -> Surrogate:
+    """A trained model, from its file if it is there; its states are in the folder of the surrogates' sets."""
     file = folder / f"{name.replace(', ', '-').replace(' ', '-')}.h5"
     if not file.exists():
-        surrogates = ROOT / "out" / "surrogate"
         surrogates.mkdir(parents=True, exist_ok=True)
         if name == "two segments, both pairs":
             scene, scaling = growth.scene(surrogates, 5), "fresh"
@@ -198,7 +197,8 @@ def main(folder: Path, quick: bool) -> None:
     """Measure all of it; what is there of models and full-order answers is not made again."""
     folder.mkdir(parents=True, exist_ok=True)
     names = ["one segment"] if quick else list(PAPER_US)
-    models = {name: model(name, folder) for name in names}
+    surrogates = folder / "surrogate" if quick else ROOT / "out" / "surrogate"
+    models = {name: model(name, folder, surrogates) for name in names}
     starts, count, cases = (1000, 50, 10) if quick else (10_000, 1000, 100)
     numbers: dict = {"target": TARGET, "paper_us": PAPER_US}
     numbers["campaigns"] = {name: solves(one, starts) for name, one in models.items()}

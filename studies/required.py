@@ -30,7 +30,7 @@ from studies.tradeoff import seconds  # noqa: E402
 from studies.training import farm  # noqa: E402
 
 NOT_HERE = ("straight", "incompressible", "Nitsche")  # other physics, not other requirements
-CELLS = [12, 5]  # of each segment
+CELLS = [12, 9]  # of each segment; four channels need nine across
 LINES = 16  # of states, a tension
 
 

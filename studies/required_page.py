@@ -16,7 +16,7 @@ from studies.readme import table  # noqa: E402
 
 INTRO = """# Only what a scene requires
 
-Written by `make required` from `studies/required.py`: one mesh of 12 x 5 x 5 cells a segment, 16 lines of states a tension. Leave a table, a
+Written by `make required` from `studies/required.py`: one mesh of 12 x 9 x 9 cells a segment, 16 lines of states a tension. Leave a table, a
 tendon or a quantity out of a scene and it is neither modelled, nor sampled, nor stored; `tests/fingerfem/test_required.py` counts it in
 unknowns, compiled forms, axes and datasets. Core-seconds are of the machine that wrote this, and comparable within the table.
 
