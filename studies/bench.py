@@ -43,7 +43,7 @@ WITHIN, FACTOR, LONGER = 0.01, 2.0, 3.0  # of errors and bytes; factor on ratios
 
 def run(name: str, folder: Path) -> tuple[Any, float]:
     """A study's short form: what it writes, and how long it took [s]."""
-    place, begun = folder / name, time.perf_counter()
+    place, begun = folder / f"bench-{name}", time.perf_counter()
     shutil.rmtree(place, ignore_errors=True)  # what an older version solved says nothing of this one
     done = subprocess.run([sys.executable, str(ROOT / "studies" / f"{name}.py"), str(place), "--quick"], cwd=ROOT)
     if done.returncode:
