@@ -63,7 +63,7 @@ def main() -> None:
         ]
         for row in rows
     ]
-    (ROOT / "docs" / "required.md").write_text(INTRO + table(header, cells) + CLOSE.format(**sizes(rows)))
+    (ROOT / "docs" / "required.md").write_text(INTRO + table(header, cells) + "\n" + CLOSE.format(**sizes(rows)))
 
 
 if __name__ == "__main__":
