@@ -33,8 +33,8 @@ def main() -> None:
         text += f"\n## {part[0].upper()}{part[1:]}\n\n"
         cells = []
         for row in listed:
-            error = "" if row["error"] is None else f"{row['error']:.1g}"
-            bound = "" if row["bound"] is None else f"{row['bound']:.1g}"
+            error = "" if row["error"] is None else f"{row['error']:.2g}"
+            bound = "" if row["bound"] is None else f"{row['bound']:.2g}"
             cells.append(
                 [row["extreme"], row["case"], row["outcome"], error, bound, row["reference"].replace("|", "/")]
             )
