@@ -1,10 +1,11 @@
 """The bench sees what changed, and nothing else."""
 
 import copy
+import json
 
 import pytest
 
-from studies.bench import compare
+from studies.bench import RECORD, STUDIES, compare, numbers
 
 RECORDED = {
     "solver": {
@@ -60,3 +61,11 @@ def test_what_is_gone_is_told():
         {"solver": {key: RECORDED["solver"][key] for key in ("states", "seconds", "force_error_max", "rows")}}, RECORDED
     )
     assert line == "/solver/times_faster: 2.0 on record, now gone"
+
+
+def test_every_study_is_on_record_with_no_two_numbers_of_one_name():
+    record = json.loads(RECORD.read_text())
+    assert sorted(record) == sorted(STUDIES)
+    for name, study in record.items():
+        paths = [path for path, _ in numbers(study)]
+        assert len(paths) == len(set(paths)) > 20, name
