@@ -57,9 +57,12 @@ def numbers(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
         for key, item in value.items():
             yield from numbers(item, f"{path}/{key}")
     elif isinstance(value, list):
+        seen: set[str] = set()
         for k, item in enumerate(value):
-            named = ", ".join(item[key] for key in NAMES if key in item) if isinstance(item, dict) else ""
-            yield from numbers(item, f"{path}/{named or k}")
+            name = ", ".join(item[key] for key in NAMES if key in item) if isinstance(item, dict) else ""
+            name = f"{name} ({k})" if name in seen else name or str(k)
+            seen.add(name)
+            yield from numbers(item, f"{path}/{name}")
     else:
         yield path, value
 
