@@ -60,16 +60,17 @@ tradeoff:
 	docker/run python3 studies/tradeoff.py out/tradeoff
 	docker/run python3 studies/tradeoff_page.py out/tradeoff
 
-# docs/extremes.md: the ends of every range.
+# docs/extremes.md: the ends of every range; some twenty minutes.
 extremes:
 	docker/run python3 studies/extremes.py out/extremes
 	docker/run python3 studies/extremes_page.py out/extremes
 
-# docs/required.md: what each kind of scene costs.
+# docs/required.md: what each kind of scene costs; some twenty minutes.
 required:
 	docker/run python3 studies/required.py out/required
 	docker/run python3 studies/required_page.py out/required
 
+# What differs from docs/bench.json, if anything; some forty minutes.
 bench:
 	docker/run python3 studies/bench.py out/bench
 
