@@ -264,8 +264,11 @@ def test_the_onset_s_slopes_are_differences_of_onsets(two):
     response = onset_response(two)
     stride = response.strides[0]
     nodes, onset = response.axes[0][::stride], response.values[::stride, 0]
-    differences = CubicSpline(nodes, onset)(nodes, 1)
-    assert response.slopes[0][::stride, 0][1:] == pytest.approx(differences[1:], abs=0.05 * np.abs(differences).max())
+    slopes = response.slopes[0][::stride, 0]
+    chords = np.diff(onset) / np.diff(nodes)
+    errors = np.abs((slopes[1:] + slopes[:-1]) / 2 - chords) / chords.max()
+    # In one interval another corner begins to touch first; at the first node, without tension, the onset has a kink too.
+    assert np.sort(errors[1:])[:-1].max() < 0.01
 
 
 # -- another set's states ----------------------------------------------------------------------------------------------
