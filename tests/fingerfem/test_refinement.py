@@ -267,7 +267,7 @@ def test_the_onset_s_slopes_are_differences_of_onsets(two):
     slopes = response.slopes[0][::stride, 0]
     chords = np.diff(onset) / np.diff(nodes)
     errors = np.abs((slopes[1:] + slopes[:-1]) / 2 - chords) / chords.max()
-    # In one interval another corner begins to touch first; at the first node, without tension, the onset has a kink too.
+    # In one interval another corner begins to touch first; the first node, without tension, has a kink of its own.
     assert np.sort(errors[1:])[:-1].max() < 0.01
 
 
