@@ -72,7 +72,7 @@ def chosen(table: dict[str, Any]) -> dict[str, Any]:
 def _fitted(one: dict[str, Any], longest: float, bodies: int, tensions: int, quantity: str) -> dict[str, Any]:
     """A measured choice on another finger, with what to expect of it."""
     along, across = one["cells"]
-    fitted = max(round(along * longest), 3)
+    fitted = max(math.ceil(along * longest - 1e-9), 3)  # a cell of the front may be as long as is accepted
     lines = max(LINES, round(one["lines"] * tensions))
     more_lines = lines / (one["lines"] * TENSIONS)
     return {
