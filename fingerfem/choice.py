@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -35,8 +36,12 @@ def front() -> list[dict[str, Any]]:
     return json.loads(FRONT.read_text())["choices"]
 
 
-def chosen(table: dict[str, Any]) -> dict[str, Any]:
+def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, Any]:
     """A scene's table with mesh, sampling and what to expect in place of its accuracy, budget or preset.
+
+    Args:
+        table: the scene as it was written.
+        fitting: the fewest cells across, from a number on, that fit this finger.
 
     Raises:
         ValueError: name, rule, value.
@@ -60,7 +65,7 @@ def chosen(table: dict[str, Any]) -> dict[str, Any]:
     if not 0 < longest < LONGEST:
         return table | {"mesh": PLAIN}  # whatever is wrong with finger or tendons is told as such
     quantity = "contact_force" if table.get("obstacle") else "displacement"
-    choices = [_fitted(one, longest, bodies, tensions, quantity) for one in front()]
+    choices = [_fitted(one, longest, fitting, bodies, tensions, quantity) for one in front()]
     one = _choice(asked[0], table[asked[0]], choices)
     return table | {
         "mesh": table.get("mesh", {}) | {key: one[key] for key in OF_MESH},
@@ -69,9 +74,12 @@ def chosen(table: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _fitted(one: dict[str, Any], longest: float, bodies: int, tensions: int, quantity: str) -> dict[str, Any]:
+def _fitted(
+    one: dict[str, Any], longest: float, fitting: Callable[[int], int], bodies: int, tensions: int, quantity: str
+) -> dict[str, Any]:
     """A measured choice on another finger, with what to expect of it."""
-    along, across = one["cells"]
+    along, measured = one["cells"]
+    across = fitting(measured)
     fitted = max(math.ceil(along * longest - 1e-9), 3)  # a cell of the front may be as long as is accepted
     lines = max(LINES, round(one["lines"] * tensions))
     more_lines = lines / (one["lines"] * TENSIONS)
@@ -85,7 +93,7 @@ def _fitted(one: dict[str, Any], longest: float, bodies: int, tensions: int, qua
             "error": one[quantity],
             "error_of_mesh": one[f"{quantity}_of_mesh"],
             "error_of_surrogate": one[f"{quantity}_of_surrogate"],
-            "core_seconds": one["core_seconds"] * more_lines * fitted * bodies / along,
+            "core_seconds": one["core_seconds"] * more_lines * fitted * bodies / along * (across / measured) ** 2,
             "states": round(one["states"] * more_lines),
             "tolerance": one["tolerance"],
         },

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ if TYPE_CHECKING:
     from fingerfem.scene import Scene
 
 
+MORE = 40  # cells across that are tried where fewer do not fit
 SLIVER = 50  # mean over thinnest cell at which a mesh is refused: contact stiffness goes with the thinnest
 
 
@@ -74,18 +76,35 @@ def grid_lines(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             f"or bending locks, got one of {np.diff(x).max():.3g} m"
         )
     try:
-        if not scene.planar:
-            # The same for both, so that mirrored pulls give mirrored states.
-            y = subdivide(_both_sides(_edges(scene, 0) | _edges(scene, 1)), across, symmetric=True)
-            _no_slivers(y)
-            return x, y, y
-        y = subdivide(_both_sides(_edges(scene, 0)), across, symmetric=True)
-        half = subdivide([0.0, *sorted(_edges(scene, 1))], (across + 1) // 2)
-        _no_slivers(y)
-        _no_slivers(half)
+        y, half = _across(scene, across)
     except ValueError as error:
         raise ValueError(f"mesh.cells[1] {error}") from None
+    if half is None:
+        return x, y, y
     return x, y, half if scene.is_half else np.concatenate([-half[:0:-1], half])
+
+
+def fitting(scene: Scene, across: int) -> int:
+    """The fewest cells across, from the given number on, that fit channels and pad; that number if none does."""
+    for cells in range(across, across + MORE):
+        with contextlib.suppress(ValueError):
+            _across(scene, cells)
+            return cells
+    return across
+
+
+def _across(scene: Scene, cells: int) -> tuple[np.ndarray, np.ndarray | None]:
+    """Grid lines along y, and those along z from the axis on where they are not the same [m]."""
+    if not scene.planar:
+        # The same for both, so that mirrored pulls give mirrored states.
+        y = subdivide(_both_sides(_edges(scene, 0) | _edges(scene, 1)), cells, symmetric=True)
+        _no_slivers(y)
+        return y, None
+    y = subdivide(_both_sides(_edges(scene, 0)), cells, symmetric=True)
+    half = subdivide([0.0, *sorted(_edges(scene, 1))], (cells + 1) // 2)
+    _no_slivers(y)
+    _no_slivers(half)
+    return y, half
 
 
 def _no_slivers(lines: np.ndarray) -> None:

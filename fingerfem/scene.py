@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from fingerfem.choice import KEYS, chosen
-from fingerfem.grid import grid_lines
+from fingerfem.grid import fitting, grid_lines
 from fingerfem.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff, Table
 
 Length = Annotated[float, Field(ge=1e-6, le=1.0)]  # [m]; a length above 1 m is a length in mm
@@ -170,7 +170,20 @@ class Scene(Table):
             if not any(table.get(key) for key in KEYS):
                 raise ValueError(f"expected must be left out where no {' or '.join(KEYS)} chooses it, got a table")
             return table
-        return chosen(table)
+        return chosen(table, lambda cells: cls._fitting(table, cells))
+
+    @classmethod
+    def _fitting(cls, table: dict[str, Any], across: int) -> int:
+        """The fewest cells across, from the given number on, that fit this finger's channels and pad."""
+        try:
+            finger = cls.model_construct(
+                geometry=Geometry.model_validate(table["geometry"]),
+                tendons=[Tendon.model_validate(tendon) for tendon in table["tendons"]],
+                obstacle=Obstacle.model_validate(table["obstacle"]) if table.get("obstacle") else None,
+            )
+        except (KeyError, TypeError, ValueError):
+            return across  # what is wrong with the finger is told as such
+        return fitting(finger, across)
 
     @model_validator(mode="after")
     def _tables_agree(self) -> Scene:

@@ -4,6 +4,7 @@ import copy
 import json
 import subprocess
 import sys
+import tomllib
 
 import pytest
 from farm import ROOT, command, run
@@ -75,6 +76,30 @@ def test_other_fingers_get_cells_of_the_same_shape_and_as_many_lines_a_tension(o
     free = copy.deepcopy(open_table) | {"preset": "standard"}
     del free["obstacle"]
     assert Scene.model_validate(free).expected.quantity == "displacement"
+
+
+@pytest.mark.parametrize("name", ["two_segments", "four_tendons", "one_segment", "free"])
+@pytest.mark.parametrize("preset", ["draft", "standard", "fine"])
+def test_a_preset_fits_every_finger_that_is_shipped_and_its_cost_grows_with_its_cells(name, preset):
+    found = tomllib.loads((ROOT / "scenes" / f"{name}.toml").read_text())
+    for part in ("mesh", "sampling"):
+        found.pop(part, None)
+    scene = Scene.model_validate(found | {"preset": preset})
+    (one,) = (one for one in front() if one["preset"] == preset)
+    (along, across), bodies = scene.mesh.cells, len(scene.geometry.segments)
+    assert across >= one["cells"][1]
+    cells = along * across**2 * bodies / (one["cells"][0] * one["cells"][1] ** 2)
+    lines = scene.sampling.lines / (2 * one["lines"])
+    assert scene.expected.core_seconds == pytest.approx(one["core_seconds"] * cells * lines)
+
+
+@pytest.mark.parametrize("slenderness", [1.0, 4.9, 5.1, 5.2, 7.3, 33.0])
+def test_every_choice_fits_fingers_of_any_length(open_table, slenderness):
+    found = open_table | {"geometry": open_table["geometry"] | {"segments": [slenderness * 0.010]}}
+    found["obstacle"] = {"distance": [0.001, 0.031], "method": "penalty"}
+    for error in ERRORS:
+        scene = Scene.model_validate(found | {"accuracy": share(error * 1.000001)})
+        assert scene.expected.error <= error * 1.000001
 
 
 def test_what_was_chosen_is_kept_and_is_no_other_finger(open_table):
