@@ -44,7 +44,7 @@ def farm(folder: Path, *options: str) -> tuple[SnapshotSet, dict]:
     ranks = int(os.environ.get("FINGERFEM_RANKS") or cores or 1)
     command = ["mpirun", "-n", str(ranks), sys.executable, "-m", "fingerfem", "snapshots", SCENE, str(folder), *options]
     if sys.stderr.isatty():
-        command.append("--bar")
+        command += ["--progress", "bar"]  # mpirun is no terminal
     begun = time.perf_counter()
     code = subprocess.run(command, stdout=subprocess.DEVNULL).returncode
     if code:
