@@ -6,19 +6,15 @@ Chenevier et al., PLoS ONE 13(2): e0192052 (2018), table 1: 10,000 random starts
 
 from __future__ import annotations
 
-import ctypes
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from time import perf_counter_ns
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from control.finger import Finger
-from control.holding import hold
-from control.problems import desk_for, rules
-from control.room import CONVERGED, STATIONARY
+from control.least_squares import CONVERGED, STATIONARY
+from control.problems import hold_many, rules
 from rom import Surrogate
 
 CALLS = 2000  # of Python that are timed
@@ -32,7 +28,7 @@ class Campaign:
         distances: of the plane, shape (n,) [m].
         starts: shape (n, tensions) [N].
         tensions: that came out, shape (n, tensions) [N].
-        status: of each, see control.room, shape (n,).
+        status: of each, see control.least_squares, shape (n,).
         residual: |contact force - target|, shape (n,) [N].
         iterations: evaluations of the model, shape (n,).
         microseconds: of each solve in compiled code, shape (n,) [us].
@@ -107,11 +103,7 @@ def run(model: Surrogate, starts: int, contact_force: float, sweep: bool = False
         random = np.random.default_rng(seed).random((starts, len(lower)))
         points = lower + random * (upper - lower)
         distances, begun = points[:, -1].copy(), points[:, :-1].copy()
-    desk = desk_for(finger.known)
-    solve = _timed()
-    arguments = (finger.known, desk, begun, distances, float(contact_force), rules(1e-6))
-    solve(*(a[:2] if a is begun or a is distances else a for a in arguments))  # compile before the clock runs
-    status, residual, iterations, tensions, nanoseconds = solve(*arguments)
+    tensions, outcomes, nanoseconds = hold_many(finger.known, begun, float(contact_force), distances, rules(1e-6))
     calls = []
     finger.hold(contact_force, float(distances[0]))
     for distance, start in zip(distances[:CALLS], begun[:CALLS], strict=True):
@@ -122,35 +114,12 @@ def run(model: Surrogate, starts: int, contact_force: float, sweep: bool = False
         distances=distances,
         starts=begun,
         tensions=tensions,
-        status=status,
-        residual=residual,
-        iterations=iterations,
+        status=outcomes["status"],
+        residual=outcomes["residual"],
+        iterations=outcomes["evaluations"],
         microseconds=nanoseconds / 1e3,
         call_microseconds=np.array(calls),
         lower=finger.lower,
         upper=finger.upper,
         contact_force=contact_force,
     )
-
-
-def _timed() -> Callable[..., tuple[np.ndarray, ...]]:
-    """Compiled code that holds from every start and looks at the clock itself: Python's call is no part of a solve."""
-    clock = ctypes.CDLL(None).clock_gettime
-    clock.argtypes, clock.restype = [ctypes.c_int, ctypes.c_void_p], ctypes.c_int
-
-    @njit(error_model="numpy")
-    def solve(model, desk, starts, distances, contact_force, rules):
-        n = len(distances)
-        status, iterations, times = np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64)
-        residual, tensions = np.zeros(n), np.zeros(starts.shape)
-        stamp = np.zeros(2, np.int64)  # seconds, nanoseconds
-        for i in range(n):
-            clock(1, stamp.ctypes)  # 1: monotonic
-            before = 1_000_000_000 * stamp[0] + stamp[1]
-            status[i], residual[i], iterations[i] = hold(model, desk, starts[i], contact_force, distances[i], rules)
-            clock(1, stamp.ctypes)
-            times[i] = 1_000_000_000 * stamp[0] + stamp[1] - before
-            tensions[i] = desk.best
-        return status, residual, iterations, tensions, times
-
-    return solve

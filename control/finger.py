@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from control.holding import hold_once
-from control.locating import locate_once
+from control import problems
+from control.least_squares import CONVERGED, LIMIT, STATIONARY
 from control.motion import Limits, Motion
-from control.problems import Model, known, rules
-from control.reaching import reach_once
-from control.room import CONVERGED, LIMIT, STATIONARY
+from control.problems import known, rules
 from rom import Surrogate
 from rom.kernel import PAD
 
@@ -150,10 +149,8 @@ class Finger:
         change: float = np.inf,
     ) -> Motion:
         mirrored = goal * np.array([1.0, *sides])
-        status, missed, tried, tensions = reach_once(
-            self.known, start, change, mirrored, float(distance), rules(tolerance)
-        )
-        return self._motion(status, tensions, distance, missed, self._tip_error, tried, sides)
+        tensions, found = problems.reach(self.known, start, change, mirrored, float(distance), rules(tolerance))
+        return self._motion(found.status, tensions, distance, found.residual, self._tip_error, found.evaluations, sides)
 
     # -- feel and hold -----------------------------------------------------------------------------------------------
 
@@ -181,12 +178,15 @@ class Finger:
         if not (inside and np.all((felt > 0) & (felt < np.inf)) and 0 <= noise < np.inf):
             return self._out_of_domain(np.nan, pulled[-1])
         close = rules(1e-9 * max(float(felt.max()), 1.0))
-        status, distance, missed, tried, steep, wrong = locate_once(self.known, pulled, felt, float(hint), close)
+        found = problems.locate(self.known, pulled, felt, float(hint), close)
+        status, steep, wrong = found.status, found.squared_slopes, found.weighted_error
         error = wrong / np.sqrt(steep * len(felt)) if steep > 0 else np.inf
-        if len(felt) > 1 and steep > 0 and status != CONVERGED and missed <= 3 * noise + error:
+        if len(felt) > 1 and steep > 0 and status != CONVERGED and found.residual <= 3 * noise + error:
             status = CONVERGED
         deviation = float(np.hypot(noise / np.sqrt(steep), wrong / KEPT / steep)) if steep > 0 else np.inf
-        return self._motion(status, pulled[-1], distance, missed, error, tried, deviation=deviation)
+        return self._motion(
+            status, pulled[-1], found.distance, found.residual, error, found.evaluations, deviation=deviation
+        )
 
     def hold(
         self,
@@ -236,16 +236,14 @@ class Finger:
         )
 
     def _press(
-        self, model: Model, aim: float, target: float, distance: float, start: np.ndarray, tolerance: float
+        self, model: Any, aim: float, target: float, distance: float, start: np.ndarray, tolerance: float
     ) -> Motion:
         """Hold what a model presses with, as far as it may: its aim, which is not beyond the target."""
-        unit = model.unit
-        status, missed, tried, tensions, error = hold_once(
-            model, start, float(aim) / unit, float(distance), rules(tolerance)
-        )
+        tensions, found = problems.hold(model, start, float(aim) / model.unit, float(distance), rules(tolerance))
+        status, missed = found.status, found.residual
         if aim < target:
-            status, missed = STATIONARY if status == CONVERGED else status, missed + (target - aim) / unit
-        return self._motion(status, tensions, distance, missed * unit, error, tried)
+            status, missed = STATIONARY if status == CONVERGED else status, missed + (target - aim) / model.unit
+        return self._motion(status, tensions, distance, missed * model.unit, found.error, found.evaluations)
 
     def _pressed(self, motion: Motion) -> tuple[float, float]:
         """Contact force [N] and pad pressure [Pa] of a motion."""
@@ -258,13 +256,13 @@ class Finger:
         if not self.model.has_obstacle:
             raise ValueError("model must have an obstacle to feel, hold or find it, got a scene without one")
 
-    def _needs_pad(self) -> Model:
+    def _needs_pad(self) -> Any:
         if self._pad is None:
             raise ValueError("model must know its pad's pressure, got a scene whose sampling.store does not ask for it")
         return self._pad
 
     def _start(self, start: ArrayLike) -> np.ndarray:
-        found = np.array(start, float)
+        found = np.array(start, float)  # a copy, contiguous
         if found.shape != (self._tensions,):
             raise ValueError(f"start must be {self._tensions} tensions in N, got shape {found.shape}")
         return found

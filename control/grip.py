@@ -12,12 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from control.finger import Finger
-from control.holding import hold
-from control.locating import locate
-from control.problems import Model, ask, desk_for, rules
-from control.room import CONVERGED, GOING, STATIONARY, Rules, room_for
-from rom.compiled import compiled
-from rom.kernel import FORCE
+from control.least_squares import CONVERGED, STATIONARY
+from control.problems import grip, rules
 
 PAST = 256  # pulls that are remembered: a reading that is older cannot be used
 SMOOTH = 0.2  # share of a reading's news in the contact force that a noisy finger is said to hold, at most
@@ -211,13 +207,11 @@ class Grip:
         if self.stage == "hold":
             self._aim = self._target
         believed = 1.0 if self._surprised >= SURPRISED else gain
-        distance, expected, held, tensions = grip_once(
-            self._known, then, felt, self.tensions, self._aim, self.distance, believed, self._rules
-        )
-        self._judge(felt, expected)
-        self.distance = distance
-        if np.isfinite(self._finger.limits.pad_pressure) and np.isfinite(distance):
-            allowed = self._finger.hold(self._aim, distance, start=self.tensions)
+        tensions, found = grip(self._known, then, felt, self.tensions, self._aim, self.distance, believed, self._rules)
+        held, self.distance = found.status, found.distance
+        self._judge(felt, found.expected)
+        if np.isfinite(self._finger.limits.pad_pressure) and np.isfinite(self.distance):
+            allowed = self._finger.hold(self._aim, self.distance, start=self.tensions)
             held, tensions = CONVERGED if allowed.converged else STATIONARY, allowed.tensions
         if tensions[self._finger.model.lead] > self._cap and self.stage == "hold":
             if self.status != "sensor_failed":
@@ -225,7 +219,7 @@ class Grip:
             self.status = "sensor_failed"
             return
         if held != CONVERGED:
-            self.status = "unreachable" if np.isfinite(distance) else "out_of_domain"
+            self.status = "unreachable" if np.isfinite(self.distance) else "out_of_domain"
             return
         change = self._finger.limits.rate * self._options.period
         way = tensions - self.tensions
@@ -260,35 +254,3 @@ class Grip:
         self._surprised = self._surprised + 1 if abs(felt - expected) > wide else 0  # nan is none
         if self._surprised == (1 if self._gain == 1 else SURPRISED) and self.stage == "hold":
             self._happened("surprise")
-
-
-@compiled(allocates=True)
-def grip_once(
-    model: Model,
-    then: np.ndarray,
-    felt: float,
-    present: np.ndarray,
-    aim: float,
-    distance: float,
-    gain: float,
-    rules: Rules,
-) -> tuple[float, float, int, np.ndarray]:
-    """Find the plane from a reading [N] at the tensions `then`; then tensions near the present that hold `aim` [N].
-
-    Of the plane's distance [m], nan if it is not known yet, a share `gain` of the news is believed.
-
-    Returns:
-        distance [m], contact force that was expected [N], status of holding, tensions [N].
-    """
-    desk = desk_for(model)
-    expected, status = np.nan, GOING
-    if np.isfinite(distance):
-        ask(model, desk, then, distance)
-        expected = desk.out[FORCE]
-    if felt > 0.0:
-        pulled, force = then.reshape(1, -1), np.full(1, felt)
-        _, found, _, _, _, _ = locate(model, desk, room_for(1, 1), pulled, force, distance, rules)
-        distance = distance + gain * (found - distance) if np.isfinite(distance) else found
-    if np.isfinite(distance):
-        status, _, _ = hold(model, desk, present, aim, distance, rules)
-    return distance, expected, status, desk.best

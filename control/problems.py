@@ -1,25 +1,19 @@
-"""What a finger knows when it is asked something: its model, an atlas of the model's answers, and room to work in."""
+"""What a finger knows when it is asked something, its model and an atlas of the model's answers; and the asking.
+
+Solved in compiled code (control/native/problems.h).
+"""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from control.room import Room, Rules, room_for
+from control.least_squares import Rules, struct
+from control.native import CONTROL
 from rom import Surrogate
-from rom.batches import answers
-from rom.compiled import compiled
-from rom.growing_errors import write_growing_errors
-from rom.kernel import (
-    FORCE,
-    TOUCH,
-    Kernel,
-    Workspace,
-    outputs,
-    write_answer_and_jacobian,
-)
-from rom.kernel import workspace as workspace_for
+from rom.kernel import FORCE, TOUCH, answers
+from rom.native import KINDS, pointer
 
 ATLAS = 20000  # points, about
 
@@ -42,37 +36,6 @@ class Atlas(NamedTuple):
     distances: np.ndarray
     contact_forces: np.ndarray
     stiffness: float
-
-
-class Model(NamedTuple):
-    """What is known of a finger: its kernel, its errors (see rom.parts.Errors), its atlas, its limits [N].
-
-    What it presses with is an output, `row`, of the kernel: contact force, or pad pressure over `unit` [1/m^2], which
-    is about the pressure that a newton makes: both are solved for as forces.
-    """
-
-    kernel: Kernel
-    rates: np.ndarray
-    margin: float
-    atlas: Atlas
-    lower: np.ndarray
-    upper: np.ndarray
-    row: int
-    unit: float
-
-
-class Desk(NamedTuple):
-    """Room to work in: nothing is allocated while a problem is solved, nor from one to the next on the same desk."""
-
-    workspace: Workspace
-    room: Room  # its bounds are the limits
-    point: np.ndarray  # asked for last, shape (p,)
-    out: np.ndarray  # answers there
-    jacobian: np.ndarray
-    grown: np.ndarray
-    best: np.ndarray  # tensions that answer the problem
-    other: np.ndarray
-    between: np.ndarray
 
 
 def atlas(model: Surrogate, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) -> tuple[Atlas, float]:
@@ -102,53 +65,121 @@ def atlas(model: Surrogate, lower: np.ndarray, upper: np.ndarray, row: int = FOR
     return Atlas(tensions, free[:, :3].copy(), touch, distances, forces, stiffness), unit
 
 
-def known(model: Surrogate, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) -> Model:
-    """What is known of a finger within limits of its tensions [N], shapes (tensions,), that presses with an output."""
+def known(model: Surrogate, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) -> Any:
+    """What is known of a finger within limits of its tensions [N], shapes (tensions,): a struct control_finger.
+
+    Args:
+        model: its surrogate.
+        lower: limits.
+        upper: limits.
+        row: of the surrogate's answer that it presses with: contact force, or pad pressure.
+    """
     pages, unit = atlas(model, lower, upper, row)
     errors = model.errors
-    return Model(model.kernel, errors.contact, errors.margin, pages, lower, upper, row, unit)
-
-
-def rules(tolerance: float) -> Rules:
-    """When a finger's problem is solved, for a tolerance in its residual's unit."""
-    return Rules(float(tolerance), longest=0.4, step=1e-4, nearest=0.1, homeward=6.0, iterations=60.0)
-
-
-@compiled(allocates=True)
-def desk_for(model: Model, residuals: int = 1) -> Desk:
-    """Room for one finger and at most so many residuals."""
-    n, p = len(model.lower), len(model.kernel.lower)
-    room = room_for(n, residuals)
-    room.lower[:], room.upper[:] = model.lower, model.upper
-    workspace = workspace_for(model.kernel)
-    m = outputs(model.kernel)
-    out, jacobian = np.zeros(m), np.zeros((m, p))
-    return Desk(
-        workspace,
-        room,
-        np.zeros(p),
-        out,
-        jacobian,
-        np.zeros(model.rates.shape[1]),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
+    return CONTROL.struct(
+        "control_finger",
+        kernel=model.kernel,
+        rates=errors.contact,
+        columns=errors.contact.shape[1],
+        margin=errors.margin,
+        lower=lower,
+        upper=upper,
+        row=row,
+        unit=unit,
+        atlas_nodes=len(pages.tensions),
+        atlas_distances=len(pages.distances),
+        **pages._asdict(),
     )
 
 
-@compiled
-def ask(model: Model, desk: Desk, tensions: np.ndarray, distance: float) -> bool:
-    """Write outputs and derivatives at tensions and a plane's distance; whether the point is inside the trained box."""
-    n = len(tensions)
-    for j in range(n):
-        desk.point[j] = tensions[j]
-    if model.kernel.has_obstacle:
-        desk.point[n] = distance
-    return write_answer_and_jacobian(model.kernel, desk.point, desk.workspace, desk.out, desk.jacobian)
+def rules(tolerance: float) -> Any:
+    """When a finger's problem is solved, for a tolerance in its residual's unit: a struct control_rules."""
+    return struct(Rules(float(tolerance), longest=0.4, step=1e-4, nearest=0.1, null_space_iterations=6, iterations=60))
 
 
-@compiled
-def force_error(model: Model, desk: Desk) -> float:
-    """What the contact force [N] or pad pressure [Pa] that was asked for last may be off, inside the box."""
-    write_growing_errors(model.kernel, model.rates, model.margin, desk.point, desk.out[TOUCH], desk.grown)
-    return desk.grown[1 if model.row == FORCE else 3]
+def hold(finger: Any, start: np.ndarray, target: float, distance: float, rules: Any) -> tuple[np.ndarray, Any]:
+    """Tensions nearest to a start, shape (tensions,) [N], that press on a plane; and a struct control_outcome.
+
+    Args:
+        finger: a struct control_finger.
+        start: shape (tensions,) [N].
+        target: contact force, or pad pressure over the finger's unit [N].
+        distance: of the plane [m].
+        rules: a struct control_rules.
+    """
+    tensions, outcome = np.empty(len(start)), CONTROL.ffi.new("control_outcome *")
+    CONTROL.functions.control_hold(finger, pointer(start), target, distance, rules, pointer(tensions), outcome)
+    return tensions, outcome
+
+
+def hold_many(
+    finger: Any, starts: np.ndarray, target: float, distances: np.ndarray, rules: Any
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Hold from many starts, shape (n, tensions) [N], at as many distances, shape (n,) [m].
+
+    Returns:
+        tensions, shape (n, tensions) [N]; outcomes, a structured array of shape (n,); and the time of each, measured
+        in compiled code, shape (n,) [ns].
+    """
+    n, tensions = len(starts), np.empty(starts.shape)
+    outcomes, nanoseconds = CONTROL.ffi.new("control_outcome[]", n), np.empty(n, np.int64)
+    CONTROL.functions.control_hold_many(
+        finger,
+        n,
+        pointer(np.ascontiguousarray(starts)),
+        target,
+        pointer(np.ascontiguousarray(distances)),
+        rules,
+        pointer(tensions),
+        outcomes,
+        pointer(nanoseconds, "int64_t[]"),
+    )
+    kind = {name: field.type.cname for name, field in CONTROL.ffi.typeof("control_outcome").fields}
+    layout = np.dtype([(name, KINDS[cname]) for name, cname in kind.items()], align=True)
+    return tensions, np.frombuffer(CONTROL.ffi.buffer(outcomes), layout).copy(), nanoseconds
+
+
+def reach(
+    finger: Any, start: np.ndarray, change: float, target: np.ndarray, distance: float, rules: Any
+) -> tuple[np.ndarray, Any]:
+    """Tensions nearest to a start that displace the tip to a target, shape (3,) [m], before a plane; and the outcome.
+
+    If no tension may change by more than a finite `change` [N], from the start only.
+    """
+    tensions, outcome = np.empty(len(start)), CONTROL.ffi.new("control_outcome *")
+    CONTROL.functions.control_reach(
+        finger, pointer(start), change, pointer(target), distance, rules, pointer(tensions), outcome
+    )
+    return tensions, outcome
+
+
+def locate(finger: Any, tensions: np.ndarray, felt: np.ndarray, hint: float, rules: Any) -> Any:
+    """The plane on which tensions, shape (m, tensions) [N], press with forces, shape (m,) [N]: the outcome."""
+    outcome, lib = CONTROL.ffi.new("control_outcome *"), CONTROL.functions
+    memory = np.empty(lib.control_workspace_size(1, len(felt)))
+    lib.control_locate(finger, len(felt), pointer(tensions), pointer(felt), hint, rules, pointer(memory), outcome)
+    return outcome
+
+
+def grip(
+    finger: Any,
+    then: np.ndarray,
+    felt: float,
+    present: np.ndarray,
+    aim: float,
+    distance: float,
+    gain: float,
+    rules: Any,
+) -> tuple[np.ndarray, Any]:
+    """Find the plane from a reading [N] at the tensions `then`; then tensions near the present that hold `aim` [N].
+
+    Of the plane's distance [m], nan if it is not known yet, a share `gain` of the news is believed.
+
+    Returns:
+        tensions [N], and the outcome: distance, force that was expected before the reading [N], status of holding.
+    """
+    tensions, outcome = np.empty(len(present)), CONTROL.ffi.new("control_outcome *")
+    CONTROL.functions.control_grip(
+        finger, pointer(then), felt, pointer(present), aim, distance, gain, rules, pointer(tensions), outcome
+    )
+    return tensions, outcome

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Literal
 
 Verdict = Literal["ok", "slow", "wrong"]
-RUNNING = ("numpy", "scipy", "h5py", "numba", "pydantic", "typer", "rich")
+RUNNING = ("numpy", "scipy", "h5py", "cffi", "pydantic", "typer", "rich")
 TRAINING = ("mpi4py", "petsc4py", "ufl", "ffcx", "dolfinx")
 DOLFINX = (0, 9), (0, 11)  # oldest and newest that this project was run with
 PAIR = "from mpi4py import MPI; w = MPI.COMM_WORLD; print(w.allreduce(w.rank + 1), w.size)"

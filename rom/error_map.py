@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rom import batches, kernel
+from rom import kernel
 from rom.contact import Contact
 from rom.fields import Moved
 from rom.free import Free
@@ -59,7 +59,7 @@ def estimate(
         )
     lower, upper = model.limits
     margin = MARGIN * float(upper[-1] - lower[-1])
-    out = batches.answers(model.kernel, contact.parameters)[0]
+    out = kernel.answers(model.kernel, contact.parameters)[0]
     found = np.zeros((len(contact.parameters), 3 + model.has_pad))
     truth = snapshots.states_of("contact", "tip")[contact.touching], contact.force
     found[:, 0] = np.linalg.norm(out[:, :3] - truth[0], axis=1)

@@ -6,15 +6,17 @@ Chenevier et al., PLoS ONE 13(2): e0192052 (2018), eq. 2. rom.tables evaluates i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rom import basis1d
-from rom.tables import Tables, evaluate, values
+from rom.native import EVALUATION
 from rom.tables import tables as as_tables
+from rom.tables import values, values_and_gradients
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,9 +78,9 @@ class Separated:
         return replace(self, kind=kind, slopes=slopes)
 
     @cached_property
-    def tables(self) -> Tables:
-        """The form as plain arrays for compiled code."""
-        return as_tables([self])
+    def tables(self) -> Any:
+        """The form alone for compiled code, a struct fingerfem_tables."""
+        return EVALUATION.struct("fingerfem_tables", **as_tables([self]))
 
     def truncated(self, tolerance: float) -> tuple[Separated, np.ndarray]:
         """The fewest leading terms whose separation error is below `tolerance` [-], all of them if none is.
@@ -99,8 +101,13 @@ class Separated:
 
     def value(self, x: ArrayLike) -> np.ndarray:
         """Value at a point, shape (m,)."""
-        return values(self.tables, 0, np.asarray(x, float))
+        return values(self.tables, 0, np.atleast_2d(np.asarray(x, float)))[0]
 
     def value_and_gradient(self, x: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Value at a point, shape (m,), and gradient by the axes, shape (m, axes)."""
-        return evaluate(self.tables, 0, np.asarray(x, float))
+        value, gradient = values_and_gradients(self.tables, 0, np.atleast_2d(np.asarray(x, float)))
+        return value[0], gradient[0]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: not the arrays for compiled code, which are made again."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom import batches, kernel
+from rom import kernel
 from rom.chart import Way
-from rom.growing_errors import growing_errors
+from rom.native import EVALUATION
 from rom.parts import Answer, Errors, Field, Regime
 from rom.separated import Separated
 from rom.tables import tables, values
@@ -99,27 +99,39 @@ class Surrogate:
             np.array([parameter["upper"] for parameter in self.parameters], float),
         )
 
-    @cached_property
-    def kernel(self) -> kernel.Kernel:
-        """The arrays for the compiled answer."""
+    def kernel_numbers(self) -> dict[str, Any]:
+        """What a struct fingerfem_kernel holds or points to, by the names of rom/native/kernel.h."""
         lower, upper = self.limits
         sizes = np.ones((len(self.regimes), max((len(regime.sizes) for regime in self.regimes), default=0)))
         for r, regime in enumerate(self.regimes):
             sizes[r, : len(regime.sizes)] = regime.sizes
-        return kernel.Kernel(
-            tables=tables([self.free, *(regime.form for regime in self.regimes)]),
-            lower=lower,
-            upper=upper,
-            has_obstacle=self.has_obstacle,
-            has_pad=self.has_pad,
-            corners=np.array([regime.corner for regime in self.regimes], np.int64),
-            begins=np.array([regime.begins for regime in self.regimes], np.bool_),
-            sizes=sizes,
-            map=self.map,
-            near=self.near,
-            cells=round(len(self.map) ** (1 / len(self.parameters))),
-            way=np.array(self.way),
-        )
+        return {
+            "tables": tables([self.free, *(regime.form for regime in self.regimes)]),
+            "parameters": len(lower),
+            "has_obstacle": self.has_obstacle,
+            "has_pad": self.has_pad,
+            "regimes": len(self.regimes),
+            "most_conditions": sizes.shape[1],
+            "lookup_cells": round(len(self.map) ** (1 / len(self.parameters))),
+            "lower": lower,
+            "upper": upper,
+            "corners": [regime.corner for regime in self.regimes],
+            "begins": [regime.begins for regime in self.regimes],
+            "sizes": sizes,
+            "lookup": self.map,
+            "possible": self.near,
+            "nearest": self.way.nearest,
+            "softening": self.way.soft,
+        }
+
+    @cached_property
+    def kernel(self) -> Any:
+        """The arrays for the compiled answer, a struct fingerfem_kernel."""
+        return EVALUATION.struct("fingerfem_kernel", **self.kernel_numbers())
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: not the arrays for compiled code, which are made again."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def _point(self, parameters: ArrayLike, most: int = 1) -> np.ndarray:
         try:
@@ -139,7 +151,7 @@ class Surrogate:
             ModelError: the wrong number of parameters.
         """
         point = self._point(parameters, most=2)
-        out, inside, _ = batches.answers(self.kernel, np.atleast_2d(point))
+        out, inside, _ = kernel.answers(self.kernel, np.atleast_2d(point))
         if point.ndim == 1:
             out, inside = out[0], inside[0]
         return Answer(
@@ -153,7 +165,7 @@ class Surrogate:
 
     def _error(self, point: np.ndarray, out: np.ndarray) -> dict[str, Any]:
         touch, errors = out[..., kernel.TOUCH], self.errors
-        grown = growing_errors(
+        grown = kernel.contact_errors(
             self.kernel, errors.contact, errors.margin, np.atleast_2d(point), np.atleast_1d(touch)
         ).reshape(*touch.shape, -1)
         found = {
@@ -167,7 +179,7 @@ class Surrogate:
 
     def free_values(self, tensions: np.ndarray) -> np.ndarray:
         """Tip and heights in free space [m], shape (n, 3 + heights), at tensions, shape (n, tensions) [N]."""
-        return np.array([values(self.kernel.tables, 0, point) for point in np.asarray(tensions, float)])
+        return values(self.free.tables, 0, np.asarray(tensions, float))
 
     def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and `jacobian`; the fastest call.
@@ -240,7 +252,7 @@ class Surrogate:
         Raises:
             ModelError: the wrong number of parameters.
         """
-        r = int(batches.answers(self.kernel, self._point(parameters)[None])[2][0])
+        r = int(kernel.answers(self.kernel, self._point(parameters)[None])[2][0])
         return None if r < 0 else self.regimes[r]
 
     def jacobian(self, parameters: ArrayLike) -> np.ndarray:
@@ -269,10 +281,11 @@ class Surrogate:
         tensions = held[:-1] if self.has_obstacle else held
         moved = self.displacements.free_basis @ self.displacements.free.value(tensions).astype(np.float32)
         if self.has_obstacle:
-            r = batches.answers(self.kernel, point[None])[2][0]
+            r = kernel.answers(self.kernel, point[None])[2][0]
             if r >= 0:
-                height = values(self.kernel.tables, 0, tensions)[3 + self.regimes[r].corner]
-                amounts = self.displacements.regimes[r].value(kernel.coordinates(self.kernel, held, height))
+                height = self.free.value(tensions)[3 + self.regimes[r].corner]
+                coordinates = self.way.coordinates(held[None], np.array([height]))[0]
+                amounts = self.displacements.regimes[r].value(coordinates)
                 if self.regimes[r].begins:
                     amounts *= height - held[-1]
                 assert self.displacements.contact_basis is not None

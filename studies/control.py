@@ -22,9 +22,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from control import Flaws, Gripper, Limits, SimulatedPlant, campaign  # noqa: E402
+from control.least_squares import CONVERGED, STATIONARY  # noqa: E402
 from control.loop import run  # noqa: E402
 from control.plant import Dead, Plant, Slipping  # noqa: E402
-from control.room import CONVERGED, STATIONARY  # noqa: E402
 from rom import Surrogate  # noqa: E402
 from rom.enrichment import EnrichmentOptions  # noqa: E402
 from rom.error_map import calibrated  # noqa: E402

@@ -16,13 +16,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba import njit
 from scipy.interpolate import CubicSpline
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from rom import basis1d, batches, polynomials  # noqa: E402
+from rom import basis1d, kernel, polynomials  # noqa: E402
 from rom.contact import Contact, count_regimes  # noqa: E402
 from rom.enrichment import EnrichmentOptions  # noqa: E402
 from rom.error_map import calibrated  # noqa: E402
@@ -33,7 +32,7 @@ from rom.separated import Separated  # noqa: E402
 from rom.separation import separated  # noqa: E402
 from rom.snapshots import SnapshotSet  # noqa: E402
 from rom.surrogate import Surrogate  # noqa: E402
-from rom.tables import Tables, room_for, write_values_and_gradients  # noqa: E402
+from rom.tables import values_and_gradients  # noqa: E402
 from rom.training import train  # noqa: E402
 from studies import sets  # noqa: E402
 from studies.solver import say  # noqa: E402
@@ -181,7 +180,7 @@ def speed(model: Surrogate, file: Path, count: int) -> dict:
     many = draw(model, count)
     model.evaluate(many[:10])
     begun = time.perf_counter()
-    batches.answers(model.kernel, many)
+    kernel.answers(model.kernel, many)
     batch = (time.perf_counter() - begun) / count
     return {
         "load_seconds": loading,
@@ -213,15 +212,6 @@ def field(folder: Path, draft: SnapshotSet, count: int) -> dict:
     }
 
 
-@njit
-def repeated(tables: Tables, points: np.ndarray) -> None:
-    """Value and gradient at every point."""
-    axes, m = tables.forms[0, 0], tables.forms[0, 2]
-    room, value, gradient = room_for(tables), np.empty(m), np.empty((m, axes))
-    for i in range(len(points)):
-        write_values_and_gradients(tables, 0, points[i], room, value, gradient)
-
-
 def cost() -> dict:
     """Time of one form's value and gradient in compiled code, against terms and axes, everything else alike."""
 
@@ -239,9 +229,9 @@ def cost() -> dict:
 
     def each(one: Separated) -> float:
         points, taken = np.random.default_rng(1).random((3000, len(one.lower))), []
-        for _ in range(8):  # the first compiles
+        for _ in range(8):
             begun = time.perf_counter()
-            repeated(one.tables, points)
+            values_and_gradients(one.tables, 0, points)
             taken.append((time.perf_counter() - begun) / len(points))
         return 1e6 * min(taken)
 

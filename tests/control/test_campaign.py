@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from control.campaign import run
-from control.room import CONVERGED, STATIONARY
+from control.least_squares import CONVERGED, STATIONARY
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import least_squares, minimize
 
-from control.least_squares import minimise
-from control.room import Rules
+from control.least_squares import Rules, minimise
 
 WIDE = np.full(2, -10.0), np.full(2, 10.0)
 
@@ -66,7 +65,9 @@ def test_the_nearest_solution_is_scipys_also_where_bounds_hold():
         def equation(x, a=a, b=b, target=target):
             return np.array([a @ x + x @ b @ x - target]), (a + 2 * b @ x)[None]
 
-        solution = minimise(equation, start, (lower, upper), Rules(residual=1e-9, nearest=1e-6, homeward=100))
+        solution = minimise(
+            equation, start, (lower, upper), Rules(residual=1e-9, nearest=1e-6, null_space_iterations=100)
+        )
         other = minimize(
             lambda x, start=start: (x - start) @ (x - start),
             start,

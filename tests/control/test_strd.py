@@ -6,8 +6,7 @@ Data, starts and certified values: NIST/ITL StRD, https://www.itl.nist.gov/div89
 import numpy as np
 import pytest
 
-from control.least_squares import minimise
-from control.room import Rules
+from control.least_squares import Rules, minimise
 
 BOXBOD = {
     "model": lambda b, x: b[0] * (1 - np.exp(-b[1] * x)),

@@ -1,0 +1,14 @@
+"""The controllers' compiled part: bounded least squares, and what a finger is asked (least_squares.h, problems.h)."""
+
+from pathlib import Path
+
+from rom.native import EVALUATION, Library
+
+_HERE = Path(__file__).parent
+_SOURCES = ("least_squares.c", "step.c", "null_space.c", "hold.c", "reach.c", "locate.c")
+CONTROL = Library(
+    "control",
+    headers=[_HERE / "least_squares.h", _HERE / "problems.h"],
+    units=[*(_HERE / source for source in _SOURCES), *EVALUATION.units],
+    includes=EVALUATION,
+)

@@ -1,0 +1,27 @@
+"""python3 -m rom.native LIBRARY...: builds libraries beside their sources, for wheels and images.
+
+A library is named by its module and name there, such as rom.native:EVALUATION. Every level of the processor gets one.
+"""
+
+import sys
+from importlib import import_module
+from pathlib import Path
+
+from rom.native import FEATURES, Library, NoCompiler, processor
+
+
+def main(names: list[str]) -> None:
+    """Build what is named."""
+    for name in names:
+        module, _, attribute = name.partition(":")
+        library: Library = getattr(import_module(module), attribute)
+        folder = Path(import_module(module).__file__ or "").parent
+        for level in ["", *FEATURES] if processor() else [""]:
+            print(library.build(folder, level))
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv[1:])
+    except NoCompiler as error:
+        raise SystemExit(str(error)) from None

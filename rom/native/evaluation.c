@@ -1,0 +1,269 @@
+/* The compiled answer of a surrogate, see evaluation.h. An exported header has this text in it (rom/export.py). */
+#include <math.h>
+#include <stddef.h>
+#include "evaluation.h"
+#ifndef FINGERFEM_API
+#define FINGERFEM_API
+#endif
+
+/* Where x lies on an axis: its interval's pieces, how far along it is (an interval beyond the ends at most), and how
+ * that changes with x. NaN goes to the lower end. */
+static inline const double *fingerfem_pieces(const fingerfem_tables *tables, int form, int axis, double x, double *along,
+                                             double *rate)
+{
+    const int at = 2 * (tables->most_axes * form + axis);
+    const double last = tables->axes[at], per_unit = tables->scales[at + 1];
+    const double wanted = (x - tables->scales[at]) * per_unit;
+    const double held = wanted > -1.0 ? (wanted < last + 1.0 ? wanted : last + 1.0) : -1.0;
+    const int interval = (int)(held < 0.0 ? 0.0 : held > last - 1.0 ? last - 1.0 : held);
+    *along = held - interval;
+    *rate = wanted == held ? per_unit : 0.0;
+    return tables->data + tables->axes[at + 1] + (ptrdiff_t)4 * tables->forms[4 * form + 1] * interval;
+}
+
+/* Products, (terms), of a form's one-dimensional functions at x. */
+static inline void fingerfem_products(const fingerfem_tables *tables, int form, const double *x, double *restrict whole)
+{
+    const int axes = tables->forms[4 * form], terms = tables->forms[4 * form + 1];
+    for (int k = 0; k < terms; k++) whole[k] = 1.0;
+    for (int a = 0; a < axes; a++) {
+        double t, rate;
+        const double *restrict c = fingerfem_pieces(tables, form, a, x[a], &t, &rate);
+        for (int k = 0; k < terms; k++)
+            whole[k] *= c[k] + t * (c[terms + k] + t * (c[2 * terms + k] + t * c[3 * terms + k]));
+    }
+}
+
+/* The same with their derivatives by every axis, slopes (axes, terms): products of all before an axis, then of all
+ * behind it. */
+static inline void fingerfem_products_and_slopes(const fingerfem_tables *tables, int form, const double *x,
+                                                 double *restrict whole, double *restrict slopes)
+{
+    const int axes = tables->forms[4 * form], terms = tables->forms[4 * form + 1];
+    double values[axes * terms], behind[terms];
+    for (int k = 0; k < terms; k++) whole[k] = behind[k] = 1.0;
+    for (int a = 0; a < axes; a++) {
+        double t, rate;
+        const double *restrict c = fingerfem_pieces(tables, form, a, x[a], &t, &rate);
+        double *restrict value = values + a * terms, *restrict slope = slopes + a * terms;
+        for (int k = 0; k < terms; k++) {
+            const double c1 = c[terms + k], c2 = c[2 * terms + k], c3 = c[3 * terms + k];
+            value[k] = c[k] + t * (c1 + t * (c2 + t * c3));
+            slope[k] = whole[k] * rate * (c1 + t * (2.0 * c2 + t * 3.0 * c3));
+            whole[k] *= value[k];
+        }
+    }
+    for (int a = axes - 1; a >= 0; a--) {
+        double *restrict value = values + a * terms, *restrict slope = slopes + a * terms;
+        for (int k = 0; k < terms; k++) {
+            slope[k] *= behind[k];
+            behind[k] *= value[k];
+        }
+    }
+}
+
+/* Component j of a form: its modes weighted by the terms' products, or by their slopes. */
+static inline double fingerfem_component(const fingerfem_tables *tables, int form, int j, const double *restrict weights)
+{
+    const int terms = tables->forms[4 * form + 1];
+    const double *restrict modes = tables->data + tables->forms[4 * form + 3] + (ptrdiff_t)j * terms;
+    double found = 0.0;
+    for (int k = 0; k < terms; k++) found += weights[k] * modes[k];
+    return found;
+}
+
+static inline void fingerfem_gradient(const fingerfem_tables *tables, int form, int j, const double *slopes,
+                                      double *gradient)
+{
+    const int axes = tables->forms[4 * form], terms = tables->forms[4 * form + 1];
+    for (int a = 0; a < axes; a++) gradient[a] = fingerfem_component(tables, form, j, slopes + a * terms);
+}
+
+/* How far x lies outside the box of a form, by more than an interval, as a share of the box. */
+static inline double fingerfem_outside(const fingerfem_tables *tables, int form, const double *x)
+{
+    double found = 0.0;
+    for (int a = 0; a < tables->forms[4 * form]; a++) {
+        const int at = 2 * (tables->most_axes * form + a);
+        const double last = tables->axes[at], t = (x[a] - tables->scales[at]) * tables->scales[at + 1];
+        if ((-1.0 - t) / last > found) found = (-1.0 - t) / last;
+        if ((t - last - 1.0) / last > found) found = (t - last - 1.0) / last;
+    }
+    return found;
+}
+
+/* Hold a point's tensions to the trained box; whether they are inside. NaN goes to the lower end. */
+static inline int fingerfem_hold_tensions(const fingerfem_kernel *kernel, const double *point, double *held)
+{
+    const int tensions = kernel->parameters - kernel->has_obstacle;
+    int inside = 1;
+    for (int j = 0; j < kernel->parameters; j++) held[j] = point[j];
+    for (int j = 0; j < tensions; j++)
+        if (!(point[j] >= kernel->lower[j] && point[j] <= kernel->upper[j])) {
+            inside = 0;
+            held[j] = point[j] > kernel->upper[j] ? kernel->upper[j] : kernel->lower[j];
+        }
+    return inside;
+}
+
+/* Hold the plane's distance to the box; a plane that is not touched may stand anywhere. */
+static inline int fingerfem_hold_distance(const fingerfem_kernel *kernel, const double *point, double touch_distance,
+                                          double *held)
+{
+    const int d = kernel->parameters - 1;
+    if (point[d] >= touch_distance || (point[d] >= kernel->lower[d] && point[d] <= kernel->upper[d])) return 1;
+    held[d] = point[d] > kernel->upper[d] ? kernel->upper[d] : kernel->lower[d];
+    return 0;
+}
+
+/* The largest of the free form's touch heights: which corner leads. */
+static inline int fingerfem_leading(const double *heights, int count)
+{
+    int leading = 0;
+    for (int j = 1; j < count; j++)
+        if (heights[j] > heights[leading]) leading = j;
+    return leading;
+}
+
+/* Cell of the regime lookup of a point in contact: even in the tensions and in the contact path. */
+static inline int fingerfem_lookup_cell(const fingerfem_kernel *kernel, const double *point, double touch_distance)
+{
+    const int d = kernel->parameters - 1, cells = kernel->lookup_cells;
+    int found = 0;
+    for (int j = 0; j <= d; j++) {
+        double t = j < d ? (point[j] - kernel->lower[j]) / (kernel->upper[j] - kernel->lower[j])
+                         : (touch_distance - point[d]) / (touch_distance - kernel->nearest + kernel->softening);
+        t *= cells;
+        found = found * cells + (int)(t > 0.0 ? (t < cells - 1.0 ? t : cells - 1.0) : 0.0);
+    }
+    return found;
+}
+
+/* Contact-aligned coordinates, (parameters), of a corner with this touch height, see rom/chart.py. */
+static inline void fingerfem_coordinates(const fingerfem_kernel *kernel, const double *point, double height,
+                                         double *coordinates)
+{
+    const int d = kernel->parameters - 1;
+    for (int j = 0; j < d; j++) coordinates[j] = point[j];
+    coordinates[d] = (height - point[d]) / (height - kernel->nearest + kernel->softening);
+}
+
+/* How well the conditions of a regime hold at a point: the least of them over its size, and not outside its box. */
+static inline double fingerfem_holds(const fingerfem_kernel *kernel, int regime, const double *point,
+                                     const double *heights)
+{
+    const fingerfem_tables *tables = &kernel->tables;
+    const int form = 1 + regime, conditions = tables->forms[4 * form + 2] - 4 - kernel->has_pad;
+    double coordinates[kernel->parameters], whole[tables->forms[4 * form + 1]];
+    fingerfem_coordinates(kernel, point, heights[kernel->corners[regime]], coordinates);
+    double worst = -fingerfem_outside(tables, form, coordinates);
+    fingerfem_products(tables, form, coordinates, whole);
+    for (int j = 0; j < conditions; j++) {
+        const double size = kernel->sizes[kernel->most_conditions * regime + j];
+        const double own = fingerfem_component(tables, form, 4 + j, whole) / size;
+        if (own < worst) worst = own;
+    }
+    return worst;
+}
+
+/* Regime at a point in contact: the one of the lookup if all its conditions hold, or no other is possible; else the
+ * first possible one whose do; if none has, the one that fails least. */
+static inline int fingerfem_regime(const fingerfem_kernel *kernel, const double *point, const double *heights,
+                                   double touch_distance)
+{
+    const int cell = fingerfem_lookup_cell(kernel, point, touch_distance), first = kernel->lookup[cell];
+    const uint64_t possible = kernel->possible[cell], one = 1;
+    if (possible == one << first) return first;
+    int best = first;
+    double least = fingerfem_holds(kernel, first, point, heights);
+    for (int r = 0; r < kernel->regimes && least < 0.0; r++) {
+        if (r == first || !(possible >> r & one)) continue;
+        const double own = fingerfem_holds(kernel, r, point, heights);
+        if (own > least) {
+            best = r;
+            least = own;
+        }
+    }
+    return best;
+}
+
+/* Row of an answer that component j of a regime's form adds to, or -1: tip and force first, the pad's pressure last. */
+static inline int fingerfem_row(const fingerfem_kernel *kernel, int regime, int j)
+{
+    if (j < 4) return FINGERFEM_TIP + j;
+    return kernel->has_pad && j == kernel->tables.forms[4 * (1 + regime) + 2] - 1 ? FINGERFEM_PAD : -1;
+}
+
+/* A plane never pulls: a fit may swing below zero just after touch. */
+static inline void fingerfem_never_pull(const fingerfem_kernel *kernel, double *out)
+{
+    if (out[FINGERFEM_FORCE] < 0.0) out[FINGERFEM_FORCE] = 0.0;
+    if (kernel->has_pad && out[FINGERFEM_PAD] < 0.0) out[FINGERFEM_PAD] = 0.0;
+}
+
+/* Add what contact does to an answer and its derivatives; rising are a regime's touch height's, (tensions). */
+static inline void fingerfem_add_contact(const fingerfem_kernel *kernel, int regime, const double *point, double height,
+                                         const double *rising, double *out, double *jacobian)
+{
+    const fingerfem_tables *tables = &kernel->tables;
+    const int p = kernel->parameters, d = p - 1, form = 1 + regime, terms = tables->forms[4 * form + 1];
+    const double path = height - point[d], whole_path = height - kernel->nearest + kernel->softening;
+    const double share = path / whole_path, size = kernel->begins[regime] ? path : 1.0;
+    const double growth = kernel->begins[regime] ? 1.0 : 0.0;
+    double coordinates[p], products[terms], slopes[p * terms], gradient[p];
+    fingerfem_coordinates(kernel, point, height, coordinates);
+    fingerfem_products_and_slopes(tables, form, coordinates, products, slopes);
+    for (int j = 0; j < tables->forms[4 * form + 2]; j++) {
+        const int row = fingerfem_row(kernel, regime, j);
+        if (row < 0) continue;
+        const double value = fingerfem_component(tables, form, j, products);
+        fingerfem_gradient(tables, form, j, slopes, gradient);
+        const double by_path = gradient[d] / whole_path;
+        double *own = jacobian + p * row;
+        out[row] += size * value;
+        for (int k = 0; k < d; k++)
+            own[k] += size * (gradient[k] + by_path * (1.0 - share) * rising[k]) + growth * value * rising[k];
+        own[d] -= size * by_path + growth * value;
+    }
+    fingerfem_never_pull(kernel, out);
+}
+
+/* The answer without contact: rows that are not known are NaN. */
+static inline void fingerfem_free_answer(const fingerfem_kernel *kernel, const double *products, double *out)
+{
+    for (int i = 0; i < 3; i++) out[FINGERFEM_TIP + i] = fingerfem_component(&kernel->tables, 0, i, products);
+    out[FINGERFEM_FORCE] = 0.0;
+    out[FINGERFEM_TOUCH] = NAN;
+    if (kernel->has_pad) out[FINGERFEM_PAD] = 0.0;
+}
+
+FINGERFEM_API int fingerfem_answer(const fingerfem_kernel *kernel, const double *point, double *out, double *jacobian)
+{
+    const fingerfem_tables *tables = &kernel->tables;
+    const int p = kernel->parameters, terms = tables->forms[1], corners = tables->forms[2] - 3;
+    const int rows = FINGERFEM_PAD + kernel->has_pad;
+    double held[p], rising[p], products[terms], slopes[tables->forms[0] * terms];
+    int inside = fingerfem_hold_tensions(kernel, point, held);
+    for (int j = 0; j < rows * p; j++) jacobian[j] = 0.0;
+    fingerfem_products_and_slopes(tables, 0, held, products, slopes);
+    fingerfem_free_answer(kernel, products, out);
+    for (int i = 0; i < 3; i++) fingerfem_gradient(tables, 0, i, slopes, jacobian + p * (FINGERFEM_TIP + i));
+    if (kernel->has_obstacle) {
+        double heights[corners];
+        for (int j = 0; j < corners; j++) heights[j] = fingerfem_component(tables, 0, 3 + j, products);
+        const int leading = fingerfem_leading(heights, corners);
+        out[FINGERFEM_TOUCH] = heights[leading];
+        fingerfem_gradient(tables, 0, 3 + leading, slopes, jacobian + p * FINGERFEM_TOUCH);
+        inside &= fingerfem_hold_distance(kernel, point, heights[leading], held);
+        if (held[p - 1] < heights[leading]) {
+            const int regime = fingerfem_regime(kernel, held, heights, heights[leading]);
+            const int corner = kernel->corners[regime];
+            fingerfem_gradient(tables, 0, 3 + corner, slopes, rising);
+            fingerfem_add_contact(kernel, regime, held, heights[corner], rising, out, jacobian);
+        }
+    }
+    for (int j = 0; j < p && !inside; j++)
+        if (held[j] != point[j])
+            for (int i = 0; i < rows; i++) jacobian[p * i + j] = 0.0;
+    return inside;
+}

@@ -1,0 +1,27 @@
+/* The compiled answer. Arrays are row by row; nothing is allocated and no state is kept. */
+#ifndef FINGERFEM_EVALUATION_H
+#define FINGERFEM_EVALUATION_H
+#include "kernel.h"
+
+/* Answer at one point, (parameters): out, (5, or 6 with a pad), and its derivatives, (5 or 6, parameters).
+ * Returns 1 if the point is inside the trained box. Outside, the answer is that of the nearest point inside, and
+ * derivatives across its walls are 0; a plane that is not touched may stand anywhere. */
+int fingerfem_answer(const fingerfem_kernel *kernel, const double *point, double *out, double *jacobian);
+
+/* Answers at many points, (count, parameters), with the regimes that hold, -1 without contact. */
+void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *points, double *out, uint8_t *inside,
+                       int32_t *regimes);
+
+/* How much the errors, (columns), of contact grow past touch, at a point of the box: rates, (cells, columns), by length
+ * of contact path [1/m], which has a margin [m]. */
+void fingerfem_contact_error(const fingerfem_kernel *kernel, const double *rates, int columns, double margin,
+                             const double *point, double touch_distance, double *found);
+
+/* The same at many points, (count, parameters), inside or not, with their touch distances [m]: found, (count, columns). */
+void fingerfem_contact_errors(const fingerfem_kernel *kernel, const double *rates, int columns, double margin,
+                              int count, const double *points, const double *touch_distances, double *found);
+
+/* Form f at many points, (count, axes): values, (count, components), and, unless NULL, gradients, (..., axes). */
+void fingerfem_form(const fingerfem_tables *tables, int form, int count, const double *points, double *values,
+                    double *gradients);
+#endif
