@@ -7,7 +7,7 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-from rom.native import FEATURES, Library, NoCompiler, processor
+from rom.native import Library, NoCompiler, levels
 
 
 def main(names: list[str]) -> None:
@@ -16,7 +16,7 @@ def main(names: list[str]) -> None:
         module, _, attribute = name.partition(":")
         library: Library = getattr(import_module(module), attribute)
         folder = Path(import_module(module).__file__ or "").parent
-        for level in ["", *FEATURES] if processor() else [""]:
+        for level in levels():
             print(library.build(folder, level))
 
 

@@ -1,0 +1,36 @@
+"""Wheels bring the compiled part with them, so that the machine that installs one needs no C compiler.
+
+Everything else is in pyproject.toml. An editable install compiles at first use.
+"""
+
+import runpy
+import shutil
+import sys
+import sysconfig
+from pathlib import Path
+
+from setuptools import setup
+from setuptools.command.build_py import build_py
+
+sys.path.insert(0, str(Path(__file__).parent))
+COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+
+
+class BuildWithLibraries(build_py):
+    """Also builds the libraries, where there is a compiler."""
+
+    def run(self) -> None:
+        """Copy the packages, then build beside the copied sources."""
+        super().run()
+        if not COMPILER or self.editable_mode:
+            return
+        from rom.native import EVALUATION, levels
+
+        control = runpy.run_path("control/native/__init__.py")["CONTROL"]  # the package itself imports NumPy
+        for library, package in ((EVALUATION, "rom"), (control, "control")):
+            for level in levels():
+                library.build(Path(self.build_lib) / package / "native", level)
+
+
+platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+setup(cmdclass={"build_py": BuildWithLibraries}, options={"bdist_wheel": {"plat_name": platform}} if COMPILER else {})
