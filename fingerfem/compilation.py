@@ -1,20 +1,38 @@
-"""Compiled forms in a cache of the project's own, shared by all processes of a machine."""
+"""Compiled forms in a cache of the project's own, shared by all processes of a machine.
+
+Every form and expression has a folder of its own, named after all that its code depends on. It is compiled in a private
+folder beside that one, which is renamed when it is whole: what the cache holds is never half there, whoever is killed
+whenever, and nobody writes where another process reads or writes. A lock by form lets one of many processes compile it
+while the others wait. It only saves work: who has waited for too long, or has no locks, compiles for itself.
+"""
 
 from __future__ import annotations
 
 import fcntl
 import os
+import shutil
+import socket
+import sys
+import sysconfig
+import time
+import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
+import dolfinx
+import ffcx
 import numpy as np
-from dolfinx import fem
+import ufl
+from cffi import VerificationError
+from dolfinx import fem, jit
+from ffcx.naming import compute_signature
 from mpi4py import MPI
 
-from fingerfem.scene import Scene
-from fingerfem.versions import versions
+NOTICE = 10.0  # [s] of waiting for another process, after which it is said; few forms take as long to compile
+PATIENCE = 120.0  # [s] of waiting, after which a form is compiled here too: whoever compiles it may be stopped
+ABANDONED = 86400.0  # [s]: a private folder that has not changed for a day was left by a process that was killed
 
 
 def cache_folder() -> Path:
@@ -22,9 +40,14 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "fingerfem" / "forms"
 
 
-def form(integrals: Any) -> fem.Form:
-    """A compiled form that DOLFINx 0.9 assembles whole: one integral a region."""
-    made = fem.form(integrals, jit_options={"cache_dir": cache_folder()})
+def form(integrals: ufl.Form) -> fem.Form:
+    """A compiled form that DOLFINx 0.9 assembles whole: one integral a region (collective over the mesh's ranks).
+
+    Raises:
+        OSError: it cannot be compiled; on every rank.
+    """
+    folder = _compiled(integrals, integrals.ufl_domain().ufl_cargo().comm)
+    made = fem.form(integrals, dolfinx.default_scalar_type, jit_options={"cache_dir": folder})
     for kind in (fem.IntegralType.cell, fem.IntegralType.exterior_facet):
         regions = list(made._cpp_object.integral_ids(kind))
         if len(set(regions)) < len(regions):
@@ -33,37 +56,112 @@ def form(integrals: Any) -> fem.Form:
 
 
 def expression(value: Any, points: np.ndarray) -> fem.Expression:
-    """An expression compiled for points of the reference cell, shape (n, 3)."""
-    return fem.Expression(value, points, jit_options={"cache_dir": cache_folder()})
+    """An expression compiled for points of the reference cell, shape (n, 3) (collective over the mesh's ranks).
+
+    Raises:
+        OSError: it cannot be compiled; on every rank.
+    """
+    folder = _compiled((value, points), ufl.domain.extract_unique_domain(value).ufl_cargo().comm)
+    return fem.Expression(value, points, jit_options={"cache_dir": folder}, dtype=dolfinx.default_scalar_type)
+
+
+def _compiled(source: Any, comm: MPI.Comm) -> Path:
+    """The folder with the code of a form, or of an expression and its points; the ranks' first one compiles it."""
+    folder, error = cache_folder() / _name(source), None
+    for mine in (comm.rank == 0, comm.rank != 0):  # the others find it whole, unless they do not see the first's disk
+        if mine:
+            try:
+                _compile_once(source, folder)
+            except Exception as caught:
+                error = caught
+        for raised in comm.allgather(error):
+            if raised is not None:
+                raise raised
+    return folder
+
+
+def _name(source: Any) -> str:
+    """A hash of all that the compiled code depends on: at least of what FFCx names its modules after."""
+    options = {name: value for name, value in jit.get_options().items() if name.startswith("cffi_")}
+    options |= ffcx.get_options({"scalar_type": dolfinx.default_scalar_type})
+    built = [dolfinx.__version__, *map(sysconfig.get_config_var, ("CFLAGS", "SOABI", "EXT_SUFFIX"))]
+    return compute_signature([source], f"{sorted(options.items())} {built}")
+
+
+def _compile_once(source: Any, folder: Path) -> None:
+    """Fill a form's folder, unless it is there; many processes may ask for it at once."""
+    if folder.exists():
+        return
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with _turn(folder):
+        if not folder.exists():
+            _remove_abandoned(folder.parent)
+            _compile(source, folder)
+
+
+def _compile(source: Any, folder: Path) -> None:
+    """Compile in a private folder and rename it, until there is a whole one: here or, meanwhile, by somebody else."""
+    while not folder.exists():
+        private = folder.with_name(f"{folder.name}.{socket.gethostname()}-{os.getpid()}-{uuid.uuid4().hex[:8]}")
+        try:
+            private.mkdir(parents=True)
+            scalar = {"scalar_type": dolfinx.default_scalar_type}
+            jit.ffcx_jit(MPI.COMM_SELF, source, form_compiler_options=scalar, jit_options={"cache_dir": private})
+            private.rename(folder)
+        except (OSError, ImportError, VerificationError) as error:
+            cleared = not private.exists() and folder.parent.exists()  # `rm -r` of the whole cache, say: once more
+            if not cleared and not folder.exists():
+                raise OSError(f"form cache {folder.parent}: forms must compile, got {_line(error)}") from error
+        finally:
+            shutil.rmtree(private, ignore_errors=True)
+
+
+def _line(error: Exception) -> str:
+    """What an error says, in one line."""
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 @contextmanager
-def turn(scene: Scene, what: str, comm: MPI.Comm) -> Iterator[None]:
-    """Where a group of ranks compiles `what` a scene needs, so that every form is compiled once by one of many groups.
+def _turn(folder: Path) -> Iterator[None]:
+    """Where one process at a time compiles what a folder is to hold; the kernel frees a killed one's lock.
 
-    The first to come compiles under a lock; once all is compiled, the others load it at once. A lock, not a barrier: a
-    process that is killed while it compiles frees it, and what it left half done, for which FFCx would wait in vain, is
-    cleared by the next.
+    It is entered without the lock when the folder is whole, when PATIENCE is at an end, or where there are no locks.
     """
-    if comm.rank != 0:
+    begun, said = time.monotonic(), False
+    with open(folder.parent / "locks", "a+b") as locks:
+        while not _locked(locks, folder) and not folder.exists():
+            waited = time.monotonic() - begun
+            if waited > PATIENCE:
+                break
+            if waited > NOTICE and not said and MPI.COMM_WORLD.rank == 0:
+                print(f"waiting for {_owners(folder)} to compile a form; after {PATIENCE:g} s it is compiled here too",
+                      file=sys.stderr, flush=True)  # fmt: skip
+                said = True
+            time.sleep(0.02)
         yield
-        return
-    folder = cache_folder()
-    folder.mkdir(parents=True, exist_ok=True)
-    whole = folder / "-".join([scene.fingerprint(), *versions().values(), what])
-    if whole.exists() and not _half_done(folder):
-        yield
-        return
-    with open(folder / "compiling", "a+b") as lock:
-        fcntl.lockf(lock, fcntl.LOCK_EX)
-        for file in _half_done(folder):
-            file.unlink(missing_ok=True)
-        yield
-        whole.touch()
 
 
-def _half_done(folder: Path) -> list[Path]:
-    """Sources and marks without each other, which a process that compiles now, or was killed, has left."""
-    sources = {file.stem: file for file in folder.glob("*.c")}
-    marks = {file.name.removesuffix(".c.cached"): file for file in folder.glob("*.c.cached")}
-    return [(sources | marks)[name] for name in sources.keys() ^ marks.keys()]
+def _locked(locks: BinaryIO, folder: Path) -> bool:
+    """Whether the lock on a form's byte of the file of locks was to be had, or there are no locks at all."""
+    try:
+        fcntl.lockf(locks, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, int(folder.name[:15], 16))
+    except (BlockingIOError, PermissionError):
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def _owners(folder: Path) -> str:
+    """Machine and process numbers of those who compile what a folder is to hold."""
+    private = folder.parent.glob(f"{folder.name}.*")
+    names = {path.name.partition(".")[2].rpartition("-")[0] for path in private}
+    return " or ".join(sorted(names)) or "another process"
+
+
+def _remove_abandoned(cache: Path) -> None:
+    """Remove what killed processes have left. A living one, stopped for a day, would begin its form once more."""
+    for private in cache.glob("*.*-*-*"):
+        with suppress(OSError):  # somebody else removes it, or renames it
+            if time.time() - private.stat().st_mtime > ABANDONED:
+                shutil.rmtree(private, ignore_errors=True)

@@ -27,8 +27,7 @@ def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
     sought = {"S11": S[0, 0], "von_mises": ufl.sqrt(1.5 * ufl.inner(deviator, deviator)), "J": J}
     cells = np.arange(len(model.mesh.midpoints.T), dtype=np.int32)
     middle = np.array([[0.5, 0.5, 0.5]])
-    with compilation.turn(model.scene, "fields", model.comm):
-        compiled = {name: compilation.expression(value, middle) for name, value in sought.items()}
+    compiled = {name: compilation.expression(value, middle) for name, value in sought.items()}
     found = {name: expression.eval(mesh, cells).ravel() for name, expression in compiled.items()}
     tags = model.mesh.cells
     for values in found.values():
@@ -46,7 +45,6 @@ def contact_pressure(model: FingerModel) -> np.ndarray:
     groups = forms.contact_groups(model.scene, ds, model.fields)
     borne = sum(contact.pressure(g, gamma, q) * v[1] * ds(facets) for facets, g, gamma, q in groups)
     share = v[1] * ds(geometry.SURFACE)
-    with compilation.turn(model.scene, "contact pressure", model.comm):
-        compiled = [compilation.form(form) for form in (borne, share)]
+    compiled = [compilation.form(form) for form in (borne, share)]
     force, area = (model.nodal(form) for form in compiled)
     return np.divide(force[:, 1], area[:, 1], out=np.zeros(nodes), where=area[:, 1] > 0)

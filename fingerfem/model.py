@@ -12,7 +12,7 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
-from fingerfem import compilation, contact, geometry, grid
+from fingerfem import contact, geometry, grid
 from fingerfem.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
 from fingerfem.rigid import Plate
 from fingerfem.scene import Scene
@@ -38,18 +38,17 @@ class FingerModel:
         self.space = fem.functionspace(self.mesh.mesh, ("Lagrange", scene.mesh.order, (3,)))
         self.copies = 2 if scene.is_half else 1  # of what is modelled, in the whole finger
         self._supports, self._clamped, self._held = self._boundary_conditions()
-        with compilation.turn(scene, "model", comm):
-            self.fields = Fields(
-                u=fem.Function(self.space, name="displacement"),
-                previous=fem.Function(self.space),
-                step=fem.Function(self.space),
-                tension_density=fem.Function(fem.functionspace(self.mesh.mesh, ("DG", 0))),
-                distance=fem.Constant(self.mesh.mesh, FAR),
-                stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
-                pad_share=self._pad_share(),
-            )
-            self.forms = compile_forms(scene, self.mesh, self.fields)
-            self._volume_ratio = volume_ratio(self.fields.u)
+        self.fields = Fields(
+            u=fem.Function(self.space, name="displacement"),
+            previous=fem.Function(self.space),
+            step=fem.Function(self.space),
+            tension_density=fem.Function(fem.functionspace(self.mesh.mesh, ("DG", 0))),
+            distance=fem.Constant(self.mesh.mesh, FAR),
+            stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
+            pad_share=self._pad_share(),
+        )
+        self.forms = compile_forms(scene, self.mesh, self.fields)
+        self._volume_ratio = volume_ratio(self.fields.u)
         self.matrix = create_matrix(self.forms.tangent)
         self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self.clamp_reaction = np.zeros(3)  # on the finger, at the last residual [N]
