@@ -20,7 +20,7 @@ def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
     tendons' own tension; J is the volume ratio [-].
     """
     u, mesh = model.fields.u, model.mesh.mesh
-    S = materials.stress(materials.energy(model.law), kinematics.right_cauchy_green(u))
+    S = materials.stress(materials.energy(model.law, forms.constants(mesh)), kinematics.right_cauchy_green(u))
     F = kinematics.deformation_gradient(u)
     J = ufl.det(F)
     deviator = ufl.dev(F * S * F.T / J)

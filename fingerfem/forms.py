@@ -77,11 +77,17 @@ class Forms:
 Term = tuple[materials.Energy, Any]  # an energy density of C and the measure it is integrated with
 
 
+def constants(domain: Any) -> materials.Number:
+    """Numbers as constants of a mesh or its domain: what is compiled is then the same for all their values."""
+    return lambda value: fem.Constant(domain, value)
+
+
 def rubber_terms(law: Law, dx: ufl.Measure, regions: Sequence[int], order: int) -> list[Term]:
     """The rubber's energy, split where its pressure is an unknown of its own."""
+    number = constants(dx.ufl_domain())
     if not law.is_mixed:
-        return [(materials.energy(law), dx(tuple(regions)))]
-    distortional, volumetric = materials.parts(law)
+        return [(materials.energy(law, number), dx(tuple(regions)))]
+    distortional, volumetric = materials.parts(law, number)
     assert volumetric is not None  # a law without one stays below where mixed begins
     terms = []
     for k, region in enumerate(regions):
@@ -133,7 +139,7 @@ def compile_forms(scene: Scene, mesh: geometry.FingerMesh, fields: Fields) -> Fo
 
     bodies = [
         *rubber_terms(scene.law, dx, geometry.RUBBERS, scene.mesh.order),
-        (materials.energy(plate_law(scene.law)), dx(geometry.PLATES)),
+        (materials.energy(plate_law(scene.law), constants(mesh.mesh)), dx(geometry.PLATES)),
     ]
     paths = {tendon.path for tendon in scene.tendons}
     fibres = [(tendons.channelled(fields.tension_density), dx(geometry.CHANNELS))] if "channel" in paths else []
@@ -173,10 +179,12 @@ def surface_measure(scene: Scene, mesh: geometry.FingerMesh) -> ufl.Measure:
 
 def contact_groups(scene: Scene, ds: ufl.Measure, fields: Fields) -> list[tuple[tuple[int, ...], Any, Any, Any]]:
     """Facets held off the plane alike: their tags, gap g [m], stiffness gamma [N/m^3] and own pressure q [Pa]."""
-    g = contact.gap(fields.u, ufl.SpatialCoordinate(ds.ufl_domain()), scene.geometry.side, fields.distance)
+    number = constants(ds.ufl_domain())
+    side = number(scene.geometry.side)
+    g = contact.gap(fields.u, ufl.SpatialCoordinate(ds.ufl_domain()), side, fields.distance)
     if scene.obstacle is None or scene.obstacle.method == "penalty":
         return [(geometry.SURFACE, g, fields.stiffness, 0)]
-    q = contact.surface_pressure(materials.energy(scene.law), fields.u, ufl.FacetNormal(ds.ufl_domain()))
+    q = contact.surface_pressure(materials.energy(scene.law, number), fields.u, ufl.FacetNormal(ds.ufl_domain()))
     return [
         (geometry.RUBBER_FACETS, g, fields.stiffness, q),
         (geometry.PLATE_FACETS, g, contact.PLATES * fields.stiffness, 0),
