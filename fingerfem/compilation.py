@@ -161,7 +161,7 @@ def _owners(folder: Path) -> str:
 
 def _remove_abandoned(cache: Path) -> None:
     """Remove what killed processes have left. A living one, stopped for a day, would begin its form once more."""
-    for private in cache.glob("*.*-*-*"):
+    for private in cache.glob("[0-9a-f]" * 40 + ".*-*-*"):
         with suppress(OSError):  # somebody else removes it, or renames it
             if time.time() - private.stat().st_mtime > ABANDONED:
                 shutil.rmtree(private, ignore_errors=True)
