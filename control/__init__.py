@@ -3,13 +3,30 @@
 This is not python-control, which is also imported as `control`: run from the checkout, or install editable.
 """
 
-from control.finger import Finger
-from control.grip import GraspOptions
-from control.gripper import Grasp, Gripper
-from control.motion import Limits, Motion
-from control.plant import Flaws, Plant, SimulatedPlant
-from control.targets import Object, Targets
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
+if TYPE_CHECKING:
+    from control.finger import Finger
+    from control.grip import GraspOptions
+    from control.gripper import Grasp, Gripper
+    from control.motion import Limits, Motion
+    from control.plant import Flaws, Plant, SimulatedPlant
+    from control.targets import Object, Targets
+
+_HOMES = {
+    "Finger": "finger",
+    "Flaws": "plant",
+    "Grasp": "gripper",
+    "GraspOptions": "grip",
+    "Gripper": "gripper",
+    "Limits": "motion",
+    "Motion": "motion",
+    "Object": "targets",
+    "Plant": "plant",
+    "SimulatedPlant": "plant",
+    "Targets": "targets",
+}
 __all__ = [
     "Finger",
     "Flaws",
@@ -23,3 +40,10 @@ __all__ = [
     "SimulatedPlant",
     "Targets",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import on first use: a command can be interrupted before it compiles."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'control' has no attribute {name!r}")
+    return getattr(import_module(f"control.{_HOMES[name]}"), name)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-import logging
+from rom.interruption import interruptible
+
+if __name__ == "__main__":
+    interruptible()  # what comes next takes a second to import
+
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -12,6 +16,7 @@ import typer
 from rom.commands import AsJson, application, run, show
 from rom.snapshots import SnapshotSet
 from rom.surrogate import Surrogate
+from rom.terminal import log_lines, steps
 
 app = application()
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
@@ -44,7 +49,7 @@ def build(
     from rom.functions import chosen
     from rom.training import train
 
-    logging.basicConfig(format="%(message)s", level=logging.INFO)
+    log_lines()
     if not output.parent.is_dir():
         raise ValueError(f"output must be in a folder that exists, got {output}")
     snapshots = SnapshotSet(folder)
@@ -52,11 +57,12 @@ def build(
         expected = snapshots.description.scene.get("expected") or {}
         tolerance = expected.get("tolerance", EnrichmentOptions().tolerance)
     options = EnrichmentOptions(tolerance=tolerance, terms=terms)
-    model = train(snapshots, options, None if coarse is None else SnapshotSet(coarse))
-    if held_out is not None:
-        fresh = SnapshotSet(held_out)
-        model = chosen(model, fresh)
-        model = calibrated(replace(model, accuracy=accuracy(check(model, fresh))), fresh)
+    with steps() as progress:
+        model = train(snapshots, options, None if coarse is None else SnapshotSet(coarse), progress=progress)
+        if held_out is not None:
+            fresh = SnapshotSet(held_out)
+            model = chosen(model, fresh, progress)
+            model = calibrated(replace(model, accuracy=accuracy(check(model, fresh, progress))), fresh)
     model.save(output)
     show(summary(model), as_json)
 
@@ -73,7 +79,9 @@ def check_model(
     """Compare a model with held-out full-order states."""
     from rom.errors import check
 
-    show(check(Surrogate.load(model, tolerance=tolerance), SnapshotSet(held_out)), as_json)
+    with steps() as progress:
+        report = check(Surrogate.load(model, tolerance=tolerance), SnapshotSet(held_out), progress)
+    show(report, as_json)
 
 
 @app.command()

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
+
+from rom.terminal import say
 
 BAD_INPUT, NOTHING_USABLE = 2, 3
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
@@ -40,5 +41,5 @@ def run(app: Callable[[], None]) -> None:
     try:
         app()
     except (ValueError, OSError) as error:
-        print(error, file=sys.stderr)
+        say(str(error))
         raise SystemExit(BAD_INPUT) from None

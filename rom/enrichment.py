@@ -70,7 +70,7 @@ def separate(tensor: np.ndarray, options: EnrichmentOptions) -> tuple[list[np.nd
         opposed = _without_opposed(factors, size)
         if opposed is not None:
             factors, merged = _sweep(tensor, known, opposed), merged + 1
-            logger.info("two terms that only cancelled each other were merged")
+            logger.debug("two products that only cancelled each other were merged into one")
             if merged > MERGERS:
                 break
         left = (tensor - compose(factors)) * known

@@ -8,14 +8,15 @@ import numpy as np
 
 from rom.snapshots import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
+from rom.terminal import Progress, quiet
 
 PRESSED = 0.03  # share of the largest pad pressure above which its relative errors are counted
 FELT = 0.1  # [N] above which relative errors of contact forces are counted
 MARGIN = 5e-5  # [m] from touch, within which a touch decision may be wrong
 
 
-def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
-    """Compare a surrogate with held-out states.
+def check(model: Surrogate, held_out: SnapshotSet, progress: Progress = quiet) -> dict[str, Any]:
+    """Compare a surrogate with held-out states, and tell `progress` how far that is.
 
     Relative errors: displacement and tip over the state's own 2-norm, touch distance and contact force over their own
     value; contact force over the states in which the full-order model says more than 0.1 N.
@@ -31,13 +32,17 @@ def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
     if held_out.description.fingerprint != model.provenance["fingerprint"]:
         raise SnapshotError(f"{held_out.path}: must hold states of the scene the model was trained on")
     points = held_out.random("parameters")
+    progress("checking on held-out states", 0, len(points))
     answer = model.evaluate(points)
     result: dict[str, Any] = {"states": len(points), "failed": len(held_out.failures)}
     tip = held_out.random("tip")
     result["tip"] = _statistics(_norm(answer.tip - tip), _norm(tip))
     if model.has_field and held_out.description.has_field:
         field = held_out.random("displacement").reshape(len(points), -1)
-        ours = np.array([model.displacement(point).ravel() for point in points])
+        ours = np.empty_like(field)
+        for k, point in enumerate(points):
+            ours[k] = model.displacement(point).ravel()
+            progress("checking on held-out states", k + 1, len(points))
         result["displacement"] = _statistics(_norm(ours - field), _norm(field))
     if model.has_obstacle:
         touch, force = held_out.random("touch_distance"), held_out.random("contact_force")
@@ -61,6 +66,7 @@ def check(model: Surrogate, held_out: SnapshotSet) -> dict[str, Any]:
             "force_without_touch": int((felt & ~touches).sum()),
         }
     result["terms"], result["bytes"] = model.terms, model.bytes
+    progress("checking on held-out states", len(points), len(points))
     expected = model.scene.get("expected")
     if expected:
         result["chosen"] = _chosen(model.scene, expected, result)

@@ -12,7 +12,7 @@ from rom.enrichment import EnrichmentOptions
 from rom.free import Free
 from rom.parts import Field
 from rom.polynomials import Fitted, Samples, corrected, fit
-from rom.regimes import Code
+from rom.regimes import Code, describe
 from rom.separation import separated
 from rom.snapshots import SnapshotSet
 
@@ -42,23 +42,24 @@ class Moved:
         """The same on the nodes of another mesh, to which `bring` interpolates columns of 3 nodes."""
         return replace(self, free_basis=bring(self.free_basis), contact_basis=bring(self.contact_basis))
 
-    def separated(self, free: Free, contact: Contact | None, options: EnrichmentOptions) -> Field:
-        """As the surrogate has it. It is asked for seldom, and separated to a third of the tolerance."""
+    def separated(
+        self, free: Free, contact: Contact | None, options: EnrichmentOptions, one_more: Callable[[], None]
+    ) -> Field:
+        """As the surrogate has it. It is asked for seldom, and separated to a third of the tolerance.
+
+        `one_more` is called after each form.
+        """
         options = replace(options, tolerance=FINER * options.tolerance)
-        form = separated("free displacement", self.free.polynomial, free.known, options, alike=True)
+        form = separated("displacement field, no contact", self.free.polynomial, free.known, options, alike=True)
+        one_more()
         found = Field(free_basis=self.free_basis.astype(np.float32), free=form)
         if contact is None:
             return found
-        regimes = [
-            separated(
-                f"displacement in regime {part.code}",
-                self.contact[part.code].polynomial,
-                part.points,
-                options,
-                alike=True,
-            )
-            for part in contact.parts
-        ]
+        regimes = []
+        for part in contact.parts:
+            name, polynomial = f"displacement field, {describe(part.code)}", self.contact[part.code].polynomial
+            regimes.append(separated(name, polynomial, part.points, options, alike=True))
+            one_more()
         return replace(found, contact_basis=self.contact_basis.astype(np.float32), regimes=regimes)
 
 

@@ -9,6 +9,7 @@ from rom.basis1d import KINDS
 from rom.errors import check
 from rom.snapshots import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
+from rom.terminal import Progress, quiet
 
 logger = logging.getLogger(__name__)
 
@@ -27,16 +28,18 @@ def of_kind(model: Surrogate, kind: str) -> Surrogate:
     )
 
 
-def chosen(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
+def chosen(model: Surrogate, held_out: SnapshotSet, progress: Progress = quiet) -> Surrogate:
     """The model with the kind of functions that errs least at 95 % of states: contact force, or tip without a plane."""
     if not len(held_out.random("parameters")):
         raise SnapshotError(f"{held_out.path}: must have held-out states with an answer, got none")
     found = {}
-    for kind in KINDS:
+    for k, kind in enumerate(KINDS):
+        progress("choosing one-dimensional functions", k, len(KINDS))
         report = check(replace(of_kind(model, kind), displacements=None), held_out)
         judged = report.get("contact_force", {}).get("p95"), report["tip"]["p95"]
         found[kind] = judged[0] if judged[0] is not None else judged[1]
+    progress("choosing one-dimensional functions", len(KINDS), len(KINDS))
     best = min(found, key=lambda kind: found[kind])
-    said = ", ".join(f"{kind} {error:.2g}" for kind, error in found.items())
-    logger.info("one-dimensional functions: %s (error at 95 %% of held-out states: %s)", best, said)
+    said = ", ".join(f"{kind} {100 * error:.2g} %" for kind, error in found.items())
+    logger.info("one-dimensional functions: %s, by the error at the 95th percentile of held-out states: %s", best, said)
     return of_kind(model, best)

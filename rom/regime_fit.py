@@ -99,7 +99,7 @@ class Part:
 
     def separated(self, options: EnrichmentOptions) -> Regime:
         """The regime as the surrogate has it."""
-        outputs = self.outputs.polynomial
+        outputs, name = self.outputs.polynomial, f"tip and contact force, {regimes.describe(self.code)}"
         all_of = np.eye(outputs.coefficients.shape[1])
         both = [outputs.mixed(all_of[:, :4]), *([self.conditions.polynomial] if self.conditions else [])]
         if len(all_of) > 4:
@@ -114,7 +114,7 @@ class Part:
             begins=self.place.begins,
             states=len(self.points),
             sizes=np.maximum(np.abs(values).max(axis=0), np.finfo(float).tiny).tolist(),
-            form=separated(f"regime {self.code}", Polynomial.together(both), self.points, options, weights=weights),
+            form=separated(name, Polynomial.together(both), self.points, options, weights=weights),
         )
 
 

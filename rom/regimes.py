@@ -53,6 +53,23 @@ def rubber(code: Code, segment: int) -> int:
     return code[4 * segments(code) + segment]
 
 
+def describe(code: Code) -> str:
+    """A regime in words, such as "contact by plate 1's corner (+x, +y, -z) and segment 1's rubber".
+
+    A corner has an end along each of the plate's own axes, an edge along two, a face along one; x points to the tip,
+    y to the plane.
+    """
+    found = []
+    for k in range(segments(code)):
+        carries, ends = plate(code, k)
+        if carries:
+            signs = ", ".join(f"{'+' if end > 0 else '-'}{axis}" for end, axis in zip(ends, "xyz", strict=True) if end)
+            part = ("middle", "face", "edge", "corner")[sum(end != 0 for end in ends)]
+            found.append(f"plate {k + 1}'s {part}" + (f" ({signs})" if signs else ""))
+    found += [f"segment {k + 1}'s rubber" for k in range(segments(code)) if rubber(code, k)]
+    return "contact by " + " and ".join(found) if found else "no contact"
+
+
 def corner(code: Code, half: bool) -> Corner | None:
     """Segment and ends of the corner that alone carries; None if it is not a corner, or not alone.
 

@@ -29,7 +29,7 @@ def separated(
     """Separate a polynomial.
 
     Args:
-        name: for what is logged.
+        name: of what is separated, for readers of the log.
         polynomial: of p variables, m values.
         points: where there were states, shape (n, p); only around them the form has to be like the polynomial.
         options: of the separation.
@@ -56,7 +56,7 @@ def separated(
 
     factors, errors = separate(tensor(values), options)
     if errors[-1] > options.tolerance:
-        logger.warning("%s: %d terms leave %.1e, not %.1e", name, len(errors), errors[-1], options.tolerance)
+        logger.warning("%s", _too_few(name, len(errors), float(errors[-1]), options))
     return Separated(
         lower=polynomial.lower,
         upper=polynomial.upper,
@@ -65,6 +65,14 @@ def separated(
         slopes=[_single(slopes(factors, tensor(gradient[..., a]), a + 1)) for a in range(p)],
         modes=_single(size[:, None] * factors[0]),
         errors=_single(errors),
+    )
+
+
+def _too_few(name: str, terms: int, error: float, options: EnrichmentOptions) -> str:
+    then = "rom build --terms allows more" if terms >= options.terms else "more would not help"
+    return (
+        f"{name}: {terms} products reach a relative error of {error:.1e}, not the {options.tolerance:.1e} asked for; "
+        f"the model's estimated errors count it in, {then}"
     )
 
 

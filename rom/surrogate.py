@@ -228,7 +228,7 @@ class Surrogate:
         if fewer != whole:
             found = replace(found, accuracy={})
         kept_terms = ", ".join(f"{name} {fewer[name]} of {count}" for name, count in whole.items())
-        logger.info("terms kept for a tolerance of %g: %s", tolerance, kept_terms)
+        logger.info("a tolerance of %g keeps these products of one-dimensional functions: %s", tolerance, kept_terms)
         return found
 
     @property

@@ -11,6 +11,7 @@ from __future__ import annotations
 import logging
 from collections import Counter
 from dataclasses import replace
+from itertools import count
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +26,7 @@ from rom.regimes import Code
 from rom.separation import separated
 from rom.snapshots import SnapshotError, SnapshotSet
 from rom.surrogate import HEIGHTS, Surrogate
+from rom.terminal import Progress, quiet
 
 logger = logging.getLogger(__name__)
 
@@ -37,13 +39,20 @@ class Fits(NamedTuple):
     moved: fields.Moved | None
 
 
-def train(snapshots: SnapshotSet, options: EnrichmentOptions, coarse: SnapshotSet | None = None) -> Surrogate:
+def train(
+    snapshots: SnapshotSet,
+    options: EnrichmentOptions,
+    coarse: SnapshotSet | None = None,
+    *,
+    progress: Progress = quiet,
+) -> Surrogate:
     """Build the surrogate of a training set; states may have failed, and lines that refine it be missing.
 
     Args:
         snapshots: the set.
         options: of the separation.
         coarse: a set of the same finger on a coarser mesh, which the first then corrects.
+        progress: is told how far it is.
 
     Raises:
         SnapshotError: a held-out set, or no state with an answer, or none that touches the plane; or sets
@@ -58,10 +67,14 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions, coarse: SnapshotSe
     counts = count_regimes(sets) if description.has_obstacle else Counter()
     before = None
     if coarse is not None:
+        progress("fitting the coarse states", 0, 1)
         before = _fitted(coarse, counts, options, description.has_field, pad, noise=CALM)
+        progress("fitting the coarse states", 1, 1)
         if before.moved is not None:
             before = before._replace(moved=before.moved.on(two_meshes.interpolation(coarse.nodes, snapshots.nodes)))
+    progress("fitting the states", 0, 1)
     free, contact, moved = _fitted(snapshots, counts, options, description.has_field, pad, before)
+    progress("fitting the states", 1, 1)
     if contact is not None:
         free, contact = contact.with_its_corners(free)
     places, near = contact.map() if contact else (np.zeros(1, np.int64), np.zeros(1, np.uint64))
@@ -74,14 +87,11 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions, coarse: SnapshotSe
     )
     model = Surrogate(
         parameters=description.parameters,
-        # What contact adds begins where the heights say, so these are to be known better.
-        free=separated("free", free.polynomial, free.known, replace(options, tolerance=HEIGHTS * options.tolerance)),
-        regimes=[] if contact is None else [part.separated(options) for part in contact.parts],
+        **_separated(Fits(free, contact, moved), options, progress),
         map=places,
         near=near,
         way=chart.Way(0.0, 1.0) if contact is None else contact.way,
         errors=unknown,
-        displacements=None if moved is None else moved.separated(free, contact, options),
         lead=description.lead,
         nodes=snapshots.nodes if moved is not None else np.zeros((0, 3)),
         scene=description.scene,
@@ -95,7 +105,32 @@ def train(snapshots: SnapshotSet, options: EnrichmentOptions, coarse: SnapshotSe
         }
         | ({} if coarse is None else {"coarse": _origin(coarse)}),
     )
-    return replace(model, errors=error_map.estimate(model, snapshots, free, contact, moved))
+    progress("estimating the errors", 0, 1)
+    model = replace(model, errors=error_map.estimate(model, snapshots, free, contact, moved))
+    progress("estimating the errors", 1, 1)
+    return model
+
+
+def _separated(fits: Fits, options: EnrichmentOptions, progress: Progress) -> dict[str, Any]:
+    """The separated forms of all that is fitted, as fields of a surrogate."""
+    free, contact, moved = fits
+    kinds, parts = 1 if moved is None else 2, [] if contact is None else contact.parts
+    total, done = kinds * (1 + len(parts)), count()
+
+    def one_more() -> None:
+        progress("separating the snapshots", next(done), total)
+
+    one_more()
+    # What contact adds begins where the heights say, so these are to be known better.
+    finer = replace(options, tolerance=HEIGHTS * options.tolerance)
+    form = separated("tip and touch distance, no contact", free.polynomial, free.known, finer)
+    one_more()
+    regimes = []
+    for part in parts:
+        regimes.append(part.separated(options))
+        one_more()
+    field = None if moved is None else moved.separated(free, contact, options, one_more)
+    return {"free": form, "regimes": regimes, "displacements": field}
 
 
 def _check(snapshots: SnapshotSet) -> None:
@@ -110,9 +145,14 @@ def _check(snapshots: SnapshotSet) -> None:
             f"{snapshots.path}: must have derivatives of pad_pressure, which older versions did not store"
         )
     for task, parameters, reason in snapshots.failures:
-        logger.warning("done without the failed state of %s at %s: %s", task, parameters.tolist(), reason)
+        named = zip(description.parameters, parameters, strict=True)
+        at = " ".join(f"{one['name']}={value:.6g}" for one, value in named if np.isfinite(value))
+        logger.warning("done without the failed state of %s at %s: %s", task, at, reason)
     if snapshots.missing:
-        logger.warning("done without %d lines that are not solved yet", len(snapshots.missing))
+        logger.warning(
+            "done without %d lines of states that are not solved yet; fingerfem snapshots goes on with them",
+            len(snapshots.missing),
+        )
 
 
 def _fitted(

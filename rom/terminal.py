@@ -1,0 +1,127 @@
+"""What people read while a command works: lines that fit the window; a bar on a terminal, in a pipe lines instead."""
+
+from __future__ import annotations
+
+import logging
+import shutil
+import sys
+import textwrap
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from importlib.util import find_spec
+from typing import Protocol, TextIO
+
+EVERY = 10.0  # [s] between two lines of progress where there is no bar
+
+
+class Progress(Protocol):
+    """Is told how far a step is; long functions take one."""
+
+    def __call__(self, step: str, done: int, total: int) -> None:
+        """Of a step, `done` parts of `total` are done; a total of 0 is not known."""
+
+
+def quiet(step: str, done: int, total: int) -> None:
+    """Says nothing."""
+
+
+def say(line: str, terminal: bool = False) -> None:
+    """One line on stderr, on a terminal broken between words to fit the window, and over the ^C that is shown there.
+
+    Args:
+        line: to be said.
+        terminal: on the terminal that the process belongs to, if it has one, wherever stderr leads.
+    """
+    own = own_terminal() if terminal and not sys.stderr.isatty() else None
+    with own or nullcontext(sys.stderr) as stream:
+        print(f"\r{fitted(line)}" if stream.isatty() else line, file=stream, flush=True)
+
+
+def own_terminal() -> TextIO | None:
+    """The terminal that the process belongs to, if any: mpirun passes on whole lines only, and at its end nothing."""
+    try:
+        return open("/dev/tty", "w")
+    except OSError:
+        return None
+
+
+def fitted(text: str) -> str:
+    """A text broken between words so that it fits the window."""
+    width = shutil.get_terminal_size().columns
+    return "\n".join(
+        textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False) for line in text.splitlines()
+    )
+
+
+class Lines(logging.StreamHandler):
+    """Log lines that fit the window, above a bar if there is one: that is what sys.stderr is while it is drawn."""
+
+    def __init__(self) -> None:
+        logging.Handler.__init__(self)
+
+    @property
+    def stream(self) -> TextIO:
+        """Where lines go now."""
+        return sys.stderr
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The line, without decoration."""
+        return fitted(super().format(record)) if self.stream.isatty() else super().format(record)
+
+
+def log_lines(level: int = logging.INFO) -> None:
+    """Log to stderr, as lines for people."""
+    logging.basicConfig(format="%(message)s", level=level, handlers=[Lines()])
+
+
+@contextmanager
+def compiling() -> Iterator[None]:
+    """Show, as long as it lasts, that something works which compiles at its first call."""
+    with steps(transient=True) as progress:
+        progress("working; a first call compiles, in about a minute", 0, 1)
+        yield
+
+
+@contextmanager
+def steps(transient: bool = False) -> Iterator[Progress]:
+    """Show the steps of a long job: a bar each on a terminal, if rich is there, else a line every ten seconds.
+
+    Args:
+        transient: whether the bars go away at the end.
+    """
+    if not sys.stderr.isatty() or find_spec("rich") is None:
+        yield _Now()
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Task, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bars
+    from rich.text import Text
+
+    class Count(MofNCompleteColumn):
+        def render(self, task: Task) -> Text:
+            return super().render(task) if task.total else Text(str(int(task.completed)))
+
+    columns = TextColumn("{task.description}"), BarColumn(20), Count(), TimeElapsedColumn()
+    with Bars(*columns, console=Console(stderr=True), transient=transient) as bars:
+        tasks = {}
+
+        def show(step: str, done: int, total: int) -> None:
+            if step not in tasks:
+                tasks[step] = bars.add_task(step, total=total or None)
+            bars.update(tasks[step], completed=done, total=total or None)
+
+        yield show
+
+
+class _Now:
+    """A line now and then."""
+
+    def __init__(self) -> None:
+        self._last = time.monotonic()
+
+    def __call__(self, step: str, done: int, total: int) -> None:
+        now = time.monotonic()
+        if now - self._last >= EVERY:
+            self._last = now
+            print(f"{step}: {done}" + (f" of {total}" if total else ""), file=sys.stderr, flush=True)
