@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from rom.interruption import first_rank, interruptible
+
+if __name__ == "__main__":
+    interruptible()  # what comes next takes seconds to import
+
+import atexit
 import json
 import logging
 import math
 import os
 import signal
-import sys
 import time
 from contextlib import nullcontext
 from dataclasses import asdict
@@ -22,9 +27,13 @@ except ModuleNotFoundError:
 import fingerfem
 from fingerfem.convergence import LoadNotReached
 from fingerfem.durations import seconds as duration
+from fingerfem.rows import finish
+from rom.terminal import log_lines, say
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 BAD_INPUT, NOTHING_USABLE = 2, 3
+KEPT = "stopped by {}: what is solved is kept, the line of states at hand is dropped; run the same command again"
+CALLER = "FINGERFEM_CALLER"  # variable of a program that calls the farm and says itself why it was stopped
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
@@ -73,11 +82,11 @@ def solve(
     except LoadNotReached as failure:
         reached = {"tensions": failure.tensions.tolist(), "distance": failure.distance}
         answer = {"converged": False, "reason": str(failure), "last_good_load": reached}
-        _finish(answer, as_json, NOTHING_USABLE, comm.rank)
+        finish(answer, as_json, NOTHING_USABLE, comm.rank)
     if state.self_intersecting and comm.rank == 0:
-        print("the finger passes through itself: contact with itself is not modelled", file=sys.stderr)
+        say("the finger passes through itself: contact with itself is not modelled")
     if not state.stable and comm.rank == 0:
-        print("the equilibrium is not stable: the finger would leave it", file=sys.stderr)
+        say("the equilibrium is not stable: the finger would leave it")
     if picture is not None:
         from fingerfem.render import Deformed, draw
 
@@ -86,7 +95,7 @@ def solve(
         from fingerfem.output import write_vtu
 
         write_vtu(model, state, paraview)
-    _finish(state.as_json(), as_json, rank=comm.rank)
+    finish(state.as_json(), as_json, rank=comm.rank)
 
 
 @app.command()
@@ -133,7 +142,7 @@ def snapshots(
 
     world, begun = MPI.COMM_WORLD, time.perf_counter()
     first = world.rank == 0
-    logging.basicConfig(level=logging.INFO if first else logging.ERROR, format="%(message)s", stream=sys.stderr)
+    log_lines(logging.INFO if first else logging.ERROR)
     if progress not in STYLES:
         raise ValueError(f"progress must be one of {', '.join(STYLES)}, got {progress}")
     if world.size % ranks_per_finger:
@@ -153,8 +162,11 @@ def snapshots(
     description = describe(scene, versions(), held_out, refines)
     donor = Donor(reuse, description) if reuse is not None else None
     create(folder, description)
-    if ranks_per_finger == 1:  # else ranks may be waiting for each other in MPI: they end at once
+    if ranks_per_finger == 1:
         signal.signal(signal.SIGTERM, _terminated)
+        interruptible(KEPT.format("Ctrl-C"))
+    else:  # ranks may be waiting for each other in MPI: they end at once
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     aside = set_aside_broken_rounds(folder, description)
     ledger = Ledger(folder, description)
     if first:
@@ -192,12 +204,17 @@ def snapshots(
     # A surrogate can do without a held-out state, or without one that refines.
     needed = [task for task, *_ in ledger.failures if task in description.lines]
     unusable = needed and not (random and result["solved"])
-    _finish(result, as_json, NOTHING_USABLE if unusable else 0)
+    finish(result, as_json, NOTHING_USABLE if unusable else 0)
 
 
 def _terminated(*_) -> None:
-    """A scheduler's SIGTERM: drop the line of states at hand, give back its claim, and end."""
-    print("stopped by SIGTERM: what was being solved is dropped; run the same command again", file=sys.stderr)
+    """SIGTERM, by a scheduler or by mpirun at Ctrl-C: drop the line of states at hand, give back its claim, and end."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    if first_rank() and CALLER not in os.environ:
+        # mpirun, when it is interrupted, passes nothing on.
+        parallel = "OMPI_COMM_WORLD_RANK" in os.environ
+        line = KEPT.format("Ctrl-C or SIGTERM" if parallel else "SIGTERM")
+        atexit.register(say, line, terminal=parallel)
     raise SystemExit(128 + signal.SIGTERM)
 
 
@@ -222,7 +239,7 @@ def status(folder: SetFolder, as_json: AsJson = False) -> None:
     else:
         for failure in ledger.failures:
             print(sentence(description, *failure))
-    _finish(summary, as_json)
+    finish(summary, as_json)
 
 
 @app.command()
@@ -267,25 +284,13 @@ def render(
     draw(panels, picture)
 
 
-def _finish(result: dict, as_json: bool, code: int = 0, rank: int = 0) -> None:
-    if rank != 0:
-        raise SystemExit(code)
-    if as_json:
-        print(json.dumps(result))
-    else:
-        for name, value in result.items():
-            print(f"{name:24s} {value}")
-    raise SystemExit(code)
-
-
 def main() -> None:
     """Run the command; bad input is one line and exit code 2, no equilibrium one line and 3."""
     try:
         app()
     except (ValueError, OSError, LoadNotReached) as error:
-        # All ranks of a job stop for the same reason; one of them says so.
-        if os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMIX_RANK", "0")) == "0":
-            print(error, file=sys.stderr)
+        if first_rank():  # all ranks of a job stop for the same reason
+            say(str(error))
         raise SystemExit(NOTHING_USABLE if isinstance(error, LoadNotReached) else BAD_INPUT) from None
 
 

@@ -35,13 +35,21 @@ def begin(path: str | Path, task: str) -> None:
     file = _attempts(path, task)
     file.parent.mkdir(exist_ok=True)
     with file.open("a") as stream:
-        stream.write(f"{socket.gethostname()} {os.getpid()}\n")
+        stream.write(_me())
+
+
+def _me() -> str:
+    return f"{socket.gethostname()} {os.getpid()}\n"
 
 
 def withdraw(path: str | Path, task: str) -> None:
-    """Take the last note back: the attempt was dropped."""
+    """Take this process's note back, if it is there yet: the attempt was dropped."""
     file = _attempts(path, task)
-    former = file.read_text().splitlines(keepends=True)[:-1]
+    try:
+        noted = file.read_text().splitlines(keepends=True)
+    except FileNotFoundError:
+        return
+    former = noted[:-1] if noted[-1:] == [_me()] else noted
     file.write_text("".join(former)) if former else file.unlink()
 
 

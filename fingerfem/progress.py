@@ -1,8 +1,14 @@
-"""How far a set is: a bar on a terminal, else plain lines or JSON lines; always a log in the set's folder."""
+"""How far a set is: a bar on a terminal, else plain lines or JSON lines; always a log in the set's folder.
+
+A bar that is asked for under mpirun is drawn on the terminal itself: Open MPI passes on whole lines only, and a bar is
+none before its end.
+"""
 
 from __future__ import annotations
 
 import json
+import os
+import sys
 import time
 from datetime import datetime
 from typing import IO, Self
@@ -11,6 +17,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from fingerfem.ledger import Ledger
+from rom.terminal import own_terminal
 
 EVERY = {"bar": 0.5, "plain": 30.0, "json": 1.0}  # [s]
 STYLES = ("auto", *EVERY)
@@ -21,11 +28,15 @@ class Reporter:
 
     def __init__(self, ledger: Ledger, style: str = "auto"):
         self._ledger, self._begun, self._last = ledger, time.monotonic(), -1e9
-        console = Console(stderr=True, force_terminal=True if style == "bar" else None)
-        self._style = ("bar" if console.is_terminal else "plain") if style == "auto" else style
+        self._terminal = own_terminal() if style == "bar" and not sys.stderr.isatty() else None
+        console = Console(stderr=True)
+        if self._terminal is not None:
+            console = Console(file=self._terminal, width=os.get_terminal_size(self._terminal.fileno()).columns)
+        self._style = ("bar" if console.is_terminal else "plain") if style in ("auto", "bar") else style
         self._console = console
         self._log: IO[str] | None = None
-        columns = TextColumn("lines of states"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+        # 80 columns are 6 + 1 + 12 + 1 + 9 + 1 + 7 + 1 and 42 of a note, of long sets a little less.
+        columns = TextColumn("lines"), BarColumn(12), MofNCompleteColumn(), TimeRemainingColumn()
         self._bar = Progress(*columns, TextColumn("{task.fields[note]}"), console=console)
         self._line = self._bar.add_task("", total=len(ledger.plan.lines), note="")
         self._at_start: tuple[int, int] | None = None
@@ -40,6 +51,8 @@ class Reporter:
         if self._ledger.path.exists():
             self()
         self._bar.stop()
+        if self._terminal is not None:
+            self._terminal.close()
         if self._log is not None:
             self._log.close()
 
@@ -55,9 +68,7 @@ class Reporter:
             self._log = (self._ledger.path / "progress.log").open("a", buffering=1)
         print(datetime.now().astimezone().isoformat(timespec="seconds"), _sentence(row), file=self._log)
         if self._style == "bar":
-            note = f"{row['rate']:.1f} states/s, {row['failed']} failed"
-            note += f", estimated error {100 * row['estimated_error']:.2g} %" if "estimated_error" in row else ""
-            self._bar.update(self._line, completed=row["done"], total=row["tasks"], note=note)
+            self._bar.update(self._line, completed=row["done"], total=row["tasks"], note=_note(row))
         else:
             self._console.print(
                 json.dumps(row) if self._style == "json" else _sentence(row), soft_wrap=True, highlight=False
@@ -80,6 +91,12 @@ class Reporter:
             "rate": (states - self._at_start[1]) / elapsed if elapsed > 0 else 0.0,
             "remaining_seconds": elapsed / solved * (total - done) if solved else None,
         }
+
+
+def _note(row: dict) -> str:
+    """What stands behind the bar."""
+    round_ = f", error about {100 * row['estimated_error']:.2g} %" if "round" in row else ""
+    return f"{row['rate']:.1f} states/s, {row['failed']} failed{round_}"
 
 
 def _sentence(row: dict) -> str:

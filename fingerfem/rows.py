@@ -1,0 +1,49 @@
+"""Results as rows for people, which fit the window; JSON has all digits."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import textwrap
+from collections.abc import Iterator
+from typing import Any, NoReturn
+
+NAME = 24  # columns of a name
+
+
+def finish(result: dict[str, Any], as_json: bool, code: int = 0, rank: int = 0) -> NoReturn:
+    """Print what a command found, on one rank, and end with an exit code."""
+    if rank != 0:
+        raise SystemExit(code)
+    if as_json:
+        print(json.dumps(result))
+    else:
+        print("\n".join(rows(result)))
+    raise SystemExit(code)
+
+
+def rows(result: dict[str, Any], indent: str = "") -> Iterator[str]:
+    """A row for every value; on a terminal long ones go on below themselves."""
+    for name, value in result.items():
+        if isinstance(value, dict) and any(isinstance(one, dict | list) for one in value.values()):
+            yield f"{indent}{name}"
+            yield from rows(value, indent + "  ")
+        else:
+            yield _row(f"{indent}{name:{NAME - len(indent)}s} ", words(value))
+
+
+def words(value: Any) -> str:
+    """A value with six digits at most, a list without its brackets, a table as NAME=VALUE."""
+    if isinstance(value, dict):
+        return " ".join(f"{name}={words(one)}" for name, one in value.items()) or "none"
+    if isinstance(value, list | tuple):
+        return " ".join(words(one) for one in value)
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _row(name: str, value: str) -> str:
+    if not sys.stdout.isatty():
+        return name + value
+    width = shutil.get_terminal_size().columns
+    return textwrap.fill(value, max(width, 2 * NAME), initial_indent=name, subsequent_indent=" " * len(name)) or name
