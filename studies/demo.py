@@ -5,21 +5,31 @@ python3 studies/demo.py [OUT]      writes OUT (out/demo by default); what is the
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import asdict, replace
+from itertools import count
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from rom import terminal
+from rom.interruption import interruptible
+
+if __name__ == "__main__":  # before what takes seconds to import
+    interruptible("demo: stopped by Ctrl-C: states that are solved are kept; run the same command again")
+
 from control import Finger, Gripper, campaign
 from control.gripper import Grasp
-from fingerfem import FingerModel, load_scene
+from fingerfem import FingerModel, State, load_scene
 from fingerfem.plant import FullOrderPlant
 from fingerfem.render import Deformed, draw
 from rom.enrichment import EnrichmentOptions
@@ -27,26 +37,31 @@ from rom.error_map import calibrated
 from rom.errors import accuracy, check
 from rom.snapshots import SnapshotSet
 from rom.surrogate import Surrogate
+from rom.terminal import Progress, steps
 from rom.training import train
 from studies import report
 
 SCENE = "scenes/draft.toml"
+CALLER = "FINGERFEM_CALLER"  # tells the farm that the demo says what is kept when it is stopped
+SHOW_CURSOR = "\x1b[?25h"  # which a bar hides, and a killed rank does not bring back
 HELD_OUT, SEED = 200, 2018
 CASES = [([50.0, 0.0], None), ([100.0, 0.0], None), ([50.0, 0.0], 0.005), ([60.0, 60.0], 0.008)]
 TARGET = 1.0  # [N]
 OBJECT_CENTRE, OBJECT_RADIUS = (0.002, -0.0015), 0.012  # [m]; the controller is told neither
+HOLDS = 10_000  # of the sweep
 HOLD_DISTANCES = [0.003, 0.006, 0.010, 0.014, 0.018]  # [m]
 
 
-def farm(folder: Path, *options: str) -> tuple[SnapshotSet, dict]:
+def farm(folder: Path, *options: str, scene: str | Path = SCENE) -> tuple[SnapshotSet, dict]:
     """Solve a snapshot set on all cores."""
     cores = getattr(os, "process_cpu_count", os.cpu_count)()
     ranks = int(os.environ.get("FINGERFEM_RANKS") or cores or 1)
-    command = ["mpirun", "-n", str(ranks), sys.executable, "-m", "fingerfem", "snapshots", SCENE, str(folder), *options]
+    words = ["mpirun", "-n", str(ranks), sys.executable, "-m", "fingerfem", "snapshots", str(scene), str(folder)]
+    words += options
     if sys.stderr.isatty():
-        command += ["--progress", "bar"]  # mpirun is no terminal
+        words += ["--progress", "bar"]  # mpirun is no terminal
     begun = time.perf_counter()
-    code = subprocess.run(command, stdout=subprocess.DEVNULL).returncode
+    code = wait_for(words)
     if code:
         raise SystemExit(code)
     snapshots = SnapshotSet(folder)
@@ -60,17 +75,33 @@ def farm(folder: Path, *options: str) -> tuple[SnapshotSet, dict]:
     return snapshots, numbers
 
 
+def wait_for(words: list[str]) -> int:
+    """Run mpirun; Ctrl-C interrupts it, too, and it is waited for."""
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL, env=os.environ | {CALLER: "demo"}) as job:
+        try:
+            return job.wait()
+        except (SystemExit, KeyboardInterrupt):
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                job.wait(timeout=3)
+            job.terminate()  # if it is not of the foreground, and was not interrupted
+            job.wait()
+            if sys.stderr.isatty():
+                print(SHOW_CURSOR, end="", file=sys.stderr)
+            raise
+
+
 def surrogate(out: Path) -> tuple[Surrogate, dict]:
     """Train on all cores, measure on fresh full-order states, save."""
     say("training: full-order states on all cores")
     snapshots, training = farm(out / "training")
     say("held-out: fresh full-order states at random parameters")
     fresh, held_out = farm(out / "heldout", "--random", str(HELD_OUT), "--seed", str(SEED))
-    say("separating the snapshots")
+    say("surrogate: fit the snapshots, separate them, check them against the held-out states")
     begun = time.perf_counter()
-    model = train(snapshots, EnrichmentOptions())
-    separation = time.perf_counter() - begun
-    errors = check(model, fresh)
+    with steps() as progress:
+        model = train(snapshots, EnrichmentOptions(), progress=progress)
+        separation = time.perf_counter() - begun
+        errors = check(model, fresh, progress)
     model = calibrated(replace(model, accuracy=accuracy(errors)), fresh)
     model.save(out / "finger.h5")
     numbers = {
@@ -88,9 +119,12 @@ def grasp(model: Surrogate, full_order: FingerModel, out: Path) -> tuple[Grasp, 
     say("grasp: three full-order fingers, driven by the surrogate's controller")
     gripper = Gripper(model)
     true = gripper.distances(OBJECT_CENTRE, OBJECT_RADIUS)
-    plants = [FullOrderPlant(full_order, float(distance)) for distance in true]
-    result = gripper.grasp(TARGET, plants)
-    forces = [FullOrderPlant(full_order, float(d)).pull(t) for d, t in zip(true, result.tensions, strict=True)]
+    with steps() as progress:
+        number = count()
+        plants = [Shown(full_order, float(distance), number, progress) for distance in true]
+        result = gripper.grasp(TARGET, plants)
+        verified = [Shown(full_order, float(distance), number, progress) for distance in true]
+        forces = [plant.pull(tensions) for plant, tensions in zip(verified, result.tensions, strict=True)]
     report.history(result, TARGET, model.lead, out / "grasp.png")
     numbers = result.as_json() | {
         "target": TARGET,
@@ -107,12 +141,25 @@ def grasp(model: Surrogate, full_order: FingerModel, out: Path) -> tuple[Grasp, 
     return result, numbers
 
 
-def single_finger(model: Surrogate, full_order: FingerModel) -> dict:
+class Shown(FullOrderPlant):
+    """A full-order finger whose pulls are counted on the screen."""
+
+    def __init__(self, model: FingerModel, distance: float, count: Iterator[int], progress: Progress):
+        super().__init__(model, distance)
+        self._count, self._progress = count, progress
+
+    def pull(self, tensions: ArrayLike) -> float:
+        """Contact force [N] at these tensions [N]."""
+        self._progress("full-order states", next(self._count), 0)
+        return super().pull(tensions)
+
+
+def single_finger(model: Surrogate, full_order: FingerModel, progress: Progress) -> dict:
     """Hold without feedback at known distances, reach a point: each answer fed to the full-order model."""
-    say("one finger: hold and reach, verified")
-    finger = Finger(model)
+    finger, total = Finger(model), len(HOLD_DISTANCES) + 1
     holds = []
-    for distance in HOLD_DISTANCES:
+    for k, distance in enumerate(HOLD_DISTANCES):
+        progress("hold and reach", k, total)
         motion = finger.hold(TARGET, distance)
         force = full_order.solve(motion.tensions.tolist(), distance, sensitivities=False).contact_force
         assert force is not None
@@ -125,15 +172,37 @@ def single_finger(model: Surrogate, full_order: FingerModel) -> dict:
                 "force_error": abs(force / TARGET - 1),
             }
         )
+    progress("hold and reach", total - 1, total)
     goal = finger.rest + full_order.solve([35.0, 25.0], sensitivities=False).tip
     motion = finger.reach(goal.tolist())
     arrived = finger.rest + full_order.solve(motion.tensions.tolist(), sensitivities=False).tip
     far = finger.reach([0.0, 0.2, 0.0])
+    progress("hold and reach", total, total)
     return {
         "holds": holds,
         "reach": motion.as_json() | {"goal": goal.tolist(), "verified_miss": float(np.linalg.norm(arrived - goal))},
         "unreachable": {"goal": [0.0, 0.2, 0.0], "status": far.status, "tensions": far.tensions.tolist()},
     }
+
+
+def sweep(model: Surrogate, progress: Progress) -> dict:
+    """The authors' sweep."""
+    progress("compile, and hold", 0, 1)
+    found = campaign.run(model, HOLDS, TARGET, sweep=True).as_json()
+    progress("compile, and hold", 1, 1)
+    return found
+
+
+def pictures(full_order: FingerModel, picture: Path, progress: Progress) -> list[dict]:
+    """Solve and draw the cases."""
+    states: list[State] = []
+    for tensions, distance in CASES:
+        progress("pictures", len(states), len(CASES) + 1)
+        states.append(full_order.solve(tensions, distance, sensitivities=False))
+    progress("pictures", len(CASES), len(CASES) + 1)
+    draw([Deformed.of(full_order, state) for state in states], picture)
+    progress("pictures", len(CASES) + 1, len(CASES) + 1)
+    return [state.as_json() for state in states]
 
 
 def main(out: Path) -> None:
@@ -144,13 +213,11 @@ def main(out: Path) -> None:
     model, numbers = surrogate(out)
     full_order = FingerModel(scene)
     result, numbers["grasp"] = grasp(model, full_order, out)
-    numbers |= single_finger(model, full_order)
-    say("the authors' sweep: 10,000 holds")
-    numbers["campaign"] = campaign.run(model, 10_000, TARGET, sweep=True).as_json()
-    say("pictures")
-    states = [full_order.solve(tensions, distance, sensitivities=False) for tensions, distance in CASES]
-    draw([Deformed.of(full_order, state) for state in states], out / "s11.png")
-    numbers["cases"] = [state.as_json() for state in states]
+    say(f"one finger: hold and reach, verified; the authors' sweep of {HOLDS:,} holds; pictures")
+    with steps() as progress:
+        numbers |= single_finger(model, full_order, progress)
+        numbers["campaign"] = sweep(model, progress)
+        numbers["cases"] = pictures(full_order, out / "s11.png", progress)
     numbers["scene"] = scene.model_dump(mode="json")
     numbers["unknowns"] = full_order.unknowns
     numbers["seconds"] = time.perf_counter() - begun
@@ -168,7 +235,7 @@ def main(out: Path) -> None:
 
 def say(line: str) -> None:
     """Tell what is going on."""
-    print(f"demo: {line}", file=sys.stderr, flush=True)
+    terminal.say(f"demo: {line}")
 
 
 if __name__ == "__main__":
