@@ -5,13 +5,15 @@ from __future__ import annotations
 import atexit
 import os
 import signal
-from types import FrameType
-from typing import NoReturn
-
-from rom.terminal import say
+import sys
 
 INTERRUPTED = 128 + signal.SIGINT
 NOTHING_KEPT = "stopped by Ctrl-C; nothing was written, the same command begins again"
+AGAIN = 0.01  # [s] after which an interruption that was swallowed is tried again
+
+
+class Interruption(SystemExit):
+    """Ends the process with exit code 130; Python and Click say nothing of it."""
 
 
 def first_rank() -> bool:
@@ -26,10 +28,32 @@ def interruptible(line: str = NOTHING_KEPT) -> None:
     still importing; so a command calls this before it imports what takes long, and again where something is kept.
     """
 
-    def stop(_number: int, _frame: FrameType | None) -> NoReturn:
+    def stop(*_) -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second one shall not disturb the end
         if first_rank():
-            atexit.register(say, line)  # after all that contexts still say, such as a bar
-        raise SystemExit(INTERRUPTED)
+            atexit.register(_say, line)  # after all that contexts still say, such as a bar
+        _end()
 
     signal.signal(signal.SIGINT, stop)
+
+
+def _end(*_) -> None:
+    """Raise; and again, if that was in a callback of foreign code, such as numba's compiler, which drops exceptions."""
+    usual = sys.unraisablehook
+
+    def dropped(unraisable) -> None:
+        sys.unraisablehook = usual
+        if unraisable.exc_type is Interruption:
+            signal.signal(signal.SIGALRM, _end)
+            signal.setitimer(signal.ITIMER_REAL, AGAIN)
+        else:
+            usual(unraisable)
+
+    sys.unraisablehook = dropped
+    raise Interruption(INTERRUPTED)
+
+
+def _say(line: str) -> None:
+    from rom.terminal import say  # not before: until this module is imported, Ctrl-C is Python's
+
+    say(line)
