@@ -32,7 +32,7 @@ from rom.terminal import log_lines, say
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 BAD_INPUT, NOTHING_USABLE = 2, 3
-KEPT = "stopped by {}: what is solved is kept, the line of states at hand is dropped; run the same command again"
+KEPT = "stopped by {}: solved states are kept; run the same command again"
 CALLER = "FINGERFEM_CALLER"  # variable of a program that calls the farm and says itself why it was stopped
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]

@@ -95,7 +95,7 @@ class Reporter:
 
 def _note(row: dict) -> str:
     """What stands behind the bar."""
-    round_ = f", error about {100 * row['estimated_error']:.2g} %" if "round" in row else ""
+    round_ = f", error {100 * row['estimated_error']:.2g} %" if "round" in row else ""
     return f"{row['rate']:.1f} states/s, {row['failed']} failed{round_}"
 
 

@@ -79,7 +79,7 @@ def log_lines(level: int = logging.INFO) -> None:
 def compiling() -> Iterator[None]:
     """Show, as long as it lasts, that something works which compiles at its first call."""
     with steps(transient=True) as progress:
-        progress("working; a first call compiles, in about a minute", 0, 1)
+        progress("working (a first call compiles)", 0, 1)
         yield
 
 

@@ -25,7 +25,7 @@ from rom import terminal
 from rom.interruption import interruptible
 
 if __name__ == "__main__":  # before what takes seconds to import
-    interruptible("demo: stopped by Ctrl-C: states that are solved are kept; run the same command again")
+    interruptible("demo: stopped by Ctrl-C: solved states are kept; run the same command again")
 
 from control import Finger, Gripper, campaign
 from control.gripper import Grasp
