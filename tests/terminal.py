@@ -18,7 +18,8 @@ ROOT = Path(__file__).resolve().parents[1]
 LINES, COLUMNS = 24, 80
 PATIENCE = 600.0  # [s] after which a command counts as hanging; tests assert no other time
 CONTROL = re.compile(r"\x1b\[[0-9;?]*[ -/]*[@-~]|\x1b\][^\x07]*\x07|\x1b[@-_]")
-NOISE = ("Traceback", "No such option", "Aborted!", "Usage:", "KeyboardInterrupt")
+BAR = "━"
+NOISE = ("Traceback", "No such option", "Aborted!", "Usage:", "KeyboardInterrupt", "Exception ignored")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,25 +46,42 @@ class Shown:
 
     @property
     def after_interrupt(self) -> list[str]:
-        """The lines shown from Ctrl-C on, without what was still being drawn of a bar."""
-        _, _, rest = self.text.rpartition("^C")
-        return [line for line in rest.splitlines() if line.strip() and "━" not in line]
+        """The lines shown from Ctrl-C on, without bars."""
+        return [line for line in self.text.rpartition("^C")[2].splitlines() if line.strip() and BAR not in line]
 
-    def assert_readable(self, wide: bool = False) -> None:
-        """No noise, and no line that does not fit; `wide` for what prints numbers row by row, as wide as they are."""
+    @property
+    def bars(self) -> set[str]:
+        """The different lines with a bar that were shown."""
+        return {line for line in self.lines if BAR in line}
+
+    @property
+    def coloured(self) -> bool:
+        """Whether anything has a colour."""
+        return re.search(r"\x1b\[(3[0-9]|9[0-7])[;m]", self.raw) is not None
+
+    def assert_readable(self) -> None:
+        """No noise, no line that does not fit."""
         for word in NOISE:
             assert word not in self.text, self.text
-        if not wide:
-            assert not [line for line in self.lines if len(line) > COLUMNS], self.text
+        assert not [line for line in self.lines if len(line) > COLUMNS], self.text
+
+    def assert_interrupted(self, line: str, code: int = 130) -> None:
+        """It ended with this line, about all there is, and this exit code."""
+        self.assert_readable()
+        assert self.code == code, self.text
+        assert [one.strip() for one in self.after_interrupt] == [line], self.text
 
 
-def shown(command: list[str], interrupt_at: str | None = None, times: int = 1, **settings: str) -> Shown:
+def shown(
+    command: list[str], interrupt_at: str | None = None, pause: float = 0.0, times: int = 1, **settings: str
+) -> Shown:
     """Run a command on a terminal.
 
     Args:
         command: words.
         interrupt_at: where what is shown first matches this pattern, Ctrl-C is typed, which interrupts all processes of
             the foreground.
+        pause: before it is typed [s].
         times: how often, at once.
         settings: further environment variables.
     """
@@ -79,6 +97,7 @@ def shown(command: list[str], interrupt_at: str | None = None, times: int = 1, *
         while (piece := _read(terminal, deadline)) is not None:
             written += piece
             if waiting and re.search(str(interrupt_at), _plain(written)):
+                time.sleep(pause)
                 os.write(terminal, b"\x03" * times)
                 waiting = False
     except TimeoutError:

@@ -22,6 +22,15 @@ def test_only_a_plate_that_stands_on_one_corner_alone_is_a_corner():
     assert regimes.corner(two, half=False) == (1, (1, -1, 1))
 
 
+def test_a_regime_is_described_by_what_carries_and_its_ends():
+    assert regimes.describe(CORNER) == "contact by plate 1's corner (+x, +y, -z)"
+    assert regimes.describe(EDGE) == "contact by plate 1's edge (+x, +y)"
+    assert regimes.describe(FACE) == "contact by plate 1's face (+x)"
+    assert regimes.describe(ARCH) == "contact by plate 1's corner (+x, +y, -z) and segment 1's rubber"
+    assert regimes.describe((0, 0, 0, 0, 1, -1, 0, 0, 1, 0)) == "contact by plate 2's face (-x) and segment 1's rubber"
+    assert regimes.describe((0,) * 5) == "no contact"
+
+
 def test_every_condition_leads_to_the_regime_that_differs_by_what_failed():
     found = dict(zip(LISTED, regimes.signs(LISTED, COUNTS), strict=True))
     assert {(sign.kind, sign.axis, LISTED[sign.target]) for sign in found[CORNER]} == {

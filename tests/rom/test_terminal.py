@@ -1,0 +1,72 @@
+"""rom as a person at a terminal sees it: 80 columns, bars, sentences, Ctrl-C."""
+
+import subprocess
+import sys
+
+import pytest
+from terminal import ROOT, shown
+
+ROM = [sys.executable, "-m", "rom"]
+NOTHING = "stopped by Ctrl-C; nothing was written, the same command begins again"
+
+
+def test_build_shows_how_far_it_is_and_says_in_sentences_what_falls_short(demo, tmp_path):
+    model, sets = tmp_path / "finger.h5", [str(demo / "training"), "--held-out", str(demo / "heldout")]
+    seen = shown([*ROM, "build", *sets, "-o", str(model), "--terms", "2"])
+    assert seen.code == 0 and model.exists()
+    seen.assert_readable()
+    for step in (
+        "fitting the states",
+        "separating the snapshots",
+        "estimating the errors",
+        "checking on held-out states",
+    ):
+        assert [bar for bar in seen.bars if step in bar], seen.text
+    text = " ".join(seen.text.split())
+    assert "contact by plate 1's corner (+x, +y, -z): 2 products reach a relative error of" in text
+    assert "rom build --terms allows more" in text
+
+
+def test_check_shows_a_bar_with_colours_unless_these_are_not_wanted(demo):
+    command = [*ROM, "check", str(demo / "finger.h5"), str(demo / "heldout")]
+    for settings, colours in (({}, True), ({"NO_COLOR": "1"}, False)):
+        seen = shown(command, **settings)
+        assert seen.code == 0 and seen.bars and seen.coloured == colours
+        seen.assert_readable()
+
+
+def test_in_a_pipe_there_are_no_bars_and_no_control_sequences(demo):
+    command = [*ROM, "check", str(demo / "finger.h5"), str(demo / "heldout")]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0 and "\x1b" not in done.stdout + done.stderr and "━" not in done.stderr
+
+
+def test_bad_input_is_one_sentence_that_is_broken_between_words(tmp_path):
+    seen = shown([*ROM, "build", str(tmp_path), "-o", str(tmp_path / "no such folder" / "finger.h5")])
+    assert seen.code == 2
+    assert "output must be in a folder that exists" in " ".join(seen.text.split())
+
+
+@pytest.mark.parametrize("times", [1, 3])
+def test_ctrl_c_ends_build_in_one_line_and_leaves_no_file(demo, tmp_path, times):
+    command = [*ROM, "build", str(demo / "training"), "-o", str(tmp_path / "finger.h5")]
+    shown(command, interrupt_at="separating", times=times).assert_interrupted(NOTHING)
+    assert not list(tmp_path.iterdir())
+
+
+CALLBACK = """
+import ctypes, signal, time
+from rom.interruption import interruptible
+
+interruptible("stopped")
+kind = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
+compare = kind(lambda *_: signal.raise_signal(signal.SIGINT) or 0)
+ctypes.CDLL(None).qsort((ctypes.c_int * 2)(), 2, 4, compare)
+while True:
+    time.sleep(0.01)
+"""
+
+
+def test_ctrl_c_in_a_callback_of_foreign_code_ends_the_process_too():
+    done = subprocess.run([sys.executable, "-c", CALLBACK], cwd=ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (130, "stopped\n")
