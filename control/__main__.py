@@ -5,7 +5,7 @@ from __future__ import annotations
 from rom.interruption import interruptible
 
 if __name__ == "__main__":
-    interruptible()  # what comes next takes seconds to import and compile
+    interruptible()  # what comes next takes a second to import
 
 import math
 from pathlib import Path
@@ -17,7 +17,7 @@ import typer
 from control import Finger, Gripper, Object, SimulatedPlant
 from rom import Surrogate
 from rom.commands import NOTHING_USABLE, AsJson, application, run, show
-from rom.terminal import compiling
+from rom.terminal import steps
 
 app = application()
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
@@ -32,8 +32,7 @@ def reach(
     as_json: AsJson = False,
 ) -> None:
     """Tensions that bring the tip plate's centre to a point before contact."""
-    with compiling():
-        motion = Finger(Surrogate.load(model)).reach(point, distance)
+    motion = Finger(Surrogate.load(model)).reach(point, distance)
     show(motion.as_json(), as_json, 0 if motion.converged else NOTHING_USABLE)
 
 
@@ -55,8 +54,7 @@ def hold(
     for name, value, unit in (("contact_force", contact_force, "N"), ("pad_pressure", pad_pressure, "Pa")):
         if value is not None and not 0 < value < math.inf:
             raise ValueError(f"{name} must be above 0 {unit}, got {value:g}")
-    with compiling():
-        motion = Finger(surrogate).hold(contact_force, distance, pad_pressure=pad_pressure)
+    motion = Finger(surrogate).hold(contact_force, distance, pad_pressure=pad_pressure)
     show(motion.as_json(), as_json, 0 if motion.converged else NOTHING_USABLE)
 
 
@@ -89,8 +87,7 @@ def grasp(
             show({"status": "no targets", "reason": targets.reason}, as_json, NOTHING_USABLE)
             return
         forces = targets.contact_forces
-    with compiling():
-        result = gripper.grasp(forces, plants)
+    result = gripper.grasp(forces, plants)
     show(result.as_json(), as_json, 0 if result.converged else NOTHING_USABLE)
 
 
@@ -105,8 +102,8 @@ def campaign(
     """Hold one force at random distances from random starts; count what came of it and how long it took."""
     from control.campaign import run as hold_all
 
-    with compiling():
-        result = hold_all(Surrogate.load(model), starts, contact_force, sweep).as_json()
+    with steps() as progress:
+        result = hold_all(Surrogate.load(model), starts, contact_force, sweep, progress=progress).as_json()
     show(result, as_json, 0 if result["converged"] else NOTHING_USABLE)
 
 

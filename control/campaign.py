@@ -16,8 +16,10 @@ from control.finger import Finger
 from control.least_squares import CONVERGED, STATIONARY
 from control.problems import hold_many, rules
 from rom import Surrogate
+from rom.terminal import Progress, quiet
 
 CALLS = 2000  # of Python that are timed
+AT_ONCE = 10_000  # holds between two moments at which it can be interrupted
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +78,15 @@ def _quantiles(name: str, times: np.ndarray) -> dict[str, float]:
     return {f"{name}{which}_us": float(time) for which, time in zip(("p50", "p99", "max"), found, strict=True)}
 
 
-def run(model: Surrogate, starts: int, contact_force: float, sweep: bool = False, seed: int = 2018) -> Campaign:
+def run(
+    model: Surrogate,
+    starts: int,
+    contact_force: float,
+    sweep: bool = False,
+    seed: int = 2018,
+    *,
+    progress: Progress = quiet,
+) -> Campaign:
     """Hold `contact_force` [N] at random distances from random starts; or, as the authors' sweep, on a grid.
 
     Args:
@@ -85,6 +95,7 @@ def run(model: Surrogate, starts: int, contact_force: float, sweep: bool = False
         contact_force: [N].
         sweep: every distance with every start of the lead tendon, the others slack.
         seed: of the random starts.
+        progress: is told how far it is.
 
     Raises:
         ValueError: a contact force that is not above 0, or a model without an obstacle.
@@ -103,7 +114,13 @@ def run(model: Surrogate, starts: int, contact_force: float, sweep: bool = False
         random = np.random.default_rng(seed).random((starts, len(lower)))
         points = lower + random * (upper - lower)
         distances, begun = points[:, -1].copy(), points[:, :-1].copy()
-    tensions, outcomes, nanoseconds = hold_many(finger.known, begun, float(contact_force), distances, rules(1e-6))
+    found = []
+    for k in range(0, len(distances), AT_ONCE):
+        progress("holding", k, len(distances))
+        some = slice(k, k + AT_ONCE)
+        found.append(hold_many(finger.known, begun[some], float(contact_force), distances[some], rules(1e-6)))
+    progress("holding", len(distances), len(distances))
+    tensions, outcomes, nanoseconds = (np.concatenate(parts) for parts in zip(*found, strict=True))
     calls = []
     finger.hold(contact_force, float(distances[0]))
     for distance, start in zip(distances[:CALLS], begun[:CALLS], strict=True):

@@ -117,6 +117,10 @@ def snapshots(
     reuse: Annotated[
         Path | None, typer.Option(metavar="SET/", help="Take the states it has from another set of the same finger.")
     ] = None,
+    near: Annotated[
+        Path | None,
+        typer.Option(metavar="SET/", help="Begin held-out states at this training set's: the same states, sooner."),
+    ] = None,
     progress: Annotated[
         str, typer.Option(help="bar, plain or json lines on stderr; auto: a bar on a terminal, which mpirun is not.")
     ] = "auto",
@@ -131,6 +135,8 @@ def snapshots(
     petsc4py.init(["-no_signal_handler"], comm=MPI.COMM_SELF)
     from fingerfem import snapshots as farm
     from fingerfem.ledger import Ledger, sentence
+    from fingerfem.lines import Known
+    from fingerfem.neighbours import Neighbours
     from fingerfem.progress import STYLES, Reporter
     from fingerfem.reuse import Donor
     from fingerfem.sampling import HeldOut, describe
@@ -160,7 +166,12 @@ def snapshots(
         raise ValueError(f"distances must be given with random, got {distances}")
     held_out = HeldOut(count=random, seed=seed, distances=distances) if random else None
     description = describe(scene, versions(), held_out, refines)
-    donor = Donor(reuse, description) if reuse is not None else None
+    if near is not None and not random:
+        raise ValueError(f"near must be given with random, got {near}")
+    known = Known(
+        donor=Donor(reuse, description) if reuse is not None else None,
+        neighbours=Neighbours(near, description) if near is not None else None,
+    )
     create(folder, description)
     if ranks_per_finger == 1:
         signal.signal(signal.SIGTERM, _terminated)
@@ -184,7 +195,7 @@ def snapshots(
     work = farm.Work()
     with Reporter(ledger, progress) if first else nullcontext(lambda: None) as report:
         if ledger.plan.missing() or not (random or ledger.plan.ended(until or 0.0)):
-            work = farm.run(description, fingerfem.FingerModel(scene, group), folder, report, goal, donor)
+            work = farm.run(description, fingerfem.FingerModel(scene, group), folder, report, goal, known)
     if not first:
         return
     ledger.refresh()

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fingerfem.between import halve
 from fingerfem.convergence import LoadNotReached
+from fingerfem.held_out import HeldOutSolver
 from fingerfem.model import FingerModel
+from fingerfem.neighbours import Neighbours
 from fingerfem.numbering import Numbering
 from fingerfem.record import Record
 from fingerfem.reuse import Donor
@@ -23,6 +25,16 @@ from rom.plan import Plan
 from rom.snapshots import read_task, task_file
 
 Arrays = dict[str, np.ndarray]
+
+
+class Known(NamedTuple):
+    """States of other sets that save work: a donor's are taken where they fit, held-out ones begin at neighbours."""
+
+    donor: Donor | None = None
+    neighbours: Neighbours | None = None
+
+
+NOTHING_KNOWN = Known()
 BETWEEN = -1  # in place of a node, of states between those of the grid
 SAME_PLACE = 1e-8  # [m]: a plane that has no more way than that from touch to its nearest does not move
 
@@ -30,9 +42,10 @@ SAME_PLACE = 1e-8  # [m]: a plane that has no more way than that from touch to i
 class LineSolver:
     """Solves one task at a time; every rank of its model takes part."""
 
-    def __init__(self, description: Description, model: FingerModel, path: str | Path, donor: Donor | None = None):
+    def __init__(self, description: Description, model: FingerModel, path: str | Path, known: Known = NOTHING_KNOWN):
         self.description, self.model, self.path = description, model, Path(path)
-        self.numbering, self.plan, self.donor = Numbering(model), Plan(path, description), donor
+        self.numbering, self.plan = Numbering(model), Plan(path, description)
+        self.donor, self.neighbours = known.donor, known.neighbours
         self._nearest: float = description.parameters[-1]["lower"] if description.has_obstacle else np.nan
 
     def ready(self, task: str) -> bool:
@@ -275,24 +288,6 @@ class LineSolver:
         return list(zip(points[:, : description.tensions], distances.tolist(), strict=True))
 
     def _random(self, line: Line) -> Arrays:
-        """Held-out states of the same tensions: from rest to these, then the plane ever nearer."""
-        model, record, points = self.model, Record(self.model, self.numbering), self._held_out(line)
-        tensions = points[0][0]
-        model.stepper.rest()
-        if not self.description.has_obstacle:
-            record.state(tensions, None)
-            return record.arrays()
-        try:
-            model.stepper.advance(tensions, None)
-        except LoadNotReached as failure:
-            for _, distance in points:
-                record.failed(tensions, distance, failure.reason, last_good=(failure.tensions, np.nan))
-            return record.arrays()
-        record.touch()
-        free = model.displacement.copy()
-        for k, (_, distance) in enumerate(points):
-            if record.is_broken:
-                model.stepper.start(tensions, None, free)
-                record.restarted()
-            record.state(tensions, distance, None if k else 0)  # the first counts the way from rest
-        return record.arrays()
+        points = self._held_out(line)
+        solver = HeldOutSolver(self.model, self.numbering, self.neighbours)
+        return solver.solve(points[0][0], [distance for _, distance in points]).arrays()

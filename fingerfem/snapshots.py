@@ -18,9 +18,8 @@ from mpi4py import MPI
 
 from fingerfem import ledger
 from fingerfem.claims import open_claims
-from fingerfem.lines import Arrays, LineSolver
+from fingerfem.lines import NOTHING_KNOWN, Arrays, Known, LineSolver
 from fingerfem.model import FingerModel
-from fingerfem.reuse import Donor
 from rom.plan import Plan, Round
 from rom.snapshots import Description, SnapshotError, task_file, write_nodes, write_task
 
@@ -61,7 +60,7 @@ def run(
     path: str | Path,
     progress: Callable[[], None],
     goal: Goal = Goal(),
-    donor: Donor | None = None,
+    known: Known = NOTHING_KNOWN,
 ) -> Work:
     """Work on a set until none of its tasks is missing; every group of a job calls this, and none waits for another.
 
@@ -71,13 +70,13 @@ def run(
         path: the set's folder.
         progress: called on the group's first rank whenever it looks for a task.
         goal: when to stop, and how a set is refined.
-        donor: another set, whose states are taken where they fit.
+        known: states of other sets that save work.
 
     Raises:
         SnapshotError: the folder holds something else or cannot be written.
     """
     begun, work = time.perf_counter(), Work()
-    solver, comm = LineSolver(description, model, path, donor), model.comm
+    solver, comm = LineSolver(description, model, path, known), model.comm
     on_first(comm, lambda: write_nodes(path, solver.numbering.nodes))
     with Queue(description, path, solver.ready, progress, goal) if comm.rank == 0 else nullcontext() as queue:
         while (claimed := on_first(comm, lambda: queue.claim())) is not None:  # type: ignore[union-attr]

@@ -5,11 +5,9 @@ from __future__ import annotations
 import atexit
 import os
 import signal
-import sys
 
 INTERRUPTED = 128 + signal.SIGINT
 NOTHING_KEPT = "stopped by Ctrl-C; nothing was written, the same command begins again"
-AGAIN = 0.01  # [s] after which an interruption that was swallowed is tried again
 
 
 class Interruption(SystemExit):
@@ -32,25 +30,9 @@ def interruptible(line: str = NOTHING_KEPT) -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second one shall not disturb the end
         if first_rank():
             atexit.register(_say, line)  # after all that contexts still say, such as a bar
-        _end()
+        raise Interruption(INTERRUPTED)
 
     signal.signal(signal.SIGINT, stop)
-
-
-def _end(*_) -> None:
-    """Raise; and again, if that was in a callback of foreign code, such as numba's compiler, which drops exceptions."""
-    usual = sys.unraisablehook
-
-    def dropped(unraisable) -> None:
-        sys.unraisablehook = usual
-        if unraisable.exc_type is Interruption:
-            signal.signal(signal.SIGALRM, _end)
-            signal.setitimer(signal.ITIMER_REAL, AGAIN)
-        else:
-            usual(unraisable)
-
-    sys.unraisablehook = dropped
-    raise Interruption(INTERRUPTED)
 
 
 def _say(line: str) -> None:

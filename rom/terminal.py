@@ -76,20 +76,8 @@ def log_lines(level: int = logging.INFO) -> None:
 
 
 @contextmanager
-def compiling() -> Iterator[None]:
-    """Show, as long as it lasts, that something works which compiles at its first call."""
-    with steps(transient=True) as progress:
-        progress("working (a first call compiles)", 0, 1)
-        yield
-
-
-@contextmanager
-def steps(transient: bool = False) -> Iterator[Progress]:
-    """Show the steps of a long job: a bar each on a terminal, if rich is there, else a line every ten seconds.
-
-    Args:
-        transient: whether the bars go away at the end.
-    """
+def steps() -> Iterator[Progress]:
+    """Show the steps of a long job: a bar each on a terminal, if rich is there, else a line every ten seconds."""
     if not sys.stderr.isatty() or find_spec("rich") is None:
         yield _Now()
         return
@@ -103,7 +91,7 @@ def steps(transient: bool = False) -> Iterator[Progress]:
             return super().render(task) if task.total else Text(str(int(task.completed)))
 
     columns = TextColumn("{task.description}"), BarColumn(20), Count(), TimeElapsedColumn()
-    with Bars(*columns, console=Console(stderr=True), transient=transient) as bars:
+    with Bars(*columns, console=Console(stderr=True)) as bars:
         tasks = {}
 
         def show(step: str, done: int, total: int) -> None:

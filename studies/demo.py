@@ -95,7 +95,8 @@ def surrogate(out: Path) -> tuple[Surrogate, dict]:
     say("training: full-order states on all cores")
     snapshots, training = farm(out / "training")
     say("held-out: fresh full-order states at random parameters")
-    fresh, held_out = farm(out / "heldout", "--random", str(HELD_OUT), "--seed", str(SEED))
+    near = "--near", str(out / "training")
+    fresh, held_out = farm(out / "heldout", "--random", str(HELD_OUT), "--seed", str(SEED), *near)
     say("surrogate: fit the snapshots, separate them, check them against the held-out states")
     begun = time.perf_counter()
     with steps() as progress:
@@ -185,14 +186,6 @@ def single_finger(model: Surrogate, full_order: FingerModel, progress: Progress)
     }
 
 
-def sweep(model: Surrogate, progress: Progress) -> dict:
-    """The authors' sweep."""
-    progress("compile, and hold", 0, 1)
-    found = campaign.run(model, HOLDS, TARGET, sweep=True).as_json()
-    progress("compile, and hold", 1, 1)
-    return found
-
-
 def pictures(full_order: FingerModel, picture: Path, progress: Progress) -> list[dict]:
     """Solve and draw the cases."""
     states: list[State] = []
@@ -216,7 +209,7 @@ def main(out: Path) -> None:
     say(f"one finger: hold and reach, verified; the authors' sweep of {HOLDS:,} holds; pictures")
     with steps() as progress:
         numbers |= single_finger(model, full_order, progress)
-        numbers["campaign"] = sweep(model, progress)
+        numbers["campaign"] = campaign.run(model, HOLDS, TARGET, sweep=True, progress=progress).as_json()
         numbers["cases"] = pictures(full_order, out / "s11.png", progress)
     numbers["scene"] = scene.model_dump(mode="json")
     numbers["unknowns"] = full_order.unknowns

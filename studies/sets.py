@@ -28,7 +28,7 @@ QUICK_FRESH = (40, 11)
 def scene(folder: Path, name: str, quick: bool = False) -> Path:
     """The file of a scene."""
     source, cells, sampling = SCENES[name]
-    text = (ROOT / "scenes" / f"{source}.toml").read_text()
+    text = (ROOT / "scenes" / f"{source}.toml").read_text().split("[sampling]")[0]
     if cells is not None:
         text = text.replace("cells = [20, 5]", f"cells = {cells}")
     sampling = QUICK if quick else sampling

@@ -157,7 +157,7 @@ class Study:
 
     def scene(self, mesh: Mesh, sampling: str = "") -> Path:
         """A scene's file."""
-        text = (ROOT / "scenes" / "draft.toml").read_text()
+        text = (ROOT / "scenes" / "draft.toml").read_text().split("[sampling]")[0]
         cells, order = f"cells = [{mesh.cells[0]}, {mesh.cells[1]}]", f"order = {mesh.order}"
         text = text.replace("cells = [20, 5]", cells).replace("order = 1", order)
         method = f'method = "{mesh.method}"' + (f"\nstiffness = {mesh.stiffness}" if mesh.stiffness else "")

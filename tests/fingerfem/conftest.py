@@ -26,7 +26,8 @@ def table() -> dict:
 @pytest.fixture(scope="session")
 def scene(tmp_path_factory) -> Path:
     """The draft finger, coarser and on fewer nodes, for the farm."""
-    text = (ROOT / "scenes" / "draft.toml").read_text().replace("cells = [20, 5]", "cells = [10, 5]")
+    text = (ROOT / "scenes" / "draft.toml").read_text().split("[sampling]")[0]
+    text = text.replace("cells = [20, 5]", "cells = [10, 5]")
     file = tmp_path_factory.mktemp("scene") / "small.toml"
     file.write_text(text + "\n[sampling]\ntension_nodes = 4\ncontact_nodes = 4\n")
     return file

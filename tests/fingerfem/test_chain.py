@@ -12,7 +12,7 @@ from fingerfem import FingerModel, load_scene
 from rom import Surrogate
 
 ROOT = Path(__file__).resolve().parents[2]
-DRAFT = (ROOT / "scenes" / "draft.toml").read_text().replace("cells = [20, 5]", "cells = [10, 5]")
+DRAFT = (ROOT / "scenes" / "draft.toml").read_text().split("[sampling]")[0].replace("[20, 5]", "[10, 5]")
 SAMPLING = "\n[sampling]\ntension_nodes = 6\ncontact_nodes = 6\n"
 SECOND_TENDON = DRAFT[DRAFT.rindex("[[tendons]]") : DRAFT.index("[obstacle]")]
 OBSTACLE = DRAFT[DRAFT.index("[obstacle]") : DRAFT.index("[mesh]")]

@@ -13,7 +13,7 @@ from rom.snapshots import SnapshotError, SnapshotSet
 from rom.training import train
 from rom.two_meshes import interpolation
 
-DRAFT = (ROOT / "scenes" / "draft.toml").read_text()
+DRAFT = (ROOT / "scenes" / "draft.toml").read_text().split("[sampling]")[0]
 SECOND = DRAFT[DRAFT.rindex("[[tendons]]") : DRAFT.index("[obstacle]")]
 ONE = DRAFT.replace(SECOND, "").replace("tension = [0.0, 100.0]", "tension = [0.0, 60.0]")
 OPTIONS = EnrichmentOptions()

@@ -43,7 +43,7 @@ def test_tip_field_and_touch_distance_are_right_on_fresh_random_states(errors):
 
 def test_no_more_contact_states_than_asked_for_were_solved(demo):
     touching = SnapshotSet(demo / "training").states_of("contact", "contact_force") > 0
-    assert 500 < touching.sum() <= 1500
+    assert 300 < touching.sum() <= 600
 
 
 def test_the_model_file_carries_the_accuracy_that_was_measured(surrogate, errors):
@@ -209,7 +209,8 @@ def rom(*arguments: object) -> subprocess.CompletedProcess:
 
 def test_build_check_and_info_agree(demo, tmp_path):
     model = tmp_path / "model.h5"
-    built = rom("build", demo / "training", "-o", model, "--held-out", demo / "heldout", "--json")
+    options = "--held-out", demo / "heldout", "--tolerance", "1e-2", "--json"  # a small model, soon built
+    built = rom("build", demo / "training", "-o", model, *options)
     assert built.returncode == 0, built.stderr
     checked, told = (
         json.loads(rom(*words, "--json").stdout) for words in (("check", model, demo / "heldout"), ("info", model))

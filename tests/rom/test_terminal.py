@@ -52,21 +52,3 @@ def test_ctrl_c_ends_build_in_one_line_and_leaves_no_file(demo, tmp_path, times)
     command = [*ROM, "build", str(demo / "training"), "-o", str(tmp_path / "finger.h5")]
     shown(command, interrupt_at="separating", times=times).assert_interrupted(NOTHING)
     assert not list(tmp_path.iterdir())
-
-
-CALLBACK = """
-import ctypes, signal, time
-from rom.interruption import interruptible
-
-interruptible("stopped")
-kind = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
-compare = kind(lambda *_: signal.raise_signal(signal.SIGINT) or 0)
-ctypes.CDLL(None).qsort((ctypes.c_int * 2)(), 2, 4, compare)
-while True:
-    time.sleep(0.01)
-"""
-
-
-def test_ctrl_c_in_a_callback_of_foreign_code_ends_the_process_too():
-    done = subprocess.run([sys.executable, "-c", CALLBACK], cwd=ROOT, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (130, "stopped\n")
