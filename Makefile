@@ -1,12 +1,13 @@
 # make demo   train the draft finger, grasp, verify, report to out/demo
 # make test   all tests, lint, types, import contracts
 # make readme, solver, training, surrogate, control, tradeoff, extremes, required, figures   what README and docs/ show (see below)
+# make model  rom/finger.h5, the trained finger that comes with the repository; make wheel  dist/*.whl
 # make bench  the short form of all studies, compared with docs/bench.json
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test clean readme solver training surrogate control tradeoff extremes required bench figures
+.PHONY: demo test clean model wheel readme solver training surrogate control tradeoff extremes required bench figures
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -26,6 +27,16 @@ test: .venv/ready
 # README's numbers and picture, from the last demo.
 readme: demo
 	docker/run python3 studies/readme.py out/demo
+
+# rom/finger.h5, the trained finger that comes with the repository: some twenty minutes on two cores; it resumes.
+model:
+	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/standard.toml out/model/training
+	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/standard.toml out/model/heldout --random 30 --distances 4 --seed 2018
+	docker/run python3 -m rom build out/model/training -o rom/finger.h5 --held-out out/model/heldout
+
+# What a machine without a C compiler installs: dist/*.whl.
+wheel:
+	$(PYTHON) -m pip wheel -q --disable-pip-version-check --no-deps -w dist .
 
 # docs/solver.md, from the studies of the full-order solver: about an hour on one core.
 solver:
@@ -94,5 +105,5 @@ figures:
 	touch $@
 
 clean:
-	rm -rf out .venv .cache *.egg-info .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf out dist build .venv .cache *.egg-info .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -not -path './.git/*' -prune -exec rm -rf {} +

@@ -21,6 +21,10 @@ from rom.terminal import steps
 
 app = application()
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
+OptionalModelFile = Annotated[
+    Path | None,
+    typer.Argument(metavar="MODEL.h5", show_default=False, help="The finger that comes with fingerfem if left out."),
+]
 ContactForce = Annotated[float, typer.Option(help="To hold [N], above 0.")]
 
 
@@ -38,8 +42,8 @@ def reach(
 
 @app.command()
 def hold(
-    model: ModelFile,
     distance: Annotated[float, typer.Option(help="Of the plane [m].")],
+    model: OptionalModelFile = None,
     contact_force: Annotated[float | None, typer.Option(help="To hold [N], above 0; 1 N if left out.")] = None,
     pad_pressure: Annotated[float | None, typer.Option(help="To hold instead [Pa], above 0.")] = None,
     as_json: AsJson = False,
@@ -60,7 +64,7 @@ def hold(
 
 @app.command()
 def grasp(
-    model: ModelFile,
+    model: OptionalModelFile = None,
     centre: Annotated[tuple[float, float], typer.Option(help="Of the object, unknown to the controller [m].")] = (
         0.002,
         -0.001,
@@ -93,7 +97,7 @@ def grasp(
 
 @app.command()
 def campaign(
-    model: ModelFile,
+    model: OptionalModelFile = None,
     starts: Annotated[int, typer.Option(min=4, help="How many.")] = 10000,
     contact_force: ContactForce = 1.0,
     sweep: Annotated[bool, typer.Option("--sweep", help="A square grid of distances and lead tensions.")] = False,

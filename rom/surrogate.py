@@ -21,6 +21,7 @@ from rom.tables import tables, values
 
 logger = logging.getLogger(__name__)
 
+SHIPPED = Path(__file__).with_name("finger.h5")  # made by `make model`
 HEIGHTS = 0.01  # share of a tolerance that free tip and heights are kept to
 
 
@@ -299,11 +300,11 @@ class Surrogate:
         model_file.save(self, Path(path))
 
     @classmethod
-    def load(cls, path: str | Path, tolerance: float = 0.0) -> Surrogate:
+    def load(cls, path: str | Path | None = None, tolerance: float = 0.0) -> Surrogate:
         """Read a model file.
 
         Args:
-            path: the file.
+            path: the file; that of the finger that comes with the package, if left out (scenes/standard.toml).
             tolerance: keep only the terms needed for this relative separation error [-]; 0 keeps all. What was kept is
                 logged, and is in `terms`; the errors grow by what the terms left out were worth.
 
@@ -314,5 +315,5 @@ class Surrogate:
 
         if not tolerance >= 0:
             raise ModelError(f"tolerance must be at least 0, got {tolerance}")
-        found = model_file.load(Path(path))
+        found = model_file.load(Path(path or SHIPPED))
         return found.truncated(tolerance) if tolerance > 0 else found

@@ -1,5 +1,6 @@
 """README does what it says."""
 
+import os
 import re
 import subprocess
 import sys
@@ -11,8 +12,24 @@ ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text()
 
 
+QUICK_START, EXAMPLE = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+
+
+def test_the_quick_start_needs_five_lines_and_what_is_in_the_repository(tmp_path):
+    assert len([line for line in QUICK_START.splitlines() if line]) <= 5
+    settings = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [sys.executable, "-c", QUICK_START], cwd=tmp_path, env=settings, capture_output=True, text=True
+    )
+    assert done.returncode == 0 and done.stdout.startswith("converged"), done.stderr
+    (command,) = re.findall(r"^python3 -m control hold.*$", README, re.MULTILINE)
+    words = [sys.executable, *command.split()[1:]]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0 and '"status": "converged"' in done.stdout, done.stderr
+
+
 def test_the_python_example_runs_and_holds_the_force(demo):
-    (code,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    code = EXAMPLE
     assert 10 <= len([line for line in code.splitlines() if line]) <= 15
     code = code.replace("out/demo", str(demo))
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
