@@ -30,8 +30,8 @@ model = Surrogate.load("out/demo/finger.h5")
 finger = Finger(model, limits=Limits(upper=90.0, rate=500.0))  # [N], [N/s]
 ```
 
-The first call on a machine compiles, which takes up to a minute; what was compiled is kept beside the sources until they change. A loop
-that must not wait makes its first call before it starts.
+The first call on a machine compiles, for some seconds, unless a wheel or an image has brought what is compiled; it is kept until the
+sources change. A loop that must not wait makes its first call before it starts.
 
 `reach` brings the tip plate's centre to a point, in free space or before a plane that it must not touch. Points on the other side of the
 finger are reached by the mirror images of its tendons; `sides` says which are pulled (y is mirrored in free space only).
@@ -185,7 +185,7 @@ this.
 {EXAMPLES}
 ## How it solves
 
-`control/least_squares.py` is a bounded Levenberg-Marquardt, compiled and without allocation, with a fixed limit of evaluations. Before touch
+`control/native/least_squares.c` is a bounded Levenberg-Marquardt, without allocation, with a fixed limit of evaluations. Before touch
 the contact force is zero whatever the tensions; the gap, times the stiffness of contact, takes its place. Where many tensions hold one
 force, it goes on along them to those nearest to the present ones (to 6 degrees). If a start leads nowhere, it begins again at points of an atlas,
 a grid of the model's answers that a `Finger` keeps: so `unreachable` means that the whole box was looked at.

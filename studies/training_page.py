@@ -202,7 +202,7 @@ locks, as some cluster mounts, the farm notices, says so, and claims by files th
 | truncated or foreign files in the set | moved to `set-aside/` and solved again |
 | another scene, other nodes, other versions | refused in one line |
 | a failed or missing state that refines | the surrogate is built without it, and says so; of the first grid, it is not built |
-| a compilation that was killed | cleared by the next job |
+| a compilation that was killed, jobs that compile at once | nothing: a form is compiled in a folder of its own and renamed when it is whole |
 | a clock that jumps | nothing: no clock of the wall is used |
 
 Each is tried by `tests/fingerfem/test_disasters.py`.
