@@ -16,13 +16,13 @@ demo:
 test: .venv/ready
 	rm -rf out/tests
 	docker/run python3 studies/demo.py out/tests
-	docker/run python3 -m pytest -q tests/fingerfem tests/rom tests/control tests/studies
+	docker/run python3 -m pytest -q -n 2 --dist loadfile tests/fingerfem tests/rom tests/control tests/studies
 	docker/run mpirun -n 2 python3 -m pytest -q -m mpi
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
 	.venv/bin/lint-imports
-	.venv/bin/python -m pytest -q tests/rom tests/control tests/packaging
+	.venv/bin/python -m pytest -q -n 2 --dist loadfile tests/rom tests/control tests/packaging
 
 # README's numbers and picture, from the last demo.
 readme: demo

@@ -4,7 +4,7 @@ import dolfinx
 import numpy as np
 import pytest
 import ufl
-from dolfinx import fem
+from dolfinx import fem, jit
 from dolfinx.fem.petsc import apply_lifting, assemble_matrix, assemble_vector
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -16,6 +16,15 @@ from fingerfem.laws import NeoHookean
 
 LAW = NeoHookean(C1=1.9e6, D1=2.43e-7)
 E = LAW.young_modulus
+
+
+@pytest.fixture(autouse=True)
+def unoptimised_nitsche(request, monkeypatch):
+    """Compile the forms of Nitsche's method unoptimised: gcc takes a minute and a half for a tangent, and else 5 s."""
+    if "nitsche" in request.node.name:
+        usual = jit.get_options
+        flags = {"cffi_extra_compile_args": ["-O0", "-g0"]}
+        monkeypatch.setattr(jit, "get_options", lambda options=None: usual((options or {}) | flags))
 
 
 def nominal_stress(stretches, i: int) -> float:

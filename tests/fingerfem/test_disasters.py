@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from farm import ROOT, assert_same, command, run
+from farm import PATIENCE, ROOT, assert_same, command, run
 
 from fingerfem import ledger
 from fingerfem.claims import ClaimFiles, Locks, why_no_locks
@@ -30,7 +30,7 @@ def begun(line: list[str], folder: Path, files: int, **settings) -> subprocess.P
     job = subprocess.Popen(
         line, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, **settings
     )
-    deadline = time.monotonic() + 120
+    deadline = time.monotonic() + PATIENCE
     while len(list(folder.glob("tasks/*.npz"))) < files:
         assert job.poll() is None and time.monotonic() < deadline, job.communicate()
         time.sleep(0.01)
@@ -130,7 +130,7 @@ def test_without_working_locks_two_jobs_share_a_set_by_claim_files(scene, undist
     settings = {"LD_PRELOAD": hostile, "HOSTILE_LOCKS": kind}
     other = begun(command(1, scene, tmp_path / "set"), tmp_path / "set", 1, env=os.environ | settings)
     ours = run(2, scene, tmp_path / "set", **settings)
-    said = other.communicate(timeout=120)[1]
+    said = other.communicate(timeout=PATIENCE)[1]
     assert other.returncode == 0 and "tasks are claimed by files" in said
     assert_same(tmp_path / "set", undisturbed)
     assert ours["missing"] == 0 and not list((tmp_path / "set" / "claimed").iterdir())

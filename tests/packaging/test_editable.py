@@ -26,7 +26,9 @@ def test_python_control_works_outside_the_checkout_and_ours_inside(tmp_path):
     assert file == str(ROOT / "control" / "__init__.py") and is_ours == "True"
 
 
-@pytest.mark.parametrize("package", ["rom.surrogate", "rom.training", "rom.errors", "control", "control.campaign"])
+@pytest.mark.parametrize(
+    "package", ["rom.surrogate", "rom.training", "rom.errors", "control.finger", "control.campaign"]
+)
 def test_surrogate_and_control_import_neither_dolfinx_nor_petsc_nor_mpi(package):
     code = f"import sys, {package}; print(*{{name.split('.')[0] for name in sys.modules}})"
     loaded = set(subprocess.check_output([sys.executable, "-c", code], cwd=ROOT, text=True).split())
