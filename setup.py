@@ -13,19 +13,19 @@ from setuptools import setup
 from setuptools.command.build_py import build_py
 
 sys.path.insert(0, str(Path(__file__).parent))
-COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+from rom.native import EVALUATION, compiler, levels
 
 
 class BuildWithLibraries(build_py):
     """Also builds the libraries, where there is a compiler."""
 
     def run(self) -> None:
-        """Copy the packages, then build beside the copied sources."""
+        """Copy the packages, without what an earlier build has left, then build beside the copied sources."""
+        if not self.editable_mode:
+            shutil.rmtree(self.build_lib, ignore_errors=True)
         super().run()
-        if not COMPILER or self.editable_mode:
+        if self.editable_mode or not compiler():
             return
-        from rom.native import EVALUATION, levels
-
         control = runpy.run_path("control/native/__init__.py")["CONTROL"]  # the package itself imports NumPy
         for library, package in ((EVALUATION, "rom"), (control, "control")):
             for level in levels():
@@ -33,4 +33,4 @@ class BuildWithLibraries(build_py):
 
 
 platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-setup(cmdclass={"build_py": BuildWithLibraries}, options={"bdist_wheel": {"plat_name": platform}} if COMPILER else {})
+setup(cmdclass={"build_py": BuildWithLibraries}, options={"bdist_wheel": {"plat_name": platform}} if compiler() else {})

@@ -41,6 +41,11 @@ def levels() -> list[str]:
     return ["", *FEATURES] if platform.machine() == "x86_64" else [""]
 
 
+def compiler() -> str:
+    """The C compiler's command, with its options if CC has any; empty if there is none."""
+    return os.environ.get("CC") or next(filter(shutil.which, ("cc", "gcc", "clang")), "")
+
+
 class NoCompiler(OSError):
     """Neither a built library nor a C compiler that builds it: one line that says what to do."""
 
@@ -117,7 +122,7 @@ class Library:
         Raises:
             NoCompiler: there is none, or it fails.
         """
-        command = os.environ.get("CC") or next(filter(shutil.which, ("cc", "gcc", "clang")), "")
+        command = compiler()
         if not command:
             raise NoCompiler(
                 "a C compiler must be there at first use, got none: install one (Debian: apt-get install gcc "
