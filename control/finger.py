@@ -170,7 +170,7 @@ class Finger:
             ValueError: a model without an obstacle.
         """
         self._needs_obstacle()
-        pulled, felt = np.array(tensions, float, ndmin=2), np.array(contact_force, float, ndmin=1)
+        pulled, felt = np.array(tensions, float, ndmin=2, order="C"), np.array(contact_force, float, ndmin=1)
         if pulled.ndim != 2 or pulled.shape != (len(felt), self._tensions) or not len(felt):
             return self._out_of_domain(np.nan)
         lower, upper = self.model.limits

@@ -243,3 +243,10 @@ def test_a_goal_just_within_the_plane_is_reached_without_touching_it(finger, sur
 def test_a_plane_is_not_located_where_nothing_could_be_felt(finger):
     motion = finger.locate([[0.0, 0.0], [0.0, 0.0]], [50.0, 50.0])
     assert motion.status == "unreachable" and motion.residual == pytest.approx(50.0)
+
+
+def test_readings_in_any_memory_order_locate_the_same_plane(surrogate):
+    finger, tensions = Finger(surrogate), np.array([[60.0, 10.0], [70.0, 20.0], [80.0, 15.0]])
+    felt = surrogate.evaluate(np.column_stack([tensions, np.full(3, 0.012)])).contact_force
+    plain, turned = finger.locate(tensions, felt), finger.locate(np.asfortranarray(tensions), felt)
+    assert plain.distance == turned.distance == pytest.approx(0.012, abs=1e-8)
