@@ -22,7 +22,7 @@ def test_it_is_small_enough_to_track_and_of_the_standard_scene(shipped):
 
 def test_its_error_was_measured_on_held_out_states(shipped):
     assert shipped.accuracy["contact_force"]["p95"] < 0.02
-    assert shipped.accuracy["touch"]["right"] == 1.0
+    assert shipped.accuracy["contact_force"]["median"] < 0.001
 
 
 def test_it_is_the_demo_s_finger_on_a_better_mesh(shipped, surrogate):
@@ -33,7 +33,7 @@ def test_it_is_the_demo_s_finger_on_a_better_mesh(shipped, surrogate):
     ours, theirs = shipped.evaluate(points), surrogate.evaluate(points)
     felt = (ours.contact_force > 0.5) & (theirs.contact_force > 0.5)
     assert felt.sum() > 100
-    assert np.median(np.abs(theirs.contact_force / ours.contact_force - 1)[felt]) < 0.06
+    assert np.median(np.abs(theirs.contact_force[felt] / ours.contact_force[felt] - 1)) < 0.06
     assert np.abs(ours.tip - theirs.tip).max() < 0.1 * np.abs(ours.tip).max()
 
 
