@@ -116,7 +116,7 @@ def test_a_folder_that_cannot_be_written_to_is_one_line(scene, tmp_path):
     folder = tmp_path / "read only"
     folder.mkdir(mode=0o555)
     user = {"user": 65534} if os.getuid() == 0 else {}  # nothing is read-only to root
-    for part in [tmp_path, *tmp_path.parents[:2]]:
+    for part in [tmp_path, *(above for above in tmp_path.parents if above.name.startswith(("pytest-", "popen-")))]:
         part.chmod(0o755)
     shutil.copy(scene, tmp_path / "scene.toml")
     line = command(1, tmp_path / "scene.toml", folder / "set")[3:]

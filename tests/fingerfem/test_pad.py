@@ -91,8 +91,8 @@ def test_what_an_object_bears_limits_what_is_held(whole):
         assert model.evaluate([*motion.tensions, 0.010]).pad_pressure == pytest.approx(8e4, rel=1e-4)
 
 
-def test_the_c_header_of_a_model_with_a_pad_answers_as_before(whole, tmp_path):
-    assert "#define finger_PAD 1" in header(whole[0], "finger")
+def test_the_c_header_of_a_model_with_a_pad_answers_it_too(whole):
+    assert "#define finger_ROWS 6" in header(whole[0], "finger")
 
 
 def test_models_and_sets_that_do_not_know_it_say_so(surrogate, whole, tmp_path):
