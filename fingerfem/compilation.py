@@ -55,6 +55,36 @@ def form(integrals: ufl.Form) -> fem.Form:
     return made
 
 
+def forms(tree: Any) -> Any:
+    """Compiled forms in place of UFL's in a tree of dicts and lists; what else is in it stays as it is.
+
+    Processes that begin together share the work: each compiles what no other is at, before it waits for the others'.
+
+    Raises:
+        OSError: as `form` does.
+    """
+    for integrals in _leaves(tree):
+        if integrals.ufl_domain().ufl_cargo().comm.rank == 0:
+            with suppress(Exception):  # `form` tries once more, and tells all ranks
+                _compile_once(integrals, cache_folder() / _name(integrals), waits=False)
+    return _compiled_tree(tree)
+
+
+def _leaves(tree: Any) -> list[ufl.Form]:
+    if isinstance(tree, ufl.Form):
+        return [tree]
+    parts = tree.values() if isinstance(tree, dict) else tree if isinstance(tree, list) else []
+    return [leaf for part in parts for leaf in _leaves(part)]
+
+
+def _compiled_tree(tree: Any) -> Any:
+    if isinstance(tree, dict):
+        return {name: _compiled_tree(part) for name, part in tree.items()}
+    if isinstance(tree, list):
+        return [_compiled_tree(part) for part in tree]
+    return form(tree) if isinstance(tree, ufl.Form) else tree
+
+
 def expression(value: Any, points: np.ndarray) -> fem.Expression:
     """An expression compiled for points of the reference cell, shape (n, 3) (collective over the mesh's ranks).
 
@@ -88,13 +118,13 @@ def _name(source: Any) -> str:
     return compute_signature([source], f"{sorted(options.items())} {built}")
 
 
-def _compile_once(source: Any, folder: Path) -> None:
-    """Fill a form's folder, unless it is there; many processes may ask for it at once."""
+def _compile_once(source: Any, folder: Path, waits: bool = True) -> None:
+    """Fill a form's folder, unless it is there, or another process is at it and one does not wait."""
     if folder.exists():
         return
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with _turn(folder):
-        if not folder.exists():
+    with _turn(folder, waits) as mine:
+        if mine and not folder.exists():
             _remove_abandoned(folder.parent)
             _compile(source, folder)
 
@@ -122,14 +152,15 @@ def _line(error: Exception) -> str:
 
 
 @contextmanager
-def _turn(folder: Path) -> Iterator[None]:
+def _turn(folder: Path, waits: bool) -> Iterator[bool]:
     """Where one process at a time compiles what a folder is to hold; the kernel frees a killed one's lock.
 
-    It is entered without the lock when the folder is whole, when PATIENCE is at an end, or where there are no locks.
+    It is entered without the lock when the folder is whole, when PATIENCE is at an end, or where there are no locks;
+    and with False, for nothing to do, when another process has the lock and one does not wait.
     """
     begun, said = time.monotonic(), False
     with open(folder.parent / "locks", "a+b") as locks:
-        while not _locked(locks, folder) and not folder.exists():
+        while not (mine := _locked(locks, folder)) and waits and not folder.exists():
             waited = time.monotonic() - begun
             if waited > PATIENCE:
                 break
@@ -138,7 +169,7 @@ def _turn(folder: Path) -> Iterator[None]:
                       file=sys.stderr, flush=True)  # fmt: skip
                 said = True
             time.sleep(0.02)
-        yield
+        yield mine or waits
 
 
 def _locked(locks: BinaryIO, folder: Path) -> bool:

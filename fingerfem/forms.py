@@ -20,7 +20,7 @@ Malkus, Hughes, Comput. Methods Appl. Mech. Eng. 15, 1978, doi:10.1016/0045-7825
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -152,23 +152,25 @@ def compile_forms(scene: Scene, mesh: geometry.FingerMesh, fields: Fields) -> Fo
         tangent += ufl.derivative(ufl.derivative(cables, u, v), u, w)
         tendon_energy += cables
 
-    contact_forms = None
+    on_contact = None
     if scene.obstacle is not None:
-        energy, contact_forms = _contact(scene, surface_measure(scene, mesh), fields)
+        energy, on_contact = _contact(scene, surface_measure(scene, mesh), fields)
         residual += ufl.derivative(energy, u, v)
         tangent += ufl.derivative(ufl.derivative(energy, u, v), u, w)
 
     tip = [u[i] * dx(geometry.TIP) for i in range(3)]
-    return Forms(
-        residual=compilation.form(residual),
-        tangent=compilation.form(tangent),
-        strain_energy=compilation.form(total(bodies, u)),
-        tendon_energy=compilation.form(tendon_energy),
-        tendon_force=compilation.form(ufl.derivative(tendon_energy, u, v)),
-        tip=[compilation.form(form) for form in tip],
-        tip_gradient=[compilation.form(ufl.derivative(form, u, v)) for form in tip],
-        contact=contact_forms,
-    )
+    wanted = {
+        "residual": residual,
+        "tangent": tangent,
+        "strain_energy": total(bodies, u),
+        "tendon_energy": tendon_energy,
+        "tendon_force": ufl.derivative(tendon_energy, u, v),
+        "tip": tip,
+        "tip_gradient": [ufl.derivative(form, u, v) for form in tip],
+        "contact": on_contact,
+    }
+    made = compilation.forms(wanted)
+    return Forms(**made | {"contact": made["contact"] and ContactForms(**made["contact"])})
 
 
 def surface_measure(scene: Scene, mesh: geometry.FingerMesh) -> ufl.Measure:
@@ -191,8 +193,8 @@ def contact_groups(scene: Scene, ds: ufl.Measure, fields: Fields) -> list[tuple[
     ]
 
 
-def _contact(scene: Scene, ds: ufl.Measure, fields: Fields) -> tuple[Any, ContactForms]:
-    """The contact energy in UFL, and what is compiled of it besides residual and tangent."""
+def _contact(scene: Scene, ds: ufl.Measure, fields: Fields) -> tuple[Any, dict[str, Any]]:
+    """The contact energy in UFL, and of what is compiled besides residual and tangent, see ContactForms."""
     u, v = fields.u, ufl.TestFunction(fields.u.function_space)
     groups = contact_groups(scene, ds, fields)
     pressures = [(facets, contact.pressure(g, gamma, q)) for facets, g, gamma, q in groups]
@@ -201,28 +203,25 @@ def _contact(scene: Scene, ds: ufl.Measure, fields: Fields) -> tuple[Any, Contac
     touching = [
         ufl.conditional(ufl.gt(p, 0), gamma, 0.0) for (_, p), (*_, gamma, _) in zip(pressures, groups, strict=True)
     ]
-    made = ContactForms(
-        energy=compilation.form(energy),
-        force=compilation.form(force),
-        force_gradient=compilation.form(ufl.derivative(force, u, v)),
-        nodal_force=compilation.form(sum(p * v[1] * ds(facets) for facets, p in pressures)),
-        stiffness=compilation.form(sum(gamma * ds(group[0]) for gamma, group in zip(touching, groups, strict=True))),
-        gap_work=compilation.form(
-            sum(p * abs(group[1]) * ds(facets) for (facets, p), group in zip(pressures, groups, strict=True))
-        ),
-        pad_force=None,
-        pad_area=None,
-        pad_gradient=None,
-    )
+    wanted: dict[str, Any] = {
+        "energy": energy,
+        "force": force,
+        "force_gradient": ufl.derivative(force, u, v),
+        "nodal_force": sum(p * v[1] * ds(facets) for facets, p in pressures),
+        "stiffness": sum(gamma * ds(group[0]) for gamma, group in zip(touching, groups, strict=True)),
+        "gap_work": sum(p * abs(group[1]) * ds(facets) for (facets, p), group in zip(pressures, groups, strict=True)),
+        "pad_force": None,
+        "pad_area": None,
+        "pad_gradient": None,
+    }
     if scene.obstacle is None or scene.obstacle.pad is None:
-        return energy, made
+        return energy, wanted
     assert fields.pad_share is not None
     on_pad = sum(p * fields.pad_share[1] * ds(facets) for facets, p in pressures)
-    area = fem.Constant(ds.ufl_domain(), 1.0) * ds(geometry.PAD)
-    made = replace(made, pad_force=compilation.form(on_pad), pad_area=compilation.form(area))
+    wanted |= {"pad_force": on_pad, "pad_area": fem.Constant(ds.ufl_domain(), 1.0) * ds(geometry.PAD)}
     if "pad_pressure" in scene.sampling.store:
-        made = replace(made, pad_gradient=compilation.form(ufl.derivative(on_pad, u, v)))
-    return energy, made
+        wanted["pad_gradient"] = ufl.derivative(on_pad, u, v)
+    return energy, wanted
 
 
 def pad_areas(ds: ufl.Measure, space: fem.FunctionSpace) -> tuple[fem.Form, fem.Form]:

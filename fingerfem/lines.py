@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fingerfem.between import halve
+from fingerfem.between import between
 from fingerfem.convergence import LoadNotReached
 from fingerfem.held_out import HeldOutSolver
 from fingerfem.model import FingerModel
@@ -238,8 +238,9 @@ class LineSolver:
                 record.restarted()
             record.state(tensions, reach - description.contact_nodes[node] * (reach - self._nearest), counted)
             at, counted = node, None
-        between = halve(self.model, record, tensions, self._nearest) if task in description.lines else 0
-        return record.arrays() | {"nodes": np.array([*nodes, *[BETWEEN] * between])}
+        own = task in description.lines
+        added = between(self.model, record, tensions, reach, self._nearest) if own else 0
+        return record.arrays() | {"nodes": np.array([*nodes, *[BETWEEN] * added])}
 
     def _scattered(self, line: Line) -> Arrays:
         """A free state at tensions of its own, from rest, and the plane's way from where it touches to its nearest."""
@@ -247,13 +248,13 @@ class LineSolver:
         tensions = np.array(line.tensions)
         self.model.stepper.rest()
         record.state(tensions, None)
-        reach, nodes, between = record.reaches[0], list(line.nodes), 0
+        reach, nodes = record.reaches[0], list(line.nodes)
         if not reach - self._nearest >= SAME_PLACE:  # there is no way, or no plane, or no answer
             return record.arrays() | {"nodes": np.array(nodes[:1])}
         for node in nodes[1:]:
             record.state(tensions, reach - description.contact_nodes[node] * (reach - self._nearest))
-        between = halve(self.model, record, tensions, self._nearest)
-        return record.arrays() | {"nodes": np.array([*nodes, *[BETWEEN] * between])}
+        added = between(self.model, record, tensions, reach, self._nearest)
+        return record.arrays() | {"nodes": np.array([*nodes, *[BETWEEN] * added])}
 
     def _touch(self, record: Record, tensions: np.ndarray, nodes: list[int]) -> float:
         """Bring the model to where the plane would be touched and note that; returns the reach there [m].

@@ -148,16 +148,26 @@ static inline void fingerfem_coordinates(const fingerfem_kernel *kernel, const d
     coordinates[d] = (height - point[d]) / (height - kernel->nearest + kernel->softening);
 }
 
-/* How well the conditions of a regime hold at a point: the least of them over its size, and not outside its box. */
+/* Whether a regime would begin at a corner that does not touch yet. */
+static inline int fingerfem_too_early(const fingerfem_kernel *kernel, int regime, const double *point,
+                                      const double *heights)
+{
+    return kernel->begins[regime] && heights[kernel->corners[regime]] <= point[kernel->parameters - 1];
+}
+
+/* How well the conditions of a regime hold at a point: the least of them over its size, and not outside its box; not at
+ * all where it would begin too early or the plane would pull. */
 static inline double fingerfem_holds(const fingerfem_kernel *kernel, int regime, const double *point,
                                      const double *heights)
 {
     const fingerfem_tables *tables = &kernel->tables;
     const int form = 1 + regime, conditions = tables->forms[4 * form + 2] - 4 - kernel->has_pad;
+    if (fingerfem_too_early(kernel, regime, point, heights)) return -INFINITY;
     double coordinates[kernel->parameters], whole[tables->forms[4 * form + 1]];
     fingerfem_coordinates(kernel, point, heights[kernel->corners[regime]], coordinates);
     double worst = -fingerfem_outside(tables, form, coordinates);
     fingerfem_products(tables, form, coordinates, whole);
+    if (fingerfem_component(tables, form, 3, whole) < 0.0) return -INFINITY;
     for (int j = 0; j < conditions; j++) {
         const double size = kernel->sizes[kernel->most_conditions * regime + j];
         const double own = fingerfem_component(tables, form, 4 + j, whole) / size;
@@ -167,12 +177,14 @@ static inline double fingerfem_holds(const fingerfem_kernel *kernel, int regime,
 }
 
 /* Regime at a point in contact: the one of the lookup if all its conditions hold, or no other is possible; else the
- * first possible one whose do; if none has, the one that fails least. */
+ * first possible one whose do; if none has, the one that fails least. Where the lookup's would begin too early, any is
+ * possible. */
 static inline int fingerfem_regime(const fingerfem_kernel *kernel, const double *point, const double *heights,
                                    double touch_distance)
 {
     const int cell = fingerfem_lookup_cell(kernel, point, touch_distance), first = kernel->lookup[cell];
-    const uint64_t possible = kernel->possible[cell], one = 1;
+    const int any = fingerfem_too_early(kernel, first, point, heights);
+    const uint64_t one = 1, possible = any ? ~(uint64_t)0 : kernel->possible[cell];
     if (possible == one << first) return first;
     int best = first;
     double least = fingerfem_holds(kernel, first, point, heights);

@@ -20,8 +20,8 @@ def test_the_grasp_found_the_object(report):
 
 def test_every_full_order_state_of_training_and_check_converged(report):
     assert report["training"]["failed"] == report["heldout"]["failed"] == 0
-    grid = 9 * 9 + 9 * (1 + 8 * 12)  # and states between regimes, and lines where these are small
-    assert grid < report["training"]["states"] < 1.5 * grid
+    lines = 80 * 9  # of a free state and eight in contact; some do not touch, some have states between regimes
+    assert 0.8 * lines < report["training"]["states"] < 1.3 * lines
 
 
 def test_held_out_states_begin_near_by(report):
