@@ -1,13 +1,14 @@
 # make demo   train the draft finger, grasp, verify, report to out/demo
-# make test   all tests, lint, types, import contracts
+# make test   tests, lint, types, import contracts; make test-long  the repetitions of faults, and what takes long
 # make readme, solver, training, surrogate, control, tradeoff, extremes, required, figures   what README and docs/ show (see below)
 # make model  rom/finger.h5, the trained finger that comes with the repository; make wheel  dist/*.whl
 # make bench  the short form of all studies, compared with docs/bench.json
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
+BOTH_CORES = -n 2 --dist loadfile
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test clean model wheel readme solver training surrogate control tradeoff extremes required bench figures
+.PHONY: demo test test-long clean model wheel readme solver training surrogate control tradeoff extremes required bench figures
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -16,13 +17,21 @@ demo:
 test: .venv/ready
 	rm -rf out/tests
 	docker/run python3 studies/demo.py out/tests
-	docker/run python3 -m pytest -q -n 2 --dist loadfile tests/fingerfem tests/rom tests/control tests/studies
+	docker/run python3 -m pytest -q $(BOTH_CORES) tests/fingerfem tests/studies
 	docker/run mpirun -n 2 python3 -m pytest -q -m mpi
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
 	.venv/bin/lint-imports
-	.venv/bin/python -m pytest -q -n 2 --dist loadfile tests/rom tests/control tests/packaging
+	.venv/bin/python -m pytest -q $(BOTH_CORES) tests/rom tests/control tests/packaging
+
+# Faults once more, under every kind of lock and kill; a thousand solves; rom and control with the environment's packages.
+test-long: out/tests/report.json
+	docker/run python3 -m pytest -q $(BOTH_CORES) -m long
+	docker/run python3 -m pytest -q $(BOTH_CORES) tests/rom tests/control
+
+out/tests/report.json:
+	docker/run python3 studies/demo.py out/tests
 
 # README's numbers and picture, from the last demo.
 readme: demo

@@ -23,14 +23,27 @@ def table() -> dict:
     return tomllib.loads((SCENES / "draft.toml").read_text())
 
 
+def small(folder: Path, text: str) -> Path:
+    """A scene on few nodes, for the farm."""
+    file = folder / "small.toml"
+    file.write_text(text.split("[sampling]")[0] + "[sampling]\ntension_nodes = 4\ncontact_nodes = 4\n")
+    return file
+
+
 @pytest.fixture(scope="session")
 def scene(tmp_path_factory) -> Path:
-    """The draft finger, coarser and on fewer nodes, for the farm."""
-    text = (ROOT / "scenes" / "draft.toml").read_text().split("[sampling]")[0]
-    text = text.replace("cells = [20, 5]", "cells = [10, 5]")
-    file = tmp_path_factory.mktemp("scene") / "small.toml"
-    file.write_text(text + "\n[sampling]\ntension_nodes = 4\ncontact_nodes = 4\n")
-    return file
+    """Half a coarse finger with tendons on both sides, for the farm: soon solved."""
+    text = (SCENES / "draft.toml").read_text().replace("cells = [20, 5]", "cells = [9, 5]")
+    text = text.replace("offset = [0.0, 0.004]", "offset = [-0.004, 0.0]")
+    first, second, rest = text.split("[0.0, 100.0]")
+    return small(tmp_path_factory.mktemp("scene"), f"{first}[0.0, 50.0]{second}[0.0, 10.0]{rest}")
+
+
+@pytest.fixture(scope="session")
+def spatial(tmp_path_factory) -> Path:
+    """The draft finger on fewer cells and nodes, for what bends in all directions."""
+    text = (SCENES / "draft.toml").read_text().replace("cells = [20, 5]", "cells = [10, 5]")
+    return small(tmp_path_factory.mktemp("spatial"), text)
 
 
 @pytest.fixture(scope="session")

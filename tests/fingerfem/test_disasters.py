@@ -65,6 +65,7 @@ def test_sigterm_drops_the_line_at_hand_and_is_no_death(scene, undisturbed, tmp_
     assert_same(tmp_path / "set", undisturbed)
 
 
+@pytest.mark.long
 def test_sigterm_to_mpirun_ends_all_ranks_in_ten_seconds(scene, tmp_path):
     job = begun(command(2, scene, tmp_path / "set"), tmp_path / "set", 3)
     job.terminate()
@@ -125,7 +126,7 @@ def test_a_folder_that_cannot_be_written_to_is_one_line(scene, tmp_path):
     assert "must be a folder that can be written to, got Permission denied" in only_line(done.stderr, "read only")
 
 
-@pytest.mark.parametrize("kind", ["none", "lying"])
+@pytest.mark.parametrize("kind", ["none", pytest.param("lying", marks=pytest.mark.long)])
 def test_without_working_locks_two_jobs_share_a_set_by_claim_files(scene, undisturbed, tmp_path, hostile, kind):
     settings = {"LD_PRELOAD": hostile, "HOSTILE_LOCKS": kind}
     other = begun(command(1, scene, tmp_path / "set"), tmp_path / "set", 1, env=os.environ | settings)
@@ -139,6 +140,11 @@ def test_without_working_locks_two_jobs_share_a_set_by_claim_files(scene, undist
 def test_without_working_locks_a_killed_rank_s_claim_is_taken_over(scene, undisturbed, tmp_path, hostile):
     settings = {"LD_PRELOAD": hostile, "HOSTILE_LOCKS": "none"}
     job = begun(command(1, scene, tmp_path / "set")[3:], tmp_path / "set", 2, env=os.environ | settings)
+    os.kill(job.pid, signal.SIGSTOP)
+    while not list((tmp_path / "set" / "claimed").iterdir()):  # it was between two tasks
+        os.kill(job.pid, signal.SIGCONT)
+        time.sleep(0.01)
+        os.kill(job.pid, signal.SIGSTOP)
     job.kill()
     job.communicate()
     assert list((tmp_path / "set" / "claimed").iterdir())
@@ -175,6 +181,7 @@ def test_locks_are_trusted_where_they_work_and_freed_by_the_end_of_a_process(tmp
         assert claims.take(7)
 
 
+@pytest.mark.long
 def test_a_clock_that_jumps_changes_nothing(scene, undisturbed, tmp_path, hostile):
     run(2, scene, tmp_path / "set", LD_PRELOAD=hostile, HOSTILE_CLOCK="jumping")
     assert_same(tmp_path / "set", undisturbed)
@@ -193,6 +200,7 @@ def test_truncated_and_foreign_files_are_set_aside_and_solved_again(scene, undis
     assert_same(folder, undisturbed)
 
 
+@pytest.mark.long
 def test_a_compilation_that_was_killed_does_not_stop_the_next_job(scene, undisturbed, tmp_path):
     cache = {"XDG_CACHE_HOME": str(tmp_path / "cache")}
     first = subprocess.Popen(
@@ -214,6 +222,7 @@ def test_a_compilation_that_was_killed_does_not_stop_the_next_job(scene, undistu
     assert_same(tmp_path / "set", undisturbed)
 
 
+@pytest.mark.long
 def test_groups_of_ranks_give_the_numbers_of_one_rank(scene, undisturbed, tmp_path):
     run(4, scene, tmp_path / "set", "--ranks-per-finger", "2")
     assert_same(tmp_path / "set", undisturbed, tolerance=1e-9)

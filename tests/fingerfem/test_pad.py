@@ -18,21 +18,21 @@ AREA = 0.001 * 0.010  # [m^2]
 
 
 @pytest.fixture(scope="module")
-def whole(scene, tmp_path_factory):
+def whole(spatial, tmp_path_factory):
     """A surrogate of a finger whose pad is the whole face of the plate."""
     folder = tmp_path_factory.mktemp("pad")
     file = folder / "pad.toml"
-    file.write_text(scene.read_text().split("[sampling]")[0] + '[sampling]\nlines = 24\nstore = ["pad_pressure"]\n')
+    file.write_text(spatial.read_text().split("[sampling]")[0] + '[sampling]\nlines = 20\nstore = ["pad_pressure"]\n')
     run(2, file, folder / "set")
-    run(2, file, folder / "fresh", "--random", "30", "--seed", "4")
+    run(2, file, folder / "fresh", "--random", "10", "--distances", "3", "--seed", "4")
     model = train(SnapshotSet(folder / "set"), EnrichmentOptions())
     model.save(folder / "pad.h5")
     return Surrogate.load(folder / "pad.h5"), SnapshotSet(folder / "fresh")
 
 
-def test_the_pressures_derivatives_are_those_of_finite_differences(scene, tmp_path):
+def test_the_pressures_derivatives_are_those_of_finite_differences(spatial, tmp_path):
     file = tmp_path / "pad.toml"
-    file.write_text(scene.read_text() + 'store = ["pad_pressure"]\n')
+    file.write_text(spatial.read_text() + 'store = ["pad_pressure"]\n')
     model, tensions, distance = FingerModel(load_scene(file)), np.array([93.0, 95.0]), 0.0014
     state = model.solve(tensions, distance)
     assert 0.05 < state.pad_pressure * AREA / state.contact_force < 0.95  # the rubber touches too, beside the pad

@@ -27,7 +27,7 @@ def planar(scene, tmp_path_factory):
     """The finger of one tendon, which bends in a plane."""
     before, _, after = scene.read_text().partition('[[tendons]]\nname = "F2"')
     file = tmp_path_factory.mktemp("scene") / "planar.toml"
-    file.write_text(before + after[after.index("[obstacle]") :])
+    file.write_text((before + after[after.index("[obstacle]") :]).replace("[0.0, 50.0]", "[0.0, 100.0]"))
     return file
 
 
@@ -171,6 +171,7 @@ def _fail(folder, task: str, which=-1) -> None:
     write_task(folder, task, str(arrays["fingerprint"]), arrays)
 
 
+@pytest.mark.long
 def test_the_surrogate_of_a_refined_set_keeps_the_error_that_was_estimated(planar, refined, tmp_path):
     from rom.errors import check
 
@@ -230,10 +231,10 @@ def test_a_round_off_the_grid_is_refused(refined, tmp_path):
 # -- two tensions ------------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module", params=["lead first", "lead second"])
-def two(request, scene, tmp_path_factory):
+@pytest.fixture(scope="module", params=["lead first", pytest.param("lead second", marks=pytest.mark.long)])
+def two(request, spatial, tmp_path_factory):
     """The first grid of two tensions, on a finger of few cells, with the tendons in either order."""
-    text = scene.read_text()
+    text = spatial.read_text().replace("[0.0, 100.0]", "[0.0, 40.0]").replace("[0.001, 0.031]", "[0.001, 0.011]")
     if request.param == "lead second":
         head, one, other = text.partition("[obstacle]")[0].split("[[tendons]]")
         text = "[[tendons]]".join([head, other, one]) + "[obstacle]" + text.partition("[obstacle]")[2]
@@ -274,6 +275,7 @@ def test_the_onset_s_slopes_are_differences_of_onsets(two):
 # -- another set's states ----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_finer_grid_uses_the_states_of_a_coarser_one_again(scene, undisturbed, tmp_path):
     finer = tmp_path / "finer.toml"
     finer.write_text(scene.read_text().replace("tension_nodes = 4", "tension_nodes = 7"))

@@ -9,10 +9,10 @@ from rom.snapshots import SnapshotSet
 
 
 @pytest.fixture(scope="module")
-def training(scene, tmp_path_factory) -> SnapshotSet:
+def training(spatial, tmp_path_factory) -> SnapshotSet:
     """A set on a grid."""
     folder = tmp_path_factory.mktemp("grid")
-    file, text = folder / "grid.toml", scene.read_text()
+    file, text = folder / "grid.toml", spatial.read_text()
     file.write_text(
         text.replace("tension_nodes = 4", "tension_nodes = 7").replace("contact_nodes = 4", "contact_nodes = 8")
     )
@@ -20,6 +20,7 @@ def training(scene, tmp_path_factory) -> SnapshotSet:
     return SnapshotSet(folder / "set")
 
 
+@pytest.mark.long
 def test_every_small_regime_has_got_lines_half_way_between_those_of_the_grid(training):
     (planned, last) = training.plan.rounds
     assert planned.lines and not last.lines and last.finest
@@ -31,6 +32,7 @@ def test_every_small_regime_has_got_lines_half_way_between_those_of_the_grid(tra
         assert all(0 <= tension <= most for tension, most in zip(line.tensions, upper, strict=True))
 
 
+@pytest.mark.long
 def test_they_add_states_to_the_regimes_that_had_few(training):
     grid, all_of_them = {}, {}
     for task, line in training.plan.lines.items():
@@ -60,6 +62,7 @@ def test_states_between_regimes_find_their_ends(demo):
     assert len(apart) > 20 and np.max(apart) <= 0.04 + 1e-9
 
 
+@pytest.mark.long
 def test_a_set_that_had_its_round_needs_no_other(training):
     again = between_regimes(training)
     assert not again.lines and again.finest

@@ -92,7 +92,7 @@ def test_a_pad_that_is_not_named_has_no_form_and_one_that_is_not_stored_no_datas
 
 
 def test_tip_and_contact_force_alone_store_no_field_and_a_small_model(table, built):
-    states, datasets = built("tip", scene(table, sampling={"store": [], "lines": 30}))
+    states, datasets = built("tip", scene(table, sampling={"store": [], "lines": 12}))
     assert not {"displacement", "displacement_jacobian"} & quantities(states)
     assert not any(name.startswith(("displacement", "nodes")) for name in datasets)
     assert states.path.with_suffix(".h5").stat().st_size < 200_000

@@ -52,7 +52,10 @@ def test_a_complete_set_is_not_solved_again_and_a_missing_task_alone(scene, undi
     assert all(file.stat().st_mtime_ns == stamp for file, stamp in stamps.items() if file != lost)
 
 
-@pytest.mark.parametrize("recovery", [False, True], ids=["plain mpirun", "mpirun --enable-recovery"])
+@pytest.mark.parametrize(
+    "recovery",
+    [pytest.param(False, id="plain mpirun"), pytest.param(True, id="mpirun --enable-recovery", marks=pytest.mark.long)],
+)
 def test_killing_a_rank_and_running_again_ends_in_the_undisturbed_set(scene, undisturbed, tmp_path, recovery):
     folder = tmp_path / "killed"
     line = command(2, scene, folder)
@@ -83,7 +86,7 @@ def test_held_out_states_are_drawn_from_the_seed_and_solved_from_rest(scene, tmp
     run(2, scene, tmp_path / "held", "--random", "6", "--seed", "3")
     snapshots = SnapshotSet(tmp_path / "held")
     points = snapshots.random("parameters")
-    box = np.array([[0, 100], [0, 100], [0.001, 0.031]])
+    box = np.array([[0, 50], [0, 10], [0.001, 0.031]])
     draw = np.random.default_rng(3).random((6, 3))
     assert points == pytest.approx(box[:, 0] + draw * (box[:, 1] - box[:, 0]))
     touching = snapshots.random("touch_distance") > points[:, 2]
@@ -190,7 +193,7 @@ def test_only_what_a_scene_asks_for_is_stored(scene, undisturbed, tmp_path):
     frugal = tmp_path / "frugal.toml"
     frugal.write_text(scene.read_text() + 'store = ["pad_pressure"]\n')
     report = run(2, frugal, tmp_path / "set")
-    assert report["failed"] == 0 and report["bytes_per_state"] < 2600
+    assert report["failed"] == 0 and report["bytes_per_state"] < 3500
     line, whole = read_task(tmp_path / "set", "contact-2-3"), read_task(undisturbed, "contact-2-3")
     assert whole.keys() - line.keys() == {"displacement", "displacement_jacobian"}
     assert line.keys() - whole.keys() == {"pad_pressure", "pad_pressure_jacobian"}
