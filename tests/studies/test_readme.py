@@ -54,7 +54,8 @@ def test_the_two_commands_are_those_of_the_makefile_and_of_ci():
     targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
     assert {"demo", "test", "clean"} <= set(targets)
     ci = [line for line in (ROOT / ".ci" / "run").read_text().splitlines() if line and line[0] != "#"]
-    assert ci[-1] == "make test" and len(ci) == 3
+    assert ci[-2:] == ["make test", "make test-long"] and len(ci) == 4
+    assert "make test-long" in README
 
 
 def test_the_measured_block_was_written():
