@@ -44,7 +44,7 @@ from studies import report
 SCENE = "scenes/draft.toml"
 CALLER = "FINGERFEM_CALLER"  # tells the farm that the demo says what is kept when it is stopped
 SHOW_CURSOR = "\x1b[?25h"  # which a bar hides, and a killed rank does not bring back
-TENSIONS, DISTANCES, SEED = 100, 2, 2018  # of held-out states: planes at the same tensions share the way there
+HELD_OUT, SEED = 200, 2018
 CASES = [([50.0, 0.0], None), ([100.0, 0.0], None), ([50.0, 0.0], 0.005), ([60.0, 60.0], 0.008)]
 TARGET = 1.0  # [N]
 OBJECT_CENTRE, OBJECT_RADIUS = (0.002, -0.0015), 0.012  # [m]; the controller is told neither
@@ -95,8 +95,8 @@ def surrogate(out: Path) -> tuple[Surrogate, dict]:
     say("training: full-order states on all cores")
     snapshots, training = farm(out / "training")
     say("held-out: fresh full-order states at random parameters")
-    drawn = "--random", str(TENSIONS), "--distances", str(DISTANCES), "--seed", str(SEED)
-    fresh, held_out = farm(out / "heldout", *drawn, "--near", str(out / "training"))
+    near = "--near", str(out / "training")
+    fresh, held_out = farm(out / "heldout", "--random", str(HELD_OUT), "--seed", str(SEED), *near)
     say("surrogate: fit the snapshots, separate them, check them against the held-out states")
     begun = time.perf_counter()
     with steps() as progress:
