@@ -39,13 +39,12 @@ def history(grasp: Grasp, target: float, lead: int, picture: Path) -> None:
         forces = [pull.contact_force for pull in pulls]
         (line,) = upper.plot(time, forces, "o-", ms=4, label=f"finger {finger + 1}")
         lower.plot(time, [pull.tensions[lead] for pull in pulls], "o-", ms=4, color=line.get_color())
-        held = [pull for pull in pulls if pull.stage == "hold"]
-        upper.plot(
-            [p.time for p in held], [p.contact_force for p in held], "s", ms=8, mfc="none", color=line.get_color()
-        )
+        if grasp.status[finger] == "converged":
+            upper.plot(time[-1:], forces[-1:], "s", ms=10, mfc="none", color=line.get_color())
     upper.axhline(target, color="0.5", ls="--", lw=1, label="target")
-    upper.set(ylabel="contact force felt [N]", title="Grasp of an object of unknown position (squares: holding)")
+    upper.set(ylabel="contact force felt [N]", title="Grasp of an object of unknown position (squares: held)")
     lower.set(ylabel="lead tension [N]", xlabel="pull")
+    lower.xaxis.get_major_locator().set_params(integer=True)
     upper.legend()
     figure.savefig(picture, dpi=110)
     plt.close(figure)
