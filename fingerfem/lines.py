@@ -36,7 +36,7 @@ class Known(NamedTuple):
 
 NOTHING_KNOWN = Known()
 BETWEEN = -1  # in place of a node, of states between those of the grid
-ROOTS = 12  # scattered lines whose free state is reached from rest; others', from these for a third of the iterations
+ROOTS = 12  # scattered lines whose free state is solved from rest; every other line begins at the nearest of these
 SAME_PLACE = 1e-8  # [m]: a plane that has no more way than that from touch to its nearest does not move
 
 

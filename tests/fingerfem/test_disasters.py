@@ -65,7 +65,6 @@ def test_sigterm_drops_the_line_at_hand_and_is_no_death(scene, undisturbed, tmp_
     assert_same(tmp_path / "set", undisturbed)
 
 
-@pytest.mark.long
 def test_sigterm_to_mpirun_ends_all_ranks_in_ten_seconds(scene, tmp_path):
     job = begun(command(2, scene, tmp_path / "set"), tmp_path / "set", 3)
     job.terminate()
@@ -181,7 +180,6 @@ def test_locks_are_trusted_where_they_work_and_freed_by_the_end_of_a_process(tmp
         assert claims.take(7)
 
 
-@pytest.mark.long
 def test_a_clock_that_jumps_changes_nothing(scene, undisturbed, tmp_path, hostile):
     run(2, scene, tmp_path / "set", LD_PRELOAD=hostile, HOSTILE_CLOCK="jumping")
     assert_same(tmp_path / "set", undisturbed)

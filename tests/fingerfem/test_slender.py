@@ -149,7 +149,6 @@ def test_a_column_buckles_under_a_dead_load_as_euler_says():
     assert extrapolated((20, 40), found, [2]) == pytest.approx(1.0, abs=0.005)
 
 
-@pytest.mark.long
 def test_a_straight_tendon_on_the_axis_buckles_its_finger_at_four_times_that():
     """A pull towards a fixed point at the clamp: pi^2 EI / L^2 (Timoshenko, Gere, Theory of Elastic Stability, 2.4)."""
     found = []

@@ -1,4 +1,4 @@
-"""Forms compiled without optimisation: gcc takes a minute and a half for a tangent of Nitsche's method, and so 5 s."""
+"""Forms compiled without optimisation: of a tangent of Nitsche's method gcc makes 80 s otherwise."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
