@@ -159,7 +159,7 @@ STIFFEST = 5000.0  # [N/m], more than twice the largest of either finger
 def test_just_past_touch_the_force_has_begun_and_does_not_jump(surrogate, finger, share, past):
     """Wherever the tensions are: a finger that presses by 20 um feels it, whichever corner or edge it is.
 
-    The shipped finger's force does jump in a share of its points, where a plate rolls over its edge (README says where).
+    The shipped finger's force jumps in a share of the points, where its plate rolls over an edge (README says where).
     """
     surrogate = surrogate if finger == "draft" else Surrogate.load()
     tensions = np.random.default_rng(1).random((20_000, 2)) * 100
