@@ -23,7 +23,7 @@ test: .venv/ready
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
 	.venv/bin/lint-imports
-	.venv/bin/python -m pytest -q $(BOTH_CORES) tests/rom tests/control tests/packaging
+	OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -q $(BOTH_CORES) tests/rom tests/control tests/packaging
 
 # Faults once more, under every kind of lock and kill; a thousand solves; rom and control with the environment's packages.
 test-long: out/tests/report.json

@@ -220,7 +220,6 @@ def test_a_compilation_that_was_killed_does_not_stop_the_next_job(scene, undistu
     assert_same(tmp_path / "set", undisturbed)
 
 
-@pytest.mark.long
 def test_groups_of_ranks_give_the_numbers_of_one_rank(scene, undisturbed, tmp_path):
     run(4, scene, tmp_path / "set", "--ranks-per-finger", "2")
     assert_same(tmp_path / "set", undisturbed, tolerance=1e-9)

@@ -183,7 +183,6 @@ def incompressible(poisson: float, **settings) -> dict:
     return {"law": "neo-hookean", "C1": law.C1, "D1": law.D1, **settings}
 
 
-@pytest.mark.long
 def test_rubber_of_poissons_ratio_04999_bends_and_does_not_lock(planar):
     """A fixed E bends alike at every Poisson's ratio; displacements alone would lock at a fifth of that."""
     planar["mesh"]["cells"] = [16, 5]
@@ -245,7 +244,6 @@ def test_a_straight_tendon_bends_more_than_a_guided_one_and_pulls_on_the_clamp(p
     assert straight.sensitivities["tip"]["F1"] == pytest.approx(slope, rel=1e-3)
 
 
-@pytest.mark.long
 def test_guided_and_straight_tendons_can_be_mixed(table):
     table["tendons"][1]["path"] = "straight"
     state = model_of(table).solve([30.0, 5.0], sensitivities=False)
@@ -302,7 +300,7 @@ def test_a_finger_that_curls_into_itself_is_a_failed_snapshot(planar, tmp_path):
     [
         ("draft", [100.0, 100.0]),
         ("draft", [100.0, 0.0]),
-        pytest.param("four_tendons", [30.0] * 4, marks=pytest.mark.long),
+        ("four_tendons", [30.0] * 4),
         ("two_segments", [40.0, 40.0]),
     ],
 )
@@ -318,7 +316,6 @@ def test_two_opposite_tendons_shorten_a_finger_and_leave_it_stable(planar):
     assert state.tip[0] < -0.003
 
 
-@pytest.mark.long
 def test_more_ranks_than_cells_along_an_edge_do_not_change_the_answer(planar):
     """Ranks may be left without a cell of a region, of the clamp or of the plane's side."""
     if MPI.COMM_WORLD.size > 1:

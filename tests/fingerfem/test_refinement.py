@@ -171,7 +171,6 @@ def _fail(folder, task: str, which=-1) -> None:
     write_task(folder, task, str(arrays["fingerprint"]), arrays)
 
 
-@pytest.mark.long
 def test_the_surrogate_of_a_refined_set_keeps_the_error_that_was_estimated(planar, refined, tmp_path):
     from rom.errors import check
 

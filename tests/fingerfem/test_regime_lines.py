@@ -20,7 +20,6 @@ def training(spatial, tmp_path_factory) -> SnapshotSet:
     return SnapshotSet(folder / "set")
 
 
-@pytest.mark.long
 def test_every_small_regime_has_got_lines_half_way_between_those_of_the_grid(training):
     (planned, last) = training.plan.rounds
     assert planned.lines and not last.lines and last.finest
@@ -32,7 +31,6 @@ def test_every_small_regime_has_got_lines_half_way_between_those_of_the_grid(tra
         assert all(0 <= tension <= most for tension, most in zip(line.tensions, upper, strict=True))
 
 
-@pytest.mark.long
 def test_they_add_states_to_the_regimes_that_had_few(training):
     grid, all_of_them = {}, {}
     for task, line in training.plan.lines.items():
@@ -62,7 +60,6 @@ def test_states_between_regimes_find_their_ends(demo):
     assert len(apart) > 20 and np.max(apart) <= 0.04 + 1e-9
 
 
-@pytest.mark.long
 def test_a_set_that_had_its_round_needs_no_other(training):
     again = between_regimes(training)
     assert not again.lines and again.finest
