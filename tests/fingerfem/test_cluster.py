@@ -4,7 +4,6 @@ import os
 import re
 import subprocess
 
-import pytest
 from farm import ROOT, assert_same
 
 SRUN = """#!/usr/bin/env bash
