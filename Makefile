@@ -6,6 +6,7 @@
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
 BOTH_CORES = -n 2 --dist loadfile
+COMPILER = command -v $${CC:-cc} >/dev/null || command -v gcc >/dev/null || command -v clang >/dev/null
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
 .PHONY: demo test test-long clean model wheel readme solver training surrogate control tradeoff extremes required bench figures
@@ -103,12 +104,14 @@ figures:
 	docker/run python3 -m fingerfem render scenes/two_segments.toml docs/two_segments.png \
 	    --case 'F_l=40' --case 'F_s=40' --case 'F_s=20 F_l=20 d=0.03' --case 'F_s=40 F_l=40 d=0.03'
 
-# A plain virtual environment of this machine's Python, without DOLFINx.
+# A plain virtual environment of this machine's Python, with a C compiler, without DOLFINx.
 .venv/ready: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || ! command -v $(PYTHON) >/dev/null \
 	    || { echo "make test needs Python 3.11 or newer, got $$($(PYTHON) -V); name another by PYTHON=" >&2; exit 2; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { $(AS_ROOT) && apt-get update -q && apt-get install -qy --no-install-recommends python3-venv; } \
 	    || { echo "make test needs $(PYTHON) with venv (Debian: python3-venv)" >&2; exit 2; }
+	@$(COMPILER) || { $(AS_ROOT) && apt-get update -q && apt-get install -qy --no-install-recommends gcc libc6-dev; } && $(COMPILER) \
+	    || { echo "make test needs a C compiler (Debian: gcc libc6-dev)" >&2; exit 2; }
 	$(PYTHON) -m venv .venv
 	.venv/bin/python -m pip install -q --disable-pip-version-check -e '.[dev]'
 	touch $@
