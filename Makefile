@@ -50,46 +50,46 @@ wheel:
 
 # docs/solver.md, from the studies of the full-order solver: about an hour on one core.
 solver:
-	docker/run env OMP_NUM_THREADS=1 python3 studies/solver.py out/solver
-	docker/run env OMP_NUM_THREADS=1 python3 studies/choices.py out/solver
-	docker/run env OMP_NUM_THREADS=1 python3 studies/scenes.py out/solver
-	docker/run python3 studies/solver_page.py out/solver
+	docker/run env OMP_NUM_THREADS=1 python3 studies/solver/solver.py out/solver
+	docker/run env OMP_NUM_THREADS=1 python3 studies/solver/choices.py out/solver
+	docker/run env OMP_NUM_THREADS=1 python3 studies/solver/scenes.py out/solver
+	docker/run python3 studies/solver/page.py out/solver
 
 # docs/training.md, from the studies of the farm, about half an hour; docs/solver.md's study must have run before.
 training:
-	docker/run python3 studies/training.py out/farm
-	docker/run python3 studies/refinement.py out/farm
-	docker/run python3 studies/training_page.py out/farm out/solver/solver.json
+	docker/run python3 studies/training/training.py out/farm
+	docker/run python3 studies/training/refinement.py out/farm
+	docker/run python3 studies/training/page.py out/farm out/solver/solver.json
 
 # docs/surrogate.md, from the studies of the surrogate, about two hours; other packages come from PyPI, in an environment beside.
 surrogate:
-	docker/run python3 studies/surrogate.py out/surrogate
-	docker/run python3 studies/growth.py out/surrogate
-	docker/run python3 studies/two_meshes.py out/surrogate
+	docker/run python3 studies/surrogate/surrogate.py out/surrogate
+	docker/run python3 studies/surrogate/growth.py out/surrogate
+	docker/run python3 studies/surrogate/two_meshes.py out/surrogate
 	$(PYTHON) -m venv out/surrogate/others
 	out/surrogate/others/bin/python -m pip install -q --disable-pip-version-check -e . ezyrb tensorly
-	out/surrogate/others/bin/python studies/others.py out/surrogate
-	docker/run python3 studies/surrogate_page.py out/surrogate
+	out/surrogate/others/bin/python studies/surrogate/others.py out/surrogate
+	docker/run python3 studies/surrogate/page.py out/surrogate
 
 # docs/control.md, from the sets of the surrogate's study, which are solved if they are not there; half an hour besides.
 control:
-	docker/run python3 studies/control.py out/control
-	docker/run python3 studies/control_page.py out/control
+	docker/run python3 studies/control/control.py out/control
+	docker/run python3 studies/control/page.py out/control
 
 # docs/tradeoff.md and the front that accuracy, budget and presets choose from: some two hours on two cores; it resumes.
 tradeoff:
-	docker/run python3 studies/tradeoff.py out/tradeoff
-	docker/run python3 studies/tradeoff_page.py out/tradeoff
+	docker/run python3 studies/tradeoff/tradeoff.py out/tradeoff
+	docker/run python3 studies/tradeoff/page.py out/tradeoff
 
 # docs/extremes.md: the ends of every range; some twenty minutes.
 extremes:
-	docker/run python3 studies/extremes.py out/extremes
-	docker/run python3 studies/extremes_page.py out/extremes
+	docker/run python3 studies/extremes/extremes.py out/extremes
+	docker/run python3 studies/extremes/page.py out/extremes
 
 # docs/required.md: what each kind of scene costs; some twenty minutes.
 required:
-	docker/run python3 studies/required.py out/required
-	docker/run python3 studies/required_page.py out/required
+	docker/run python3 studies/required/required.py out/required
+	docker/run python3 studies/required/page.py out/required
 
 # What differs from docs/bench.json, if anything; some forty minutes.
 bench:

@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from control.finger import Finger
-    from control.grip import GraspOptions
+    from control.grasp_controller import GraspOptions
+    from control.grasp_forces import Object, Targets
     from control.gripper import Grasp, Gripper
     from control.motion import Limits, Motion
     from control.plant import Flaws, Plant, SimulatedPlant
-    from control.targets import Object, Targets
 
 _HOMES = {
     "Finger": "finger",
     "Flaws": "plant",
     "Grasp": "gripper",
-    "GraspOptions": "grip",
+    "GraspOptions": "grasp_controller",
     "Gripper": "gripper",
     "Limits": "motion",
     "Motion": "motion",
-    "Object": "targets",
+    "Object": "grasp_forces",
     "Plant": "plant",
     "SimulatedPlant": "plant",
-    "Targets": "targets",
+    "Targets": "grasp_forces",
 }
 __all__ = [
     "Finger",

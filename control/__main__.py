@@ -16,7 +16,7 @@ import typer
 
 from control import Finger, Gripper, Object, SimulatedPlant
 from rom import Surrogate
-from rom.commands import NOTHING_USABLE, AsJson, application, run, show
+from rom.command_line import NOTHING_USABLE, AsJson, application, run, show
 from rom.terminal import steps
 
 app = application()

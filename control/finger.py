@@ -14,7 +14,7 @@ from control.least_squares import CONVERGED, LIMIT, STATIONARY
 from control.motion import Limits, Motion
 from control.problems import known, rules
 from rom import Surrogate
-from rom.kernel import PAD
+from rom.native.answer import PAD
 
 KEPT = 1.96  # standard deviations within which 95 % of a normal distribution are
 

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.finger import Finger
-from control.grip import GraspOptions, Grip, Pull
+from control.grasp_controller import GraspOptions, Grip, Pull
+from control.grasp_forces import Object, Targets, targets
 from control.motion import Limits
 from control.plant import Plant, age_of
-from control.targets import Object, Targets, targets
 from rom import Surrogate
-from rom.kernel import FORCE
+from rom.native.answer import FORCE
 
 FIRST = 0.3  # of a contact force that the first touch may have, readings in doubt and late included
 SQUEEZE = 0.06  # [s] from touch to the held force
@@ -27,7 +27,8 @@ class Grasp:
     """How a grasp ended.
 
     Attributes:
-        status: of every finger: converged, or why not (see control.grip; iteration_limit if it took too many pulls).
+        status: of every finger: converged, or why not (see control.grasp_controller; iteration_limit if it took too
+            many pulls).
         tensions: of every finger, shape (fingers, tensions) [N].
         contact_forces: last felt, shape (fingers,) [N].
         distances: d* of every finger, shape (fingers,) [m]; nan without contact.

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from control.grip import Grip
+from control.grasp_controller import Grip
 from control.plant import Plant, age_of
 
 logger = logging.getLogger(__name__)
@@ -26,7 +26,7 @@ class Report:
         p50_us, p99_us, p999_us, max_us: time of the controllers in a period [us].
         missed: periods whose controllers took longer than the period; in real time, that ended late.
         unread: readings that a plant failed to give, by an error of its own.
-        events: what happened: period, finger, event (see control.grip).
+        events: what happened: period, finger, event (see control.grasp_controller).
         tensions: pulled, shape (periods, fingers, tensions) [N].
         felt: readings, shape (periods, fingers) [N].
         status: of every finger at the end.

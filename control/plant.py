@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom import Surrogate
-from rom.kernel import FORCE, answer
+from rom.native.answer import FORCE, answer
 
 
 class Plant(Protocol):

@@ -12,8 +12,8 @@ import numpy as np
 from control.least_squares import Rules, struct
 from control.native import CONTROL
 from rom import Surrogate
-from rom.kernel import FORCE, TOUCH, answers
 from rom.native import KINDS, pointer
+from rom.native.answer import FORCE, TOUCH, answers
 
 ATLAS = 20000  # points, about
 

@@ -4,20 +4,20 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fingerfem.convergence import LoadNotReached
+    from fingerfem.equilibrium.failures import LoadNotReached
+    from fingerfem.equilibrium.state import State
     from fingerfem.model import FingerModel
-    from fingerfem.scene import Scene, SceneError
-    from fingerfem.scene_file import load_scene
-    from fingerfem.state import State
+    from fingerfem.scene.scene import Scene, SceneError
+    from fingerfem.scene.toml_file import load_scene
 
 __version__ = "0.1.0"
 _HOMES = {
     "FingerModel": "model",
-    "Scene": "scene",
-    "SceneError": "scene",
-    "load_scene": "scene_file",
-    "State": "state",
-    "LoadNotReached": "convergence",
+    "Scene": "scene.scene",
+    "SceneError": "scene.scene",
+    "load_scene": "scene.toml_file",
+    "State": "equilibrium.state",
+    "LoadNotReached": "equilibrium.failures",
 }
 __all__ = ["FingerModel", "LoadNotReached", "Scene", "SceneError", "State", "load_scene"]
 

@@ -25,9 +25,9 @@ except ModuleNotFoundError:
     raise SystemExit("typer is missing; python3 -m fingerfem.doctor says what else is, and what to do") from None
 
 import fingerfem
-from fingerfem.convergence import LoadNotReached
-from fingerfem.durations import seconds as duration
-from fingerfem.rows import finish
+from fingerfem.equilibrium.failures import LoadNotReached
+from fingerfem.output.rows import finish
+from fingerfem.scene.durations import seconds as duration
 from rom.terminal import log_lines, say
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -88,11 +88,11 @@ def solve(
     if not state.stable and comm.rank == 0:
         say("the equilibrium is not stable: the finger would leave it")
     if picture is not None:
-        from fingerfem.render import Deformed, draw
+        from fingerfem.output.pictures import Deformed, draw
 
         draw([Deformed.of(model, state)], picture)
     if paraview is not None:
-        from fingerfem.output import write_vtu
+        from fingerfem.output.paraview import write_vtu
 
         write_vtu(model, state, paraview)
     finish(state.as_json(), as_json, rank=comm.rank)
@@ -133,18 +133,18 @@ def snapshots(
 
     # PETSc, too, would wait for killed ranks; and its signal handlers hang in MPI_Abort where mpirun itself is gone.
     petsc4py.init(["-no_signal_handler"], comm=MPI.COMM_SELF)
-    from fingerfem import snapshots as farm
-    from fingerfem.ledger import Ledger, sentence
-    from fingerfem.lines import Known
-    from fingerfem.neighbours import Neighbours
-    from fingerfem.progress import STYLES, Reporter
-    from fingerfem.reuse import Donor
-    from fingerfem.sampling import HeldOut, describe
+    from fingerfem.snapshots import farm
+    from fingerfem.snapshots.design import HeldOut, describe
+    from fingerfem.snapshots.ledger import Ledger, sentence
+    from fingerfem.snapshots.lines import Known
+    from fingerfem.snapshots.neighbours import Neighbours
+    from fingerfem.snapshots.progress import STYLES, Reporter
+    from fingerfem.snapshots.reuse import Donor
     from fingerfem.versions import versions
-    from rom.refinement import next_round
-    from rom.regime_lines import between_regimes
-    from rom.set_folder import create, set_aside_broken_rounds, set_aside_strangers
-    from rom.snapshots import SnapshotSet
+    from rom.refinement.next_round import next_round
+    from rom.refinement.regime_lines import between_regimes
+    from rom.snapshots.folder import create, set_aside_broken_rounds, set_aside_strangers
+    from rom.snapshots.snapshot_set import SnapshotSet
 
     world, begun = MPI.COMM_WORLD, time.perf_counter()
     first = world.rank == 0
@@ -235,8 +235,8 @@ SetFolder = Annotated[Path, typer.Argument(metavar="SET/", help="The set's folde
 @app.command()
 def status(folder: SetFolder, as_json: AsJson = False) -> None:
     """Say what became of every state of a snapshot set; while others work on it, too."""
-    from fingerfem.ledger import Ledger, sentence
-    from rom.snapshots import read_description
+    from fingerfem.snapshots.ledger import Ledger, sentence
+    from rom.snapshots.snapshot_set import read_description
 
     description = read_description(folder)
     ledger = Ledger(folder, description)
@@ -256,8 +256,8 @@ def status(folder: SetFolder, as_json: AsJson = False) -> None:
 @app.command()
 def retry(folder: SetFolder) -> None:
     """Forget the lines of a set that have failed or quarantined states, so that snapshots solves them again."""
-    from fingerfem.ledger import Ledger
-    from rom.snapshots import read_description
+    from fingerfem.snapshots.ledger import Ledger
+    from rom.snapshots.snapshot_set import read_description
 
     ledger = Ledger(folder, read_description(folder))
     ledger.refresh()
@@ -284,7 +284,7 @@ def render(
     field: Annotated[str, typer.Option(help="S11, von_mises or J.")] = "S11",
 ) -> None:
     """Draw deformed fingers coloured by a field of the rubber, one panel a load case."""
-    from fingerfem.render import Deformed, draw
+    from fingerfem.output.pictures import Deformed, draw
 
     scene = fingerfem.load_scene(scene_file)
     cases = [read_loads(scene, words.split()) for words in case]

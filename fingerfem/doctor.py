@@ -126,7 +126,7 @@ def _cores() -> Iterator[Finding]:
 
 
 def _locks() -> Iterator[Finding]:
-    from fingerfem.claims import why_no_locks
+    from fingerfem.snapshots.claims import why_no_locks
 
     with tempfile.TemporaryDirectory(dir=".") as folder:
         reason = why_no_locks(Path(folder))
@@ -141,7 +141,7 @@ def _compiler() -> Iterator[Finding]:
 
 
 def _cache() -> Iterator[Finding]:
-    from fingerfem.compilation import cache_folder
+    from fingerfem.discretisation.form_cache import cache_folder
 
     folder = cache_folder()
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""One scene assembled: the unknown, its clamp, the loads, and the energies the scene names."""
+"""The full-order model of one scene: a discrete problem, led to equilibria, which it reports."""
 
 from __future__ import annotations
 
@@ -6,92 +6,32 @@ from functools import cached_property
 from time import perf_counter
 
 import numpy as np
-from dolfinx import fem
-from dolfinx.fem.petsc import assemble_matrix, assemble_vector, create_matrix
 from mpi4py import MPI
 from numpy.typing import ArrayLike
-from petsc4py import PETSc
 
-from fingerfem import contact, geometry, grid
-from fingerfem.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
-from fingerfem.rigid import Plate
-from fingerfem.scene import Scene
-from fingerfem.self_contact import Surface
-from fingerfem.stability import Stability
-from fingerfem.state import State, observe
-from fingerfem.stepping import Stepper
-
-FAR = 1e3  # [m]: where the plane stands while nothing may touch it
+from fingerfem.discretisation.problem import Problem
+from fingerfem.equilibrium.continuation import Continuation
+from fingerfem.equilibrium.self_intersection import Surface
+from fingerfem.equilibrium.state import State, observe
+from fingerfem.scene.scene import Scene
 
 
 class FingerModel:
-    """The discrete finger: it holds a displacement and loads, assembles residual and tangent, and solves.
+    """Solves a scene for loads.
 
     Args:
         scene: what is modelled.
         comm: the ranks that share one finger; alone by default.
+
+    Example:
+        >>> model = FingerModel(load_scene("scenes/draft.toml"))
+        >>> model.solve([50.0, 0.0], 0.005).contact_force
     """
 
     def __init__(self, scene: Scene, comm: MPI.Comm = MPI.COMM_SELF):
-        self.scene, self.comm, self.law = scene, comm, scene.law
-        self.mesh = geometry.build_mesh(scene, comm)
-        self.space = fem.functionspace(self.mesh.mesh, ("Lagrange", scene.mesh.order, (3,)))
-        self.copies = 2 if scene.is_half else 1  # of what is modelled, in the whole finger
-        self._supports, self._clamped, self._held = self._boundary_conditions()
-        self.fields = Fields(
-            u=fem.Function(self.space, name="displacement"),
-            previous=fem.Function(self.space),
-            step=fem.Function(self.space),
-            tension_density=fem.Function(fem.functionspace(self.mesh.mesh, ("DG", 0))),
-            distance=fem.Constant(self.mesh.mesh, FAR),
-            stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
-            pad_share=self._pad_share(),
-        )
-        self.forms = compile_forms(scene, self.mesh, self.fields)
-        self._volume_ratio = volume_ratio(self.fields.u)
-        self.matrix = create_matrix(self.forms.tangent)
-        self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        self.clamp_reaction = np.zeros(3)  # on the finger, at the last residual [N]
-        self.tensions = np.zeros(len(scene.tendons))
-        self._tip_volume = scene.geometry.plate * scene.geometry.side**2
-        self._tendon_cells = [self._spread(k) for k in range(len(scene.tendons))]
-        self.rest_lengths = np.array([self.tendon_length(k) for k in range(len(scene.tendons))])  # [m]
-        self.stepper, self.stability = Stepper(self), Stability(self)
-
-    def _contact_stiffness(self) -> float:
-        obstacle = self.scene.obstacle
-        if obstacle is None:
-            return 0.0
-        modulus = self.law.p_wave_modulus if obstacle.method == "nitsche" else self.law.young_modulus
-        return contact.stiffness(obstacle.stiffness_factor, modulus, self.mesh.smallest)
-
-    def _pad_share(self) -> fem.Function | None:
-        if self.scene.obstacle is None or self.scene.obstacle.pad is None:
-            return None
-        share = fem.Function(self.space)
-        pad, face = (self.nodal(form).ravel() for form in pad_areas(surface_measure(self.scene, self.mesh), self.space))
-        np.divide(pad, face, out=share.x.array, where=face > 0)
-        return share
-
-    def _spread(self, k: int) -> tuple[np.ndarray, float]:
-        """Cells over which tendon k's tension is spread, and the area [m^2] or volume [m^3] of the whole finger's."""
-        area = self.scene.geometry.channel_width**2
-        if self.scene.tendons[k].path == "channel":
-            return grid.in_channel(self.scene, k, self.mesh.midpoints), area
-        return grid.in_hole(self.scene, k, self.mesh.midpoints), area * self.scene.geometry.plate
-
-    def _boundary_conditions(self) -> tuple[list[fem.DirichletBC], np.ndarray, np.ndarray]:
-        """The supports; owned indices of the clamp's unknowns, and of all that are held."""
-        dim = self.mesh.mesh.topology.dim - 1
-        owned = self.space.dofmap.index_map.size_local
-        nodes = fem.locate_dofs_topological(self.space, dim, self.mesh.facets.find(geometry.CLAMP))
-        supports = [fem.dirichletbc(np.zeros(3), nodes, self.space)]
-        clamped = (3 * nodes[nodes < owned][:, None] + np.arange(3)).ravel()
-        if not self.scene.is_half:
-            return supports, clamped, clamped
-        across = fem.locate_dofs_topological(self.space.sub(2), dim, self.mesh.facets.find(geometry.CUT))
-        supports.append(fem.dirichletbc(0.0, across, self.space.sub(2)))
-        return supports, clamped, np.union1d(clamped, across[across < 3 * owned])
+        self.scene = scene
+        self.problem = Problem(scene, comm)
+        self.continuation = Continuation(self.problem)
 
     def solve(self, tensions: ArrayLike, distance: float | None = None, sensitivities: bool = True) -> State:
         """The equilibrium reached from rest: tensions first, then the plane comes from where it touches to its place.
@@ -107,12 +47,18 @@ class FingerModel:
         """
         self.check_loads(tensions, distance)
         begun = perf_counter()
-        self.stepper.rest()
-        self.stepper.advance(tensions, None)
-        touch_distance = self.reach() if self.scene.obstacle is not None else None
+        self.continuation.rest()
+        self.continuation.advance(tensions, None)
+        touch_distance = self.problem.reach() if self.scene.obstacle is not None else None
         if distance is not None:
-            self.stepper.advance(tensions, distance)
-        return observe(self, touch_distance, perf_counter() - begun, sensitivities)
+            self.continuation.advance(tensions, distance)
+        return observe(
+            self.continuation,
+            touch_distance=touch_distance,
+            self_intersecting=self.passes_through_itself(),
+            seconds=perf_counter() - begun,
+            sensitivities=sensitivities,
+        )
 
     def check_loads(self, tensions: ArrayLike, distance: float | None) -> None:
         """Raise ValueError (name, rule, value) for loads the scene does not allow."""
@@ -129,169 +75,15 @@ class FingerModel:
             if name in values and not lower <= values[name] <= upper:
                 raise ValueError(f"{name} must lie in [{lower:g}, {upper:g}] {unit}, got {values[name]:g}")
 
-    # -- the state it is in ------------------------------------------------------------------------------------------
-
-    @property
-    def displacement(self) -> np.ndarray:
-        """Nodal displacements of this rank, ghosts included, shape (3 nodes,) [m]; a view."""
-        return self.fields.u.x.array
-
-    def set_loads(self, tensions: ArrayLike, distance: float | None) -> None:
-        """Set tensions [N], shape (tendons,), and the plane's distance [m] (None: no plane)."""
-        self.tensions = np.array(tensions, float)
-        self._set_tension_density(self.tensions)
-        self.fields.distance.value = FAR if distance is None else distance
-
-    def _set_tension_density(self, tensions: np.ndarray) -> None:
-        density = self.fields.tension_density.x.array
-        density[:] = 0.0
-        for tension, (cells, size) in zip(tensions, self._tendon_cells, strict=True):
-            density[cells] = tension / size
-
-    @property
-    def unknowns(self) -> int:
-        """Number of displacement unknowns on all ranks."""
-        return int(self.space.dofmap.index_map.size_global * 3)
-
-    @property
-    def force_scale(self) -> float:
-        """E a^2 [N]: what a force is small or large against."""
-        return self.law.young_modulus * self.scene.geometry.side**2
-
-    # -- assembly ----------------------------------------------------------------------------------------------------
-
-    def residual(self) -> PETSc.Vec:
-        """Residual R(u) [N], zero where held; sets `clamp_reaction`. The caller destroys the vector."""
-        b = self._vector(self.forms.residual)
-        reaction = self.copies * b.array_r[self._clamped].reshape(-1, 3).sum(axis=0)
-        self.clamp_reaction = np.array(self.comm.allreduce(reaction))
-        if self.scene.is_half:
-            self.clamp_reaction[2] = 0.0
-        b.array[self._held] = 0.0
-        return b
-
-    def gradient(self, form: fem.Form) -> PETSc.Vec:
-        """A linear form, zero where held. The caller destroys the vector."""
-        b = self._vector(form)
-        b.array[self._held] = 0.0
-        return b
-
-    def nodal(self, form: fem.Form) -> np.ndarray:
-        """A linear form at this rank's nodes, ghosts included, shape (nodes, 3)."""
-        holder = fem.Function(self.space)
-        b = self._vector(form)
-        holder.x.array[: b.local_size] = b.array_r
-        b.destroy()
-        holder.x.scatter_forward()
-        return holder.x.array.reshape(-1, 3)
-
     def take(self, state: State) -> None:
         """Be in a state that was solved before: its displacement and its loads."""
         tensions = [state.parameters[tendon.name] for tendon in self.scene.tendons]
-        self.stepper.start(tensions, state.parameters.get("d"), state.displacement)
-
-    def _vector(self, form: fem.Form) -> PETSc.Vec:
-        b = assemble_vector(form)
-        b.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-        return b
-
-    def tangent(self) -> PETSc.Mat:
-        """Tangent at u with the stress that `previous` predicts; the same matrix object every time."""
-        fields = self.fields
-        fields.step.x.array[:] = fields.u.x.array - fields.previous.x.array
-        self.matrix.zeroEntries()
-        assemble_matrix(self.matrix, self.forms.tangent, bcs=self._supports)
-        self.matrix.assemble()
-        return self.matrix
-
-    def scalar(self, form: fem.Form) -> float:
-        """A scalar form over all ranks, of the whole finger."""
-        return self.copies * float(self.comm.allreduce(fem.assemble_scalar(form)))
-
-    def energy(self) -> float:
-        """Total potential [J]."""
-        forms = [self.forms.strain_energy, self.forms.tendon_energy]
-        return sum(self.scalar(form) for form in forms + ([self.forms.contact.energy] if self.forms.contact else []))
-
-    def tip(self) -> np.ndarray:
-        """Displacement of the tip plate's centre, its mean over the plate [m], shape (3,)."""
-        moved = np.array([self.scalar(form) for form in self.forms.tip]) / self._tip_volume
-        return moved * [1, 1, 0] if self.scene.is_half else moved
-
-    def tip_gradient(self, i: int) -> PETSc.Vec:
-        """Gradient of the tip's i-th component [-]. The caller destroys the vector."""
-        b = self.gradient(self.forms.tip_gradient[i])
-        b.scale(0.0 if i == 2 and self.scene.is_half else 1 / self._tip_volume)
-        return b
-
-    def tendon_length(self, k: int) -> float:
-        """Length of tendon k between its ends [m]: the tendon energy at unit tension."""
-        self._set_tension_density(np.eye(len(self.tensions))[k])
-        length = self.scalar(self.forms.tendon_energy)
-        self._set_tension_density(self.tensions)
-        return length
-
-    def load_gradient(self, tensions: ArrayLike, distance: float = 0.0) -> PETSc.Vec:
-        """Change of the residual with the loads, dR/dF . tensions + dR/dd distance [N]. The caller destroys the vector.
-
-        For a unit tension it is the gradient of that tendon's length [-], for a unit distance minus that of the
-        contact force [N/m].
-        """
-        self._set_tension_density(np.asarray(tensions, float))
-        b = self.gradient(self.forms.tendon_force)
-        self._set_tension_density(self.tensions)
-        if distance and self.forms.contact is not None:
-            pull = self.gradient(self.forms.contact.force_gradient)
-            b.axpy(-distance, pull)
-            pull.destroy()
-        return b
-
-    # -- geometry of the deformed finger -----------------------------------------------------------------------------
-
-    @cached_property
-    def surface_nodes(self) -> np.ndarray:
-        """Local indices of the nodes that may touch the plane."""
-        facets = [self.mesh.facets.find(kind) for kind in geometry.SURFACE]
-        dim = self.mesh.mesh.topology.dim - 1
-        return fem.locate_dofs_topological(self.space, dim, np.sort(np.concatenate(facets)))
-
-    @cached_property
-    def _plates(self) -> list[Plate]:
-        """The plates as rigid bodies."""
-        points = self.space.tabulate_dof_coordinates()
-        owned = self.space.dofmap.index_map.size_local
-        found = []
-        for start, end in grid.plates(self.scene):
-            nodes = np.flatnonzero((points[:, 0] > start - 1e-9) & (points[:, 0] < end + 1e-9))
-            found.append(Plate(self.comm, nodes, nodes < owned, points[nodes], mirrored=self.scene.is_half))
-        return found
-
-    def move_plates_rigidly(self, before: np.ndarray) -> None:
-        """Replace what plates have moved since the displacement `before` [m] by rigid motions (collective)."""
-        for plate in self._plates:
-            plate.move_rigidly(before.reshape(-1, 3), self.displacement.reshape(-1, 3))
+        self.continuation.start(tensions, state.parameters.get("d"), state.displacement)
 
     @cached_property
     def _surface(self) -> Surface:
-        return Surface(self)
+        return Surface(self.problem)
 
     def passes_through_itself(self) -> bool:
-        """Whether the surface does, which nothing in the model prevents (collective)."""
-        return self._surface.passes_through_itself(self.displacement.reshape(-1, 3))
-
-    def reach(self) -> float:
-        """How far the surface reaches towards the plane, max of X_y + u_y - side/2 [m].
-
-        In free space this is the distance at which the plane is touched.
-        """
-        nodes = self.surface_nodes
-        heights = self.space.tabulate_dof_coordinates()[nodes, 1] + self.displacement[3 * nodes + 1]
-        highest = heights.max() if heights.size else -np.inf
-        return float(self.comm.allreduce(highest, op=MPI.MAX)) - self.scene.geometry.side / 2
-
-    def smallest_volume_ratio(self) -> float:
-        """Min J over corners, midpoints and centres of all cells [-]."""
-        topology = self.mesh.mesh.topology
-        cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
-        values = self._volume_ratio.eval(self.mesh.mesh, cells)
-        return float(self.comm.allreduce(values.min() if values.size else np.inf, op=MPI.MIN))
+        """Whether the finger's surface does, which nothing in the model prevents (collective)."""
+        return self._surface.passes_through_itself(self.problem.displacement.reshape(-1, 3))

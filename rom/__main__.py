@@ -13,8 +13,8 @@ from typing import Annotated
 
 import typer
 
-from rom.commands import AsJson, application, run, show
-from rom.snapshots import SnapshotSet
+from rom.command_line import AsJson, application, run, show
+from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
 from rom.terminal import log_lines, steps
 
@@ -43,11 +43,11 @@ def build(
     as_json: AsJson = False,
 ) -> None:
     """Separate a snapshot set and write the model file."""
-    from rom.enrichment import EnrichmentOptions
-    from rom.error_map import calibrated
-    from rom.errors import accuracy, check
+    from rom.build import train
+    from rom.error_model import calibrated
     from rom.functions import chosen
-    from rom.training import train
+    from rom.held_out import accuracy, check
+    from rom.separation.alternating_directions import EnrichmentOptions
 
     log_lines()
     if not output.parent.is_dir():
@@ -77,7 +77,7 @@ def check_model(
     as_json: AsJson = False,
 ) -> None:
     """Compare a model with held-out full-order states."""
-    from rom.errors import check
+    from rom.held_out import check
 
     with steps() as progress:
         report = check(Surrogate.load(model, tolerance=tolerance), SnapshotSet(held_out), progress)
@@ -99,7 +99,7 @@ def export_model(
     ] = 0.0,
 ) -> None:
     """Write a model as one C99 header: values and gradients, without allocation."""
-    from rom.export import export
+    from rom.c_header import export
 
     export(Surrogate.load(model, tolerance=tolerance), output)
 

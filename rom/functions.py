@@ -5,9 +5,9 @@ from __future__ import annotations
 import logging
 from dataclasses import replace
 
-from rom.basis1d import KINDS
-from rom.errors import check
-from rom.snapshots import SnapshotError, SnapshotSet
+from rom.held_out import check
+from rom.separation.hermite import KINDS
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
 
@@ -15,7 +15,7 @@ logger = logging.getLogger(__name__)
 
 
 def of_kind(model: Surrogate, kind: str) -> Surrogate:
-    """The same terms through other functions, see rom.basis1d."""
+    """The same terms through other functions, see rom.separation.hermite."""
     moved = model.displacements
     if moved is not None:
         moved = replace(moved, free=moved.free.of_kind(kind), regimes=[form.of_kind(kind) for form in moved.regimes])

@@ -10,14 +10,14 @@ import hashlib
 import json
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 
-from rom.chart import Way
-from rom.parts import Errors, Field, Regime
-from rom.separated import Separated
-from rom.surrogate import ModelError, Surrogate
+from rom.components import Components, Errors, Field, ModelError, Regime
+from rom.fit.contact_coordinates import Way
+from rom.separation.separated_form import Separated
 
 KIND, FORMAT = "fingerfem surrogate", 4
 COMPRESSED = 1024  # bytes from which on an array is
@@ -25,7 +25,7 @@ BLOCK = 512  # bytes before what is HDF5
 PLAIN = ("parameters", "scene", "accuracy", "provenance")
 
 
-def save(model: Surrogate, path: Path) -> None:
+def save(model: Components, path: Path) -> None:
     """Write a model, beside and renamed: the file is whole or absent."""
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:
         file = Path(beside) / path.name
@@ -39,8 +39,8 @@ def save(model: Surrogate, path: Path) -> None:
         file.replace(path)
 
 
-def load(path: Path) -> Surrogate:
-    """Read a model.
+def load(path: Path) -> dict[str, Any]:
+    """Read a model: the fields of its Components by name.
 
     Raises:
         ModelError: no file, no model, a damaged one, or one of another format.
@@ -69,7 +69,7 @@ def _check(path: Path) -> None:
         raise ModelError(f"{path}: is damaged: its checksum is not that of its contents")
 
 
-def _write(model: Surrogate, file: h5py.File) -> None:
+def _write(model: Components, file: h5py.File) -> None:
     file.attrs["format"] = FORMAT
     for name in PLAIN:
         file.attrs[name] = json.dumps(getattr(model, name))
@@ -155,7 +155,7 @@ def _write_form(group: h5py.Group, form: Separated, axes: list[tuple[str, str]],
         _dataset(group, f"slopes_{a}", form.slopes[a], f"1/{axis_unit}")
 
 
-def _read(file: h5py.File) -> Surrogate:
+def _read(file: h5py.File) -> dict[str, Any]:
     plain = {name: json.loads(file.attrs[name]) for name in PLAIN}
     obstacle = plain["parameters"][-1]["name"] == "d"
     error = file["error"]
@@ -179,24 +179,23 @@ def _read(file: h5py.File) -> Surrogate:
             contact_basis=group["contact_basis"][:] if obstacle else None,
             regimes=[_read_form(group[f"regime_{r}"]) for r in range(len(regimes))],
         )
-    return Surrogate(
-        free=_read_form(file["free"]),
-        regimes=regimes,
-        map=places,
-        near=near,
-        way=way,
-        errors=Errors(
+    return plain | {
+        "free": _read_form(file["free"]),
+        "regimes": regimes,
+        "map": places,
+        "near": near,
+        "way": way,
+        "errors": Errors(
             tip=float(error.attrs["tip"]),
             displacement=float(error.attrs["displacement"]),
             touch_distance=float(error.attrs["touch_distance"]),
             contact=contact,
             margin=float(error.attrs["margin"]),
         ),
-        displacements=field,
-        lead=int(file.attrs["lead"]),
-        nodes=file["nodes"][:].astype(float) if "nodes" in file else np.zeros((0, 3)),
-        **plain,
-    )
+        "displacements": field,
+        "lead": int(file.attrs["lead"]),
+        "nodes": file["nodes"][:].astype(float) if "nodes" in file else np.zeros((0, 3)),
+    }
 
 
 def _read_regime(group: h5py.Group) -> Regime:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,93 +11,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom import kernel
-from rom.chart import Way
-from rom.native import EVALUATION
-from rom.parts import Answer, Errors, Field, Regime
-from rom.separated import Separated
-from rom.tables import tables, values
+from rom import model_file
+from rom.components import HEIGHTS, Answer, Components, ModelError, Regime
+from rom.native import EVALUATION, answer
+from rom.native.forms import values
+from rom.separation.separated_form import tables
 
 logger = logging.getLogger(__name__)
 
 SHIPPED = Path(__file__).with_name("finger.h5")  # made by `make model`
-HEIGHTS = 0.01  # share of a tolerance that free tip and heights are kept to
-
-
-class ModelError(ValueError):
-    """A model file that cannot be read, or parameters of the wrong shape: one line."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Surrogate:
+class Surrogate(Components):
     """A trained model of one scene.
 
-    Attributes:
-        parameters: name, unit, lower and upper of each parameter, tensions first, then d.
-        free: tip [m], then heights [m] of what may touch first, by the tensions.
-        regimes: contact in every regime; none without an obstacle.
-        map: regime to begin with by cell, flat, see rom.kernel.cell.
-        near: bits of the regimes that are possible there.
-        way: of the contact-aligned coordinates.
-        errors: what it knows of its error.
-        displacements: of all nodes; None if the scene does not store it.
-        lead: index of the lead tension.
-        nodes: the finger's nodes at rest, shape (nodes, 3) [m].
-        scene: the scene it was trained on.
-        accuracy: error by quantity on held-out states, see rom.errors.check; empty if not checked with these terms.
-        provenance: versions, states, fingerprint.
+    Example:
+        >>> Surrogate.load().evaluate([60.0, 20.0, 0.012]).contact_force
     """
-
-    parameters: list[dict[str, Any]]
-    free: Separated
-    regimes: Sequence[Regime]
-    map: np.ndarray = field(repr=False)
-    near: np.ndarray = field(repr=False)
-    way: Way
-    errors: Errors = field(repr=False)
-    displacements: Field | None = field(repr=False)
-    lead: int
-    nodes: np.ndarray = field(repr=False)
-    scene: dict[str, Any] = field(repr=False)
-    accuracy: dict[str, dict[str, float]]
-    provenance: dict[str, Any]
-
-    @property
-    def names(self) -> list[str]:
-        """Names of the parameters in order."""
-        return [parameter["name"] for parameter in self.parameters]
-
-    @property
-    def has_obstacle(self) -> bool:
-        """Whether the last parameter is the plane's distance."""
-        return self.names[-1] == "d"
-
-    @property
-    def has_field(self) -> bool:
-        """Whether it knows the displacement of all nodes."""
-        return self.displacements is not None
-
-    @property
-    def has_pad(self) -> bool:
-        """Whether it knows the pad's pressure."""
-        return any(len(regime.form.modes) > 4 + len(regime.sizes) for regime in self.regimes)
-
-    @property
-    def forms(self) -> dict[str, Separated]:
-        """Its separated forms by name."""
-        found = {"free": self.free} | {f"regime {r}": regime.form for r, regime in enumerate(self.regimes)}
-        if self.displacements is not None:
-            found["free displacement"] = self.displacements.free
-            found |= {f"displacement in regime {r}": form for r, form in enumerate(self.displacements.regimes)}
-        return found
-
-    @cached_property
-    def limits(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper end of the trained box, shapes (p,)."""
-        return (
-            np.array([parameter["lower"] for parameter in self.parameters], float),
-            np.array([parameter["upper"] for parameter in self.parameters], float),
-        )
 
     def kernel_numbers(self) -> dict[str, Any]:
         """What a struct fingerfem_kernel holds or points to, by the names of rom/native/kernel.h."""
@@ -152,21 +82,21 @@ class Surrogate:
             ModelError: the wrong number of parameters.
         """
         point = self._point(parameters, most=2)
-        out, inside, _ = kernel.answers(self.kernel, np.atleast_2d(point))
+        out, inside, _ = answer.answers(self.kernel, np.atleast_2d(point))
         if point.ndim == 1:
             out, inside = out[0], inside[0]
         return Answer(
             tip=out[..., :3],
-            contact_force=out[..., kernel.FORCE],
-            touch_distance=out[..., kernel.TOUCH],
-            pad_pressure=out[..., kernel.PAD] if self.has_pad else None,
+            contact_force=out[..., answer.FORCE],
+            touch_distance=out[..., answer.TOUCH],
+            pad_pressure=out[..., answer.PAD] if self.has_pad else None,
             error=self._error(point, out),
             inside=inside,
         )
 
     def _error(self, point: np.ndarray, out: np.ndarray) -> dict[str, Any]:
-        touch, errors = out[..., kernel.TOUCH], self.errors
-        grown = kernel.contact_errors(
+        touch, errors = out[..., answer.TOUCH], self.errors
+        grown = answer.contact_errors(
             self.kernel, errors.contact, errors.margin, np.atleast_2d(point), np.atleast_1d(touch)
         ).reshape(*touch.shape, -1)
         found = {
@@ -187,7 +117,7 @@ class Surrogate:
 
         Models that know the pad have a sixth output, its pressure [Pa].
         """
-        out, jacobian, _ = kernel.answer(self.kernel, self._point(parameters))
+        out, jacobian, _ = answer.answer(self.kernel, self._point(parameters))
         return out, jacobian
 
     def truncated(self, tolerance: float) -> Surrogate:
@@ -253,7 +183,7 @@ class Surrogate:
         Raises:
             ModelError: the wrong number of parameters.
         """
-        r = int(kernel.answers(self.kernel, self._point(parameters)[None])[2][0])
+        r = int(answer.answers(self.kernel, self._point(parameters)[None])[2][0])
         return None if r < 0 else self.regimes[r]
 
     def jacobian(self, parameters: ArrayLike) -> np.ndarray:
@@ -264,7 +194,7 @@ class Surrogate:
         walls. Where a fit swings below zero just after touch, the force is held at zero but not its derivative, so
         that a solver finds its way.
         """
-        return kernel.answer(self.kernel, self._point(parameters))[1]
+        return answer.answer(self.kernel, self._point(parameters))[1]
 
     def displacement(self, parameters: ArrayLike) -> np.ndarray:
         """Displacement of all nodes, shape (nodes, 3) [m].
@@ -282,7 +212,7 @@ class Surrogate:
         tensions = held[:-1] if self.has_obstacle else held
         moved = self.displacements.free_basis @ self.displacements.free.value(tensions).astype(np.float32)
         if self.has_obstacle:
-            r = kernel.answers(self.kernel, point[None])[2][0]
+            r = answer.answers(self.kernel, point[None])[2][0]
             if r >= 0:
                 height = self.free.value(tensions)[3 + self.regimes[r].corner]
                 coordinates = self.way.coordinates(held[None], np.array([height]))[0]
@@ -295,8 +225,6 @@ class Surrogate:
 
     def save(self, path: str | Path) -> None:
         """Write the model file (HDF5), see rom.model_file and docs/format.md."""
-        from rom import model_file
-
         model_file.save(self, Path(path))
 
     @classmethod
@@ -311,9 +239,7 @@ class Surrogate:
         Raises:
             ModelError: no file, no model, a damaged one, or one of another format.
         """
-        from rom import model_file
-
         if not tolerance >= 0:
             raise ModelError(f"tolerance must be at least 0, got {tolerance}")
-        found = model_file.load(Path(path or SHIPPED))
+        found = cls(**model_file.load(Path(path or SHIPPED)))
         return found.truncated(tolerance) if tolerance > 0 else found

@@ -45,9 +45,10 @@ def run(name: str, folder: Path) -> tuple[Any, float]:
     """A study's short form: what it writes, and how long it took [s]."""
     place, begun = folder / f"bench-{name}", time.perf_counter()
     shutil.rmtree(place, ignore_errors=True)  # what an older version solved says nothing of this one
-    done = subprocess.run([sys.executable, str(ROOT / "studies" / f"{name}.py"), str(place), "--quick"], cwd=ROOT)
+    (study,) = (ROOT / "studies").glob(f"*/{name}.py")
+    done = subprocess.run([sys.executable, str(study), str(place), "--quick"], cwd=ROOT)
     if done.returncode:
-        raise SystemExit(f"studies/{name}.py --quick ended with {done.returncode}")
+        raise SystemExit(f"{study.relative_to(ROOT)} --quick ended with {done.returncode}")
     return json.loads((place / f"{name}.json").read_text()), time.perf_counter() - begun
 
 

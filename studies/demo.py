@@ -30,15 +30,15 @@ if __name__ == "__main__":  # before what takes seconds to import
 from control import Finger, Gripper, campaign
 from control.gripper import Grasp
 from fingerfem import FingerModel, State, load_scene
-from fingerfem.plant import FullOrderPlant
-from fingerfem.render import Deformed, draw
-from rom.enrichment import EnrichmentOptions
-from rom.error_map import calibrated
-from rom.errors import accuracy, check
-from rom.snapshots import SnapshotSet
+from fingerfem.full_order_plant import FullOrderPlant
+from fingerfem.output.pictures import Deformed, draw
+from rom.build import train
+from rom.error_model import calibrated
+from rom.held_out import accuracy, check
+from rom.separation.alternating_directions import EnrichmentOptions
+from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, steps
-from rom.training import train
 from studies import report
 
 SCENE = "scenes/draft.toml"
@@ -212,7 +212,7 @@ def main(out: Path) -> None:
         numbers["campaign"] = campaign.run(model, HOLDS, TARGET, sweep=True, progress=progress).as_json()
         numbers["cases"] = pictures(full_order, out / "s11.png", progress)
     numbers["scene"] = scene.model_dump(mode="json")
-    numbers["unknowns"] = full_order.unknowns
+    numbers["unknowns"] = full_order.problem.unknowns
     numbers["seconds"] = time.perf_counter() - begun
     (out / "report.json").write_text(json.dumps(numbers, indent=1))
     report.write(numbers, out / "report.html")

@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from studies import report  # noqa: E402
+from studies import report
 
 BEGIN, END = "<!-- measured: written by `make readme` -->", "<!-- end -->"
 

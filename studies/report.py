@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from control.gripper import Grasp
-from rom.snapshots import SnapshotSet
+from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
 
 

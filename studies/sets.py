@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from rom.snapshots import SnapshotSet
-from studies.training import farm
+from rom.snapshots.snapshot_set import SnapshotSet
+from studies.training.training import farm
 
 ROOT = Path(__file__).resolve().parents[1]
 # Scene, its cells if not the scene's own, and its sampling.

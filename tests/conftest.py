@@ -36,6 +36,6 @@ def surrogate(demo):
 
 @pytest.fixture(scope="session")
 def held_out(demo):
-    from rom.snapshots import SnapshotSet
+    from rom.snapshots.snapshot_set import SnapshotSet
 
     return SnapshotSet(demo / "heldout")

@@ -1,4 +1,4 @@
-/* The compiled answer of a surrogate, see evaluation.h. An exported header has this text in it (rom/export.py). */
+/* The compiled answer of a surrogate, see evaluation.h. An exported header has this text in it (rom/c_header.py). */
 #include <math.h>
 #include <stddef.h>
 #include "evaluation.h"
@@ -139,7 +139,7 @@ static inline int fingerfem_lookup_cell(const fingerfem_kernel *kernel, const do
     return found;
 }
 
-/* Contact-aligned coordinates, (parameters), of a corner with this touch height, see rom/chart.py. */
+/* Contact-aligned coordinates, (parameters), of a corner with this touch height, see rom/fit/contact_coordinates.py. */
 static inline void fingerfem_coordinates(const fingerfem_kernel *kernel, const double *point, double height,
                                          double *coordinates)
 {

@@ -1,6 +1,6 @@
 /* What the compiled answer of a surrogate reads: separated forms, contact regimes and their coordinates.
  *
- * This is the one owner of the layout: the library's C, Python (rom.kernel) and exported headers all use it.
+ * This is the one owner of the layout: the library's C, Python (rom.native.answer) and exported headers all use it.
  */
 #ifndef FINGERFEM_KERNEL_H
 #define FINGERFEM_KERNEL_H

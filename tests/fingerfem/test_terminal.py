@@ -9,7 +9,7 @@ import pytest
 from farm import assert_same, command, run
 from terminal import shown
 
-from rom.snapshots import read_description, task_file
+from rom.snapshots.snapshot_set import read_description, task_file
 
 FARM = [sys.executable, "-m", "fingerfem", "snapshots"]
 LEFT = 6  # lines of states that are to be solved
@@ -116,7 +116,7 @@ LONG = """
 import sys, time
 from types import SimpleNamespace as Some
 from pathlib import Path
-from fingerfem.progress import Reporter
+from fingerfem.snapshots.progress import Reporter
 
 plan = Some(lines=range(12345), rounds=[Some(error=0.0123)] * 9)
 description, folder = Some(refines=True), Path(sys.argv[1])

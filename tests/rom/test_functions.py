@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from rom import basis1d
-from rom.errors import check
 from rom.functions import chosen, of_kind
+from rom.held_out import check
+from rom.separation import hermite
 
 
 def test_the_kind_that_errs_least_on_held_out_states_is_chosen(surrogate, held_out):
-    errors = {kind: check(of_kind(surrogate, kind), held_out)["contact_force"]["p95"] for kind in basis1d.KINDS}
+    errors = {kind: check(of_kind(surrogate, kind), held_out)["contact_force"]["p95"] for kind in hermite.KINDS}
     best = min(errors, key=errors.get)
     assert chosen(surrogate, held_out).free.kind == best
     assert (
@@ -17,7 +17,7 @@ def test_the_kind_that_errs_least_on_held_out_states_is_chosen(surrogate, held_o
     )  # it errs with the square of the nodes' distance, the others with its fourth
 
 
-@pytest.mark.parametrize("kind", basis1d.KINDS)
+@pytest.mark.parametrize("kind", hermite.KINDS)
 def test_all_kinds_agree_at_the_nodes(surrogate, kind):
     form, other = surrogate.free, surrogate.free.of_kind(kind)
     at = np.array([form.nodes[0][3], form.nodes[1][5]])

@@ -9,8 +9,9 @@ import h5py
 import numpy as np
 import pytest
 
-from rom import Surrogate, basis1d
+from rom import Surrogate
 from rom.functions import of_kind
+from rom.separation import hermite
 from rom.surrogate import ModelError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -44,7 +45,7 @@ def test_every_dataset_has_a_unit_and_every_form_names_its_axes(demo):
         assert all(name in file.attrs for name in ("scene", "provenance", "accuracy", "parameters", "format"))
 
 
-@pytest.mark.parametrize("kind", basis1d.KINDS)
+@pytest.mark.parametrize("kind", hermite.KINDS)
 def test_the_reader_in_the_documentation_reads_it_with_h5py_and_numpy_alone(surrogate, tmp_path, kind):
     surrogate = of_kind(surrogate, kind)
     surrogate.save(tmp_path / "finger.h5")

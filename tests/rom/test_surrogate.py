@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from rom import Surrogate
-from rom.errors import check
-from rom.snapshots import SnapshotError, SnapshotSet
+from rom.held_out import check
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.surrogate import ModelError
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from fingerfem.scene import Scene
+from fingerfem.scene.scene import Scene
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text()

@@ -1,0 +1,1 @@
+"""The finger on a mesh: regions, forms, unknowns."""

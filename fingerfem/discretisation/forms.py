@@ -1,0 +1,246 @@
+"""The compiled forms of a scene: one density per energy, one place that derives residual and tangent from them.
+
+Total potential P(u; F, d) = rubber + plates + tendons + contact. Every volume energy but that of straight tendons is a
+density W(C):
+
+    residual   R(u; v)    = sum of  S : dE(v)                        S = 2 dW/dC
+    tangent    K(u; v, w) = sum of  dS(w) : dE(v) + S* : d2E(v, w)
+
+With S* = S(u) this is Newton's tangent. The mixed-integration-point form (Magisano, Leonetti, Garcea, Int. J. Numer.
+Meth. Eng. 109, 2017, doi:10.1002/nme.5228) takes the stress for an unknown of its own at every quadrature point and
+eliminates it there, which leaves S* = S(u0) + dS(u0)(u - u0), the stress that the last iterate u0 predicted. Both are
+one form here: with u0 = u and a zero step it is Newton's.
+
+Nearly incompressible rubber, W(C) + U(J), has a pressure p = U'(J) for an unknown of its own, discontinuous from cell
+to cell and given by its values at the points of a reduced Gauss rule, one point for order 1 and eight for order 2. The
+constraint on p couples no two points, so p is eliminated where it stands, which leaves U integrated by that rule:
+Malkus, Hughes, Comput. Methods Appl. Mech. Eng. 15, 1978, doi:10.1016/0045-7825(78)90005-1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from fingerfem.discretisation import form_cache, regions
+from fingerfem.discretisation.mesh import FingerMesh
+from fingerfem.mechanics import contact, kinematics, strain_energy, tendons
+from fingerfem.scene.laws import Law, plate_law
+from fingerfem.scene.scene import Scene
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fields:
+    """What the forms depend on: the unknown and the loads."""
+
+    u: fem.Function  # displacement [m]
+    previous: fem.Function  # the last iterate u0 [m]
+    step: fem.Function  # u - u0 [m]
+    tension_density: fem.Function  # of the tendons in a cell, per area [Pa] or, in a hole, volume [N/m^3]
+    probe_density: fem.Function  # the same of tensions that energy, lengths and gradients are asked for
+    distance: fem.Constant  # of the plane [m]
+    stiffness: fem.Constant  # of contact, gamma = factor E / h with Young's modulus E of the rubber [N/m^3]
+    pad_share: fem.Function | None  # y: share of a node's contact force that rests on the pad [-]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactForms:
+    """What the plane adds; none of it is compiled without an obstacle."""
+
+    energy: fem.Form  # [J]
+    force: fem.Form  # N = integral of the pressure p = -dP/dd [N]
+    force_gradient: fem.Form  # dN/du [N/m]
+    nodal_force: fem.Form  # the pressure's force at the nodes, along y [N]
+    stiffness: fem.Form  # -dN/dd at fixed u [N/m]
+    gap_work: fem.Form  # integral of p |g|, which the exact solution does not have [J]
+    pad_force: fem.Form | None  # the part of N that rests on the pad [N]
+    pad_area: fem.Form | None  # [m^2]
+    pad_gradient: fem.Form | None  # of pad_force by u [N/m], if the scene stores the pad's pressure
+
+
+@dataclass(frozen=True, kw_only=True)
+class Forms:
+    """The compiled forms of a scene."""
+
+    residual: fem.Form
+    tangent: fem.Form
+    strain_energy: fem.Form  # of rubber and plates [J]
+    tendon_energy: fem.Form  # [J]; at unit tension a tendon's length [m]
+    tendon_force: fem.Form  # its gradient [N]; at unit tension that of a tendon's length [-]
+    tip: list[fem.Form]  # integral of the displacement over the tip plate, three components [m^4]
+    tip_gradient: list[fem.Form]  # [m^3]
+    contact: ContactForms | None
+
+
+Term = tuple[strain_energy.Energy, Any]  # an energy density of C and the measure it is integrated with
+
+
+def constants(domain: Any) -> strain_energy.Number:
+    """Numbers as constants of a mesh or its domain: what is compiled is then the same for all their values."""
+    return lambda value: fem.Constant(domain, value)
+
+
+def rubber_terms(law: Law, dx: ufl.Measure, regions: Sequence[int], order: int) -> list[Term]:
+    """The rubber's energy, split where its pressure is an unknown of its own."""
+    number = constants(dx.ufl_domain())
+    if not law.is_mixed:
+        return [(strain_energy.energy(law, number), dx(tuple(regions)))]
+    distortional, volumetric = strain_energy.parts(law, number)
+    assert volumetric is not None  # a law without one stays below where mixed begins
+    terms = []
+    for k, region in enumerate(regions):
+        # DOLFINx 0.9 assembles the first of two integrals over one region twice and drops the second. UFL makes them
+        # two where it sees the same integrand in other regions too; written differently, it does not.
+        whole, reduced = dx(region), dx(region, metadata={"quadrature_degree": 2 * order - 1})
+        terms += [(_written(distortional, k), whole), (_written(volumetric, k), reduced)]
+    return terms
+
+
+def _written(energy: strain_energy.Energy, k: int) -> strain_energy.Energy:
+    """The same energy, in a way of writing it that depends on k."""
+    return lambda C: 2.0**k * (0.5**k * energy(C))
+
+
+def residual_and_tangent(terms: Sequence[Term], fields: Fields) -> tuple[Any, Any]:
+    """Residual and mixed-integration-point tangent of energies W(C)."""
+    u, space = fields.u, fields.u.function_space
+    v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
+    C, C0 = kinematics.right_cauchy_green(u), kinematics.right_cauchy_green(fields.previous)
+    dE, d2E = kinematics.strain_variation(u, v), kinematics.strain_second_variation(v, w)
+    residual, tangent = 0, 0
+    for energy, where in terms:
+        S, S0 = strain_energy.stress(energy, C), strain_energy.stress(energy, C0)
+        predicted = S0 + ufl.derivative(S0, fields.previous, fields.step)
+        residual += ufl.inner(S, dE) * where
+        tangent += (ufl.inner(ufl.derivative(S, u, w), dE) + ufl.inner(predicted, d2E)) * where
+    return residual, tangent
+
+
+def total(terms: Sequence[Term], u: fem.Function) -> Any:
+    """The energy itself [J]."""
+    C = kinematics.right_cauchy_green(u)
+    return sum(energy(C) * where for energy, where in terms)
+
+
+def quadrature_degree(order: int) -> int:
+    """Of the Gauss rule in the volume: higher ones change nothing that counts (docs/solver.md)."""
+    return 2 * order
+
+
+def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
+    """Derive and compile what the scene names (collective: FFCx compiles once and caches)."""
+    space, u = fields.u.function_space, fields.u
+    v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
+    metadata = {"quadrature_degree": quadrature_degree(scene.mesh.order)}
+    dx = ufl.Measure("dx", mesh.mesh, subdomain_data=mesh.cells, metadata=metadata)
+    x = ufl.SpatialCoordinate(mesh.mesh)
+
+    bodies = [
+        *rubber_terms(scene.law, dx, regions.RUBBERS, scene.mesh.order),
+        (strain_energy.energy(plate_law(scene.law), constants(mesh.mesh)), dx(regions.PLATES)),
+    ]
+    paths = {tendon.path for tendon in scene.tendons}
+    pulled, probed = (
+        [(tendons.channelled(density), dx(regions.CHANNELS))] if "channel" in paths else []
+        for density in (fields.tension_density, fields.probe_density)
+    )
+    residual, tangent = residual_and_tangent([*bodies, *pulled], fields)
+    tendon_energy = total(probed, u)
+    if "straight" in paths:
+        holes = dx((regions.PLATE_HOLE, regions.TIP_HOLE))
+        cables = tendons.straight(fields.tension_density, x, u) * holes
+        residual += ufl.derivative(cables, u, v)
+        tangent += ufl.derivative(ufl.derivative(cables, u, v), u, w)
+        tendon_energy += tendons.straight(fields.probe_density, x, u) * holes
+
+    on_contact = None
+    if scene.obstacle is not None:
+        energy, on_contact = _contact(scene, surface_measure(scene, mesh), fields)
+        residual += ufl.derivative(energy, u, v)
+        tangent += ufl.derivative(ufl.derivative(energy, u, v), u, w)
+
+    tip = [u[i] * dx(regions.TIP) for i in range(3)]
+    wanted = {
+        "residual": residual,
+        "tangent": tangent,
+        "strain_energy": total(bodies, u),
+        "tendon_energy": tendon_energy,
+        "tendon_force": ufl.derivative(tendon_energy, u, v),
+        "tip": tip,
+        "tip_gradient": [ufl.derivative(form, u, v) for form in tip],
+        "contact": on_contact,
+    }
+    made = form_cache.forms(wanted)
+    return Forms(**made | {"contact": made["contact"] and ContactForms(**made["contact"])})
+
+
+def surface_measure(scene: Scene, mesh: FingerMesh) -> ufl.Measure:
+    """The surface, integrated at its nodes."""
+    rule = contact.quadrature(scene.mesh.order)
+    return ufl.Measure("ds", mesh.mesh, subdomain_data=mesh.facets, metadata=rule)
+
+
+def contact_groups(scene: Scene, ds: ufl.Measure, fields: Fields) -> list[tuple[tuple[int, ...], Any, Any, Any]]:
+    """Facets held off the plane alike: their tags, gap g [m], stiffness gamma [N/m^3] and own pressure q [Pa]."""
+    number = constants(ds.ufl_domain())
+    side = number(scene.geometry.side)
+    g = contact.gap(fields.u, ufl.SpatialCoordinate(ds.ufl_domain()), side, fields.distance)
+    if scene.obstacle is None or scene.obstacle.method == "penalty":
+        return [(regions.SURFACE, g, fields.stiffness, 0)]
+    q = contact.surface_pressure(strain_energy.energy(scene.law, number), fields.u, ufl.FacetNormal(ds.ufl_domain()))
+    return [
+        (regions.RUBBER_FACETS, g, fields.stiffness, q),
+        (regions.PLATE_FACETS, g, contact.PLATES * fields.stiffness, 0),
+    ]
+
+
+def _contact(scene: Scene, ds: ufl.Measure, fields: Fields) -> tuple[Any, dict[str, Any]]:
+    """The contact energy in UFL, and of what is compiled besides residual and tangent, see ContactForms."""
+    u, v = fields.u, ufl.TestFunction(fields.u.function_space)
+    groups = contact_groups(scene, ds, fields)
+    pressures = [(facets, contact.pressure(g, gamma, q)) for facets, g, gamma, q in groups]
+    energy = sum(contact.energy(g, gamma, q) * ds(facets) for facets, g, gamma, q in groups)
+    force = sum(p * ds(facets) for facets, p in pressures)
+    touching = [
+        ufl.conditional(ufl.gt(p, 0), gamma, 0.0) for (_, p), (*_, gamma, _) in zip(pressures, groups, strict=True)
+    ]
+    wanted: dict[str, Any] = {
+        "energy": energy,
+        "force": force,
+        "force_gradient": ufl.derivative(force, u, v),
+        "nodal_force": sum(p * v[1] * ds(facets) for facets, p in pressures),
+        "stiffness": sum(gamma * ds(group[0]) for gamma, group in zip(touching, groups, strict=True)),
+        "gap_work": sum(p * abs(group[1]) * ds(facets) for (facets, p), group in zip(pressures, groups, strict=True)),
+        "pad_force": None,
+        "pad_area": None,
+        "pad_gradient": None,
+    }
+    if scene.obstacle is None or scene.obstacle.pad is None:
+        return energy, wanted
+    assert fields.pad_share is not None
+    on_pad = sum(p * fields.pad_share[1] * ds(facets) for facets, p in pressures)
+    wanted |= {"pad_force": on_pad, "pad_area": fem.Constant(ds.ufl_domain(), 1.0) * ds(regions.PAD)}
+    if "pad_pressure" in scene.sampling.store:
+        wanted["pad_gradient"] = ufl.derivative(on_pad, u, v)
+    return energy, wanted
+
+
+def pad_areas(ds: ufl.Measure, space: fem.FunctionSpace) -> tuple[fem.Form, fem.Form]:
+    """Areas around the nodes, in y, of the pad and of the whole face it lies on [m^2].
+
+    At the finger's edges a node's force comes from both faces that meet there; all of it rests on the pad.
+    """
+    v, normal = ufl.TestFunction(space), ufl.FacetNormal(ds.ufl_domain())
+    face = ufl.conditional(ufl.gt(normal[1], 0.5), v[1], 0.0) * ds(regions.SURFACE)
+    return form_cache.form(v[1] * ds(regions.PAD)), form_cache.form(face)
+
+
+def volume_ratio(u: fem.Function) -> fem.Expression:
+    """J = det F [-] at the corners, midpoints and centre of every cell."""
+    points = np.array([[i, j, k] for i in (0, 0.5, 1) for j in (0, 0.5, 1) for k in (0, 0.5, 1)], float)
+    return form_cache.expression(ufl.det(kinematics.deformation_gradient(u)), points)

@@ -1,0 +1,235 @@
+"""The discrete problem of a scene: unknowns, supports and loads; residual, tangent and scalars assembled from them."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from dolfinx import fem
+from dolfinx.fem.petsc import assemble_matrix, assemble_vector, create_matrix
+from mpi4py import MPI
+from numpy.typing import ArrayLike
+from petsc4py import PETSc
+
+from fingerfem.discretisation import regions
+from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
+from fingerfem.discretisation.mesh import build_mesh
+from fingerfem.mechanics import contact
+from fingerfem.scene import grid_lines
+from fingerfem.scene.scene import Scene
+
+FAR = 1e3  # [m]: where the plane stands while nothing may touch it
+
+
+class Problem:
+    """The discrete finger: it holds a displacement and loads, and assembles what depends on them (collective).
+
+    Args:
+        scene: what is modelled.
+        comm: the ranks that share one finger.
+    """
+
+    def __init__(self, scene: Scene, comm: MPI.Comm):
+        self.scene, self.comm, self.law = scene, comm, scene.law
+        self.mesh = build_mesh(scene, comm)
+        self.space = fem.functionspace(self.mesh.mesh, ("Lagrange", scene.mesh.order, (3,)))
+        self.copies = 2 if scene.is_half else 1  # of what is modelled, in the whole finger
+        self._supports, self._clamped, self._held = self._boundary_conditions()
+        by_cell = fem.functionspace(self.mesh.mesh, ("DG", 0))
+        self.fields = Fields(
+            u=fem.Function(self.space, name="displacement"),
+            previous=fem.Function(self.space),
+            step=fem.Function(self.space),
+            tension_density=fem.Function(by_cell),
+            probe_density=fem.Function(by_cell),
+            distance=fem.Constant(self.mesh.mesh, FAR),
+            stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
+            pad_share=self._pad_share(),
+        )
+        self.forms = compile_forms(scene, self.mesh, self.fields)
+        self._volume_ratio = volume_ratio(self.fields.u)
+        self.matrix = create_matrix(self.forms.tangent)
+        self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self.tensions = np.zeros(len(scene.tendons))
+        self.distance: float | None = None  # None: the plane is away
+        self._tip_volume = scene.geometry.plate * scene.geometry.side**2
+        self._tendon_cells = [self._cells_of(k) for k in range(len(scene.tendons))]
+        self.rest_lengths = np.array([self.tendon_length(k) for k in range(len(scene.tendons))])  # [m]
+
+    def _contact_stiffness(self) -> float:
+        obstacle = self.scene.obstacle
+        if obstacle is None:
+            return 0.0
+        modulus = self.law.p_wave_modulus if obstacle.method == "nitsche" else self.law.young_modulus
+        return contact.stiffness(obstacle.stiffness_factor, modulus, self.mesh.smallest)
+
+    def _pad_share(self) -> fem.Function | None:
+        if self.scene.obstacle is None or self.scene.obstacle.pad is None:
+            return None
+        share = fem.Function(self.space)
+        pad, face = (self.nodal(form).ravel() for form in pad_areas(surface_measure(self.scene, self.mesh), self.space))
+        np.divide(pad, face, out=share.x.array, where=face > 0)
+        return share
+
+    def _cells_of(self, k: int) -> tuple[np.ndarray, float]:
+        """Cells over which tendon k's tension is spread, and the area [m^2] or volume [m^3] of the whole finger's."""
+        area = self.scene.geometry.channel_width**2
+        tendon = self.scene.tendons[k]
+        if tendon.path == "channel":
+            return grid_lines.in_channel(self.scene.outline, tendon, self.mesh.midpoints), area
+        return grid_lines.in_hole(self.scene.outline, tendon, self.mesh.midpoints), area * self.scene.geometry.plate
+
+    def _boundary_conditions(self) -> tuple[list[fem.DirichletBC], np.ndarray, np.ndarray]:
+        """The supports; owned indices of the clamp's unknowns, and of all that are held."""
+        dim = self.mesh.mesh.topology.dim - 1
+        owned = self.space.dofmap.index_map.size_local
+        nodes = fem.locate_dofs_topological(self.space, dim, self.mesh.facets.find(regions.CLAMP))
+        supports = [fem.dirichletbc(np.zeros(3), nodes, self.space)]
+        clamped = (3 * nodes[nodes < owned][:, None] + np.arange(3)).ravel()
+        if not self.scene.is_half:
+            return supports, clamped, clamped
+        across = fem.locate_dofs_topological(self.space.sub(2), dim, self.mesh.facets.find(regions.CUT))
+        supports.append(fem.dirichletbc(0.0, across, self.space.sub(2)))
+        return supports, clamped, np.union1d(clamped, across[across < 3 * owned])
+
+    # -- the state it is in ------------------------------------------------------------------------------------------
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """Nodal displacements of this rank, ghosts included, shape (3 nodes,) [m]; a view."""
+        return self.fields.u.x.array
+
+    def set_loads(self, tensions: ArrayLike, distance: float | None) -> None:
+        """Set tensions [N], shape (tendons,), and the plane's distance [m] (None: no plane)."""
+        self.tensions, self.distance = np.array(tensions, float), distance
+        self._spread(self.tensions, self.fields.tension_density)
+        self.fields.distance.value = FAR if distance is None else distance
+
+    def _spread(self, tensions: np.ndarray, density: fem.Function) -> None:
+        """Spread tensions [N], shape (tendons,), over the cells that carry them."""
+        density.x.array[:] = 0.0
+        for tension, (cells, size) in zip(tensions, self._tendon_cells, strict=True):
+            density.x.array[cells] = tension / size
+
+    @property
+    def unknowns(self) -> int:
+        """Number of displacement unknowns on all ranks."""
+        return int(self.space.dofmap.index_map.size_global * 3)
+
+    @property
+    def force_scale(self) -> float:
+        """E a^2 [N]: what a force is small or large against."""
+        return self.law.young_modulus * self.scene.geometry.side**2
+
+    # -- assembly ----------------------------------------------------------------------------------------------------
+
+    def residual(self) -> tuple[PETSc.Vec, np.ndarray]:
+        """Residual R(u) [N], zero where held, and the clamp's force on the finger, shape (3,) [N].
+
+        The caller destroys the vector.
+        """
+        b = self._vector(self.forms.residual)
+        reaction = self.copies * self.comm.allreduce(b.array_r[self._clamped].reshape(-1, 3).sum(axis=0))
+        if self.scene.is_half:
+            reaction[2] = 0.0
+        b.array[self._held] = 0.0
+        return b, reaction
+
+    def gradient(self, form: fem.Form) -> PETSc.Vec:
+        """A linear form, zero where held. The caller destroys the vector."""
+        b = self._vector(form)
+        b.array[self._held] = 0.0
+        return b
+
+    def nodal(self, form: fem.Form) -> np.ndarray:
+        """A linear form at this rank's nodes, ghosts included, shape (nodes, 3)."""
+        holder = fem.Function(self.space)
+        b = self._vector(form)
+        holder.x.array[: b.local_size] = b.array_r
+        b.destroy()
+        holder.x.scatter_forward()
+        return holder.x.array.reshape(-1, 3)
+
+    def _vector(self, form: fem.Form) -> PETSc.Vec:
+        b = assemble_vector(form)
+        b.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        return b
+
+    def tangent(self) -> PETSc.Mat:
+        """Tangent at u with the stress that `previous` predicts; the same matrix object every time."""
+        return self.assemble_tangent(self.matrix, self._supports)
+
+    def assemble_tangent(self, matrix: PETSc.Mat, supports: list[fem.DirichletBC]) -> PETSc.Mat:
+        """The same with other supports, into a matrix of theirs."""
+        fields = self.fields
+        fields.step.x.array[:] = fields.u.x.array - fields.previous.x.array
+        matrix.zeroEntries()
+        assemble_matrix(matrix, self.forms.tangent, bcs=supports)
+        matrix.assemble()
+        return matrix
+
+    def scalar(self, form: fem.Form) -> float:
+        """A scalar form over all ranks, of the whole finger."""
+        return self.copies * float(self.comm.allreduce(fem.assemble_scalar(form)))
+
+    def energy(self) -> float:
+        """Total potential [J]."""
+        self._spread(self.tensions, self.fields.probe_density)
+        forms = [self.forms.strain_energy, self.forms.tendon_energy]
+        return sum(self.scalar(form) for form in forms + ([self.forms.contact.energy] if self.forms.contact else []))
+
+    def tip(self) -> np.ndarray:
+        """Displacement of the tip plate's centre, its mean over the plate [m], shape (3,)."""
+        moved = np.array([self.scalar(form) for form in self.forms.tip]) / self._tip_volume
+        return moved * [1, 1, 0] if self.scene.is_half else moved
+
+    def tip_gradient(self, i: int) -> PETSc.Vec:
+        """Gradient of the tip's i-th component [-]. The caller destroys the vector."""
+        b = self.gradient(self.forms.tip_gradient[i])
+        b.scale(0.0 if i == 2 and self.scene.is_half else 1 / self._tip_volume)
+        return b
+
+    def tendon_length(self, k: int) -> float:
+        """Length of tendon k between its ends [m]: the tendon energy at unit tension."""
+        self._spread(np.eye(len(self.tensions))[k], self.fields.probe_density)
+        return self.scalar(self.forms.tendon_energy)
+
+    def load_gradient(self, tensions: ArrayLike, distance: float = 0.0) -> PETSc.Vec:
+        """Change of the residual with the loads, dR/dF . tensions + dR/dd distance [N]. The caller destroys the vector.
+
+        For a unit tension it is the gradient of that tendon's length [-], for a unit distance minus that of the
+        contact force [N/m].
+        """
+        self._spread(np.asarray(tensions, float), self.fields.probe_density)
+        b = self.gradient(self.forms.tendon_force)
+        if distance and self.forms.contact is not None:
+            pull = self.gradient(self.forms.contact.force_gradient)
+            b.axpy(-distance, pull)
+            pull.destroy()
+        return b
+
+    # -- geometry of the deformed finger -----------------------------------------------------------------------------
+
+    @cached_property
+    def surface_nodes(self) -> np.ndarray:
+        """Local indices of the nodes that may touch the plane."""
+        facets = [self.mesh.facets.find(kind) for kind in regions.SURFACE]
+        dim = self.mesh.mesh.topology.dim - 1
+        return fem.locate_dofs_topological(self.space, dim, np.sort(np.concatenate(facets)))
+
+    def reach(self) -> float:
+        """How far the surface reaches towards the plane, max of X_y + u_y - side/2 [m].
+
+        In free space this is the distance at which the plane is touched.
+        """
+        nodes = self.surface_nodes
+        heights = self.space.tabulate_dof_coordinates()[nodes, 1] + self.displacement[3 * nodes + 1]
+        highest = heights.max() if heights.size else -np.inf
+        return float(self.comm.allreduce(highest, op=MPI.MAX)) - self.scene.geometry.side / 2
+
+    def smallest_volume_ratio(self) -> float:
+        """Min J over corners, midpoints and centres of all cells [-]."""
+        topology = self.mesh.mesh.topology
+        cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
+        values = self._volume_ratio.eval(self.mesh.mesh, cells)
+        return float(self.comm.allreduce(values.min() if values.size else np.inf, op=MPI.MIN))

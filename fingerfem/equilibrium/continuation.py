@@ -1,0 +1,220 @@
+"""Continuation to a load: predictor, adaptive steps, two Newton strategies, bisection; an answer or an exception."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fingerfem.discretisation.problem import Problem
+from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
+from fingerfem.equilibrium.linearisation import Linearisation
+from fingerfem.equilibrium.newton import Newton, Strategy
+from fingerfem.equilibrium.rigid_plates import RigidPlates
+
+STRATEGIES: tuple[Strategy, ...] = ("mixed", "plain", "line search")  # in the order they are tried
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepOptions:
+    """How far one step goes.
+
+    Attributes:
+        turn: most a step's tensions may turn the tip of a slender finger, F e L / EI [rad].
+        first_turn: the same for a step that has no step before it to go by [rad].
+        approach: most the plane may move in a step, over the finger's length [-].
+        touch: what the plane is moved past the first node it meets to know it, over the finger's side [-].
+        halvings: how often a failing step is halved, all in all, before the path is given up.
+    """
+
+    turn: float = 0.75
+    first_turn: float = 0.4
+    approach: float = 0.15
+    touch: float = 1e-7
+    halvings: int = 10
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """A step that began at an equilibrium.
+
+    Attributes:
+        load: change of the tensions [N] and of d [m], shape (tensions + 1,).
+        start: owned displacements where it began [m].
+        slope: change of displacement that the tangent expects of the step [m].
+    """
+
+    load: np.ndarray
+    start: np.ndarray
+    slope: np.ndarray
+
+    def change_after(self, last: Step) -> np.ndarray:
+        """Change of displacement by the cubic through both ends of the last step; after a turn by the tangent [m]."""
+        ratio = float(np.max(np.abs(self.load)) / np.max(np.abs(last.load)))
+        if ratio > 2 or not np.allclose(self.load, ratio * last.load, rtol=1e-6, atol=0):
+            return self.slope
+        rise, before, after = self.start - last.start, last.slope, self.slope / ratio
+        t = 1 + ratio
+        value = t**2 * (3 - 2 * t) * rise + t * (1 - t) ** 2 * before + t**2 * (t - 1) * after
+        return value - rise
+
+
+def _strategies(halvings: int) -> Sequence[Strategy]:
+    """A shorter step costs less than a more patient method, at first."""
+    return STRATEGIES[: 1 if halvings < 2 else 2 if halvings < 6 else 3]
+
+
+class Continuation:
+    """Leads a problem from one equilibrium to the next.
+
+    `iterations`, `steps` and `strategies` count since the last rest.
+    """
+
+    def __init__(self, problem: Problem, options: StepOptions | None = None):
+        self.problem, self.options, self.newton = problem, options or StepOptions(), Newton(problem)
+        self._plates = RigidPlates(problem)
+        geometry, scene = problem.scene.geometry, problem.scene
+        bending = problem.law.young_modulus * geometry.side**4 / 12  # [N m^2]
+        ends = np.cumsum(geometry.segments)
+        self._turn = np.array(
+            [float(np.linalg.norm(tendon.offset)) * ends[tendon.segment - 1] / bending for tendon in scene.tendons]
+        )  # [rad/N]
+        # A tendon on the axis bends nothing but shortens: count its strain for a turn.
+        self._turn += 1 / (problem.law.young_modulus * geometry.side**2)
+        self.rest()
+
+    def rest(self) -> None:
+        """Back to the undeformed finger without loads."""
+        self.start(np.zeros(len(self.problem.scene.tendons)), None, np.zeros_like(self.problem.displacement))
+
+    def start(self, tensions: ArrayLike, distance: float | None, displacement: np.ndarray) -> None:
+        """Take an equilibrium that is known already: tensions [N], d [m], displacement [m], shape (3 nodes,)."""
+        self.tensions, self.distance = np.array(tensions, float), distance
+        self.problem.displacement[:] = displacement
+        self.problem.set_loads(self.tensions, distance)
+        self.iterations, self.steps = 0, 0
+        self.strategies: Counter[str] = Counter()
+        self._linearisation: Linearisation | None = None
+        self._last: Step | None = None
+
+    def advance(self, tensions: ArrayLike, distance: float | None) -> None:
+        """Go in a straight line from the present load to tensions [N], shape (tendons,), and distance [m].
+
+        A plane that was away comes from where it touches.
+
+        Raises:
+            LoadNotReached: the problem is then left at the last good load.
+        """
+        target = np.array(tensions, float)
+        if self.distance is not None and distance is None:
+            raise ValueError("distance must be a number while a plane is there, got None")
+        comes = self.distance is None
+        if self.distance is None and distance is not None:
+            # A hair inside what touches first, so that the tangent moves those nodes with the plane.
+            self.distance = max(self.problem.reach() - self.options.touch * self.problem.scene.geometry.side, distance)
+            self.problem.set_loads(self.tensions, self.distance)
+            self._linearisation, self._last = None, None
+        origin, origin_distance = self.tensions.copy(), self.distance
+
+        largest, first = self._sizes(target, distance)
+        fraction, size, failed = 0.0, first, False
+        while fraction < 1.0:
+            # No last step shorter than needed: what is left is shared evenly.
+            remaining = 1.0 - fraction
+            share = remaining / max(1.0, np.ceil(remaining / size - 0.05)) if fraction else size
+            nearly = fraction + share > 1 - 1e-12
+            ahead = 1.0 if nearly else fraction + share
+            goal = target if nearly else origin + ahead * (target - origin)
+            goal_distance = distance
+            if distance is not None and origin_distance is not None and not nearly:
+                goal_distance = origin_distance + ahead * (distance - origin_distance)
+            halvings = int(np.log2(max(first / share, 1.0)) + 0.5)
+            try:
+                needed = self._step(goal, goal_distance, _strategies(halvings))
+            except NotConverged as failure:
+                if halvings >= self.options.halvings:
+                    if comes and not fraction:
+                        self.distance = None  # nothing was solved with the plane
+                        self.problem.set_loads(self.tensions, None)
+                    raise LoadNotReached(failure.reason, self.tensions.copy(), self.distance) from None
+                size, failed = share / 2, True
+                continue
+            if needed <= 6 and not failed:
+                size = min(2 * share, largest)
+            fraction, failed = ahead, False
+
+    def _sizes(self, target: np.ndarray, distance: float | None) -> tuple[float, float]:
+        """Largest and first step, as fractions of the way."""
+        turn = float(np.abs(target - self.tensions) @ self._turn)
+        approach = 0.0
+        if distance is not None and self.distance is not None:
+            approach = abs(distance - self.distance) / (self.options.approach * self.problem.scene.geometry.length)
+        first_turn = self.options.first_turn if self._last is None else self.options.turn
+        return 1 / max(1.0, turn / self.options.turn + approach), 1 / max(1.0, turn / first_turn + approach)
+
+    def _step(self, tensions: np.ndarray, distance: float | None, strategies: Sequence[Strategy]) -> int:
+        """One step, by the first strategy that works; returns the iterations it needed.
+
+        Raises:
+            NotConverged: the problem is back at the last good load.
+        """
+        problem, newton = self.problem, self.newton
+        before = problem.displacement.copy()
+        reason = ""
+        for strategy in strategies:
+            problem.displacement[:] = before
+            problem.set_loads(self.tensions, self.distance)
+            step = None
+            if strategy != "line search":
+                with contextlib.suppress(NotConverged):  # where the tangent is singular there is no prediction
+                    step = self._predict(tensions, distance)
+            problem.set_loads(tensions, distance)
+            try:
+                needed, linearisation = newton.solve(strategy)
+            except NotConverged as failure:
+                self.iterations += failure.iterations
+                self._linearisation = None
+                reason = f"{strategy}: {failure.reason}"
+                continue
+            self.tensions, self.distance, self._last = tensions.copy(), distance, step
+            self.iterations, self.steps = self.iterations + needed, self.steps + 1
+            self._linearisation = linearisation or self._linearisation
+            self.strategies[strategy] += 1
+            return needed
+        problem.displacement[:] = before
+        problem.set_loads(self.tensions, self.distance)
+        self._last = None  # what made this step fail, a cubic would not foresee
+        raise NotConverged(reason)
+
+    def linearise(self) -> Linearisation:
+        """The tangent at the equilibrium it has led to; the next step is predicted by it, too.
+
+        Raises:
+            NotConverged: it is singular.
+        """
+        self._linearisation = None
+        self._linearisation = self.newton.linearise()
+        return self._linearisation
+
+    def _predict(self, tensions: np.ndarray, distance: float | None) -> Step | None:
+        """Move to where the next equilibrium is expected, by the last factorised tangent.
+
+        The nodes in contact move with the plane. Where the last step went the same way, a cubic goes through both its
+        ends and their tangents; a first step follows the tangent alone. Plates move rigidly.
+        """
+        problem = self.problem
+        moved = 0.0 if distance is None or self.distance is None else distance - self.distance
+        load = np.append(tensions - self.tensions, moved)
+        if not load.any():
+            return None
+        linearisation = self._linearisation or self.linearise()
+        slope = -linearisation.solve(problem.load_gradient(load[:-1], moved))
+        before = problem.displacement.copy()
+        step = Step(load=load, start=before[: len(slope)], slope=slope)
+        self.newton.add(slope if self._last is None else step.change_after(self._last))
+        self._plates.move(before)
+        return step

@@ -1,0 +1,163 @@
+"""The nonlinear solver: Newton's method on a discrete problem: mixed-integration-point, plain, or with line search."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from petsc4py import PETSc
+
+from fingerfem.discretisation.problem import Problem
+from fingerfem.equilibrium.factorisation import Factorisation
+from fingerfem.equilibrium.failures import NotConverged
+from fingerfem.equilibrium.linearisation import Linearisation
+from fingerfem.equilibrium.stability import AntisymmetricMotion
+
+Strategy = Literal["mixed", "plain", "line search"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewtonOptions:
+    """When to stop.
+
+    Attributes:
+        tolerance: bounds the residual's 2-norm over the force scale E a^2 [-].
+        settled: largest displacement of the last iteration, over the length [-], that is as good as the tolerance ...
+        noise: ... where the residual is below this and round-off keeps it from falling further.
+        iterations: most factorisations in one attempt.
+        searches: the same with line search.
+        divergence: a residual this many times the first ends an attempt [-]. Steel plates that turn in a large step
+            make enormous residuals that the next iterations remove, so it is loose.
+    """
+
+    tolerance: float = 1e-10
+    settled: float = 1e-10
+    noise: float = 1e-8
+    iterations: int = 16
+    searches: int = 100
+    divergence: float = 1e6
+
+
+class Newton:
+    """One linear solver, made once and reused for every step.
+
+    Args:
+        problem: what is solved; its displacement is the start and the answer.
+        options: when to stop.
+    """
+
+    def __init__(self, problem: Problem, options: NewtonOptions | None = None):
+        self.problem, self.options = problem, options or NewtonOptions()
+        self._factorisation = Factorisation(problem.matrix)
+        self._antisymmetric = AntisymmetricMotion(problem)
+        self._update = problem.matrix.createVecRight()
+
+    @property
+    def factorisations(self) -> int:
+        """How many tangents it has factorised."""
+        return self._factorisation.made
+
+    def solve(self, strategy: Strategy = "mixed") -> tuple[int, Linearisation | None]:
+        """Bring the problem's displacement to equilibrium.
+
+        Returns the iterations and the last tangent, not quite at the answer; None if there was no iteration.
+
+        Args:
+            strategy: `mixed` takes the stress at quadrature points for an unknown of its own, `plain` is Newton's
+                method with full steps, `line search` shortens them until the potential falls.
+
+        Raises:
+            NotConverged: on every rank, with the problem's displacement restored.
+        """
+        problem = self.problem
+        most = self.options.searches if strategy == "line search" else self.options.iterations
+        start = problem.fields.u.x.array.copy()
+        problem.fields.previous.x.array[:] = start
+        first, moved = None, np.inf
+        for iteration in range(most + 1):
+            residual, _ = problem.residual()
+            norm = residual.norm() / problem.force_scale
+            first = norm if first is None else first
+            # Where steel is very stiff against the rubber, round-off keeps the residual up; what Newton's method still
+            # moves then tells that there is nothing left to do.
+            settled = norm <= self.options.noise and moved <= self.options.settled * problem.scene.geometry.length
+            if (norm <= self.options.tolerance or settled) and problem.smallest_volume_ratio() > 0:
+                residual.destroy()
+                return iteration, self._linearisation() if iteration else None
+            reason = self._hopeless(norm, first, iteration, most)
+            if reason is None:
+                reason = self._factorise()
+            if reason is None:
+                self._factorisation.solve(residual, self._update)
+                slope = -problem.copies * residual.dot(self._update)
+                if not np.isfinite(slope):
+                    reason = "the linear solver returned NaN"
+                moved = self._update.norm(PETSc.NormType.NORM_INFINITY)  # whole, not what a search leaves of it
+            if reason is None and strategy == "line search":
+                reason = self._search(slope)
+            residual.destroy()
+            if reason is not None:
+                problem.fields.u.x.array[:] = start
+                raise NotConverged(reason, iteration)
+            if strategy == "mixed":
+                problem.fields.previous.x.array[:] = problem.fields.u.x.array
+            self.add(-self._update.array_r)
+            if strategy != "mixed":
+                problem.fields.previous.x.array[:] = problem.fields.u.x.array
+        raise AssertionError("unreachable")
+
+    def _search(self, slope: float) -> str | None:
+        """Shorten the update until the potential falls as its slope [J] promises (Armijo) and no cell turns over."""
+        problem = self.problem
+        at = problem.fields.u.x.array.copy()
+        noise = 1e-12 * problem.force_scale * problem.scene.geometry.side  # [J]
+        if slope > noise:
+            return "the tangent is not positive definite: Newton's direction climbs"
+        before = problem.energy()
+        for _ in range(30):
+            self.add(-self._update.array_r)
+            falls = problem.energy() - before <= 1e-4 * slope + noise
+            good = falls and problem.smallest_volume_ratio() > 0
+            problem.fields.u.x.array[:] = at
+            if good:
+                return None
+            self._update.scale(0.5)
+            slope /= 2
+        return "no step along Newton's direction lowers the potential"
+
+    def _hopeless(self, norm: float, first: float, iteration: int, most: int) -> str | None:
+        if not np.isfinite(norm):
+            return "the residual is not finite"
+        if norm <= self.options.tolerance:
+            return "a cell is turned inside out"
+        if norm > self.options.divergence * max(first, 1e-6):
+            return f"diverges: residual {norm:.1e} E a^2 after {iteration} iterations"
+        if iteration == most:
+            return f"residual still {norm:.1e} E a^2 after {iteration} iterations"
+        return None
+
+    def _factorise(self) -> str | None:
+        self.problem.tangent()
+        return self._factorisation.update()
+
+    def _linearisation(self) -> Linearisation:
+        return Linearisation(self._factorisation, self._antisymmetric)
+
+    def linearise(self) -> Linearisation:
+        """Newton's tangent at the problem's displacement.
+
+        Raises:
+            NotConverged: it is singular.
+        """
+        self.problem.fields.previous.x.array[:] = self.problem.fields.u.x.array
+        reason = self._factorise()
+        if reason is not None:
+            raise NotConverged(reason)
+        return self._linearisation()
+
+    def add(self, owned_values: np.ndarray) -> None:
+        """Add owned values to the problem's displacement."""
+        u = self.problem.fields.u.x
+        u.array[: len(owned_values)] += owned_values
+        u.scatter_forward()

@@ -1,0 +1,91 @@
+"""Derivatives of what a state reports by every tension and by d.
+
+du/dp = -K^-1 dR/dp, one back-substitution each on the tangent factorised at the state. dR/dF_k is the gradient of
+tendon k's length and dR/dd minus that of the contact force, so the same vectors also differentiate those two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fingerfem.discretisation.problem import Problem
+from fingerfem.equilibrium.linearisation import Linearisation
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensitivities:
+    """Derivatives at one state; p parameters: the tensions [1/N], then d [1/m] where there is a plane.
+
+    Attributes:
+        displacement: of this rank's owned nodes, shape (p, 3 nodes) [m].
+        tip: shape (p, 3) [m].
+        channel_shortening: shape (p, tendons) [m].
+        touch_distance: of a free state as the parameters grow, shape (p,) [m]; None without an obstacle or in contact.
+        contact_force: shape (p,) [N]; None without a plane.
+        pad_pressure: shape (p,) [Pa]; None without a plane, or if the scene does not store it.
+    """
+
+    displacement: np.ndarray
+    tip: np.ndarray
+    channel_shortening: np.ndarray
+    touch_distance: np.ndarray | None
+    contact_force: np.ndarray | None
+    pad_pressure: np.ndarray | None
+
+
+def differentiate(problem: Problem, linearisation: Linearisation) -> Sensitivities:
+    """Differentiate at the equilibrium that a problem is in, by the tangent there (collective)."""
+    scene, forms = problem.scene, problem.forms
+    count, plane = len(scene.tendons), problem.distance is not None
+    loads = [(unit, 0.0) for unit in np.eye(count)] + ([(np.zeros(count), 1.0)] if plane else [])
+    changes = np.array([-linearisation.solve(problem.load_gradient(*load)) for load in loads])
+    lengths = [_owned(problem.load_gradient(unit)) for unit in np.eye(count)]
+    tips = [_owned(problem.tip_gradient(i)) for i in range(3)]
+    contact_force = touch_distance = pad_pressure = None
+    if plane and forms.contact is not None:
+        contact_force = _along(problem, [_owned(problem.gradient(forms.contact.force_gradient))], changes)[:, 0]
+        contact_force[-1] -= problem.scalar(forms.contact.stiffness)  # at fixed displacement
+        if forms.contact.pad_gradient is not None and forms.contact.pad_area is not None:
+            # A plane that moves away is a finger that moves the other way: only the gap between them counts.
+            lifted = problem.nodal(forms.contact.pad_gradient)[: changes.shape[1] // 3, 1].sum()
+            pad_pressure = _along(problem, [_owned(problem.gradient(forms.contact.pad_gradient))], changes)[:, 0]
+            pad_pressure[-1] -= problem.copies * problem.comm.allreduce(lifted)
+            pad_pressure /= problem.scalar(forms.contact.pad_area)
+    elif scene.obstacle is not None:
+        touch_distance = np.array([_reach_change(problem, change) for change in changes])
+    return Sensitivities(
+        displacement=changes,
+        tip=_along(problem, tips, changes),
+        channel_shortening=-_along(problem, lengths, changes),
+        touch_distance=touch_distance,
+        contact_force=contact_force,
+        pad_pressure=pad_pressure,
+    )
+
+
+def _along(problem: Problem, gradients: list[np.ndarray], changes: np.ndarray) -> np.ndarray:
+    """Changes of quantities of the whole finger, of whose gradients this rank has its own part: (p, quantities)."""
+    return problem.copies * np.asarray(problem.comm.allreduce(changes @ np.array(gradients).T))
+
+
+def _reach_change(problem: Problem, change: np.ndarray) -> float:
+    """How the reach sets out to change [m] with owned displacements, shape (3 nodes,).
+
+    Where several nodes reach equally far, the one that goes farthest leads.
+    """
+    nodes = problem.surface_nodes[3 * problem.surface_nodes < len(change)]
+    heights = problem.space.tabulate_dof_coordinates()[nodes, 1] + problem.displacement[3 * nodes + 1]
+    side = problem.scene.geometry.side
+    leading = nodes[heights > problem.reach() + side * (0.5 - 1e-9)]
+    moved = change[3 * leading + 1]
+    return float(problem.comm.allreduce(moved.max() if moved.size else -np.inf, op=MPI.MAX))
+
+
+def _owned(b: PETSc.Vec) -> np.ndarray:
+    values = b.array_r.copy()
+    b.destroy()
+    return values

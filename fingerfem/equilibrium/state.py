@@ -1,0 +1,167 @@
+"""A converged answer: what a state of the finger reports, and its sensitivities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from fingerfem.discretisation.problem import Problem
+from fingerfem.equilibrium.continuation import Continuation
+from fingerfem.equilibrium.failures import NotConverged
+from fingerfem.equilibrium.sensitivities import differentiate
+
+
+@dataclass(frozen=True, kw_only=True)
+class State:
+    """An equilibrium of the full-order model; there is none that has not converged.
+
+    Attributes:
+        parameters: tensions [N] and d [m] by name.
+        displacement: nodal displacements of this rank, ghosts included, shape (3 nodes,) [m].
+        tip: displacement of the tip plate's centre, shape (3,) [m].
+        touch_distance: how far the finger reaches towards the plane in free space at these tensions [m].
+        contact_force: integral of the contact pressure [N].
+        pad, pad_pressure: name of the scene's tactile pad, and the mean contact pressure on it [Pa].
+        penetration: how far the surface's nodes pass the plane at most [m].
+        complementarity: integral of contact pressure times |gap| over contact force times side [-]; exactly zero would
+            be pressure only where the gap is closed. (Pressure is never negative.)
+        clamp_reaction: force of the clamp on the finger, shape (3,) [N].
+        channel_shortening: by tendon, how much shorter it has become between its ends [m].
+        energy: total potential [J].
+        smallest_volume_ratio: min J [-].
+        self_intersecting: whether the surface passes through itself, which the model does not prevent.
+        stable: whether the potential has a minimum here, by the signs of the factorised tangent, against motions of the
+            whole finger; None if sensitivities were not asked for.
+        sensitivities: of tip (m/N; m/m), contact_force (N/N; N/m) and channel_shortening (m/N; m/m), by parameter;
+            None if not asked for, or where the tangent is singular and there are none.
+        displacement_sensitivities: of the displacement by parameter, owned nodes, shape (3 nodes,) [m/N; m/m].
+        newton_iterations, steps: what it took from rest.
+        strategies: steps that each Newton strategy won.
+    """
+
+    parameters: dict[str, float]
+    displacement: np.ndarray = field(repr=False)
+    tip: np.ndarray
+    touch_distance: float | None = None
+    contact_force: float | None = None
+    pad: str | None = None
+    pad_pressure: float | None = None
+    penetration: float | None = None
+    complementarity: float | None = None
+    clamp_reaction: np.ndarray
+    channel_shortening: dict[str, float]
+    energy: float
+    smallest_volume_ratio: float
+    self_intersecting: bool
+    stable: bool | None = None
+    sensitivities: dict[str, dict[str, Any]] | None = None
+    displacement_sensitivities: dict[str, np.ndarray] | None = field(default=None, repr=False)
+    newton_iterations: int
+    steps: int
+    strategies: dict[str, int]
+    seconds: float
+    unknowns: int
+    converged: bool = True
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain numbers, without fields; quantities the scene does not have are left out."""
+        fields = ("displacement", "displacement_sensitivities")
+        listed = {name: getattr(self, name) for name in self.__dataclass_fields__ if name not in fields}
+        return {name: _plain(value) for name, value in listed.items() if value is not None}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def observe(
+    continuation: Continuation,
+    *,
+    touch_distance: float | None,
+    self_intersecting: bool,
+    seconds: float,
+    sensitivities: bool,
+) -> State:
+    """Report the equilibrium that a continuation has led to (collective)."""
+    problem = continuation.problem
+    residual, clamp_reaction = problem.residual()
+    residual.destroy()
+    names = [tendon.name for tendon in problem.scene.tendons]
+    parameters = dict(zip(names, problem.tensions.tolist(), strict=True))
+    if problem.distance is not None:
+        parameters["d"] = float(problem.distance)
+    return State(
+        parameters=parameters,
+        displacement=problem.displacement.copy(),
+        tip=problem.tip(),
+        touch_distance=touch_distance,
+        **_contact(problem),
+        clamp_reaction=clamp_reaction,
+        channel_shortening=dict(zip(names, channel_shortening(problem).tolist(), strict=True)),
+        energy=problem.energy(),
+        smallest_volume_ratio=problem.smallest_volume_ratio(),
+        self_intersecting=self_intersecting,
+        **(_sensitivities(continuation) if sensitivities else {}),
+        newton_iterations=continuation.iterations,
+        steps=continuation.steps,
+        strategies=dict(continuation.strategies),
+        seconds=seconds,
+        unknowns=problem.unknowns,
+    )
+
+
+def channel_shortening(problem: Problem) -> np.ndarray:
+    """How much shorter every tendon has become between its ends, shape (tendons,) [m] (collective)."""
+    return problem.rest_lengths - [problem.tendon_length(k) for k in range(len(problem.rest_lengths))]
+
+
+def pad_pressure(problem: Problem) -> float:
+    """Mean contact pressure on the pad of a scene that has one [Pa] (collective)."""
+    forms = problem.forms.contact
+    assert forms is not None and forms.pad_force is not None
+    return problem.scalar(forms.pad_force) / problem.scalar(forms.pad_area)
+
+
+def _contact(problem: Problem) -> dict[str, Any]:
+    """What the plane makes to report."""
+    forms, obstacle, distance = problem.forms.contact, problem.scene.obstacle, problem.distance
+    if forms is None or obstacle is None:
+        return {}
+    force = problem.scalar(forms.force)
+    found: dict[str, Any] = {"contact_force": force}
+    if obstacle.pad is not None:
+        found |= {"pad": obstacle.pad.name, "pad_pressure": pad_pressure(problem)}
+    if distance is not None:
+        away = problem.scalar(forms.gap_work) / (force * problem.scene.geometry.side) if force else 0.0
+        found |= {"penetration": max(problem.reach() - distance, 0.0), "complementarity": away}
+    return found
+
+
+def _sensitivities(continuation: Continuation) -> dict[str, Any]:
+    """Derivatives by name, and whether the state is stable."""
+    problem = continuation.problem
+    try:
+        linearisation = continuation.linearise()
+    except NotConverged:
+        return {"stable": False}
+    found = differentiate(problem, linearisation)
+    names = list(problem.scene.parameter_names[: len(found.tip)])
+    tendons = [tendon.name for tendon in problem.scene.tendons]
+    answer: dict[str, dict[str, Any]] = {
+        "tip": dict(zip(names, found.tip, strict=True)),
+        "channel_shortening": {
+            name: dict(zip(tendons, row.tolist(), strict=True))
+            for name, row in zip(names, found.channel_shortening, strict=True)
+        },
+    }
+    if found.contact_force is not None:
+        answer["contact_force"] = dict(zip(names, found.contact_force.tolist(), strict=True))
+    return {
+        "stable": linearisation.stable,
+        "sensitivities": answer,
+        "displacement_sensitivities": dict(zip(names, found.displacement, strict=True)),
+    }

@@ -1,0 +1,1 @@
+"""Finite-strain mechanics of the finger in UFL, without a mesh."""

@@ -1,0 +1,59 @@
+"""Frictionless contact with the rigid plane y = side/2 + d, by a penalty or by Nitsche's method.
+
+Both are one potential per area of the undeformed surface [J/m^2], with the gap g [m], a stiffness gamma [N/m^3] and the
+pressure q [Pa] that the rubber's own stress exerts along y:
+
+    (p^2 - q^2) / (2 gamma),    p = <q - gamma g>
+
+The penalty has q = 0, which leaves gamma/2 <-g>^2. With q = -e_y . P N, P the first Piola-Kirchhoff stress and N the
+normal, it is Nitsche's symmetric variant at finite strain, consistent: the exact solution, with p = q, fulfils it at
+every gamma large enough for the potential to have a minimum (Mlika, Renard, Chouly, Comput. Methods Appl. Mech. Eng.
+325, 2017, doi:10.1016/j.cma.2017.07.015, without friction). In both, p is the contact pressure, and -dP/dd of the
+potential is the integral of p: the contact force.
+
+Plates are rigid: their stress says nothing about the pressure on them. The penalty holds them off in both methods.
+
+It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach the plane is the
+first to feel it, edges and corners included.
+"""
+
+import ufl
+
+from fingerfem.mechanics import kinematics, strain_energy
+
+PLATES = 2.0  # stiffness of the plates' penalty over that of Nitsche's method beside it [-]
+
+
+def gap(u, x, side, distance):
+    """Distance of the deformed surface from the plane, g = side/2 + d - (X_y + u_y) [m]; negative if it penetrates."""
+    return side / 2 + distance - (x[1] + u[1])
+
+
+def surface_pressure(energy, u, normal):
+    """Pressure q = -e_y . P N [Pa] of the body's own stress on its undeformed surface."""
+    S = strain_energy.stress(energy, kinematics.right_cauchy_green(u))
+    return -ufl.dot(kinematics.deformation_gradient(u)[1, :], S * normal)
+
+
+def pressure(gap, stiffness, q=0):
+    """Contact pressure p = <q - gamma g> [Pa] on the undeformed surface."""
+    return ufl.max_value(q - stiffness * gap, 0)
+
+
+def energy(gap, stiffness, q=0):
+    """Energy density (p^2 - q^2) / (2 gamma) [J/m^2]."""
+    return (ufl.conditional(ufl.gt(q - stiffness * gap, 0), (q - stiffness * gap) ** 2, 0) - q**2) / (2 * stiffness)
+
+
+def stiffness(factor, modulus, mesh_size):
+    """Gamma = factor M / h [N/m^3]: factor times the stiffness of a layer of cells.
+
+    The modulus M is Young's for the penalty. For Nitsche's method, whose potential is bounded from below only where
+    gamma exceeds what the layer's own stress can do, it is that of uniaxial strain, K + 4/3 mu.
+    """
+    return factor * modulus / mesh_size
+
+
+def quadrature(order):
+    """UFL metadata of the rule whose points are the nodes of an order 1 or 2 facet."""
+    return {"quadrature_rule": "GLL", "quadrature_degree": 2 * order - 1}

@@ -1,0 +1,72 @@
+"""Strain energies: a law is nothing but an energy density [J/m^3] as a function of C = F^T F.
+
+A law's parameters enter through `number`: as constants of UFL, whose values are no part of the compiled form, so that
+all rubbers of one law share it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import singledispatch
+from typing import Any
+
+import ufl
+
+from fingerfem.scene.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff
+
+Energy = Callable[[Any], Any]  # C -> W
+Number = Callable[[float], Any]  # what stands in a form for a parameter
+
+
+@singledispatch
+def parts(law: Law, number: Number = float) -> tuple[Energy, Energy | None]:
+    """A law's energy as W(C) + U(J(C)), where U alone grows without bound as the rubber becomes incompressible.
+
+    U is None for a law that has no such part.
+    """
+    raise NotImplementedError(type(law).__name__)
+
+
+@parts.register
+def _(law: NeoHookean, number: Number = float):
+    C1, D1 = number(law.C1), number(law.D1)
+    return lambda C: C1 * (ufl.det(C) ** (-1 / 3) * ufl.tr(C) - 3), lambda C: _dilatation(C) ** 2 / D1
+
+
+@parts.register
+def _(law: MooneyRivlin, number: Number = float):
+    C10, C01, D1 = number(law.C10), number(law.C01), number(law.D1)
+
+    def distortional(C):
+        I2 = (ufl.tr(C) ** 2 - ufl.tr(C * C)) / 2
+        first = C10 * (ufl.det(C) ** (-1 / 3) * ufl.tr(C) - 3)
+        return first + C01 * (I2 - 3 - 2 * ufl.ln(ufl.det(C)))
+
+    return distortional, lambda C: _dilatation(C) ** 2 / D1
+
+
+@parts.register
+def _(law: SaintVenantKirchhoff, number: Number = float):
+    mu, lame = number(law.shear_modulus), number(law.bulk_modulus - 2 / 3 * law.shear_modulus)
+
+    def energy(C):
+        E = (C - ufl.Identity(3)) / 2
+        return lame / 2 * ufl.tr(E) ** 2 + mu * ufl.inner(E, E)
+
+    return energy, None
+
+
+def _dilatation(C):
+    return ufl.sqrt(ufl.det(C)) - 1
+
+
+def energy(law: Law, number: Number = float) -> Energy:
+    """The whole energy density [J/m^3] as a function of C."""
+    distortional, volumetric = parts(law, number)
+    return distortional if volumetric is None else lambda C: distortional(C) + volumetric(C)
+
+
+def stress(energy: Energy, C):
+    """Second Piola-Kirchhoff stress S = 2 dW/dC [Pa] of an energy density."""
+    C = ufl.variable(C)
+    return 2 * ufl.diff(energy(C), C)

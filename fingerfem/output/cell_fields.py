@@ -1,0 +1,53 @@
+"""A state seen in every cell and on the surface: stresses, volume ratio, contact pressure; compiled on demand."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import ufl
+
+from fingerfem.discretisation import form_cache, forms, regions
+from fingerfem.mechanics import contact, kinematics, strain_energy
+
+if TYPE_CHECKING:
+    from fingerfem.model import FingerModel
+
+
+def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
+    """Fields of the rubber at the cells' midpoints, nan in plates, each of shape (cells,) of this rank.
+
+    S11 is the axial second Piola-Kirchhoff stress [Pa], von_mises that of the Cauchy stress [Pa], both without the
+    tendons' own tension; J is the volume ratio [-].
+    """
+    u, mesh = model.problem.fields.u, model.problem.mesh.mesh
+    S = strain_energy.stress(
+        strain_energy.energy(model.problem.law, forms.constants(mesh)), kinematics.right_cauchy_green(u)
+    )
+    F = kinematics.deformation_gradient(u)
+    J = ufl.det(F)
+    deviator = ufl.dev(F * S * F.T / J)
+    sought = {"S11": S[0, 0], "von_mises": ufl.sqrt(1.5 * ufl.inner(deviator, deviator)), "J": J}
+    cells = np.arange(len(model.problem.mesh.midpoints.T), dtype=np.int32)
+    middle = np.array([[0.5, 0.5, 0.5]])
+    compiled = {name: form_cache.expression(value, middle) for name, value in sought.items()}
+    found = {name: expression.eval(mesh, cells).ravel() for name, expression in compiled.items()}
+    tags = model.problem.mesh.cells
+    for values in found.values():
+        values[tags.indices[tags.values >= regions.PLATE]] = np.nan
+    return found
+
+
+def contact_pressure(model: FingerModel) -> np.ndarray:
+    """Contact pressure at the nodes [Pa], shape (nodes,) of this rank: what a node's share of the surface bears."""
+    nodes = len(model.problem.displacement) // 3
+    if model.scene.obstacle is None:
+        return np.zeros(nodes)
+    v = ufl.TestFunction(model.problem.space)
+    ds = forms.surface_measure(model.scene, model.problem.mesh)
+    groups = forms.contact_groups(model.scene, ds, model.problem.fields)
+    borne = sum(contact.pressure(g, gamma, q) * v[1] * ds(facets) for facets, g, gamma, q in groups)
+    share = v[1] * ds(regions.SURFACE)
+    compiled = [form_cache.form(form) for form in (borne, share)]
+    force, area = (model.problem.nodal(form) for form in compiled)
+    return np.divide(force[:, 1], area[:, 1], out=np.zeros(nodes), where=area[:, 1] > 0)

@@ -1,0 +1,129 @@
+"""Mesh, sampling and terms for an accuracy, a budget or a preset: from the measured front of speed against accuracy.
+
+`studies/tradeoff/tradeoff.py` measures the front on the draft finger, its page writes front.json beside this module,
+and docs/tradeoff.md shows it. Other fingers get cells of the same shape and as many lines of states a tension; what they
+cost is scaled by cells and lines, what they err is not known before `check` measures it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from fingerfem.scene.durations import seconds
+
+FRONT = Path(__file__).with_name("front.json")
+KEYS = ("accuracy", "budget", "preset")
+OF_MESH, OF_SAMPLING = ("cells", "order"), ("lines", "tension_nodes", "contact_nodes")
+TENSIONS, SLENDERNESS = 2, 5.0  # of the finger the front was measured on; its length over its side [-]
+LINES = 3  # the fewest a scene may ask for
+LONGEST, PLAIN = 1e6, {"cells": [20, 5]}  # no finger is longer [-]; cells of a scene that is to be refused
+
+
+@cache
+def front() -> list[dict[str, Any]]:
+    """The presets, and what no other choice beats in both cost and error of the contact force; cheapest first.
+
+    Each has `cells`, `order`, `lines` [a tension], `tolerance`; `preset`, its name or None; and as measured
+    `contact_force`, `contact_force_of_mesh`, `contact_force_of_surrogate` and the same of `displacement`
+    (95 % of states, relative [-]), `core_seconds` [s], `states`.
+    """
+    return json.loads(FRONT.read_text())["choices"]
+
+
+def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, Any]:
+    """A scene's table with mesh, sampling and what to expect in place of its accuracy, budget or preset.
+
+    Args:
+        table: the scene as it was written.
+        fitting: the fewest cells across, from a number on, that fit this finger.
+
+    Raises:
+        ValueError: name, rule, value.
+    """
+    asked = [key for key in KEYS if table.get(key) is not None]
+    if not asked:
+        return table
+    if len(asked) > 1:
+        raise ValueError(f"{asked[1]} must be left out where {asked[0]} is given, got {table[asked[1]]!r}")
+    for part, keys in (("mesh", OF_MESH), ("sampling", OF_SAMPLING)):
+        if not isinstance(table.get(part, {}), dict):
+            return table  # told as such
+        for key in keys:
+            if key in table.get(part, {}):
+                raise ValueError(f"{part}.{key} must be left out where {asked[0]} chooses it, got {table[part][key]}")
+    try:
+        segments, tensions = table["geometry"]["segments"], len(table["tendons"])
+        longest, bodies = max(segments) / table["geometry"]["side"] / SLENDERNESS, len(segments)
+    except (KeyError, TypeError, ValueError, ZeroDivisionError):
+        longest = math.nan
+    if not 0 < longest < LONGEST:
+        return table | {"mesh": PLAIN}  # whatever is wrong with finger or tendons is told as such
+    quantity = "contact_force" if table.get("obstacle") else "displacement"
+    choices = [_fitted(one, longest, fitting, bodies, tensions, quantity) for one in front()]
+    one = _choice(asked[0], table[asked[0]], choices)
+    return table | {
+        "mesh": table.get("mesh", {}) | {key: one[key] for key in OF_MESH},
+        "sampling": table.get("sampling", {}) | {"lines": one["lines"]},
+        "expected": one["expected"],
+    }
+
+
+def _fitted(
+    one: dict[str, Any], longest: float, fitting: Callable[[int], int], bodies: int, tensions: int, quantity: str
+) -> dict[str, Any]:
+    """A measured choice on another finger, with what to expect of it."""
+    along, measured = one["cells"]
+    across = fitting(measured)
+    fitted = max(math.ceil(along * longest - 1e-9), 3)  # a cell of the front may be as long as is accepted
+    lines = max(LINES, round(one["lines"] * tensions))
+    more_lines = lines / (one["lines"] * TENSIONS)
+    return {
+        "cells": [fitted, across],
+        "order": one["order"],
+        "lines": lines,
+        "preset": one["preset"],
+        "expected": {
+            "quantity": quantity,
+            "error": one[quantity],
+            "error_of_mesh": one[f"{quantity}_of_mesh"],
+            "error_of_surrogate": one[f"{quantity}_of_surrogate"],
+            "core_seconds": one["core_seconds"] * more_lines * fitted * bodies / along * (across / measured) ** 2,
+            "states": round(one["states"] * more_lines),
+            "tolerance": one["tolerance"],
+        },
+    }
+
+
+def _choice(key: str, value: Any, choices: list[dict[str, Any]]) -> dict[str, Any]:
+    """The cheapest of an accuracy, the best of a budget, or the one of that name."""
+    if key == "preset":
+        named = {one["preset"]: one for one in choices if one["preset"]}
+        if not isinstance(value, str) or value not in named:
+            raise ValueError(f"preset must be one of {', '.join(named)}, got {value!r}")
+        return named[value]
+    errors, costs = ([one["expected"][what] for one in choices] for what in ("error", "core_seconds"))
+    if key == "accuracy":
+        wanted = _share(value)
+        found = [one for one, error in zip(choices, errors, strict=True) if error <= wanted]
+        if not found:
+            raise ValueError(f'accuracy must be at least "{100 * min(errors):.2g} %", the best measured, got "{value}"')
+        return min(found, key=lambda one: one["expected"]["core_seconds"])
+    budget = seconds("budget", value)
+    found = [one for one, cost in zip(choices, costs, strict=True) if cost <= budget]
+    if not found:
+        raise ValueError(f'budget must be at least "{min(costs):.0f}s" of core time for this finger, got "{value}"')
+    return min(found, key=lambda one: one["expected"]["error"])
+
+
+def _share(text: Any) -> float:
+    """A percentage such as "1 %" [-]."""
+    match = re.fullmatch(r"\s*([0-9]*\.?[0-9]+)\s*%\s*", text) if isinstance(text, str) else None
+    if match is None or not 0 < float(match[1]) < 100:
+        raise ValueError(f'accuracy must be a share such as "1 %", above 0 and below 100 %, got {text!r}')
+    return float(match[1]) / 100

@@ -1,0 +1,175 @@
+"""What is modelled: a scene, which is its tables and the rules between them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Annotated, Any
+
+from pydantic import Field, model_validator
+
+from fingerfem.scene.grid_lines import fitting, grid_lines
+from fingerfem.scene.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff
+from fingerfem.scene.presets import KEYS, chosen
+from fingerfem.scene.tables import Expected, Geometry, Mesh, Obstacle, Outline, Sampling, Table, Tendon
+
+NOT_OF_THE_FINGER = {"name", "sampling", "expected", *KEYS}
+
+
+class SceneError(ValueError):
+    """A scene that breaks a rule: one line naming file, field, rule and value."""
+
+
+class Scene(Table):
+    """One scene: everything the full-order model needs to know.
+
+    In place of mesh and sampling it may have `accuracy` ("1 %" of the contact force), `budget` ("20min" of core time)
+    or `preset`; what these chose is then `mesh`, `sampling` and `expected`.
+    """
+
+    name: str
+    accuracy: str | None = None
+    budget: str | None = None
+    preset: str | None = None
+    expected: Expected | None = None
+    geometry: Geometry
+    material: Annotated[NeoHookean | MooneyRivlin | SaintVenantKirchhoff, Field(discriminator="law")]
+    tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
+    obstacle: Obstacle | None = None
+    mesh: Mesh
+    sampling: Sampling = Sampling()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _choose(cls, table: Any) -> Any:
+        if not isinstance(table, dict):
+            return table
+        if table.get("expected") is not None:  # it was chosen when it was written
+            if not any(table.get(key) for key in KEYS):
+                raise ValueError(f"expected must be left out where no {' or '.join(KEYS)} chooses it, got a table")
+            return table
+        return chosen(table, lambda cells: cls._fitting(table, cells))
+
+    @classmethod
+    def _fitting(cls, table: dict[str, Any], across: int) -> int:
+        """The fewest cells across, from the given number on, that fit this finger's channels and pad."""
+        try:
+            obstacle = Obstacle.model_validate(table["obstacle"]) if table.get("obstacle") else None
+            outline = Outline(
+                Geometry.model_validate(table["geometry"]),
+                [Tendon.model_validate(tendon) for tendon in table["tendons"]],
+                obstacle.pad if obstacle else None,
+            )
+        except (KeyError, TypeError, ValueError):
+            return across  # what is wrong with the finger is told as such
+        return fitting(outline, across)
+
+    @model_validator(mode="after")
+    def _tables_agree(self) -> Scene:
+        names = [tendon.name for tendon in self.tendons]
+        width = self.geometry.channel_width
+        reach = self.geometry.side / 2 - width / 2
+        for k, tendon in enumerate(self.tendons):
+            if tendon.name == "d" or names.count(tendon.name) > 1:
+                raise ValueError(f"tendons.{k}.name must be unique and not d, got {tendon.name}")
+            if tendon.segment > len(self.geometry.segments):
+                raise ValueError(
+                    f"tendons.{k}.segment must be at most {len(self.geometry.segments)}, the number of segments, "
+                    f"got {tendon.segment}"
+                )
+            if max(abs(value) for value in tendon.offset) > reach * (1 + 1e-9):
+                raise ValueError(
+                    f"tendons.{k}.offset must keep its channel inside the section (at most {reach:g} m from the axis), "
+                    f"got {tendon.offset}"
+                )
+            for other in self.tendons[:k]:
+                apart = max(abs(a - b) for a, b in zip(tendon.offset, other.offset, strict=True))
+                if apart < width * (1 - 1e-9):
+                    raise ValueError(
+                        f"tendons.{k}.offset must keep channels apart (geometry.channel is {width:g} m wide), "
+                        f"got {tendon.offset} beside {other.name} at {other.offset}"
+                    )
+            _ordered(f"tendons.{k}.tension", tendon.tension)
+        if self.mesh.symmetry and not self.outline.is_planar:
+            raise ValueError("mesh.symmetry must be false where a tendon is off the plane z = 0, got true")
+        if self.obstacle is not None:
+            self._check_obstacle(self.obstacle)
+        grid_lines(self.outline, self.mesh, self.is_half)
+        return self
+
+    @model_validator(mode="after")
+    def _pressure_has_a_pad(self) -> Scene:
+        if "pad_pressure" in self.sampling.store and (self.obstacle is None or self.obstacle.pad is None):
+            raise ValueError("sampling.store must not ask for pad_pressure of a scene without obstacle.pad")
+        return self
+
+    def _check_obstacle(self, obstacle: Obstacle) -> None:
+        _ordered("obstacle.distance", obstacle.distance)
+        if obstacle.method == "nitsche" and self.material.is_mixed:
+            raise ValueError(
+                "obstacle.method must be penalty where the rubber is nearly incompressible: its stress on the surface, "
+                "which nitsche needs, is not that of the displacements, got nitsche"
+            )
+        if obstacle.method == "nitsche" and obstacle.stiffness_factor < 20:
+            raise ValueError(
+                "obstacle.stiffness must be at least 20 for nitsche, below which its potential has no minimum, "
+                f"got {obstacle.stiffness_factor:g}"
+            )
+        if obstacle.pad is not None:
+            _ordered("obstacle.pad.x", obstacle.pad.x)
+            least = self.geometry.side / 100
+            if min(obstacle.pad.x[1] - obstacle.pad.x[0], obstacle.pad.width or least) < least * (1 - 1e-9):
+                raise ValueError(
+                    f"obstacle.pad must be at least a hundredth of the side long and wide ({least:g} m), "
+                    f"got x {obstacle.pad.x}, width {obstacle.pad.width}"
+                )
+            if obstacle.pad.x[1] > self.geometry.length * (1 + 1e-9):
+                raise ValueError(
+                    f"obstacle.pad.x must lie on the finger, [0, {self.geometry.length:g}] m, got {obstacle.pad.x}"
+                )
+            if (obstacle.pad.width or 0) > self.geometry.side:
+                raise ValueError(
+                    f"obstacle.pad.width must be at most the side, {self.geometry.side:g} m, got {obstacle.pad.width}"
+                )
+
+    @property
+    def outline(self) -> Outline:
+        """What the mesh's grid lines have to meet."""
+        return Outline(self.geometry, self.tendons, self.obstacle.pad if self.obstacle else None)
+
+    @property
+    def is_half(self) -> bool:
+        """Whether only the half z >= 0 is modelled."""
+        return self.outline.is_planar if self.mesh.symmetry is None else self.mesh.symmetry
+
+    @property
+    def law(self) -> Law:
+        """The rubber's law."""
+        return self.material
+
+    @property
+    def parameters(self) -> list[dict[str, Any]]:
+        """Name, unit, lowest and highest value of every parameter, in the order every layer uses: tensions, then d."""
+        listed = [
+            {"name": tendon.name, "unit": "N", "lower": tendon.tension[0], "upper": tendon.tension[1]}
+            for tendon in self.tendons
+        ]
+        if self.obstacle is not None:
+            lower, upper = self.obstacle.distance
+            listed.append({"name": "d", "unit": "m", "lower": lower, "upper": upper})
+        return listed
+
+    @property
+    def parameter_names(self) -> list[str]:
+        """Names of the parameters, in their order."""
+        return [parameter["name"] for parameter in self.parameters]
+
+    def fingerprint(self) -> str:
+        """Hash of all that changes the finger's answers; name and sampling do not."""
+        text = json.dumps(self.model_dump(exclude=NOT_OF_THE_FINGER), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _ordered(field: str, limits: list[float]) -> None:
+    if limits[0] >= limits[1]:
+        raise ValueError(f"{field} must be [lowest, highest] with lowest < highest, got {limits}")

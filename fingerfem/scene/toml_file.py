@@ -1,0 +1,85 @@
+"""The scene as a TOML file: read, and refused in one line."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from fingerfem.scene.scene import Scene, SceneError
+
+UNITS = {
+    "side": "m",
+    "segments": "m",
+    "plate": "m",
+    "channel": "m",
+    "offset": "m",
+    "distance": "m",
+    "x": "m",
+    "width": "m",
+    "C1": "Pa",
+    "C10": "Pa",
+    "C01": "Pa",
+    "E": "Pa",
+    "D1": "1/Pa",
+    "tension": "N",
+}
+LAWS = ("neo-hookean", "mooney-rivlin", "saint-venant-kirchhoff")
+
+
+def load_scene(path: str | Path) -> Scene:
+    """Read a scene.
+
+    Raises:
+        SceneError: one line naming file, field, rule and value.
+    """
+    try:
+        with open(path, "rb") as stream:
+            table = tomllib.load(stream)
+    except OSError as error:
+        raise SceneError(f"{path}: {error.strerror or error}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SceneError(f"{path}: not a TOML file: {error}") from None
+    try:
+        return Scene.model_validate(table)
+    except ValidationError as error:
+        raise SceneError(f"{path}: {one_line(error)}") from None
+
+
+def one_line(error: ValidationError) -> str:
+    """The first broken rule as `field rule, got value`."""
+    # A misspelt key is also a missing one: name what was written.
+    first = min(error.errors(), key=lambda broken: broken["type"] != "extra_forbidden")
+    where = [str(part) for part in first["loc"] if part not in LAWS]
+    field = ".".join(where)
+    unit = next((UNITS[part] for part in reversed(where) if part in UNITS), None)
+    of_unit = f" {unit}" if unit else ""
+    kind, context = first["type"], first.get("ctx", {})
+    if kind == "missing":
+        return f"{field} is required and missing"
+    if kind == "extra_forbidden":
+        return f"{field} is not a known key, got {first['input']!r}"
+    if kind == "value_error":
+        prefix = "" if not where else f"{field}."
+        return prefix + str(context["error"])
+    rules = {
+        "greater_than": ("must be above {}", "gt"),
+        "greater_than_equal": ("must be at least {}", "ge"),
+        "less_than": ("must be below {}", "lt"),
+        "less_than_equal": ("must be at most {}", "le"),
+    }
+    if kind in rules:
+        text, key = rules[kind]
+        rule = text.format(f"{context[key]:g}") + of_unit
+    elif kind == "union_tag_invalid":
+        return f"{field}.law must be {' or '.join(map(repr, LAWS))}, got {first['input']['law']!r}"
+    elif kind == "union_tag_not_found":
+        return f"{field}.law is required and missing"
+    elif kind == "literal_error":
+        rule = f"must be {context['expected']}"
+    elif kind in ("float_type", "int_type"):
+        rule = f"must be a {'number' if kind == 'float_type' else 'whole number'}{f' in {unit}' if unit else ''}"
+    else:
+        rule = first["msg"][0].lower() + first["msg"][1:]
+    return f"{field} {rule}, got {first['input']!r}"

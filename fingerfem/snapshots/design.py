@@ -1,0 +1,144 @@
+"""Which parameters to solve: the nodes of a training set, or held-out points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from scipy.stats import qmc
+
+from fingerfem.scene.scene import Scene, SceneError
+from rom.snapshots.snapshot_set import Description
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeldOut:
+    """Held-out points, drawn uniformly over the parameters' ranges.
+
+    Attributes:
+        count: of tensions.
+        seed: of what is drawn.
+        distances: of the plane at each of these; states that share their tensions are solved one after the other, four
+            of them for half the iterations that each takes from rest.
+    """
+
+    count: int
+    seed: int = 0
+    distances: int = 1
+
+    def __post_init__(self) -> None:
+        for name, value in (("random", self.count), ("distances", self.distances)):
+            if value < 1:
+                raise ValueError(f"{name} must be at least 1, got {value}")
+
+    def points(self, box: np.ndarray, has_obstacle: bool) -> list[list[float]]:
+        """Parameters, shape (count, p), in a box of lower and upper ends, shape (p, 2)."""
+        if not has_obstacle and self.distances > 1:
+            raise SceneError(f"distances must be 1 where the scene has no obstacle, got {self.distances}")
+        axes = np.arange(len(box) + self.distances - 1).clip(max=len(box) - 1)
+        draw = np.random.default_rng(self.seed).random((self.count, len(axes)))
+        drawn = box[axes, 0] + draw * (box[axes, 1] - box[axes, 0])
+        if not has_obstacle:
+            return drawn.tolist()
+        tensions, distances = drawn[:, : len(box) - 1], -np.sort(-drawn[:, len(box) - 1 :])
+        points = np.repeat(tensions, self.distances, axis=0)
+        return np.column_stack([points, distances.ravel()]).tolist()
+
+
+FINEST = {"tension": 17, "contact": 33}  # nodes of a grid that is refined
+FIRST = 4  # every how many-th of them it begins with
+MOST_TENSIONS = 3  # on such a grid
+SCATTER, LINES, ALONG, SEED = 3, 40, 8, 0  # tensions from which on lines are scattered; lines a tension; nodes a line
+
+
+def describe(
+    scene: Scene, versions: dict[str, str], held_out: HeldOut | None = None, refines: bool = False
+) -> Description:
+    """The set of states to solve for a scene.
+
+    Args:
+        scene: the scene; its sampling says how fine a grid is that is not refined.
+        versions: of the software.
+        held_out: points to solve instead of a grid.
+        refines: whether a coarse grid is refined where the surrogate's error is largest.
+
+    Raises:
+        SceneError: no tendon bends the finger towards its plane, or there are too many tensions to refine.
+    """
+    lead = _lead(scene)
+    if refines and len(scene.tendons) > MOST_TENSIONS:
+        raise SceneError(f"tendons must be at most {MOST_TENSIONS} to refine their grid, got {len(scene.tendons)}")
+    parameters = scene.parameters
+    box = np.array([[parameter["lower"], parameter["upper"]] for parameter in parameters])
+    tensions = box[: len(scene.tendons)]
+    along_tension = FINEST["tension"] if refines else scene.sampling.tension_nodes
+    along_contact = FINEST["contact"] if refines else scene.sampling.contact_nodes
+    scattered = [] if held_out or refines else _scattered(scene, tensions)
+    if scattered:
+        along_tension, along_contact = 2, scene.sampling.contact_nodes if _asks(scene, "contact_nodes") else ALONG
+    points = held_out.points(box, scene.obstacle is not None) if held_out else []
+    return Description(
+        scene=scene.model_dump(mode="json"),
+        fingerprint=scene.fingerprint(),
+        parameters=parameters,
+        lead=lead,
+        tension_nodes=[_cosine(low, high, along_tension).tolist() for low, high in tensions],
+        onset_nodes=_half_cosine(along_tension).tolist(),
+        contact_nodes=_half_cosine(along_contact).tolist(),
+        strides=_strides(len(parameters), len(tensions), lead) if refines else [1] * len(parameters),
+        random=points,
+        scattered=scattered,
+        versions=versions,
+    )
+
+
+def _asks(scene: Scene, name: str) -> bool:
+    return name in scene.sampling.model_fields_set
+
+
+def _scattered(scene: Scene, box: np.ndarray) -> list[list[float]]:
+    """Tensions of scattered lines [N], dense at the box's walls as Chebyshev nodes are; none for a grid."""
+    count = len(box)
+    lines = scene.sampling.lines
+    if lines is None:
+        if count < SCATTER or _asks(scene, "tension_nodes"):
+            return []
+        lines = LINES * count
+    corners = [list(corner) for corner in product((0.0, 1.0), repeat=count)]
+    # A low-discrepancy sequence: any number of its points fills the box evenly.
+    draw = qmc.Sobol(count, seed=SEED).random_base2(int(np.ceil(np.log2(max(lines, 2)))))
+    shares = [*corners, *((1 - np.cos(np.pi * draw)) / 2).tolist()][:lines]
+    return (box[:, 0] + np.array(shares) * (box[:, 1] - box[:, 0])).tolist()
+
+
+def _strides(parameters: int, tensions: int, lead: int) -> list[int]:
+    """The first grid: measured, a second tension wants twice the nodes of the lead, whose axis begins at onset."""
+    strides = [FIRST] * parameters
+    if tensions == 2:
+        strides[1 - lead] = FIRST // 2
+    return strides
+
+
+def _lead(scene: Scene) -> int:
+    """The tendon that bends the finger most towards the plane."""
+    ends = np.cumsum(scene.geometry.segments)
+    lever = [tendon.offset[0] * ends[tendon.segment - 1] for tendon in scene.tendons]
+    lead = int(np.argmax(lever))
+    if scene.obstacle is not None and lever[lead] <= 0:
+        raise SceneError("tendons must have one on the plane's side (offset y > 0) to sample contact, got none")
+    return lead
+
+
+def _cosine(low: float, high: float, count: int) -> np.ndarray:
+    """Chebyshev-Lobatto nodes: dense at both ends, where splines err most."""
+    nodes = low + (high - low) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
+    nodes[-1] = high
+    return nodes
+
+
+def _half_cosine(count: int) -> np.ndarray:
+    """Nodes on [0, 1], dense at 0, where contact begins."""
+    nodes = 1 - np.cos(np.pi / 2 * np.arange(count) / (count - 1))
+    nodes[-1] = 1.0
+    return nodes

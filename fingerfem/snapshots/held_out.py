@@ -1,0 +1,89 @@
+"""Held-out states that share their tensions: first the free state, then the plane ever nearer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from fingerfem.discretisation.node_order import NodeOrder
+from fingerfem.equilibrium.failures import LoadNotReached
+from fingerfem.model import FingerModel
+from fingerfem.snapshots.neighbours import Neighbour, Neighbours
+from fingerfem.snapshots.recorder import Recorder
+
+Start = Callable[[], None]
+
+
+class HeldOutSolver:
+    """Solves held-out states from rest; or from known states near by, and from rest where these do not lead there."""
+
+    def __init__(self, model: FingerModel, numbering: NodeOrder, neighbours: Neighbours | None = None):
+        self._model, self._numbering, self._neighbours = model, numbering, neighbours
+
+    def solve(self, tensions: np.ndarray, distances: Sequence[float]) -> Recorder:
+        """States at tensions [N], shape (tensions,), and distances of the plane [m], falling; nan without a plane."""
+        model, record = self._model, Recorder(self._model, self._numbering)
+        spent, failure = self._bring(self._free_starts(tensions), tensions, None)
+        if failure is not None or model.scene.obstacle is None:
+            for distance in distances:
+                self._note(record, tensions, distance, spent, failure)
+            return record
+        record.touch()
+        reach, free = model.problem.reach(), model.problem.displacement.copy()
+        for distance in distances:
+            starts = self._contact_starts(tensions, distance, reach, free)
+            more, failure = self._bring(starts, tensions, distance)
+            self._note(record, tensions, distance, spent + more, failure)
+            spent = 0  # the first counts the way to the free state
+        return record
+
+    def _free_starts(self, tensions: np.ndarray) -> Iterator[Start]:
+        near = self._neighbours
+        if near is not None:
+            yield lambda: self._begin(near.free(tensions))
+        yield self._model.continuation.rest
+
+    def _contact_starts(self, tensions: np.ndarray, distance: float, reach: float, free: np.ndarray) -> Iterator[Start]:
+        continuation, near = self._model.continuation, self._neighbours
+        if near is not None and distance < reach:
+            yield lambda: self._begin(near.contact(tensions, distance))
+        elif continuation.distance is None or distance <= continuation.distance:
+            yield lambda: None  # from where it is
+        yield lambda: continuation.start(tensions, None, free)
+
+    def _begin(self, known: Neighbour) -> None:
+        self._model.continuation.start(known.tensions, known.distance, self._numbering.scatter(known.displacement))
+
+    def _bring(
+        self, starts: Iterator[Start], tensions: np.ndarray, distance: float | None
+    ) -> tuple[int, LoadNotReached | None]:
+        """Bring the model to a load from the first start that leads there.
+
+        Returns:
+            iterations of all that was tried, and why none leads there.
+        """
+        continuation, spent, failure = self._model.continuation, 0, None
+        for start in starts:
+            start()
+            before = continuation.iterations
+            try:
+                continuation.advance(tensions, distance)
+            except LoadNotReached as caught:
+                failure = caught
+            else:
+                return spent + continuation.iterations - before, None
+            spent += continuation.iterations - before
+        return spent, failure
+
+    def _note(
+        self, record: Recorder, tensions: np.ndarray, distance: float, spent: int, failure: LoadNotReached | None
+    ) -> None:
+        """Note the state that the model was brought to, or why it was not."""
+        if failure is None:
+            record.state(
+                tensions, None if np.isnan(distance) else distance, self._model.continuation.iterations - spent
+            )
+            return
+        last = np.nan if failure.distance is None else failure.distance
+        record.failed(tensions, distance, failure.reason, last_good=(failure.tensions, last))

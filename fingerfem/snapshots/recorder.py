@@ -1,0 +1,259 @@
+"""What is kept of the states of a line, and what is said of those that have no answer."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fingerfem.discretisation.node_order import NodeOrder
+from fingerfem.equilibrium.continuation import Continuation
+from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
+from fingerfem.equilibrium.sensitivities import Sensitivities, differentiate
+from fingerfem.equilibrium.state import channel_shortening, pad_pressure
+from fingerfem.model import FingerModel
+from fingerfem.scene.scene import Scene
+from fingerfem.snapshots.plate_contact import PlateContacts
+
+logger = logging.getLogger(__name__)
+
+
+class ContactState(NamedTuple):
+    """A state in contact, to begin others from."""
+
+    distance: float  # of the plane [m]
+    regime: np.ndarray  # see PlateContact
+    displacement: np.ndarray  # of this rank's nodes
+
+
+class Recorder:
+    """Collects the states of one line; after a load that was not reached the line's further states are failed too.
+
+    Of free lines it also keeps the long edges, of which one is the first to touch.
+
+    Attributes:
+        displacements: of this rank's nodes, state by state, as the model has them.
+        reaches: of the finger towards the plane, state by state [m].
+    """
+
+    def __init__(self, model: FingerModel, numbering: NodeOrder, edges: bool = False):
+        self._model, self._numbering, self._broken = model, numbering, ""
+        self._store, self._parameter_count = model.scene.sampling.store, len(model.scene.parameters)
+        self._edges = _long_edges(model.scene, numbering.nodes) if edges else None
+        self._plates = PlateContacts(model.problem) if model.scene.obstacle is not None else None
+        self._last_good: tuple[np.ndarray, float] | None = None
+        self._touch: dict[str, Any] = {}
+        self._rows: list[dict[str, Any]] = []
+        self.displacements: list[np.ndarray] = []
+        self.reaches: list[float] = []
+
+    def state(self, tensions: np.ndarray, distance: float | None, iterations_before: int | None = None) -> None:
+        """Solve and note one state; the touch distance of one in contact is that of the last free state.
+
+        Its iterations are counted from `iterations_before`, from now if that is None.
+        """
+        model = self._model
+        d = np.nan if distance is None else distance
+        if distance is not None and np.isnan(distance):  # of a plane that stands where the free finger has no answer
+            self._broken = self._broken or self._rows[-1]["reason"]
+        if self._broken:
+            self.failed(tensions, d, self._broken, last_good=self._last_good)
+            return
+        before = model.continuation.iterations if iterations_before is None else iterations_before
+        try:
+            model.continuation.advance(tensions, distance)
+        except LoadNotReached as failure:
+            self.broken(failure)
+            self.failed(tensions, d, failure.reason, last_good=self._last_good)
+            return
+        found = _stable(model.continuation)
+        if found is None:
+            self.failed(tensions, d, "the equilibrium is not stable")
+        elif model.passes_through_itself():
+            self.failed(tensions, d, "the finger passes through itself")
+        else:
+            self.displacements.append(model.problem.displacement.copy())
+            self.reaches.append(model.problem.reach())
+            solved = self._solved(found)
+            self._rows.append(
+                solved
+                | {
+                    "parameters": self._parameters(tensions, d),
+                    "iterations": model.continuation.iterations - before,
+                    "converged": True,
+                    "reason": "",
+                    "last_good": self._parameters(np.full_like(tensions, np.nan), np.nan),
+                }
+            )
+
+    def take(self, row: dict[str, Any], displacement: np.ndarray | None) -> None:
+        """Note a state that another set has solved; its displacement is of this rank's nodes, if known."""
+        blank = np.full_like(self._model.problem.displacement, np.nan)
+        self.displacements.append(blank if displacement is None else displacement)
+        self.reaches.append(float(row.get("touch_distance", np.nan)))
+        if "touch_distance" in row:
+            self._touch = {name: row[name] for name in ("touch_distance", "touch_distance_jacobian")}
+        self._rows.append(row)
+
+    @property
+    def is_broken(self) -> bool:
+        """Whether a load was not reached, so that further states have no answer."""
+        return bool(self._broken)
+
+    def restarted(self) -> None:
+        """Where the line broke is no reason any more: the model has been brought to an equilibrium."""
+        self._broken = ""
+
+    def broken(self, failure: LoadNotReached) -> None:
+        """All further states of the line have no answer either."""
+        self._broken = failure.reason
+        self._last_good = failure.tensions, np.nan if failure.distance is None else failure.distance
+
+    def touch(self) -> None:
+        """Note where the plane would be touched: the model is in a free state."""
+        model = self._model
+        slopes = differentiate(model.problem, model.continuation.linearise()).touch_distance
+        assert slopes is not None
+        self._touch = {
+            "touch_distance": model.problem.reach(),
+            "touch_distance_jacobian": self._padded(slopes),
+        }
+
+    def _solved(self, found: Sensitivities) -> dict[str, Any]:
+        """What is kept of the state that the model is in; fields on the model's first rank only."""
+        model, numbering, store = self._model, self._numbering, self._store
+        field = numbering.gather(model.problem.displacement)
+        row: dict[str, Any] = {"tip": model.problem.tip(), "tip_jacobian": self._padded(found.tip).T}
+        if model.problem.forms.contact is not None:
+            if found.touch_distance is not None:
+                slopes = self._padded(found.touch_distance)
+                self._touch = {"touch_distance": model.problem.reach(), "touch_distance_jacobian": slopes}
+            row |= self._touch
+            row["contact_force"] = model.problem.scalar(model.problem.forms.contact.force)
+            pressed = found.contact_force if found.contact_force is not None else np.zeros(0)
+            row["contact_force_jacobian"] = self._padded(pressed)
+        if self._plates is not None:
+            row |= self._plate_contact(self._plates, found)
+        if "pad_pressure" in store:
+            row["pad_pressure"] = pad_pressure(model.problem)
+            row["pad_pressure_jacobian"] = self._padded(
+                found.pad_pressure if found.pad_pressure is not None else np.zeros(0)
+            )
+        if "channel_shortening" in store:
+            row["channel_shortening"] = channel_shortening(model.problem)
+            row["channel_shortening_jacobian"] = self._padded(found.channel_shortening).T
+        if "displacement" in store or self._edges is not None:
+            changes = [numbering.gather(change) for change in found.displacement]
+        if "displacement" in store:
+            row |= {"displacement": field, "displacement_jacobian": self._padded(np.array(changes)).astype(np.float32)}
+        if self._edges is not None and model.problem.comm.rank == 0:
+            rest = numbering.nodes[self._edges, 1] - model.scene.geometry.side / 2
+            row["edge_heights"] = field[self._edges, 1] + rest
+            slopes = np.array([change[self._edges, 1] for change in changes])
+            row["edge_heights_jacobian"] = self._padded(slopes).T
+        return row
+
+    def _plate_contact(self, plates: PlateContacts, found: Sensitivities) -> dict[str, Any]:
+        stands = plates.at(found.displacement)
+        row: dict[str, Any] = {name: getattr(stands, name) for name in (*stands.jacobians, "regime")}
+        return row | {
+            f"{name}_jacobian": np.moveaxis(self._padded(np.moveaxis(slopes, -1, 0)), 0, -1)
+            for name, slopes in stands.jacobians.items()
+        }
+
+    def _padded(self, slopes: np.ndarray) -> np.ndarray:
+        """Derivatives by all parameters, first axis; by d they are zero while there is no plane."""
+        count = self._parameter_count - len(slopes)
+        return np.concatenate([slopes, np.zeros((count, *slopes.shape[1:]))])
+
+    def failed(
+        self,
+        tensions: np.ndarray,
+        distance: float,
+        reason: str,
+        count: int = 1,
+        last_good: tuple[np.ndarray, float] | None = None,
+    ) -> None:
+        """Note states that have no answer, and the last load with an equilibrium on the way to them."""
+        logger.warning("no state at %s: %s", self._parameters(tensions, distance).tolist(), reason)
+        row = {
+            "parameters": self._parameters(tensions, distance),
+            "iterations": 0,
+            "converged": False,
+            "reason": reason,
+            "last_good": self._parameters(*(last_good or (np.full_like(tensions, np.nan), np.nan))),
+        }
+        self._rows += [row] * count
+        self.displacements += [np.full_like(self._model.problem.displacement, np.nan)] * count
+        self.reaches += [np.nan] * count
+
+    def _parameters(self, tensions: np.ndarray, distance: float) -> np.ndarray:
+        return np.append(tensions, distance) if self._model.scene.obstacle is not None else np.array(tensions)
+
+    def contacts(self) -> list[ContactState]:
+        """The states so far that have an answer and touch the plane, in the order in which they were noted."""
+        pairs = zip(self._rows, self.displacements, strict=True)
+        return [
+            ContactState(float(row["parameters"][-1]), row["regime"], displacement)
+            for row, displacement in pairs
+            if row["converged"] and row["contact_force"] > 0 and not np.isnan(displacement).any()
+        ]
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The states collected, quantity by quantity, nan where there is no answer; on the model's first rank."""
+        if self._model.problem.comm.rank:
+            return {}
+        blank: dict[str, Any] = {name: np.full(shape, np.nan, kind) for name, (shape, kind) in self._schema.items()}
+        rows = [blank | row for row in self._rows]
+        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+    @property
+    def _schema(self) -> dict[str, tuple[tuple[int, ...], type]]:
+        """Shape and kind of every quantity of a state that may be missing."""
+        p, tendons, field = self._parameter_count, len(self._model.scene.tendons), self._numbering.nodes.shape
+        found: dict[str, tuple[tuple[int, ...], type]] = {
+            "tip": ((3,), float),
+            "tip_jacobian": ((3, p), float),
+        }
+        if self._edges is not None:
+            found["edge_heights"] = (self._edges.shape, float)
+            found["edge_heights_jacobian"] = ((len(self._edges), p), float)
+        if self._model.scene.obstacle is not None:
+            for name in ("contact_force", "touch_distance"):
+                found |= {name: ((), float), f"{name}_jacobian": ((p,), float)}
+            segments = len(self._model.scene.geometry.segments)
+            for name, shape in (
+                ("plate_height", (segments,)),
+                ("plate_force", (segments,)),
+                ("rubber_reach", (segments,)),
+                ("plate_tilt", (segments, 3)),
+                ("centre_of_pressure", (segments, 3)),
+            ):
+                found |= {name: (shape, float), f"{name}_jacobian": ((*shape, p), float)}
+            found["regime"] = ((5 * segments,), float)
+        if "pad_pressure" in self._store:
+            found |= {"pad_pressure": ((), float), "pad_pressure_jacobian": ((p,), float)}
+        if "channel_shortening" in self._store:
+            found["channel_shortening"] = ((tendons,), float)
+            found["channel_shortening_jacobian"] = ((tendons, p), float)
+        if "displacement" in self._store:
+            # Slopes are for interpolation, which errs far more than single precision does.
+            found |= {"displacement": (field, float), "displacement_jacobian": ((p, *field), np.float32)}
+        return found
+
+
+def _stable(continuation: Continuation) -> Sensitivities | None:
+    """The sensitivities at a stable equilibrium."""
+    try:
+        linearisation = continuation.linearise()
+    except NotConverged:
+        return None
+    found = differentiate(continuation.problem, linearisation)
+    return found if linearisation.stable else None
+
+
+def _long_edges(scene: Scene, nodes: np.ndarray) -> np.ndarray:
+    """Nodes on the long edges: of a section that stays plane, a corner reaches farthest."""
+    side = scene.geometry.side
+    return np.flatnonzero(np.isclose(np.abs(nodes[:, 1:]), side / 2, atol=1e-6 * side).all(axis=1))

@@ -1,0 +1,155 @@
+"""A snapshot set -> a surrogate: the free states by tensions, the contact states regime by regime.
+
+In free space everything is a smooth function of the tensions; in contact, it is one in every regime
+(snapshots.contact_regimes), of contact-aligned coordinates (fit.contact_coordinates). Each is fitted by a polynomial to
+the values and sensitivities of its states, wherever they lie (fit.chebyshev), and then separated (separation). States
+on a coarser mesh, if there are any, are fitted first, and what they say is corrected by the others (fit.mesh_transfer).
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import Counter
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rom import error_model
+from rom.components import Errors
+from rom.fit import displacement, mesh_transfer
+from rom.fit.chebyshev import CALM, NOISE
+from rom.fit.contact_coordinates import Way
+from rom.fit.contact_response import Contact, count_regimes
+from rom.fit.free_response import Free
+from rom.fits import Fits, separated_fits
+from rom.separation.alternating_directions import EnrichmentOptions
+from rom.snapshots.contact_regimes import Code
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+from rom.surrogate import Surrogate
+from rom.terminal import Progress, quiet
+
+logger = logging.getLogger(__name__)
+
+
+def train(
+    snapshots: SnapshotSet,
+    options: EnrichmentOptions,
+    coarse: SnapshotSet | None = None,
+    *,
+    progress: Progress = quiet,
+) -> Surrogate:
+    """Build the surrogate of a training set; states may have failed, and lines that refine it be missing.
+
+    Args:
+        snapshots: the set.
+        options: of the separation.
+        coarse: a set of the same finger on a coarser mesh, which the first then corrects.
+        progress: is told how far it is.
+
+    Raises:
+        SnapshotError: a held-out set, or no state with an answer, or none that touches the plane; or sets
+            of two fingers.
+    """
+    description, sets = snapshots.description, [snapshots] if coarse is None else [snapshots, coarse]
+    for one in sets:
+        _check(one)
+    if coarse is not None:
+        mesh_transfer.check_pair(snapshots, coarse)
+    pad = all("pad_pressure" in one.description.stored for one in sets)
+    counts = count_regimes(sets) if description.has_obstacle else Counter()
+    before = None
+    if coarse is not None:
+        progress("fitting the coarse states", 0, 1)
+        before = _fitted(coarse, counts, options, description.has_field, pad, noise=CALM)
+        progress("fitting the coarse states", 1, 1)
+        if before.moved is not None:
+            before = before._replace(moved=before.moved.on(mesh_transfer.interpolation(coarse.nodes, snapshots.nodes)))
+    progress("fitting the states", 0, 1)
+    free, contact, moved = _fitted(snapshots, counts, options, description.has_field, pad, before)
+    progress("fitting the states", 1, 1)
+    if contact is not None:
+        free, contact = contact.with_its_corners(free)
+    places, near = contact.map() if contact else (np.zeros(1, np.int64), np.zeros(1, np.uint64))
+    unknown = Errors(
+        tip=np.nan,
+        displacement=np.nan,
+        touch_distance=np.nan,
+        contact=np.full((len(places), 3 + pad), np.nan),
+        margin=0.0,
+    )
+    model = Surrogate(
+        parameters=description.parameters,
+        **separated_fits(Fits(free, contact, moved), options, progress),
+        map=places,
+        near=near,
+        way=Way(0.0, 1.0) if contact is None else contact.way,
+        errors=unknown,
+        lead=description.lead,
+        nodes=snapshots.nodes if moved is not None else np.zeros((0, 3)),
+        scene=description.scene,
+        accuracy={},
+        provenance={
+            "fingerprint": description.fingerprint,
+            "versions": description.versions,
+            "states": snapshots.states,
+            "failed": len(snapshots.failures),
+            "tolerance": options.tolerance,
+        }
+        | ({} if coarse is None else {"coarse": _origin(coarse)}),
+    )
+    progress("estimating the errors", 0, 1)
+    model = replace(model, errors=error_model.estimate(model, snapshots, free, contact, moved))
+    progress("estimating the errors", 1, 1)
+    return model
+
+
+def _check(snapshots: SnapshotSet) -> None:
+    description = snapshots.description
+    if description.random:
+        raise SnapshotError(f"{snapshots.path}: must be a training set, got a held-out set (made with --random)")
+    for kind in ("free", "contact") if description.has_obstacle else ("free",):
+        if not snapshots.count(kind):
+            raise SnapshotError(f"{snapshots.path}: must have {kind} states with an answer, got none")
+    if "pad_pressure" in description.stored and not snapshots.has_pad_slopes:
+        raise SnapshotError(
+            f"{snapshots.path}: must have derivatives of pad_pressure, which older versions did not store"
+        )
+    for task, parameters, reason in snapshots.failures:
+        named = zip(description.parameters, parameters, strict=True)
+        at = " ".join(f"{one['name']}={value:.6g}" for one, value in named if np.isfinite(value))
+        logger.warning("done without the failed state of %s at %s: %s", task, at, reason)
+    if snapshots.missing:
+        logger.warning(
+            "done without %d lines of states that are not solved yet; fingerfem snapshots goes on with them",
+            len(snapshots.missing),
+        )
+
+
+def _fitted(
+    snapshots: SnapshotSet,
+    counts: Counter[Code],
+    options: EnrichmentOptions,
+    with_field: bool,
+    pad: bool,
+    before: Fits | None = None,
+    noise: float = NOISE,
+) -> Fits:
+    """Fit a set's states, or correct by them what is known before."""
+    description, contact, moved = snapshots.description, None, None
+    free = Free.of(snapshots, before.free if before else None, noise)
+    if description.has_obstacle:
+        contact = Contact.of(snapshots, free, counts, pad, before.contact if before else None)
+    if with_field:
+        moved = displacement.fitted(snapshots, free, contact, options.tolerance, before.moved if before else None)
+    return Fits(free, contact, moved)
+
+
+def _origin(coarse: SnapshotSet) -> dict[str, Any]:
+    description = coarse.description
+    return {
+        "fingerprint": description.fingerprint,
+        "cells": description.scene["mesh"]["cells"],
+        "states": coarse.states,
+        "failed": len(coarse.failures),
+    }

@@ -1,0 +1,174 @@
+"""What a surrogate is made of besides its free answer, and what it answers: regimes, field, errors, answers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from rom.fit.contact_coordinates import Way
+from rom.separation.separated_form import Separated
+from rom.snapshots.contact_regimes import Code
+
+HEIGHTS = 0.01  # share of a tolerance that free tip and heights are kept to
+
+
+class ModelError(ValueError):
+    """A model file that cannot be read, or parameters of the wrong shape: one line."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What the surrogate says at one point, shapes without n, or at n points.
+
+    Attributes:
+        tip: displacement of the tip plate's centre, shape (3,) or (n, 3) [m].
+        contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle.
+        touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without one.
+        pad_pressure: mean contact pressure on the tactile pad [Pa], as the contact force; None if the model does not
+            know it.
+        error: that 95 % of fresh states keep, by quantity in its unit, shapes as the quantities without components.
+        inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
+            Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
+    """
+
+    tip: np.ndarray
+    contact_force: Any
+    touch_distance: Any
+    pad_pressure: Any
+    error: Mapping[str, Any]
+    inside: Any
+
+
+@dataclass(frozen=True, kw_only=True)
+class Regime:
+    """Contact in one regime, see rom.snapshots.contact_regimes.
+
+    Attributes:
+        code: what carries.
+        corner: which of the free form's heights is that of the corner whose way past the plane is its coordinate.
+        begins: whether it begins at touch: tip and force are then by that way.
+        states: number of states it was fitted to.
+        sizes: what its conditions are large or small against.
+        form: what contact adds to the tip [m], contact force [N], conditions, pad pressure [Pa] if it is known; by
+            tensions and s.
+    """
+
+    code: Code
+    corner: int
+    begins: bool
+    states: int
+    sizes: Sequence[float]
+    form: Separated
+
+
+@dataclass(frozen=True, kw_only=True)
+class Field:
+    """The displacement of all nodes.
+
+    Attributes:
+        free_basis: principal components in free space, shape (3 nodes, k), single precision.
+        free: their amounts by tensions [m].
+        contact_basis: principal components of what contact adds; None without an obstacle.
+        regimes: their amounts in every regime, as in Regime.form.
+    """
+
+    free_basis: np.ndarray
+    free: Separated
+    contact_basis: np.ndarray | None = None
+    regimes: Sequence[Separated] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Errors:
+    """What the surrogate knows of its own error, see rom.error_model: that 95 % of fresh states keep.
+
+    Attributes:
+        tip: in free space [m].
+        displacement: in free space, root mean square over the nodes [m]; 0 without the field.
+        touch_distance: [m].
+        contact: of tip, contact force, displacement and pad pressure, if that is known, by way past touch [-, N/m, -,
+            Pa/m], by cell of the map of regimes, shape (cells, 3 or 4).
+        margin: added to the way past touch [m].
+    """
+
+    tip: float
+    displacement: float
+    touch_distance: float
+    contact: np.ndarray
+    margin: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Components:
+    """All that a model file holds, see rom.model_file.
+
+    Attributes:
+        parameters: name, unit, lower and upper of each parameter, tensions first, then d.
+        free: tip [m], then heights [m] of what may touch first, by the tensions.
+        regimes: contact in every regime; none without an obstacle.
+        map: regime to begin with by cell, flat, see rom.native.answer.cell.
+        near: bits of the regimes that are possible there.
+        way: of the contact-aligned coordinates.
+        errors: what it knows of its error.
+        displacements: of all nodes; None if the scene does not store it.
+        lead: index of the lead tension.
+        nodes: the finger's nodes at rest, shape (nodes, 3) [m].
+        scene: the scene it was trained on.
+        accuracy: error by quantity on held-out states, see rom.held_out.check; empty if not checked with these terms.
+        provenance: versions, states, fingerprint.
+    """
+
+    parameters: list[dict[str, Any]]
+    free: Separated
+    regimes: Sequence[Regime]
+    map: np.ndarray = field(repr=False)
+    near: np.ndarray = field(repr=False)
+    way: Way
+    errors: Errors = field(repr=False)
+    displacements: Field | None = field(repr=False)
+    lead: int
+    nodes: np.ndarray = field(repr=False)
+    scene: dict[str, Any] = field(repr=False)
+    accuracy: dict[str, dict[str, float]]
+    provenance: dict[str, Any]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the parameters in order."""
+        return [parameter["name"] for parameter in self.parameters]
+
+    @property
+    def has_obstacle(self) -> bool:
+        """Whether the last parameter is the plane's distance."""
+        return self.names[-1] == "d"
+
+    @property
+    def has_field(self) -> bool:
+        """Whether it knows the displacement of all nodes."""
+        return self.displacements is not None
+
+    @property
+    def has_pad(self) -> bool:
+        """Whether it knows the pad's pressure."""
+        return any(len(regime.form.modes) > 4 + len(regime.sizes) for regime in self.regimes)
+
+    @property
+    def forms(self) -> dict[str, Separated]:
+        """Its separated forms by name."""
+        found = {"free": self.free} | {f"regime {r}": regime.form for r, regime in enumerate(self.regimes)}
+        if self.displacements is not None:
+            found["free displacement"] = self.displacements.free
+            found |= {f"displacement in regime {r}": form for r, form in enumerate(self.displacements.regimes)}
+        return found
+
+    @cached_property
+    def limits(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper end of the trained box, shapes (p,)."""
+        return (
+            np.array([parameter["lower"] for parameter in self.parameters], float),
+            np.array([parameter["upper"] for parameter in self.parameters], float),
+        )

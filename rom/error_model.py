@@ -1,0 +1,142 @@
+"""What a surrogate knows of its own error, from states left out of its fits, and made true on held-out states.
+
+A state's error is taken as what its fit errs when the state is left out, and what the separated form errs at it. By its
+way past touch it becomes a rate, since what contact adds grows from zero there; a cell of the map of regimes takes the
+geometric mean of the rates of the states nearest to it, which says their order of magnitude and does not mind one that
+is extrapolated. Held-out states then scale all of a quantity's rates alike, so that 95 % of errors keep within what is
+said. Without held-out states they are taken four times, which is about what those would find.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rom.components import Errors
+from rom.fit.contact_response import Contact
+from rom.fit.displacement import Moved
+from rom.fit.free_response import Free
+from rom.native import answer
+from rom.snapshots.snapshot_set import SnapshotSet
+from rom.surrogate import Surrogate
+
+KEPT = 95  # percent of fresh states whose error is to be within what is said
+SAFE = 98  # percent of held-out states that are scaled to be within, so that of fresh ones KEPT are
+AROUND = 8  # states whose errors a cell goes by
+FREE = {"tip", "displacement", "touch_distance"}  # quantities whose errors in free space are known
+FEW, LEAST = 20, 1e-3  # held-out states that scale nothing; factor that none goes below
+UNSEEN = 4.0  # factor on the errors as long as no held-out states have scaled them
+IDLE = 0.01  # of the middle error of a pad, that it has at least where it bears nothing
+MARGIN = 1e-3  # share of the range of d: ways past touch below which errors do not become smaller
+
+
+def estimate(
+    model: Surrogate,
+    snapshots: SnapshotSet,
+    free: Free,
+    contact: Contact | None,
+    moved: Moved | None,
+) -> Errors:
+    """The errors of a model, from the states it was trained on.
+
+    Args:
+        model: the model, whatever its errors.
+        snapshots: its states.
+        free: their fit in free space.
+        contact: their fits in contact.
+        moved: their displacements, fitted.
+    """
+    said = model.free_values(free.points)
+    errors = np.abs(said - free.polynomial.value(free.points)) + np.abs(free.fitted.residuals)
+    tip = float(np.percentile(np.linalg.norm(errors[:, :3], axis=1), KEPT))
+    field = 0.0
+    if moved is not None:
+        field = _percentile(moved.left_out[0] + _field_errors(model, snapshots, "free", free.points))
+    if contact is None:
+        return Errors(
+            tip=tip, displacement=field, touch_distance=0.0, contact=np.zeros((1, 3 + model.has_pad)), margin=1.0
+        )
+    lower, upper = model.limits
+    margin = MARGIN * float(upper[-1] - lower[-1])
+    out = answer.answers(model.kernel, contact.parameters)[0]
+    found = np.zeros((len(contact.parameters), 3 + model.has_pad))
+    truth = snapshots.states_of("contact", "tip")[contact.touching], contact.force
+    found[:, 0] = np.linalg.norm(out[:, :3] - truth[0], axis=1)
+    found[:, 1] = np.abs(out[:, answer.FORCE] - truth[1])
+    if model.has_pad:
+        pressed = snapshots.states_of("contact", "pad_pressure")[contact.touching]
+        found[:, 3] = np.abs(out[:, answer.PAD] - pressed)
+    for part in contact.parts:
+        residuals = np.abs(part.outputs.residuals) * part.place.past[:, None]
+        found[part.rows, 0] += np.linalg.norm(residuals[:, :3], axis=1)
+        found[part.rows, 1] += residuals[:, 3]
+        if model.has_pad:
+            found[part.rows, 3] += residuals[:, 4]
+    if moved is not None:
+        found[:, 2] = (
+            moved.left_out[1] + _field_errors(model, snapshots, "contact", contact.parameters)[contact.touching]
+        )
+    past = contact.touch_distance - contact.parameters[:, -1]
+    rates = UNSEEN * found / (past + margin)[:, None]
+    if model.has_pad:  # where the pad bears nothing, nothing seems to be wrong
+        some = rates[:, 3][rates[:, 3] > 0]
+        rates[:, 3] = np.maximum(rates[:, 3], IDLE * np.median(some) if some.size else 0.0)
+    return Errors(
+        tip=tip,
+        displacement=field,
+        touch_distance=_percentile(np.take_along_axis(errors[:, 3:], said[:, 3:].argmax(axis=1)[:, None], 1)),
+        contact=np.exp(np.log(np.maximum(rates, np.finfo(float).tiny))[contact.around[:, :AROUND]].mean(axis=1)),
+        margin=margin,
+    )
+
+
+def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
+    """The model with its errors scaled so that they hold on held-out states."""
+    points = held_out.random("parameters")
+    answer = model.evaluate(points)
+    true = {"tip": np.linalg.norm(answer.tip - held_out.random("tip"), axis=1)}
+    touching = np.zeros(len(points), bool)
+    if model.has_obstacle:
+        touching = held_out.random("contact_force") > 0
+        true["touch_distance"] = np.abs(answer.touch_distance - held_out.random("touch_distance"))
+        true["contact_force"] = np.abs(answer.contact_force - held_out.random("contact_force"))
+    if model.has_field and held_out.description.has_field:
+        field = held_out.random("displacement")
+        ours = np.array([model.displacement(point) for point in points])
+        true["displacement"] = np.sqrt(np.mean(np.sum((ours - field) ** 2, axis=2), axis=1))
+    if model.has_pad:
+        true["pad_pressure"] = np.abs(answer.pad_pressure - held_out.random("pad_pressure"))
+    errors = model.errors
+    # A touch distance is the same whether the plane is touched or not.
+    rows = {name: np.ones_like(touching) if name == "touch_distance" else ~touching for name in FREE & true.keys()}
+    free = {
+        name: getattr(errors, name) * _scale(true[name][own], answer.error[name][own]) for name, own in rows.items()
+    }
+    contact = errors.contact.copy()
+    for column, name in enumerate(("tip", "contact_force", "displacement", "pad_pressure")):
+        if name in true:
+            before, after = getattr(errors, name, 0.0), free.get(name, 0.0)
+            contact[:, column] *= _scale(true[name][touching] - after, answer.error[name][touching] - before)
+    return replace(model, errors=replace(errors, contact=contact, **free))
+
+
+def _scale(true: np.ndarray, said: np.ndarray) -> float:
+    """Factor on what is said, so that enough of the true errors keep within it; 1 if too few states tell."""
+    if len(true) < FEW:
+        return 1.0
+    return max(float(np.percentile(true / np.maximum(said, np.finfo(float).tiny), SAFE)), LEAST)
+
+
+def _percentile(errors: np.ndarray) -> float:
+    return float(np.percentile(errors, KEPT))
+
+
+def _field_errors(model: Surrogate, snapshots: SnapshotSet, kind: str, points: np.ndarray) -> np.ndarray:
+    """Root mean square over the nodes of what the displacement errs at states it was trained on [m]."""
+    field = snapshots.states_of(kind, "displacement")
+    parameters = snapshots.states_of(kind, "parameters")
+    if kind == "free" and model.has_obstacle:
+        parameters = np.column_stack([points, np.full(len(points), np.inf)])
+    found = [model.displacement(point) - true for point, true in zip(parameters, field, strict=True)]
+    return np.array([np.sqrt(np.mean(np.sum(one**2, axis=1))) for one in found])

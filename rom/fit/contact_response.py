@@ -1,0 +1,170 @@
+"""The finger in contact: regime by regime, what contact adds to the free tip, the contact force, and where it ends."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from rom.fit import regime_fit
+from rom.fit.contact_coordinates import Way
+from rom.fit.free_response import Free, box
+from rom.fit.regime_fit import Part
+from rom.snapshots import contact_regimes
+from rom.snapshots.contact_regimes import Code
+from rom.snapshots.snapshot_set import SnapshotSet
+
+MOST = 64  # regimes; those of the fewest states beyond are left out
+NEIGHBOURS = 24  # states nearby whose regimes are possible
+MAP = 4000  # cells of the map of regimes, about
+QUANTITIES = ("tip", "contact_force", *contact_regimes.QUANTITIES)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """The contact states of a set, by regime.
+
+    Attributes:
+        parameters: of all states in contact, shape (n, p).
+        force: of contact [N], shape (n,).
+        touch_distance: at their tensions [m], shape (n,).
+        regime: of each, shape (n,).
+        touching: which of the set's contact states these are.
+        parts: of the regimes in which this set or a coarser one has states.
+        box: lower and upper end of the parameters.
+        coarse: the states on a coarser mesh, if there are any.
+    """
+
+    parameters: np.ndarray
+    force: np.ndarray
+    touch_distance: np.ndarray
+    regime: np.ndarray
+    touching: np.ndarray
+    parts: list[Part]
+    way: Way
+    box: tuple[np.ndarray, np.ndarray]
+    coarse: Contact | None = None
+
+    @staticmethod
+    def of(
+        snapshots: SnapshotSet, free: Free, counts: Counter[Code], pad: bool, coarse: Contact | None = None
+    ) -> Contact:
+        """Fit a set's contact states, or correct by them what a coarser mesh says.
+
+        Args:
+            snapshots: the set.
+            free: its free states.
+            counts: of states by regime, on all meshes: regimes are numbered in the order of these.
+            pad: whether the pad's pressure is to be known too.
+            coarse: the contact states on a coarser mesh.
+        """
+        quantities = [*QUANTITIES, *(["pad_pressure"] if pad else [])]
+        names = ["parameters", "touch_distance", "regime", *quantities, *(f"{name}_jacobian" for name in quantities)]
+        states = {name: snapshots.states_of("contact", name) for name in names}
+        touching, codes = _codes(snapshots)
+        states = {name: values[touching] for name, values in states.items()}
+        listed = [code for code, _ in counts.most_common(MOST)]
+        kept = np.array([code in listed for code in codes], bool)
+        states, codes = {name: values[kept] for name, values in states.items()}, [c for c in codes if c in listed]
+        touching[touching] = kept
+        ends = box(snapshots)
+        heights = free.polynomial.value(states["parameters"][:, :-1])[:, 3:]
+        regime = np.array([listed.index(code) for code in codes], int)
+        geometry, half = snapshots.description.scene["geometry"], bool(snapshots.nodes[:, 2].min() > -1e-9)
+        sizes = np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
+        leading = _corners(listed, counts, half)
+        signs = contact_regimes.signs(listed, counts)
+        corners = [
+            _height(free, contact_regimes.corner(code, half) or contact_regimes.nearest_corner(code, leading), geometry)
+            for code in listed
+        ]
+        own_heights = np.take_along_axis(heights, np.array(corners)[regime][:, None], 1)
+        way = coarse.way if coarse else Way.over(ends[0][-1], ends[1][-1], own_heights)
+        before = {part.code: part for part in coarse.parts} if coarse else {}
+        parts = []
+        for r, (code, height) in enumerate(zip(listed, corners, strict=True)):
+            rows, corner = np.flatnonzero(regime == r), contact_regimes.corner(code, half)
+            if not rows.size and code not in before:
+                continue
+            own = {name: values[rows] for name, values in states.items()}
+            where = regime_fit.place(own, free, height, corner is not None, way, before.get(code))
+            parts.append(regime_fit.fitted(code, rows, own, free, height, where, signs[r], sizes))
+        return Contact(
+            parameters=states["parameters"],
+            force=states["contact_force"],
+            touch_distance=states["touch_distance"],
+            regime=regime,
+            touching=touching,
+            parts=parts,
+            way=way,
+            box=ends,
+            coarse=coarse,
+        )
+
+    def with_its_corners(self, free: Free) -> tuple[Free, Contact]:
+        """Both with only the heights that lead somewhere or are of a regime's corner."""
+        wanted = np.union1d(np.flatnonzero(free.leads), [part.corner for part in self.parts]).astype(int)
+        parts = [replace(part, corner=int(np.searchsorted(wanted, part.corner))) for part in self.parts]
+        return free.of_heights(wanted), replace(self, parts=parts)
+
+    @cached_property
+    def around(self) -> np.ndarray:
+        """States nearest to the middle of every cell, nearest first, shape (cells, states)."""
+        return self._around(self.parameters, self.touch_distance)
+
+    def _around(self, parameters: np.ndarray, reach: np.ndarray) -> np.ndarray:
+        lower, upper = self.box
+        p = len(lower)
+        cells = max(int(MAP ** (1 / p)), 2)
+        scaled = (parameters - lower) / (upper - lower)
+        scaled[:, -1] = (reach - parameters[:, -1]) / (reach - self.way.nearest + self.way.soft)
+        middles = (np.stack(np.meshgrid(*[np.arange(cells)] * p, indexing="ij"), axis=-1).reshape(-1, p) + 0.5) / cells
+        found = cKDTree(scaled).query(middles, k=min(NEIGHBOURS, len(scaled)))[1]
+        return np.asarray(found.reshape(len(middles), -1))
+
+    def map(self) -> tuple[np.ndarray, np.ndarray]:
+        """Regimes by cell, flat: that of the state nearest to its middle; and bits of those nearby, on all meshes."""
+        regime, around = self.regime, self.around
+        if self.coarse:
+            both = (self, self.coarse)
+            regime = np.concatenate([one.regime for one in both])
+            around = self._around(
+                np.concatenate([one.parameters for one in both]), np.concatenate([one.touch_distance for one in both])
+            )
+        bits = np.uint64(1) << regime.astype(np.uint64)
+        return regime[around[:, 0]], np.bitwise_or.reduce(bits[around], axis=1)
+
+
+def count_regimes(sets: Sequence[SnapshotSet]) -> Counter[Code]:
+    """Number of contact states by regime."""
+    return Counter(code for snapshots in sets for code in _codes(snapshots)[1])
+
+
+def _codes(snapshots: SnapshotSet) -> tuple[np.ndarray, list[Code]]:
+    """Which of the contact states touch, and their regimes."""
+    touching = snapshots.states_of("contact", "contact_force") > 0
+    codes = snapshots.states_of("contact", "regime")[touching]
+    return touching, [tuple(int(sign) for sign in code) for code in codes]
+
+
+def _corners(listed: list[Code], counts: Counter[Code], half: bool) -> Counter:
+    """The corners that carry alone somewhere, or lead, with the number of their states."""
+    found: Counter = Counter()
+    for code in listed:
+        corner = contact_regimes.corner(code, half)
+        if corner is not None:
+            found[corner] += counts[code]
+    return found
+
+
+def _height(free: Free, corner: tuple[int, Code], geometry: dict) -> int:
+    """Which of the heights is that of a corner."""
+    segment, ends = corner
+    x = np.cumsum(geometry["segments"])[segment] - (0.0 if ends[0] > 0 else geometry["plate"])
+    place = [x, ends[1] * geometry["side"] / 2, (ends[2] or 1) * geometry["side"] / 2]
+    away = np.abs(free.corners - place).max(axis=1)
+    return int(away.argmin())

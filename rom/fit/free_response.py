@@ -1,0 +1,146 @@
+"""The finger in free space: tip and heights of what may touch first, fitted as functions of the tensions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from rom.fit.chebyshev import NOISE, Fitted, Polynomial, Samples, corrected, fit
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+
+PLACES = 2000  # tensions at which to see what leads
+CLOSE = 1e-7  # [m]: heights so close to the largest may stand for it
+
+
+@dataclass(frozen=True, kw_only=True)
+class Free:
+    """Tip and heights of what may touch first, as functions of the tensions.
+
+    Attributes:
+        points: tensions of the free states, shape (n, tensions) [N].
+        known: tensions from which it is known, on all meshes, shape (n, tensions) [N].
+        along: places of all nodes of the long edges, shape (nodes, 3) [m].
+        kept: which of them matter: corners of plates, and what else leads somewhere, shape (heights,).
+        leads: which of these lead somewhere, shape (heights,).
+        whole: tip, then heights of all nodes of the long edges [m].
+        noise: of these fits, and of all that build on them, see rom.fit.chebyshev.Samples.
+    """
+
+    points: np.ndarray
+    known: np.ndarray
+    along: np.ndarray
+    kept: np.ndarray
+    leads: np.ndarray
+    whole: Fitted
+    noise: float
+
+    @staticmethod
+    def of(snapshots: SnapshotSet, coarse: Free | None = None, noise: float = NOISE) -> Free:
+        """Fit a set's free states, or correct by them what a coarser mesh says."""
+        description = snapshots.description
+        count = description.tensions
+        points = snapshots.states_of("free", "parameters")[:, :count]
+        values, slopes = (snapshots.states_of("free", name) for name in ("tip", "tip_jacobian"))
+        if description.has_obstacle:
+            heights = snapshots.states_of("free", "edge_heights")
+            if np.abs(heights.max(axis=1) - snapshots.states_of("free", "touch_distance")).max() > 1e-6:
+                raise SnapshotError(
+                    f"{snapshots.path}: somewhere a face bulges farther towards the plane than its edges"
+                )
+            values = np.concatenate([values, heights], axis=1)
+            slopes = np.concatenate([slopes, snapshots.states_of("free", "edge_heights_jacobian")], axis=1)
+        lower, upper = box(snapshots)
+        samples = Samples(
+            points=points,
+            values=values,
+            slopes=slopes[..., :count],
+            weights=np.ones(len(points)),
+            lower=lower[:count],
+            upper=upper[:count],
+            noise=noise,
+        )
+        along = _long_edges(snapshots) if description.has_obstacle else np.zeros(0, int)
+        places, none, known = snapshots.nodes[along], np.zeros(0, int), points
+        if coarse is None or len(coarse.points) <= len(points):
+            whole = fit(samples)
+        else:
+            known = np.concatenate([points, coarse.points])
+            whole = corrected(samples, coarse.whole.polynomial.mixed(_onto(coarse.along, places)))
+        if not description.has_obstacle:
+            return Free(
+                points=points, known=known, along=places, kept=none, leads=none.astype(bool), whole=whole, noise=noise
+            )
+        everywhere = np.random.default_rng(0).random((PLACES, count)) * (upper - lower)[:count] + lower[:count]
+        leading = _leading(whole.polynomial.value(np.concatenate([points, everywhere]))[:, 3:])
+        kept = np.union1d(leading, np.flatnonzero(_is_corner(snapshots, along)))
+        return Free(
+            points=points, known=known, along=places, kept=kept, leads=np.isin(kept, leading), whole=whole, noise=noise
+        )
+
+    def of_heights(self, wanted: np.ndarray) -> Free:
+        """The same with only some of the heights."""
+        return replace(self, kept=self.kept[wanted], leads=self.leads[wanted])
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Places of the nodes whose heights matter, shape (heights, 3) [m]."""
+        return self.along[self.kept]
+
+    @cached_property
+    def fitted(self) -> Fitted:
+        """Tip, then heights of the nodes that matter [m]."""
+        return self.whole.of(np.concatenate([np.arange(3), 3 + self.kept]))
+
+    @property
+    def polynomial(self) -> Polynomial:
+        """Tip, then heights."""
+        return self.fitted.polynomial
+
+
+def _onto(coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
+    """Tip and heights of one mesh from those of another: weights, shape (3 + nodes, 3 + nodes), linear along edges."""
+    weights = np.zeros((3 + len(coarse), 3 + len(fine)))
+    weights[:3, :3] = np.eye(3)
+    for column, place in enumerate(fine):
+        edge = np.flatnonzero(np.abs(coarse[:, 1:] - place[1:]).max(axis=1) < 1e-9)
+        edge = edge[np.argsort(coarse[edge, 0])]
+        for row, one in zip(edge, np.eye(len(edge)), strict=True):
+            weights[3 + row, 3 + column] = np.interp(place[0], coarse[edge, 0], one)
+    return weights
+
+
+def _leading(heights: np.ndarray) -> np.ndarray:
+    """As few columns as give the largest height of every row, shape (n, heights), up to CLOSE."""
+    highest, kept = heights.max(axis=1), [int(heights.max(axis=0).argmax())]
+    while len(kept) < heights.shape[1]:
+        short = highest - heights[:, kept].max(axis=1)
+        worst = int(short.argmax())
+        if short[worst] <= CLOSE:
+            break
+        kept.append(int(heights[worst].argmax()))
+    return np.array(sorted(kept))
+
+
+def box(snapshots: SnapshotSet) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper end of a set's parameters, shapes (p,)."""
+    parameters = snapshots.description.parameters
+    return (
+        np.array([parameter["lower"] for parameter in parameters], float),
+        np.array([parameter["upper"] for parameter in parameters], float),
+    )
+
+
+def _long_edges(snapshots: SnapshotSet) -> np.ndarray:
+    side = snapshots.description.scene["geometry"]["side"]
+    return np.flatnonzero(np.isclose(np.abs(snapshots.nodes[:, 1:]), side / 2, atol=1e-6 * side).all(axis=1))
+
+
+def _is_corner(snapshots: SnapshotSet, nodes: np.ndarray) -> np.ndarray:
+    """Which nodes of the long edges are corners of a plate."""
+    geometry = snapshots.description.scene["geometry"]
+    ends = np.cumsum(geometry["segments"])
+    places = np.concatenate([ends, ends - geometry["plate"]])
+    x = snapshots.nodes[nodes, 0]
+    return np.asarray(np.isclose(x[:, None], places, atol=1e-6 * geometry["side"]).any(axis=1))

@@ -1,0 +1,65 @@
+"""Two meshes, one surrogate: many states on a coarse mesh, few on a fine one.
+
+What a finer mesh changes is small, and smooth in the same coordinates: fitted by itself, regime by regime, to what the
+fine states say beyond the coarse fits, it needs a low degree and hence few states (a control variate in the sense of
+Peherstorfer, Willcox, Gunzburger, SIAM Review 60, 2018, doi:10.1137/16M1082469). Here is what tells two such sets from
+others, and what brings a field from one mesh to the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+
+OWN = {"name", "mesh", "sampling", "accuracy", "budget", "preset", "expected"}  # of a scene: what may differ
+
+
+def check_pair(fine: SnapshotSet, coarse: SnapshotSet) -> None:
+    """Refuse sets that are not of one finger.
+
+    Raises:
+        SnapshotError: one is a held-out set, or they differ by more than mesh and sampling.
+    """
+    if coarse.description.random:
+        raise SnapshotError(f"{coarse.path}: must be a training set, got a held-out set (made with --random)")
+    scenes = [one.description.scene for one in (fine, coarse)]
+    for key in sorted((scenes[0].keys() | scenes[1].keys()) - OWN):
+        if scenes[0].get(key) != scenes[1].get(key):
+            raise SnapshotError(f"{coarse.path}: must have the {key} of the fine set, got {scenes[1].get(key)}")
+    if len(coarse.nodes) >= len(fine.nodes):
+        counts = f"{len(fine.nodes)} nodes, got {len(coarse.nodes)}"
+        raise SnapshotError(f"{coarse.path}: must be of a coarser mesh than the fine set's {counts}")
+    halves = [one.nodes[:, 2].min() > -1e-9 for one in (fine, coarse)]
+    if halves[0] != halves[1] or fine.description.has_field > coarse.description.has_field:
+        raise SnapshotError(
+            f"{coarse.path}: must model half the finger, and store the displacement, if the fine set does"
+        )
+
+
+def interpolation(coarse: np.ndarray, fine: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Interpolation of fields from the nodes of one mesh to those of another, both of whose nodes lie on grid lines.
+
+    Args:
+        coarse: places of the nodes from which, shape (nodes, 3) [m].
+        fine: of those to which.
+
+    Raises:
+        SnapshotError: the coarse nodes do not fill a grid.
+    """
+    lines = [coarse[np.unique(np.round(coarse[:, a], 9), return_index=True)[1], a] for a in range(3)]
+    shape = tuple(len(line) for line in lines)
+    if np.prod(shape) != len(coarse):
+        raise SnapshotError(f"nodes of the coarse mesh must fill a grid of {shape}, got {len(coarse)}")
+    where = tuple(np.abs(coarse[:, a, None] - line).argmin(axis=1) for a, line in enumerate(lines))
+    targets = np.column_stack([np.clip(fine[:, a], line[0], line[-1]) for a, line in enumerate(lines)])
+
+    def bring(columns: np.ndarray) -> np.ndarray:
+        grid = np.zeros((*shape, 3 * columns.shape[1]))
+        grid[where] = columns.reshape(len(coarse), -1)
+        return np.asarray(RegularGridInterpolator(lines, grid)(targets).reshape(3 * len(fine), -1))
+
+    return bring

@@ -1,0 +1,110 @@
+"""Error of a surrogate against held-out snapshots it was not trained on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+from rom.surrogate import Surrogate
+from rom.terminal import Progress, quiet
+
+PRESSED = 0.03  # share of the largest pad pressure above which its relative errors are counted
+FELT = 0.1  # [N] above which relative errors of contact forces are counted
+MARGIN = 5e-5  # [m] from touch, within which a touch decision may be wrong
+
+
+def check(model: Surrogate, held_out: SnapshotSet, progress: Progress = quiet) -> dict[str, Any]:
+    """Compare a surrogate with held-out states, and tell `progress` how far that is.
+
+    Relative errors: displacement and tip over the state's own 2-norm, touch distance and contact force over their own
+    value; contact force over the states in which the full-order model says more than 0.1 N.
+
+    Returns:
+        by quantity count, median, p95, max of the relative error and p95_absolute in the quantity's unit; wrong touch
+        decisions; terms; bytes; and, of a scene whose mesh and sampling were chosen by an accuracy, a budget or a
+        preset, what was asked, expected and got.
+
+    Raises:
+        SnapshotError: the sets do not belong together.
+    """
+    if held_out.description.fingerprint != model.provenance["fingerprint"]:
+        raise SnapshotError(f"{held_out.path}: must hold states of the scene the model was trained on")
+    points = held_out.random("parameters")
+    progress("checking on held-out states", 0, len(points))
+    answer = model.evaluate(points)
+    result: dict[str, Any] = {"states": len(points), "failed": len(held_out.failures)}
+    tip = held_out.random("tip")
+    result["tip"] = _statistics(_norm(answer.tip - tip), _norm(tip))
+    if model.has_field and held_out.description.has_field:
+        field = held_out.random("displacement").reshape(len(points), -1)
+        ours = np.empty_like(field)
+        for k, point in enumerate(points):
+            ours[k] = model.displacement(point).ravel()
+            progress("checking on held-out states", k + 1, len(points))
+        result["displacement"] = _statistics(_norm(ours - field), _norm(field))
+    if model.has_obstacle:
+        touch, force = held_out.random("touch_distance"), held_out.random("contact_force")
+        touches, felt = force > 0, answer.contact_force > 0
+        result["touch_distance"] = _statistics(np.abs(answer.touch_distance - touch), np.abs(touch))
+        counted = force > FELT
+        result["contact_force"] = _statistics(np.abs(answer.contact_force - force)[counted], force[counted])
+        if model.has_pad:
+            pressed = held_out.random("pad_pressure")
+            pressing = pressed > PRESSED * pressed.max(initial=0.0)
+            result["pad_pressure"] = _statistics(np.abs(answer.pad_pressure - pressed)[pressing], pressed[pressing])
+        wrong = (answer.touch_distance > points[:, -1]) != touches
+        close = np.abs(touch - points[:, -1]) <= MARGIN
+        result["touch"] = {
+            "count": len(points),
+            "touching": int(touches.sum()),
+            "wrong": int(wrong.sum()),
+            "wrong_beyond_margin": int((wrong & ~close).sum()),
+            "margin": MARGIN,
+            "right": float(1 - wrong.mean()),
+            "force_without_touch": int((felt & ~touches).sum()),
+        }
+    result["terms"], result["bytes"] = model.terms, model.bytes
+    progress("checking on held-out states", len(points), len(points))
+    expected = model.scene.get("expected")
+    if expected:
+        result["chosen"] = _chosen(model.scene, expected, result)
+    return result
+
+
+def _chosen(scene: dict[str, Any], expected: dict[str, Any], found: dict[str, Any]) -> dict[str, Any]:
+    """What an accuracy, a budget or a preset asked for, what it expected, and what was got.
+
+    The surrogate's error is measured here, against states on its own mesh; the mesh's is that of the front's finger.
+    """
+    asked = next(f"{key} {scene[key]}" for key in ("accuracy", "budget", "preset") if scene.get(key))
+    got = found.get(expected["quantity"], {}).get("p95")
+    told = {"asked": asked} | {key: expected[key] for key in ("quantity", "error", "error_of_mesh")}
+    return told | ({} if got is None else {"got_of_surrogate": got, "got": got + expected["error_of_mesh"]})
+
+
+def accuracy(report: dict[str, Any]) -> dict[str, dict[str, float]]:
+    """The part of a check's report that a model carries along."""
+    return {
+        name: report[name]
+        for name in ("tip", "displacement", "touch_distance", "contact_force", "pad_pressure")
+        if name in report
+    }
+
+
+def _norm(values: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(values, axis=1)
+
+
+def _statistics(absolute: np.ndarray, size: np.ndarray) -> dict[str, float]:
+    if not absolute.size:
+        return {"count": 0}
+    relative = absolute / np.maximum(size, np.finfo(float).tiny)
+    return {
+        "count": len(relative),
+        "median": float(np.median(relative)),
+        "p95": float(np.percentile(relative, 95)),
+        "max": float(relative.max()),
+        "p95_absolute": float(np.percentile(absolute, 95)),
+    }

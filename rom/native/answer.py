@@ -1,0 +1,68 @@
+"""The compiled answer of a surrogate (rom/native/evaluation.h), called with arrays of NumPy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rom.native import EVALUATION, pointer
+
+TIP, FORCE, TOUCH, PAD = 0, 3, 4, 5  # rows of an answer, as in kernel.h; the pad only where a model knows it
+
+
+def rows(kernel: Any) -> int:
+    """Number of rows of an answer."""
+    return PAD + int(kernel.has_pad)
+
+
+def answer(kernel: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Answer, shape (m,), its derivatives by the parameters, shape (m, p), and whether the point is inside.
+
+    The m = 5 rows are tip [m], contact force [N] and touch distance [m]; a sixth is the pad's pressure [Pa], if the
+    model knows it. A point outside is moved to the nearest inside; derivatives across a wall are then zero.
+
+    Args:
+        kernel: a struct fingerfem_kernel.
+        point: contiguous, shape (p,).
+    """
+    m = rows(kernel)
+    out, jacobian = np.empty(m), np.empty((m, len(point)))
+    inside = EVALUATION.functions.fingerfem_answer(kernel, pointer(point), pointer(out), pointer(jacobian))
+    return out, jacobian, bool(inside)
+
+
+def answers(kernel: Any, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Answers, shape (n, m), whether inside, shape (n,), and regimes, -1 without contact, of points, shape (n, p)."""
+    points, n = np.ascontiguousarray(points, float), len(points)
+    out, inside, regimes = np.empty((n, rows(kernel))), np.empty(n, np.bool_), np.empty(n, np.int32)
+    EVALUATION.functions.fingerfem_answers(
+        kernel, n, pointer(points), pointer(out), pointer(inside, "uint8_t[]"), pointer(regimes, "int32_t[]")
+    )
+    return out, inside, regimes
+
+
+def contact_errors(
+    kernel: Any, rates: np.ndarray, margin: float, points: np.ndarray, touch_distances: np.ndarray
+) -> np.ndarray:
+    """What errors of contact grow to: of tip [m], force [N], displacement [m], pad pressure [Pa]; shape (n, k).
+
+    Args:
+        kernel: without an obstacle nothing grows.
+        rates: of the errors, shape (cells, k), see rom.components.Errors.
+        margin: likewise [m].
+        points: they may lie outside the box, shape (n, p).
+        touch_distances: there, shape (n,) [m].
+    """
+    points, found = np.ascontiguousarray(points, float), np.empty((len(points), rates.shape[1]))
+    EVALUATION.functions.fingerfem_contact_errors(
+        kernel,
+        pointer(np.ascontiguousarray(rates, float)),
+        rates.shape[1],
+        margin,
+        len(points),
+        pointer(points),
+        pointer(np.ascontiguousarray(touch_distances, float)),
+        pointer(found),
+    )
+    return found

@@ -1,0 +1,29 @@
+"""Values of separated forms by compiled code (rom/native/kernel.h), with arrays of NumPy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rom.native import EVALUATION, pointer
+
+
+def values(tables: Any, form: int, points: np.ndarray) -> np.ndarray:
+    """Values of a form, shape (n, components), at points, shape (n, axes).
+
+    Outside an axis the end pieces go on for one interval, and then stay: whoever calls decides what lies inside.
+    """
+    points = np.ascontiguousarray(points, float)
+    found = np.empty((len(points), tables.forms[4 * form + 2]))
+    EVALUATION.functions.fingerfem_form(tables, form, len(points), pointer(points), pointer(found), EVALUATION.ffi.NULL)
+    return found
+
+
+def values_and_gradients(tables: Any, form: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same with gradients by the axes, shape (n, components, axes)."""
+    points = np.ascontiguousarray(points, float)
+    components, axes = tables.forms[4 * form + 2], points.shape[1]
+    found, gradients = np.empty((len(points), components)), np.empty((len(points), components, axes))
+    EVALUATION.functions.fingerfem_form(tables, form, len(points), pointer(points), pointer(found), pointer(gradients))
+    return found, gradients

@@ -1,0 +1,1 @@
+"""Where a set needs more states."""

@@ -1,0 +1,1 @@
+"""A fitted polynomial into the separated form of the paper."""

@@ -1,0 +1,304 @@
+"""The snapshot set and its files: the one owner of the format.
+
+A set is a folder:
+
+    set.json            what was asked for: scene, parameters, sampling nodes, tasks, versions
+    nodes.npy           the finger's nodes at rest, shape (nodes, 3) [m], sorted by x, then y, then z
+    rounds/NNNN.json    lines that refine the set, see rom.snapshots.plan
+    tasks/NAME.npz      one file per task, written beside and renamed, so it is whole or absent
+
+A task is a line of states solved in a fixed order. Its file holds, state by state (n of them):
+
+    parameters          (n, p)          tensions [N], then d [m] (nan in a free state)
+    tip                 (n, 3)          [m]
+    nodes               (n,)            positions along the line, of the grid's nodes; free and contact lines. -1 for a
+                                        state between two of them that differ in regime
+    edge_heights        (n, edge nodes) of the long edges over the face towards the plane at rest [m]; free and
+                                        scattered lines
+    touch_distance      (n,)            [m] free reach at these tensions; scenes with an obstacle
+    contact_force       (n,)            [N] scenes with an obstacle
+    plate_height        (n, s)          [m] of the s segments' plates over where the face lies at rest
+    plate_tilt          (n, s, 3)       [-] its slope along the plate's own x, y, z
+    plate_force         (n, s)          [N] part of the contact force that each plate carries
+    centre_of_pressure  (n, s, 3)       [-] where, from -1 to 1 along the plate's own x, y, z
+    rubber_reach        (n, s)          [m] how far the rubber of each segment reaches towards the plane
+    regime              (n, 5 s)        [-] plate by plate whether it carries (0, 1), and at which end along x, y, z
+                                        (-1, 1; 0 between); then whether each segment's rubber touches (0, 1)
+    X_jacobian          (n, *X, p)      derivatives of these by the parameters; not of the regime
+    displacement        (n, nodes, 3)   [m], if sampling.store asks for it, as for the next three
+    displacement_jacobian (n, p, nodes, 3) derivatives of the displacement, in single precision
+    pad_pressure        (n,)            [Pa], and its jacobian
+    channel_shortening  (n, tendons)    [m], and its jacobian
+    iterations          (n,)            Newton iterations
+    converged           (n,)            bool; a state that is not is nan everywhere
+    reason              (n,)            why not, empty if converged
+    last_good           (n, p)          last load with an equilibrium on the way to a state that did not converge
+    seconds             ()              that solving the line took
+    task, fingerprint   ()              whose states these are
+    onset               ()              free-J: lead tension that first reaches the nearest plane [N]
+    onset_jacobian      (p,)            and its derivatives by the other tensions [-]
+
+Tasks come in four kinds. `free-J` is a line along the lead tension (the tendon that bends the finger most towards the
+plane) at the J-th combination of the others. `contact-J-I` holds the tensions (I-th node of the lead between onset and
+its highest) and brings the plane from where it touches to its nearest; where that is the same place, one state stands
+for the line. `scattered-K` holds tensions of its own: the free state there, then the plane's way. `free-J-rN` and
+`contact-J-I-rN` add states to a line in round N. `random-K` holds the held-out states at the K-th tensions.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from rom.snapshots.description import FORMAT, Description, Line
+from rom.snapshots.files import write_whole
+from rom.snapshots.plan import Plan
+
+SAME_PLACE = 9  # decimals of the parameters' ranges in which states at one place agree
+FIELDS = ("displacement", "displacement_jacobian")
+
+
+class SnapshotError(ValueError):
+    """A folder that is not the set it should be: one line naming it and what is wrong."""
+
+
+def write_nodes(path: str | Path, nodes: np.ndarray) -> None:
+    """Write the finger's nodes at rest, shape (nodes, 3) [m]; everyone who does writes the same."""
+    file = Path(path) / "nodes.npy"
+    if not file.exists():
+        write_whole(file, lambda stream: np.save(stream, nodes))
+
+
+def read_description(path: str | Path) -> Description:
+    """What a set holds.
+
+    Raises:
+        SnapshotError: it is no snapshot set, or one of another format.
+    """
+    try:
+        table = json.loads((Path(path) / "set.json").read_text())
+        if table["format"] != FORMAT:
+            raise SnapshotError(f"{path}: must be a set of format {FORMAT}, got {table['format']}")
+        return Description(**table)
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        if isinstance(error, SnapshotError):
+            raise
+        raise SnapshotError(f"{path}: is not a snapshot set (no readable set.json)") from None
+
+
+def task_file(path: str | Path, task: str) -> Path:
+    """Where a task's file is, or will be."""
+    return Path(path) / "tasks" / f"{task}.npz"
+
+
+def write_task(path: str | Path, task: str, fingerprint: str, arrays: dict[str, np.ndarray]) -> None:
+    """Write a task's file; it appears whole or not at all."""
+    stored = arrays | {"task": np.array(task), "fingerprint": np.array(fingerprint)}
+    write_whole(task_file(path, task), lambda stream: np.savez(stream, **stored))  # type: ignore[arg-type]
+
+
+def read_task(
+    path: str | Path, task: str, names: tuple[str, ...] = (), without: tuple[str, ...] = ()
+) -> dict[str, np.ndarray]:
+    """The arrays of a task: those named, or all, without some.
+
+    Raises:
+        SnapshotError: the file is missing or not this task's.
+    """
+    file = task_file(path, task)
+    try:
+        with np.load(file, allow_pickle=False) as stored:
+            if stored["task"] != task:
+                raise SnapshotError(f"{file}: must hold {task}, got {stored['task']}")
+            return {name: stored[name] for name in names or stored.files if name not in without}
+    except SnapshotError:
+        raise
+    except Exception as error:  # numpy and zipfile raise many kinds for a broken file
+        raise SnapshotError(
+            f"{file}: is missing or not readable ({type(error).__name__}); run snapshots again"
+        ) from None
+
+
+class SnapshotSet:
+    """A set, read. Its first grid is complete; of the lines that refine it, some may still be missing."""
+
+    def __init__(self, path: str | Path):
+        self.path, self.description = Path(path), read_description(path)
+        self.plan = Plan(path, self.description)
+        self.missing = self.plan.missing()
+        absent = [task for task in self.missing if task in self.description.lines]
+        if absent:
+            raise SnapshotError(f"{path}: {len(absent)} of {len(self.description.lines)} tasks are not solved yet")
+        file = self.path / "nodes.npy"
+        try:
+            self.nodes = np.load(file)
+        except Exception as error:  # numpy raises many kinds for a broken file
+            raise SnapshotError(f"{file}: is missing or not readable ({type(error).__name__})") from None
+
+    @cached_property
+    def _tasks(self) -> dict[str, dict[str, np.ndarray]]:
+        """All but the fields, which are many times larger than the rest."""
+        solved = [task for task in self.plan.lines if task not in self.missing]
+        return {task: read_task(self.path, task, without=FIELDS) for task in solved}
+
+    def task(self, name: str) -> dict[str, np.ndarray]:
+        """The arrays of a task that is solved, without the fields."""
+        return self._tasks[name]
+
+    def _values(self, task: str, name: str) -> np.ndarray:
+        return read_task(self.path, task, (name,))[name] if name in FIELDS else self._tasks[task][name]
+
+    @cached_property
+    def failures(self) -> list[tuple[str, np.ndarray, str]]:
+        """Task, parameters and reason of every state that did not converge."""
+        return [
+            (name, task["parameters"][k], str(task["reason"][k]))
+            for name, task in self._tasks.items()
+            for k in np.flatnonzero(~task["converged"])
+        ]
+
+    @property
+    def states(self) -> int:
+        """Number of states, failed ones included."""
+        return sum(len(task["converged"]) for task in self._tasks.values())
+
+    @property
+    def iterations(self) -> int:
+        """Newton iterations in all."""
+        return int(sum(task["iterations"].sum() for task in self._tasks.values()))
+
+    def positions(self, kind: str) -> np.ndarray:
+        """Positions on the grid of the free or the contact states that have an answer, shape (states, axes)."""
+        return np.concatenate([self.on_grid(line)[rows] for _, line, rows in self._lines(kind)])
+
+    def values(self, kind: str, name: str) -> np.ndarray:
+        """A quantity of the same states, shape (states, *quantity)."""
+        parts = [self._values(task, name)[self._stored(task, line)[rows]] for task, line, rows in self._lines(kind)]
+        return np.concatenate(parts)
+
+    def states_of(self, kind: str, name: str) -> np.ndarray:
+        """A quantity of every free or contact state that has an answer, each once, wherever it lies.
+
+        Shape (states, *quantity).
+        """
+        return np.concatenate([self._values(task, name)[rows] for task, rows in self._rows(kind)])
+
+    @property
+    def has_pad_slopes(self) -> bool:
+        """Whether the pad's pressure has its derivatives."""
+        return all("pad_pressure_jacobian" in states for states in self._tasks.values())
+
+    def count(self, kind: str) -> int:
+        """Number of free states that have an answer, or of contact states that touch."""
+        found = self._rows(kind)
+        if kind == "free":
+            return sum(len(rows) for _, rows in found)
+        return sum(int((self._tasks[task]["contact_force"][rows] > 0).sum()) for task, rows in found)
+
+    def _rows(self, kind: str) -> list[tuple[str, np.ndarray]]:
+        """Tasks that hold states of a kind, and which of their states these are; a scattered line's first is free.
+
+        States at one place count once: a fit that is judged by states left out would find each in its twin.
+        """
+        found, seen = [], set()
+        size = np.array([parameter["upper"] - parameter["lower"] for parameter in self.description.parameters])
+        for task, line in self.plan.lines.items():
+            if task not in self._tasks or line.kind not in (kind, "scattered"):
+                continue
+            rows = np.flatnonzero(self._tasks[task]["converged"])
+            if line.kind == "scattered":
+                rows = rows[(rows == 0) == (kind == "free")]
+            places = np.round(np.nan_to_num(self._tasks[task]["parameters"][rows] / size), SAME_PLACE) + 0.0
+            fresh = [row for row, place in zip(rows, places, strict=True) if place.tobytes() not in seen]
+            seen |= {place.tobytes() for place in places}
+            if fresh:
+                found.append((task, np.array(fresh)))
+        return found
+
+    def projected(self, kind: str, basis: np.ndarray) -> np.ndarray:
+        """The displacement's derivatives of the same states in a basis, shape (states, k, p); read task by task.
+
+        The basis has k columns of 3 nodes.
+        """
+        basis, found = basis.astype(np.float32), []
+        for task, rows in self._rows(kind):
+            slopes = self._values(task, "displacement_jacobian")[rows]
+            found.append((slopes.reshape(*slopes.shape[:2], -1) @ basis).transpose(0, 2, 1).astype(float))
+        return np.concatenate(found)
+
+    def _lines(self, kind: str) -> list[tuple[str, Line, np.ndarray]]:
+        """Tasks of a kind, their lines, and which states of these have an answer."""
+        return [
+            (task, line, np.flatnonzero(self._tasks[task]["converged"][self._stored(task, line)]))
+            for task, line in self.lines.items()
+            if line.kind == kind and task in self._tasks
+        ]
+
+    @property
+    def lines(self) -> dict[str, Line]:
+        """The lines planned; one of a single state, where the plane cannot move, has all nodes of the plane's way."""
+        way, found = tuple(range(len(self.description.contact_nodes))), dict(self.plan.lines)
+        for task, stored in self._tasks.items():
+            line = found.get(task)
+            if line is not None and line.kind == "contact" and (stored["nodes"] >= 0).sum() < len(line.nodes):
+                found[task] = Line(line.kind, line.index, way if self.description.refines else line.nodes)
+        return found
+
+    def _stored(self, task: str, line: Line) -> np.ndarray:
+        """Where the states of a line stand in its task: one that stands for all is read for all."""
+        rows = np.flatnonzero(self._tasks[task]["nodes"] >= 0)
+        return rows if len(rows) == len(line.nodes) else np.zeros(len(line.nodes), int)
+
+    def on_grid(self, line: Line) -> np.ndarray:
+        """Positions on the grid of a line's nodes, shape (nodes, axes); of contact lines the onset node leads."""
+        shape = self._other_shape
+        others = [int(k) for k in np.unravel_index(line.index[0], shape)] if shape else []
+        if line.kind == "free":
+            return np.insert(np.tile(np.array(others, int), (len(line.nodes), 1)), self.description.lead, line.nodes, 1)
+        others.insert(self.description.lead, line.index[1])
+        return np.column_stack([np.tile(others, (len(line.nodes), 1)), line.nodes])
+
+    def onset(self, name: str = "onset") -> np.ndarray:
+        """Onset tension [N], or its derivatives, on the grid of the other tensions; nan where it is not known."""
+        found = {
+            line.index[0]: self._tasks[task][name]
+            for task, line in self.plan.lines.items()
+            if line.kind == "free" and task in self._tasks and name in self._tasks[task]
+        }
+        grid = np.full((len(self.description.others), *np.shape(next(iter(found.values())))), np.nan)
+        for j, value in found.items():
+            grid[j] = value
+        return grid.reshape((*self._other_shape, *grid.shape[1:]))
+
+    def free(self, name: str) -> np.ndarray:
+        """A quantity of the free states on the grid, shape (tension 1, tension 2, ..., *quantity); 0 if not known."""
+        return self._grid("free", name, [len(axis) for axis in self.description.tension_nodes])
+
+    def contact(self, name: str) -> np.ndarray:
+        """A quantity of the contact states on the grid, shape (tension 1, ..., way of the plane, *quantity).
+
+        The lead axis runs over `onset_nodes`, the last over `contact_nodes`. 0 if not known.
+        """
+        description = self.description
+        shape = [len(axis) for axis in description.tension_nodes]
+        shape[description.lead] = len(description.onset_nodes)
+        return self._grid("contact", name, [*shape, len(description.contact_nodes)])
+
+    def _grid(self, kind: str, name: str, shape: list[int]) -> np.ndarray:
+        values = self.values(kind, name)
+        grid = np.zeros((*shape, *values.shape[1:]), values.dtype)
+        grid[tuple(self.positions(kind).T)] = values
+        return grid
+
+    def random(self, name: str) -> np.ndarray:
+        """A quantity of the converged held-out states, shape (count, *quantity)."""
+        if not self.description.random:
+            raise SnapshotError(f"{self.path}: must be a held-out set (made with --random), got a training set")
+        return np.concatenate([self._values(task, name)[arrays["converged"]] for task, arrays in self._tasks.items()])
+
+    @property
+    def _other_shape(self) -> tuple[int, ...]:
+        return tuple(len(self.description.tension_nodes[k]) for k in self.description.other_axes)

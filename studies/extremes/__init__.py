@@ -1,0 +1,1 @@
+"""The ends of every range: docs/extremes.md."""

@@ -1,0 +1,51 @@
+"""Verdicts on extremes: right against a reference, refused with a reason, or wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from fingerfem.equilibrium.failures import LoadNotReached
+
+ROOT = Path(__file__).resolve().parents[2]
+RIGHT, REFUSED, WRONG = "right", "refused", "WRONG"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """What became of one extreme.
+
+    Attributes:
+        part: of the software.
+        extreme: which range is at its end.
+        case: how far.
+        outcome: right, refused or WRONG.
+        error: against the reference, relative [-]; None if it was refused.
+        bound: that the error must keep [-].
+        reference: what the answer is compared with; or the reason of a refusal.
+    """
+
+    part: str
+    extreme: str
+    case: str
+    outcome: str
+    error: float | None
+    bound: float | None
+    reference: str
+
+
+class Refused(Exception):
+    """A result that says why it is none."""
+
+
+def judged(part: str, extreme: str, case: str, reference: str, bound: float, error: Callable[[], float]) -> Row:
+    """One row: `error` computes the relative error, or raises what refuses with a reason."""
+    try:
+        found = float(error())
+    except (ValueError, LoadNotReached, Refused) as refusal:
+        reason = str(refusal).strip().replace(f"{ROOT}/", "")
+        outcome = REFUSED if reason and "\n" not in reason else WRONG
+        return Row(part=part, extreme=extreme, case=case, outcome=outcome, error=None, bound=None, reference=reason)
+    outcome = RIGHT if found <= bound else WRONG
+    return Row(part=part, extreme=extreme, case=case, outcome=outcome, error=found, bound=bound, reference=reference)

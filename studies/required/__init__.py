@@ -1,0 +1,1 @@
+"""What each kind of scene costs: docs/required.md."""

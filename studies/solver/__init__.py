@@ -1,0 +1,1 @@
+"""The full-order solver: docs/solver.md."""

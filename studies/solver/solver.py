@@ -1,0 +1,216 @@
+"""The full-order solver, measured: factorisations, wall time against plain Newton's, growth with the unknowns.
+
+python3 studies/solver/solver.py [OUT] [--quick]
+    prints tables, writes OUT/solver.json (out/solver by default); one core
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from petsc4py import PETSc
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from fingerfem import FingerModel, load_scene
+from fingerfem.equilibrium.failures import LoadNotReached
+from fingerfem.scene.scene import Scene
+
+SCENES = Path(__file__).resolve().parents[2] / "scenes"
+LINES = [[30.0, 0.0], [50.0, 20.0], [70.0, 40.0], [60.0, 80.0], [100.0, 60.0]]  # tensions of contact lines [N]
+STATES = 9  # a line's
+SIZES = [[12, 5], [25, 6], [50, 8], [100, 10], [150, 15], [220, 20]]  # cells, 1,500 to 300,000 unknowns
+
+
+def line_distances(reach: float, nearest: float) -> np.ndarray:
+    """Distances of a training line's contact states [m]: dense where contact begins."""
+    fractions = 1 - np.cos(np.pi / 2 * np.arange(1, STATES + 1) / STATES)
+    return reach - fractions * (reach - nearest)
+
+
+def from_rest(model: FingerModel) -> dict:
+    """From rest to 100 N on one tendon."""
+    newton = model.continuation.newton
+    before, begun = newton.factorisations, time.perf_counter()
+    model.continuation.rest()
+    model.continuation.advance([100.0] + [0.0] * (len(model.scene.tendons) - 1), None)
+    return {
+        "unknowns": model.problem.unknowns,
+        "factorisations": newton.factorisations - before,
+        "steps": model.continuation.steps,
+        "seconds": time.perf_counter() - begun,
+    }
+
+
+def contact_force(model: FingerModel) -> float:
+    """Of the state that the model is in [N]."""
+    assert model.problem.forms.contact is not None
+    return model.problem.scalar(model.problem.forms.contact.force)
+
+
+def contact_line(model: FingerModel, tensions: list[float]) -> dict:
+    """A training line: the plane comes nearer, state by state, each starting from the last."""
+    continuation, newton = model.continuation, model.continuation.newton
+    continuation.rest()
+    continuation.advance(tensions, None)
+    before, begun = newton.factorisations, time.perf_counter()
+    distances = line_distances(model.problem.reach(), model.scene.parameters[-1]["lower"])
+    forces = []
+    for distance in distances:
+        continuation.advance(tensions, float(distance))
+        forces.append(contact_force(model))
+    return {
+        "tensions": tensions,
+        "distances": distances.tolist(),
+        "contact_forces": forces,
+        "factorisations": newton.factorisations - before,
+        "seconds": time.perf_counter() - begun,
+    }
+
+
+class PlainNewton:
+    """The usual set-up: SNES with full Newton steps and MUMPS LU, the plane in place, increments of 25 N."""
+
+    def __init__(self, model: FingerModel):
+        self.model, self.factorisations = model, 0
+        snes = PETSc.SNES().create(model.problem.comm)
+        snes.setType("newtonls")
+        prefix = "plain_newton_"
+        snes.setOptionsPrefix(prefix)
+        settings = PETSc.Options()
+        chosen = {"snes_linesearch_type": "basic", "snes_divergence_tolerance": 1e50}  # never gives up for growth
+        for name, value in chosen.items():
+            settings[prefix + name] = value
+        snes.setFromOptions()
+        for name in chosen:
+            settings.delValue(prefix + name)
+        snes.getKSP().setType("preonly")
+        snes.getKSP().getPC().setType("lu")
+        snes.getKSP().getPC().setFactorSolverType("mumps")
+        # The same accuracy as the project's own solver asks for.
+        snes.setTolerances(rtol=0, atol=1e-10 * model.problem.force_scale, stol=0, max_it=50)
+        self._residual = model.problem.matrix.createVecRight()
+        snes.setFunction(self._function, self._residual)
+        snes.setJacobian(self._jacobian, model.problem.matrix)
+        self._snes, self._x = snes, model.problem.matrix.createVecRight()
+
+    def _set(self, x: PETSc.Vec) -> None:
+        self.model.problem.displacement[: x.local_size] = x.array_r
+        self.model.problem.fields.previous.x.array[:] = self.model.problem.displacement
+
+    def _function(self, _, x: PETSc.Vec, f: PETSc.Vec) -> None:
+        self._set(x)
+        b, _ = self.model.problem.residual()
+        b.copy(f)
+        b.destroy()
+
+    def _jacobian(self, _, x: PETSc.Vec, matrix: PETSc.Mat, __) -> None:
+        self._set(x)
+        self.model.problem.tangent()
+        self.factorisations += 1
+
+    def solve(self, tensions: list[float], distance: float) -> float | None:
+        """Contact force [N] of a state solved from rest, None where it does not converge."""
+        self._x.set(0.0)
+        for fraction in np.arange(1, int(np.ceil(max(tensions) / 25)) + 1) * 25 / max(tensions):
+            self.model.problem.set_loads(min(fraction, 1.0) * np.array(tensions), distance)
+            try:
+                self._snes.solve(None, self._x)
+            except PETSc.Error:  # a NaN in the tangent
+                return None
+            if self._snes.getConvergedReason() <= 0:
+                return None
+        self._set(self._x)
+        return contact_force(self.model)
+
+
+def against_plain_newton(model: FingerModel, tensions: list[float]) -> dict:
+    """The same nine states, on the line and each from rest by plain Newton, in one run."""
+    begun = time.perf_counter()
+    line = contact_line(model, tensions)
+    ours = time.perf_counter() - begun  # the way from rest included
+    plain, forces, seconds = PlainNewton(model), [], []
+    for distance in line["distances"]:
+        begun = time.perf_counter()
+        forces.append(plain.solve(tensions, distance))
+        seconds.append(time.perf_counter() - begun)
+    both = [(a, b) for a, b in zip(line["contact_forces"], forces, strict=True) if b is not None]
+    converged = [each for each, force in zip(seconds, forces, strict=True) if force is not None]
+    return {
+        "tensions": tensions,
+        "seconds": ours,
+        "plain_seconds": sum(seconds),
+        "plain_factorisations": plain.factorisations,
+        "plain_not_converged": forces.count(None),
+        "times_faster": sum(seconds) / ours,
+        "times_faster_where_plain_converged": np.mean(converged) / (ours / STATES) if converged else None,
+        "largest_difference": max((abs(a - b) / a for a, b in both), default=None),
+    }
+
+
+def sizes(scene: Scene, quick: bool) -> list[dict]:
+    """From rest to 100 N on meshes of 1,500 to 300,000 unknowns."""
+    found = []
+    for cells in SIZES[: 3 if quick else None]:
+        table = scene.model_dump()
+        table["mesh"]["cells"] = cells
+        del table["obstacle"]
+        model = FingerModel(Scene.model_validate(table))
+        try:
+            found.append({"cells": cells, **from_rest(model)})
+        except LoadNotReached as failure:
+            found.append({"cells": cells, "unknowns": model.problem.unknowns, "failed": str(failure)})
+        say(found[-1])
+    return found
+
+
+def say(row: dict) -> None:
+    """Print a row of a table."""
+    print("  ".join(f"{name} {_short(value)}" for name, value in row.items() if name not in HIDDEN), flush=True)
+
+
+HIDDEN = ("distances", "contact_forces")
+
+
+def _short(value) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+def main() -> None:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("out", nargs="?", default="out/solver")
+    parser.add_argument("--quick", action="store_true", help="the draft mesh instead of the paper's; three sizes")
+    options = parser.parse_args()
+    scene = load_scene(SCENES / ("draft.toml" if options.quick else "one_segment.toml"))
+    model = FingerModel(scene)
+    model.continuation.rest()
+    model.continuation.advance([1.0, 0.0], None)  # what is done once: compiled forms, symbolic factorisation
+    print(f"{scene.name}: from rest to 100 N")
+    result: dict = {"scene": scene.name, "from_rest": from_rest(model)}
+    say(result["from_rest"])
+    print(f"contact lines of {STATES} states")
+    result["lines"] = []
+    for tensions in LINES:
+        result["lines"].append(contact_line(model, tensions))
+        say(result["lines"][-1])
+    total = sum(line["factorisations"] for line in result["lines"])
+    result["factorisations_per_contact_state"] = total / (STATES * len(LINES))
+    print(f"factorisations a contact state: {result['factorisations_per_contact_state']:.2f}")
+    print("against plain Newton, each state from rest")
+    result["against_plain_newton"] = against_plain_newton(model, LINES[1])
+    say(result["against_plain_newton"])
+    print("number of unknowns")
+    result["sizes"] = sizes(scene, options.quick)
+    folder = Path(options.out)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "solver.json").write_text(json.dumps(result, indent=1))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The surrogate: docs/surrogate.md."""

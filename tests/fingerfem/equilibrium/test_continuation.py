@@ -1,0 +1,240 @@
+"""Equilibria of the draft finger: balances, identities of the potential, derivatives, limits, independence of path."""
+
+import numpy as np
+import pytest
+
+from fingerfem import FingerModel, LoadNotReached
+from fingerfem.equilibrium.continuation import Continuation, StepOptions
+from fingerfem.equilibrium.failures import NotConverged
+from fingerfem.equilibrium.newton import Newton, NewtonOptions
+from fingerfem.scene.laws import neo_hookean_from
+from fingerfem.scene.scene import Scene
+from studies.solver import solver as solver_study
+
+LOADS = [([50.0, 0.0], 0.005), ([60.0, 40.0], 0.010), ([100.0, 30.0], 0.020)]
+
+
+@pytest.fixture(scope="module")
+def states(draft):
+    return {(tuple(tensions), d): draft.solve(tensions, d) for tensions, d in LOADS}
+
+
+def test_residual_is_the_derivative_of_the_energy_and_the_tangent_that_of_the_residual(draft):
+    """Taylor: both remainders fall with the square of the step (in contact, plates and tendons included)."""
+    draft.solve([50.0, 20.0], 0.005, sensitivities=False)
+    u = draft.problem.fields.u.x.array
+    x = draft.problem.space.tabulate_dof_coordinates()
+    # A smooth direction that vanishes at the clamp and does not stretch the plate out of all proportion.
+    direction = (1e-3 * np.column_stack([x[:, 0], x[:, 0] ** 2 / 0.05, -x[:, 0]])).ravel()
+    draft.problem.displacement[:] += 0.3 * direction
+    at, draft.problem.fields.previous.x.array[:] = u.copy(), u
+
+    def energy():
+        return draft.problem.energy()
+
+    def residual():
+        b, _ = draft.problem.residual()
+        values = b.array_r.copy()
+        b.destroy()
+        return values
+
+    e0, r0 = energy(), residual()
+    slope = r0 @ direction
+    K = draft.problem.tangent()
+    p = K.createVecRight()
+    p.array[:] = direction
+    Kp = K.createVecLeft()
+    K.mult(p, Kp)
+    free = np.abs(direction) > 0
+    remainders = []
+    for h in (1e-3, 5e-4):
+        u[:] = at + h * direction
+        remainders.append((abs(energy() - e0 - h * slope), np.linalg.norm((residual() - r0 - h * Kp.array_r)[free])))
+    u[:] = at
+    (e1, r1), (e2, r2) = remainders
+    assert e1 / e2 == pytest.approx(4.0, rel=0.05)
+    assert r1 / r2 == pytest.approx(4.0, rel=0.05)
+
+
+@pytest.mark.parametrize("load", LOADS, ids=str)
+def test_the_clamps_reaction_is_the_contact_force(states, load):
+    state = states[tuple(load[0]), load[1]]
+    assert state.contact_force > 0.1
+    assert state.clamp_reaction == pytest.approx([0.0, state.contact_force, 0.0], abs=1e-7)
+
+
+def test_in_free_space_the_clamp_feels_nothing(draft):
+    state = draft.solve([80.0, 50.0], sensitivities=False)
+    assert np.abs(state.clamp_reaction).max() < 1e-9
+
+
+@pytest.mark.parametrize("load", [*LOADS[:2], pytest.param(LOADS[2], marks=pytest.mark.long)], ids=str)
+def test_forces_and_shortenings_are_derivatives_of_the_potential(draft, states, load):
+    (tensions, d), state = load, states[tuple(load[0]), load[1]]
+    h = 1e-5
+    ahead, behind = (draft.solve(tensions, d + step, sensitivities=False).energy for step in (h, -h))
+    assert -(ahead - behind) / (2 * h) == pytest.approx(state.contact_force, rel=1e-3)
+    for k, name in enumerate(("F1", "F2")):
+        if not 0 < tensions[k] < 100:
+            continue
+        step = np.eye(2)[k] * 0.1
+        ahead, behind = (draft.solve(tensions + sign * step, d, sensitivities=False).energy for sign in (1, -1))
+        length = 0.049 - state.channel_shortening[name]
+        assert (ahead - behind) / 0.2 == pytest.approx(length, rel=1e-5)
+
+
+@pytest.mark.parametrize("load", LOADS[:2], ids=str)
+def test_sensitivities_are_differences_of_states(draft, states, load):
+    (tensions, d), state = load, states[tuple(load[0]), load[1]]
+    for name, change, h in (("F1", ([1.0, 0.0], 0.0), 0.01), ("d", ([0.0, 0.0], 1.0), 1e-6)):
+        sides = [
+            draft.solve(np.add(tensions, sign * h * np.array(change[0])), d + sign * h * change[1], sensitivities=False)
+            for sign in (1, -1)
+        ]
+        force = (sides[0].contact_force - sides[1].contact_force) / (2 * h)
+        tip = (sides[0].tip - sides[1].tip) / (2 * h)
+        assert state.sensitivities["contact_force"][name] == pytest.approx(force, rel=2e-3)
+        assert state.sensitivities["tip"][name] == pytest.approx(tip, rel=2e-3, abs=1e-3 * np.abs(tip).max())
+
+
+def test_sensitivities_are_reciprocal(states):
+    """Maxwell: dL_1/dF_2 = dL_2/dF_1 and dN/dF = d(shortening)/dd, for all are derivatives of one potential."""
+    state = states[(60.0, 40.0), 0.010]
+    shortening, force = state.sensitivities["channel_shortening"], state.sensitivities["contact_force"]
+    assert shortening["F1"]["F2"] == pytest.approx(shortening["F2"]["F1"], rel=1e-6)
+    for name in ("F1", "F2"):
+        assert shortening["d"][name] == pytest.approx(force[name], rel=1e-6)
+
+
+def test_two_paths_to_the_same_load_end_in_the_same_state(draft):
+    straight = draft.solve([60.0, 40.0], 0.010, sensitivities=False)
+    draft.continuation.rest()
+    draft.continuation.advance([0.0, 40.0], None)
+    draft.continuation.advance([30.0, 40.0], 0.006)
+    draft.continuation.advance([60.0, 40.0], 0.010)
+    assert np.abs(draft.problem.displacement - straight.displacement).max() < 1e-8 * 0.05
+
+
+def test_all_newton_strategies_find_the_same_state_and_the_mixed_one_sooner(draft):
+    counts, found = {}, {}
+    for strategy in ("mixed", "plain", "line search"):
+        newton = Newton(draft.problem, NewtonOptions(iterations=40))
+        draft.continuation.rest()
+        draft.problem.set_loads([20.0, 0.0], None)
+        counts[strategy], _ = newton.solve(strategy)
+        found[strategy] = draft.problem.displacement.copy()
+    for other in ("plain", "line search"):
+        assert np.abs(found["mixed"] - found[other]).max() < 1e-9 * 0.05
+        assert counts["mixed"] < counts[other]
+
+
+def test_touch_begins_exactly_at_the_touch_distance(draft):
+    touch = draft.solve([50.0, 0.0], sensitivities=False).touch_distance
+    assert draft.solve([50.0, 0.0], touch + 1e-7, sensitivities=False).contact_force == 0.0
+    just = draft.solve([50.0, 0.0], touch - 1e-5, sensitivities=False).contact_force
+    assert 0.0 < just < 0.01
+
+
+@pytest.mark.parametrize("load", LOADS, ids=str)
+def test_nothing_passes_the_plane_by_more_than_a_ten_thousandth_of_the_side(draft, load):
+    draft.solve(*load, sensitivities=False)
+    assert draft.problem.reach() - load[1] < 1e-4 * 0.010
+
+
+def test_a_small_pull_bends_the_finger_as_beam_theory_says(table):
+    """w = F e L^2 / 2EI to first order in F, on quadratic cells; the rubber is 49 mm long, the tip is seen at 49.5 mm.
+
+    The rest is what beams leave out: the clamp and the plate hold the section's width.
+    """
+    table["mesh"] = {"cells": [20, 5], "order": 2}
+    del table["obstacle"]
+    model = FingerModel(Scene.model_validate(table))
+    F, e, L, EI = 0.1, 0.004, 0.049, model.problem.law.young_modulus * 0.010**4 / 12
+    w = F * e / EI * (L**2 / 2 + L * 0.0005)
+    assert model.solve([F, 0.0], sensitivities=False).tip[1] == pytest.approx(w, rel=0.02)
+
+
+def test_mirrored_pulls_give_mirrored_states(draft):
+    along_y = draft.solve([70.0, 30.0], sensitivities=False)
+    along_z = draft.solve([30.0, 70.0], sensitivities=False)
+    assert along_z.tip == pytest.approx(along_y.tip[[0, 2, 1]], abs=1e-10)
+
+
+def test_a_load_that_is_not_reached_raises_with_the_last_good_load(draft):
+    continuation = Continuation(draft.problem, StepOptions(halvings=1))
+    continuation.newton.options = NewtonOptions(iterations=2)
+    with pytest.raises(LoadNotReached, match="no equilibrium beyond") as caught:
+        continuation.advance([100.0, 0.0], None)
+    assert np.all(caught.value.tensions < 100.0)
+    assert np.isfinite(draft.problem.displacement).all()
+    assert np.array_equal(continuation.tensions, caught.value.tensions)
+
+
+def test_a_failed_newton_attempt_leaves_the_model_as_it_was(draft):
+    draft.continuation.rest()
+    before = draft.problem.displacement.copy()
+    draft.problem.set_loads([1e9, 0.0], None)
+    with pytest.raises(NotConverged):
+        Newton(draft.problem).solve()
+    assert np.array_equal(draft.problem.displacement, before)
+
+
+def test_a_singular_tangent_is_refused_when_it_is_factorised(draft, monkeypatch):
+    newton = draft.continuation.newton
+    newton.linearise()
+    monkeypatch.setattr(draft.problem, "tangent", lambda: draft.problem.matrix.zeroEntries())
+    with pytest.raises(NotConverged, match="factorisation failed"):
+        newton.linearise()
+    monkeypatch.undo()
+    assert newton.linearise().negative_pivots == 0
+
+
+def test_a_nan_never_leaves_as_a_result(draft):
+    draft.continuation.rest()
+    draft.problem.set_loads([np.nan, 0.0], None)
+    with pytest.raises(NotConverged, match="not finite"):
+        Newton(draft.problem).solve()
+
+
+def test_without_an_obstacle_no_contact_is_compiled_and_no_distance_taken(table):
+    del table["obstacle"]
+    model = FingerModel(Scene.model_validate(table))
+    assert model.problem.forms.contact is None
+    state = model.solve([50.0, 0.0], sensitivities=False)
+    assert state.contact_force is None and "contact_force" not in state.as_json()
+    with pytest.raises(ValueError, match="d must be left out"):
+        model.solve([50.0, 0.0], 0.005)
+
+
+def test_the_whole_range_of_tensions_is_reached_in_few_iterations(draft):
+    for tensions in ([100.0, 0.0], [0.0, 100.0], [100.0, 100.0]):
+        state = draft.solve(tensions, sensitivities=False)
+        assert state.smallest_volume_ratio > 0
+        assert state.newton_iterations <= 30 * (1 + (min(tensions) > 0) * 1.5)
+
+
+def test_a_contact_line_takes_at_most_five_factorisations_a_state(draft):
+    line = solver_study.contact_line(draft, [70.0, 40.0])
+    assert len(line["contact_forces"]) == solver_study.STATES and np.all(np.diff(line["contact_forces"]) > 0)
+    assert line["factorisations"] <= 5 * solver_study.STATES
+
+
+def test_rest_to_the_strongest_pull_takes_at_most_22_factorisations(draft):
+    assert solver_study.from_rest(draft)["factorisations"] <= 22
+
+
+@pytest.mark.parametrize("modulus", [1e3, 1e5])
+def test_soft_rubber_pulled_less_bends_as_stiff_rubber_pulled_more(table, modulus):
+    """Everything but the plates scales with the rubber's modulus, and they are rigid to a millionth."""
+    tips, forces = [], []
+    for young in (modulus, 1e7):
+        law = neo_hookean_from(young, 0.3)
+        scene = table | {
+            "material": {"law": "neo-hookean", "C1": law.C1, "D1": law.D1},
+            "tendons": table["tendons"][:1],
+        }
+        state = FingerModel(Scene.model_validate(scene)).solve([50.0 * young / 1e7], 0.010, sensitivities=False)
+        tips.append(state.tip)
+        forces.append(state.contact_force / young)
+    assert tips[0] == pytest.approx(tips[1], rel=1e-3, abs=1e-9)
+    assert forces[0] == pytest.approx(forces[1], rel=1e-3)

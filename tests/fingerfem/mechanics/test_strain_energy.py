@@ -1,0 +1,139 @@
+"""Laws are energies: their rest, moduli, objectivity and stress; their ranges."""
+
+import numpy as np
+import pytest
+import ufl
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+from scipy.spatial.transform import Rotation
+
+from fingerfem.mechanics.strain_energy import energy, parts, stress
+from fingerfem.scene.laws import MooneyRivlin, NeoHookean, SaintVenantKirchhoff, neo_hookean_from
+
+PAPER = NeoHookean(C1=1.9e6, D1=2.43e-7)
+LAWS = [
+    PAPER,
+    MooneyRivlin(C10=1.5e6, C01=0.4e6, D1=2.43e-7),
+    SaintVenantKirchhoff(E=9.88e6, nu=0.3),
+]
+every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.law)
+
+
+def value(law, C: np.ndarray) -> float:
+    return float(energy(law)(ufl.as_matrix(C.tolist()))(()))
+
+
+def second_piola(law, C: np.ndarray) -> np.ndarray:
+    S = stress(energy(law), ufl.as_matrix(C.tolist()))
+    S = ufl.algorithms.apply_derivatives.apply_derivatives(
+        ufl.algorithms.apply_algebra_lowering.apply_algebra_lowering(S)
+    )
+    return np.array([[float(S[i, j](())) for j in range(3)] for i in range(3)])
+
+
+def stretched(seed: int) -> np.ndarray:
+    return np.eye(3) + 0.2 * np.random.default_rng(seed).standard_normal((3, 3))
+
+
+def test_moduli_are_those_of_the_paper():
+    assert PAPER.shear_modulus == pytest.approx(3.8e6)
+    assert PAPER.bulk_modulus == pytest.approx(8.23e6, rel=1e-3)
+    assert PAPER.young_modulus == pytest.approx(9.88e6, rel=1e-3)
+    assert PAPER.poisson == pytest.approx(0.300, abs=1e-3)
+
+
+@given(st.floats(1e4, 1e11), st.floats(0.0, 0.49))
+def test_a_law_made_from_moduli_has_them(young_modulus, poisson):
+    law = neo_hookean_from(young_modulus, poisson)
+    assert law.young_modulus == pytest.approx(young_modulus, rel=1e-9)
+    assert law.poisson == pytest.approx(poisson, abs=1e-9)
+
+
+def test_mooney_rivlin_without_its_second_constant_is_neo_hookean():
+    law, C = MooneyRivlin(C10=1.9e6, C01=0.0, D1=2.43e-7), stretched(7).T @ stretched(7)
+    assert value(law, C) == pytest.approx(value(PAPER, C), rel=1e-14)
+
+
+@every_law
+def test_rest_has_no_energy_and_no_stress(law):
+    assert value(law, np.eye(3)) == pytest.approx(0.0, abs=1e-8)
+    assert np.abs(second_piola(law, np.eye(3))).max() < 1e-8 * law.young_modulus
+
+
+@every_law
+@pytest.mark.parametrize("seed", range(4))
+def test_energy_does_not_see_rotations(law, seed):
+    F, R = stretched(seed), Rotation.random(random_state=seed).as_matrix()
+    assert value(law, (R @ F).T @ (R @ F)) == pytest.approx(value(law, F.T @ F), rel=1e-12)
+
+
+@every_law
+@pytest.mark.parametrize("seed", range(3))
+def test_stress_is_the_derivative_of_the_energy(law, seed):
+    C, h = stretched(seed).T @ stretched(seed), 1e-5
+    S = second_piola(law, C)
+    for i, j in ((0, 0), (1, 1), (0, 1), (1, 2)):
+        dC = np.zeros((3, 3))
+        dC[i, j] += 0.5
+        dC[j, i] += 0.5
+        slope = (value(law, C + h * dC) - value(law, C - h * dC)) / (2 * h)
+        assert S[i, j] == pytest.approx(2 * slope, rel=1e-7, abs=1e-6 * law.shear_modulus)
+
+
+@every_law
+def test_small_strain_follows_hooke_with_the_laws_own_moduli(law):
+    strain = 1e-5
+    lateral = 1 - law.poisson * strain
+    S = second_piola(law, np.diag([(1 + strain) ** 2, lateral**2, lateral**2]))
+    assert S[0, 0] == pytest.approx(law.young_modulus * strain, rel=1e-3)
+    assert abs(S[1, 1]) < 1e-3 * S[0, 0]
+    shear = np.eye(3)
+    shear[0, 1] = shear[1, 0] = strain
+    assert second_piola(law, shear)[0, 1] == pytest.approx(law.shear_modulus * strain, rel=1e-3)
+
+
+@pytest.mark.parametrize("law", LAWS[:2], ids=lambda law: law.law)
+@pytest.mark.parametrize("seed", range(20))
+def test_polyconvex_laws_are_convex_along_rank_one_lines(law, seed):
+    """Legendre-Hadamard, which polyconvexity implies, at states far from rest."""
+    draw = np.random.default_rng(seed)
+    F = np.eye(3) + 0.5 * draw.standard_normal((3, 3))
+    F *= np.sign(np.linalg.det(F))
+    a, b = draw.standard_normal((2, 3))
+    h = 1e-3 / np.linalg.norm(np.outer(a, b) @ np.linalg.inv(F))
+    ahead, here, behind = (value(law, (F + t * np.outer(a, b)).T @ (F + t * np.outer(a, b))) for t in (h, 0.0, -h))
+    assert ahead - 2 * here + behind > 0
+
+
+def test_a_law_splits_into_two_parts_that_make_the_whole():
+    C = ufl.as_matrix((stretched(1).T @ stretched(1)).tolist())
+    for law in LAWS[:2]:
+        distortional, volumetric = parts(law)
+        assert float((distortional(C) + volumetric(C))(())) == pytest.approx(float(energy(law)(C)(())), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("law", "name", "value"),
+    [
+        (NeoHookean, "C1", 0.0),
+        (NeoHookean, "D1", -1.0),
+        (NeoHookean, "C1", float("nan")),
+        (MooneyRivlin, "C01", -1.0),
+        (SaintVenantKirchhoff, "nu", 0.46),
+        (SaintVenantKirchhoff, "nu", -0.1),
+        (NeoHookean, "D1", 2e-6),  # Poisson's ratio -0.2
+        (SaintVenantKirchhoff, "E", -1.0),
+    ],
+)
+def test_parameters_must_lie_in_the_laws_range(law, name, value):
+    good = {NeoHookean: {"C1": 1e6, "D1": 1e-7}, MooneyRivlin: {"C10": 1e6, "C01": 1e5, "D1": 1e-7}}
+    parameters = good.get(law, {"E": 1e7, "nu": 0.3}) | {name: value}
+    with pytest.raises(ValidationError, match=f"{name}|Poisson's ratio of at least 0"):
+        law(**parameters)
+
+
+def test_rubber_is_mixed_by_itself_above_a_poissons_ratio_of_045():
+    assert not neo_hookean_from(1e7, 0.4499).is_mixed
+    assert neo_hookean_from(1e7, 0.4501).is_mixed
+    assert NeoHookean(C1=1.9e6, D1=2.43e-7, formulation="mixed").is_mixed

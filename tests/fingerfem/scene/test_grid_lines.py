@@ -1,0 +1,91 @@
+"""Grid lines fit plates and channels at every resolution."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpi4py import MPI
+
+from fingerfem.discretisation import regions
+from fingerfem.discretisation.mesh import build_mesh
+from fingerfem.scene import grid_lines
+from fingerfem.scene.scene import Scene
+
+
+def lines_of(scene: Scene):
+    return grid_lines.grid_lines(scene.outline, scene.mesh, scene.is_half)
+
+
+@given(st.lists(st.floats(0.01, 10.0), min_size=1, max_size=8), st.integers(0, 60))
+def test_a_subdivision_holds_every_breakpoint_and_has_the_cells_asked_for(lengths, extra):
+    breakpoints = np.concatenate([[0.0], np.cumsum(lengths)])
+    lines = grid_lines.subdivide(breakpoints, len(lengths) + extra)
+    assert len(lines) == len(lengths) + extra + 1
+    assert np.all(np.diff(lines) > 0)
+    assert all(np.abs(lines - point).min() < 1e-12 * breakpoints[-1] for point in breakpoints)
+
+
+def test_an_odd_number_of_cells_without_a_central_one_is_refused():
+    with pytest.raises(ValueError, match="even to stay symmetric"):
+        grid_lines.subdivide([-1.0, 0.0, 1.0], 3, symmetric=True)
+
+
+@pytest.mark.parametrize("cells", [5, 6, 7, 8, 9, 10, 15, 20])
+def test_the_section_is_symmetric_at_every_resolution(cells):
+    lines = grid_lines.subdivide([-5.0, -3.0, -1.0, 1.0, 3.0, 5.0], cells, symmetric=True)
+    assert np.allclose(lines, -lines[::-1], atol=1e-12)
+
+
+def test_the_papers_grid_is_uniform(table):
+    table["mesh"]["cells"] = [100, 10]
+    x, y, z = lines_of(Scene.model_validate(table))
+    assert np.allclose(np.diff(x), 0.5e-3, rtol=1e-9)
+    assert np.allclose(np.diff(y), 1e-3, rtol=1e-9)
+    assert np.array_equal(y, z)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("cells", [[10, 5], [23, 8], [40, 10]])
+def test_regions_have_the_volumes_and_areas_of_the_finger_at_every_resolution(table, cells):
+    from dolfinx import fem
+    from ufl import Measure
+
+    table["mesh"]["cells"] = cells
+    finger = build_mesh(Scene.model_validate(table), MPI.COMM_WORLD)
+    one = fem.Constant(finger.problem.mesh, 1.0)
+    dx = Measure("dx", finger.problem.mesh, subdomain_data=finger.cells)
+    ds = Measure("ds", finger.problem.mesh, subdomain_data=finger.facets)
+
+    def size(measure):
+        return MPI.COMM_WORLD.allreduce(fem.assemble_scalar(fem.form(one * measure)))
+
+    assert size(dx(regions.TIP)) == pytest.approx(1e-3 * 1e-4, rel=1e-12)
+    assert size(dx(regions.RUBBER_CHANNEL)) == pytest.approx(2 * 49e-3 * 4e-6, rel=1e-12)
+    assert size(dx) == pytest.approx(50e-3 * 1e-4, rel=1e-12)
+    assert size(ds(regions.CLAMP)) == pytest.approx(1e-4, rel=1e-12)
+    assert size(ds(regions.PAD)) == pytest.approx(1e-5, rel=1e-12)
+    assert size(ds(regions.SURFACE)) == pytest.approx(4 * 50e-5 + 1e-4, rel=1e-12)
+
+
+@pytest.mark.parametrize("across", [5, 6, 9])
+def test_half_a_finger_is_half_of_the_whole_on_the_same_lines(table, across):
+    table["tendons"] = table["tendons"][:1]
+    table["mesh"]["cells"][1] = across
+    half = lines_of(Scene.model_validate(table))
+    table["mesh"]["symmetry"] = False
+    whole = lines_of(Scene.model_validate(table))
+    assert np.array_equal(half[0], whole[0]) and np.array_equal(half[1], whole[1])
+    assert half[2][0] == 0.0
+    assert np.allclose(whole[2], np.concatenate([-half[2][:0:-1], half[2]]), atol=1e-15)
+
+
+def test_the_pad_is_the_patch_that_the_scene_names(table):
+    from dolfinx import fem
+    from ufl import Measure
+
+    table["mesh"]["cells"] = [20, 8]
+    table["obstacle"]["pad"] = {"name": "belly", "x": [0.031, 0.0475], "width": 0.005}
+    finger = build_mesh(Scene.model_validate(table), MPI.COMM_SELF)
+    ds = Measure("ds", finger.problem.mesh, subdomain_data=finger.facets)
+    area = fem.assemble_scalar(fem.form(fem.Constant(finger.problem.mesh, 1.0) * ds(regions.PAD)))
+    assert area == pytest.approx(0.0165 * 0.005, rel=1e-12)

@@ -1,0 +1,27 @@
+"""Lines of states at scattered tensions, whose free states begin at those of a few."""
+
+import numpy as np
+from farm import assert_same, run
+
+from fingerfem import FingerModel, load_scene
+from fingerfem.snapshots.lines import ROOTS
+from rom.snapshots.snapshot_set import read_description, read_task
+
+LINES = 18
+
+
+def test_free_states_do_not_depend_on_where_they_began_nor_on_who_solves_them(scene, tmp_path):
+    file = tmp_path / "scattered.toml"
+    file.write_text(f"{scene.read_text().split('[sampling]')[0]}[sampling]\nlines = {LINES}\ncontact_nodes = 4\n")
+    for ranks in (3, 1):
+        run(ranks, file, tmp_path / str(ranks))
+    assert_same(tmp_path / "3", tmp_path / "1")
+    model, iterations = FingerModel(load_scene(file)), {"rest": 0, "root": 0}
+    for k in range(ROOTS, LINES):
+        line = read_task(tmp_path / "1", f"scattered-{k}")
+        tensions = read_description(tmp_path / "1").scattered[k]
+        state = model.solve(tensions, sensitivities=False)
+        assert np.abs(line["tip"][0] - state.tip).max() < 1e-8
+        iterations["rest"] += state.newton_iterations
+        iterations["root"] += line["iterations"][0]
+    assert iterations["root"] < 0.6 * iterations["rest"]

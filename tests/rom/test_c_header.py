@@ -1,0 +1,75 @@
+"""The C header: compiled without a warning, it gives what Python gives."""
+
+import ctypes
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rom.c_header import export, header
+from rom.surrogate import ModelError
+
+ROOT = Path(__file__).resolve().parents[2]
+STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"]
+PROGRAM = '#include "finger.h"\nint answer(const double *p, double *o, double *j) { return finger_answer(p, o, j); }\n'
+COMPILER = shutil.which("cc") or shutil.which("gcc")
+needs_compiler = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
+
+
+@pytest.fixture(scope="module")
+def compiled(surrogate, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("c")
+    export(surrogate, folder / "finger.h")
+    (folder / "finger.c").write_text(PROGRAM)
+    library = folder / "finger.so"
+    command = [COMPILER, *STRICT, "-shared", "-fPIC", "-o", str(library), "finger.c", "-lm"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    answer = ctypes.CDLL(str(library)).answer
+    doubles = ctypes.POINTER(ctypes.c_double)
+
+    def call(point):
+        point = np.ascontiguousarray(point, float)
+        out, jacobian = np.empty(5), np.empty((5, len(point)))
+        inside = answer(*(array.ctypes.data_as(doubles) for array in (point, out, jacobian)))
+        return out, jacobian, bool(inside)
+
+    return call
+
+
+@needs_compiler
+def test_values_and_gradients_are_python_s_to_round_off(surrogate, compiled):
+    random = np.random.default_rng(0)
+    points = random.random((3000, 3)) * [100, 100, 0.03] + [0, 0, 0.001]
+    special = [[0, 0, 0.001], [100, 100, 0.001], [100, 0, 0.031], [50, 50, np.inf], [-1, 50, 0.01], [np.nan, 0, 0.01]]
+    regimes = set()
+    for point in [*points, *np.array([[*special_point] for special_point in special], float)]:
+        out, jacobian, inside = compiled(point)
+        ours, slopes = surrogate.value_and_jacobian(point)
+        found = surrogate.regime(point)
+        regimes.add(found and found.code)
+        assert inside == bool(surrogate.evaluate(point).inside)
+        scale = np.maximum(np.abs(ours), [0.05, 0.05, 0.05, 15, 0.03])
+        assert np.abs(out - ours).max(initial=0, where=~np.isnan(ours)) <= 1e-12 * scale.max()
+        assert jacobian == pytest.approx(slopes, rel=1e-9, abs=1e-12 * np.abs(slopes).max() + 1e-12)
+    assert len(regimes) >= 5  # and before touch
+
+
+@needs_compiler
+def test_the_command_writes_a_header_that_says_what_it_is(demo, tmp_path):
+    command = [sys.executable, "-m", "rom", "export", str(demo / "finger.h5"), str(tmp_path / "thumb.h")]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    text = (tmp_path / "thumb.h").read_text()
+    assert "int thumb_answer(const double point[thumb_PARAMETERS]" in text and "F1 [N] from 0 to 100" in text
+    assert not any(word in text for word in ("malloc", "calloc", "#include <stdlib.h>"))
+    refused = subprocess.run([*command[:-1], str(tmp_path / "2.h")], cwd=ROOT, capture_output=True, text=True)
+    assert refused.returncode == 2 and "C identifier" in refused.stderr
+
+
+def test_a_name_that_c_does_not_know_is_refused(surrogate):
+    with pytest.raises(ModelError, match="C identifier"):
+        header(surrogate, "my finger")
