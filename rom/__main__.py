@@ -35,7 +35,7 @@ def build(
     terms: Annotated[int, typer.Option(min=1, max=1000, help="Most products of one form.")] = 100,
     held_out: Annotated[
         Path | None,
-        typer.Option(metavar="HELDOUT/", help="Measure the error, and choose 1-D functions, on these states."),
+        typer.Option(metavar="HELDOUT/", help="Measure the error on these states."),
     ] = None,
     coarse: Annotated[
         Path | None, typer.Option(metavar="SET/", help="States of the same finger on a coarser mesh, to be corrected.")
@@ -45,7 +45,6 @@ def build(
     """Separate a snapshot set and write the model file."""
     from rom.build import train
     from rom.error_model import calibrated
-    from rom.functions import chosen
     from rom.held_out import accuracy, check
     from rom.separation.alternating_directions import EnrichmentOptions
 
@@ -61,8 +60,8 @@ def build(
         model = train(snapshots, options, None if coarse is None else SnapshotSet(coarse), progress=progress)
         if held_out is not None:
             fresh = SnapshotSet(held_out)
-            model = chosen(model, fresh, progress)
-            model = calibrated(replace(model, accuracy=accuracy(check(model, fresh, progress))), fresh)
+            model = calibrated(model, fresh)
+            model = replace(model, accuracy=accuracy(check(model, fresh, progress)))
     model.save(output)
     show(summary(model), as_json)
 

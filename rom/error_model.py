@@ -17,6 +17,7 @@ from rom.components import Errors
 from rom.fit.contact_response import Contact
 from rom.fit.displacement import Moved
 from rom.fit.free_response import Free
+from rom.held_out import split
 from rom.native import answer
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
@@ -92,7 +93,8 @@ def estimate(
 
 
 def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
-    """The model with its errors scaled so that they hold on held-out states."""
+    """The model with its estimated errors scaled so that they hold on the calibration states of a held-out set."""
+    held_out, _ = split(held_out)
     points = held_out.random("parameters")
     answer = model.evaluate(points)
     true = {"tip": np.linalg.norm(answer.tip - held_out.random("tip"), axis=1)}
@@ -118,7 +120,12 @@ def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
         if name in true:
             before, after = getattr(errors, name, 0.0), free.get(name, 0.0)
             contact[:, column] *= _scale(true[name][touching] - after, answer.error[name][touching] - before)
-    return replace(model, errors=replace(errors, contact=contact, **free))
+    used = {"set": held_out.description.held_out_id, "states": len(points)}
+    return replace(
+        model,
+        errors=replace(errors, contact=contact, **free),
+        provenance=model.provenance | {"calibration": used},
+    )
 
 
 def _scale(true: np.ndarray, said: np.ndarray) -> float:

@@ -22,6 +22,7 @@ from rom.separation.separated_form import Separated
 KIND, FORMAT = "fingerfem surrogate", 4
 COMPRESSED = 1024  # bytes from which on an array is
 BLOCK = 512  # bytes before what is HDF5
+HERMITE = "hermite"  # one-dimensional functions; cubic splines of older files are stored as these
 PLAIN = ("parameters", "scene", "accuracy", "provenance")
 
 
@@ -146,7 +147,7 @@ def _write_form(group: h5py.Group, form: Separated, axes: list[tuple[str, str]],
         group["modes"].attrs["components"] = ", ".join(names)
     _dataset(group, "errors", form.errors, "-")
     _dataset(group, "lost", form.lost, unit)
-    group.attrs["functions"] = form.kind
+    group.attrs["functions"] = HERMITE
     for a, (axis, axis_unit) in enumerate(axes):
         factor = form.factors[a]
         _dataset(group, f"nodes_{a}", np.linspace(form.lower[a], form.upper[a], len(factor)), axis_unit)
@@ -210,6 +211,10 @@ def _read_regime(group: h5py.Group) -> Regime:
 
 
 def _read_form(group: h5py.Group) -> Separated:
+    if group.attrs["functions"] not in (HERMITE, "cubic"):
+        raise ModelError(
+            f"{group.file.filename}: must have Hermite functions, got {group.attrs['functions']}: build it anew"
+        )
     axes = range(sum(name.startswith("nodes_") for name in group))
     nodes = [group[f"nodes_{a}"][:].astype(float) for a in axes]
     return Separated(
@@ -220,5 +225,4 @@ def _read_form(group: h5py.Group) -> Separated:
         modes=group["modes"][:].astype(float),
         errors=group["errors"][:].astype(float),
         lost=group["lost"][:].astype(float),
-        kind=str(group.attrs["functions"]),
     )

@@ -102,8 +102,9 @@ def surrogate(out: Path) -> tuple[Surrogate, dict]:
     with steps() as progress:
         model = train(snapshots, EnrichmentOptions(), progress=progress)
         separation = time.perf_counter() - begun
+        model = calibrated(model, fresh)
         errors = check(model, fresh, progress)
-    model = calibrated(replace(model, accuracy=accuracy(errors)), fresh)
+    model = replace(model, accuracy=accuracy(errors))
     model.save(out / "finger.h5")
     numbers = {
         "training": training,

@@ -1,8 +1,8 @@
 """Mesh, sampling and terms for an accuracy, a budget or a preset: from the measured front of speed against accuracy.
 
 `studies/tradeoff/tradeoff.py` measures the front on the draft finger, its page writes front.json beside this module,
-and docs/tradeoff.md shows it. Other fingers get cells of the same shape and as many lines of states a tension; what they
-cost is scaled by cells and lines, what they err is not known before `check` measures it.
+and docs/tradeoff.md shows it. Other fingers get cells of the same shape and as many lines of states a tension; what
+they cost is scaled by cells and lines, what they err is not known before `check` measures it.
 """
 
 from __future__ import annotations

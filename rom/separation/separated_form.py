@@ -25,12 +25,11 @@ class Separated:
     Attributes:
         lower, upper: ends of every axis, shapes (axes,).
         factors: nodal values of the one-dimensional functions, shapes (n_a, terms).
-        slopes: their nodal derivatives by the axis, the same shapes; needed by hermite functions.
+        slopes: their nodal derivatives by the axis, the same shapes.
         modes: F_i, shape (m, terms), in the quantity's unit.
         errors: relative 2-norm error over what was separated of the first 1, 2, ... terms, shape (terms,) [-].
         lost: how much of every component is lost at most with the first 1, 2, ... terms, at 95 % of the points it was
             separated on, shape (terms, m).
-        kind: of the one-dimensional functions, see basis1d.
     """
 
     lower: np.ndarray
@@ -40,7 +39,6 @@ class Separated:
     modes: np.ndarray
     errors: np.ndarray
     lost: np.ndarray
-    kind: str = "hermite"
 
     @property
     def terms(self) -> int:
@@ -63,18 +61,7 @@ class Separated:
     def pieces(self) -> list[np.ndarray]:
         """Piecewise cubics of every axis, shapes (n_a - 1, 4, terms)."""
         functions = zip(self.nodes, self.factors, self.slopes, strict=True)
-        return [hermite.coefficients(nodes, factor, self.kind, slope) for nodes, factor, slope in functions]
-
-    def of_kind(self, kind: str) -> Separated:
-        """The same terms through one-dimensional functions of another kind.
-
-        Those of a cubic spline are Hermite functions with the spline's slopes, which are then stored.
-        """
-        slopes = self.slopes
-        if kind == "cubic":
-            pieces = [hermite.coefficients(*both, kind) for both in zip(self.nodes, self.factors, strict=True)]
-            slopes = [hermite.nodal_slopes(*both) for both in zip(self.nodes, pieces, strict=True)]
-        return replace(self, kind=kind, slopes=slopes)
+        return [hermite.coefficients(nodes, factor, slope) for nodes, factor, slope in functions]
 
     @cached_property
     def tables(self) -> Any:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -86,6 +88,12 @@ class Description:
     def others(self) -> list[tuple[float, ...]]:
         """Every combination of nodes of the tensions that do not lead [N]."""
         return list(product(*[self.tension_nodes[k] for k in self.other_axes]))
+
+    @property
+    def held_out_id(self) -> str:
+        """A hash of the held-out parameters, by which to know these states again; empty for a training set."""
+        text = json.dumps([self.fingerprint, self.random])
+        return hashlib.sha256(text.encode()).hexdigest()[:16] if self.random else ""
 
     @property
     def refines(self) -> bool:

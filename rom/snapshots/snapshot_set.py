@@ -48,6 +48,8 @@ for the line. `scattered-K` holds tensions of its own: the free state there, the
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
+from copy import copy
 from functools import cached_property
 from pathlib import Path
 
@@ -143,6 +145,14 @@ class SnapshotSet:
         """All but the fields, which are many times larger than the rest."""
         solved = [task for task in self.plan.lines if task not in self.missing]
         return {task: read_task(self.path, task, without=FIELDS) for task in solved}
+
+    def only(self, tasks: Collection[str]) -> SnapshotSet:
+        """The same set with the states of some of its tasks alone."""
+        fewer = copy(self)
+        for cached in ("_tasks", "failures"):
+            fewer.__dict__.pop(cached, None)
+        fewer.__dict__["_tasks"] = {name: arrays for name, arrays in self._tasks.items() if name in tasks}
+        return fewer
 
     def task(self, name: str) -> dict[str, np.ndarray]:
         """The arrays of a task that is solved, without the fields."""

@@ -42,7 +42,7 @@ def drawn(random: np.random.Generator, gripper: Gripper) -> tuple[Object, np.nda
         down=tuple(random.standard_normal(3)),
     )
     noise, delay = random.uniform(0.002, 0.02), int(random.integers(0, 6))
-    errors = random.choice([-0.05, 0.05], gripper.directions.shape[0])
+    errors = random.choice(np.array([-0.05, 0.05]), gripper.directions.shape[0])
     flaws = [
         Flaws(noise=noise, resolution=0.005, delay=delay, period=1 / RATE, force_error=float(error)) for error in errors
     ]

@@ -136,8 +136,9 @@ def tensors() -> Iterator[Row]:
         data = np.random.default_rng(3).standard_normal((1, 2, 2))
         factors, errors = separate(data, EnrichmentOptions(tolerance=1e-12))
         form = Separated(
-            lower=np.zeros(2), upper=np.ones(2), factors=factors[1:], slopes=[np.zeros_like(f) for f in factors[1:]],
-            modes=factors[0], errors=errors, lost=np.zeros((len(errors), 1)), kind="linear",
+            lower=np.zeros(2), upper=np.ones(2), factors=factors[1:],
+            slopes=[np.repeat(np.diff(factor, axis=0), 2, axis=0) for factor in factors[1:]],
+            modes=factors[0], errors=errors, lost=np.zeros((len(errors), 1)),
         )  # fmt: skip
         corners = [float(form.value([i, j])[0]) - data[0, i, j] for i in (0, 1) for j in (0, 1)]
         return float(np.abs(corners).max())

@@ -73,19 +73,6 @@ def said(found: dict) -> str:
     return table(["scene", "error of", "within what is said", "said over true, smaller half", "larger half"], rows)
 
 
-def functions(found: dict) -> str:
-    """Kinds of one-dimensional functions."""
-    rows = [
-        [
-            row["functions"],
-            *(percent(row["contact_force"][key]) for key in ("median", "p95", "max")),
-            percent(row["tip"]["median"]),
-        ]
-        for row in found["functions"]
-    ]
-    return table(["functions", "contact force, median", "95 %", "largest", "tip, median"], rows)
-
-
 def speed(found: dict) -> str:
     """Times on the machine that wrote this."""
     one, field = found["speed"], found["field"]
@@ -215,13 +202,6 @@ after figure 9 of the paper, says how many states are enough.
 {two_meshes(both)}
 
 ![errors of mesh and surrogate](two_meshes.png)
-
-## One-dimensional functions
-
-The same terms with each kind. Hermite functions use the stored sensitivities and are the default; `rom build --held-out` takes the kind that errs
-least on the held-out states.
-
-{functions(found)}
 
 ## Speed
 

@@ -12,7 +12,6 @@ import argparse
 import json
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,11 +26,9 @@ from rom.error_model import calibrated
 from rom.fit import chebyshev
 from rom.fit.contact_response import Contact, count_regimes
 from rom.fit.free_response import Free, box
-from rom.functions import of_kind
 from rom.held_out import FELT, check
 from rom.native import answer
 from rom.native.forms import values_and_gradients
-from rom.separation import hermite
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.separation.separate import separated
 from rom.separation.separated_form import Separated
@@ -143,15 +140,6 @@ def quantiles(errors: np.ndarray) -> dict:
         "p95": float(np.percentile(errors, 95)),
         "max": float(errors.max()),
     }
-
-
-def functions(model: Surrogate, fresh: SnapshotSet) -> list[dict]:
-    """The same terms with each kind of one-dimensional functions."""
-    rows = []
-    for kind in hermite.KINDS:
-        found = check(replace(of_kind(model, kind), displacements=None), fresh)
-        rows.append({"functions": kind, "contact_force": found["contact_force"], "tip": found["tip"]})
-    return rows
 
 
 def timed(call, points: np.ndarray) -> dict:
@@ -295,13 +283,12 @@ def main() -> None:
         say({key: value for key, value in found["accuracy"][name].items() if key != "regimes"})
         if name == "draft":
             found["plain"] = plain(training, fresh)
-            found["functions"] = functions(model, fresh)
             found["speed"] = speed(model, folder / "draft.h5", 10_000 if options.quick else 1_000_000)
             found["cost"] = cost()
             if not options.quick:
                 found["field"] = field(folder, training, 2000)
             for_others(folder, training, fresh, model)
-            for key in ("plain", "functions", "speed", "cost", "field"):
+            for key in ("plain", "speed", "cost", "field"):
                 say({key: found.get(key)})
     (folder / "surrogate.json").write_text(json.dumps(found, indent=1))
 

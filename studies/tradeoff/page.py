@@ -83,7 +83,7 @@ def meshes(found: dict) -> str:
 
 def models(rows: list[dict], front: list[str]) -> str:
     """What models cost and err."""
-    header = ["", "mesh", "sampling", "correcting", "functions", "tolerance", "states", "core-seconds", "kB", "terms"]
+    header = ["", "mesh", "sampling", "correcting", "tolerance", "states", "core-seconds", "kB", "terms"]
     header += ["query [us]", "solve [us]", "displacement, median", "e_MOR, median", "95 %", "total, median", "95 %"]
     header += ["held force, median", "95 %"]
     cells = []
@@ -100,7 +100,6 @@ def models(rows: list[dict], front: list[str]) -> str:
                 mesh_of(row),
                 one["sampling"],
                 coarse,
-                one["functions"],
                 f"{one['tolerance']:g}",
                 f"{row['states']:,}",
                 f"{row['core_seconds']:.0f}",
@@ -124,7 +123,7 @@ def choices(found: dict) -> list[dict]:
         row
         for row in found["models"]
         if row["training"]["coarse"] is None
-        and row["training"]["functions"] == "hermite"
+        and row["training"].get("functions", "hermite") == "hermite"
         and "lines" in row["training"]["sampling"]
     ]
     presets = {training.name: preset for preset, training in PRESETS.items()}
@@ -217,7 +216,7 @@ def draw(found: dict, file: Path) -> None:
     usual = [
         row
         for row in found["models"]
-        if row["training"]["functions"] == "hermite" and row["training"]["tolerance"] == USUAL
+        if row["training"].get("functions", "hermite") == "hermite" and row["training"]["tolerance"] == USUAL
     ]
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
     kinds: dict[str, list[dict]] = {}

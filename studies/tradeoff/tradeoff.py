@@ -25,7 +25,6 @@ sys.path.insert(0, str(ROOT))
 
 from control import Finger, campaign
 from rom.build import train
-from rom.functions import of_kind
 from rom.held_out import FELT
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots.files import write_whole
@@ -64,7 +63,6 @@ class Training:
 
     mesh: Mesh
     sampling: str
-    functions: str = "hermite"
     tolerance: float = 3e-4
     coarse: tuple[Mesh, str] | None = None
 
@@ -72,7 +70,7 @@ class Training:
     def name(self) -> str:
         """For tables."""
         coarse = f", correcting {self.coarse[0].name} {self.coarse[1]}" if self.coarse else ""
-        return f"{self.mesh.name}, {self.sampling}{coarse}, {self.functions}, {self.tolerance:g}"
+        return f"{self.mesh.name}, {self.sampling}{coarse}, {self.tolerance:g}"
 
 
 @dataclass(frozen=True)
@@ -131,7 +129,6 @@ def full() -> Plan:
     models += [Training(mesh, lines) for mesh in (DRAFT, SHORT, SQUARE) for lines in few_lines]
     models += [Training(DRAFT, sampling) for sampling in grids]
     models += [Training(SQUARE, "60 lines", tolerance=tolerance) for tolerance in (1e-2, 1e-3)]
-    models += [Training(DRAFT, "9 x 12", functions=kind) for kind in ("cubic", "linear")]
     models += [Training(DRAFT, "9 x 12", tolerance=tolerance) for tolerance in (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4)]
     models += [Training(PAPER, "20 lines")]
     return Plan(Mesh((40, 8), 2), meshes | dict.fromkeys(methods, few) | {TWICE: 2}, (few, 4), models, 5000)
@@ -143,7 +140,7 @@ def quick() -> Plan:
     models = [
         Training(DRAFT, "4 x 4"),
         Training(DRAFT, "20 lines"),
-        Training(DRAFT, "20 lines", functions="linear"),
+        Training(DRAFT, "20 lines", tolerance=1e-3),
         Training(SQUARE, "10 lines", coarse=(DRAFT, "20 lines")),
     ]
     return Plan(SQUARES, meshes, (4, 3), models, 1000)
@@ -255,8 +252,6 @@ def model_row(study: Study, one: Training) -> dict:
     own = study.training(one.mesh, one.sampling)
     trained = [own, *([study.training(*one.coarse)] if one.coarse else [])]
     model = train(own, EnrichmentOptions(tolerance=one.tolerance), *trained[1:])
-    if one.functions != model.free.kind:
-        model = of_kind(model, one.functions)
     file = study.folder / "model.h5"
     model.save(file)
     model = Surrogate.load(file)

@@ -10,8 +10,6 @@ import numpy as np
 import pytest
 
 from rom import Surrogate
-from rom.functions import of_kind
-from rom.separation import hermite
 from rom.surrogate import ModelError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -45,9 +43,7 @@ def test_every_dataset_has_a_unit_and_every_form_names_its_axes(demo):
         assert all(name in file.attrs for name in ("scene", "provenance", "accuracy", "parameters", "format"))
 
 
-@pytest.mark.parametrize("kind", hermite.KINDS)
-def test_the_reader_in_the_documentation_reads_it_with_h5py_and_numpy_alone(surrogate, tmp_path, kind):
-    surrogate = of_kind(surrogate, kind)
+def test_the_reader_in_the_documentation_reads_it_with_h5py_and_numpy_alone(surrogate, tmp_path):
     surrogate.save(tmp_path / "finger.h5")
     text = (ROOT / "docs" / "format.md").read_text()
     program = re.search(r"```python\n(.*?)```", text, re.S).group(1)

@@ -22,9 +22,9 @@ import numpy as np, ufl
 from dolfinx import fem, mesh
 from ffcx.codegeneration import jit
 from mpi4py import MPI
-from fingerfem import compilation
+from fingerfem.discretisation import form_cache
 
-compilation.NOTICE, compilation.PATIENCE = map(float, sys.argv[2:4])
+form_cache.NOTICE, form_cache.PATIENCE = map(float, sys.argv[2:4])
 compiled, compiler = [], jit._compile_objects
 jit._compile_objects = lambda *args, **options: compiled.append(args[3]) or compiler(*args, **options)
 box = mesh.create_unit_cube(eval(sys.argv[4]), 2, 1, 1)
@@ -32,9 +32,9 @@ print("ready", flush=True)
 sys.stdin.readline()
 u = fem.Function(fem.functionspace(box, ("Lagrange", 1)))
 for i in range(int(sys.argv[1])):
-    found = box.comm.allreduce(fem.assemble_scalar(compilation.form((i + 2 + u) * ufl.dx)))
+    found = box.comm.allreduce(fem.assemble_scalar(form_cache.form((i + 2 + u) * ufl.dx)))
     assert abs(found - i - 2) < 1e-12, found
-    values = compilation.expression((i + 2) * (1 + u), np.array([[0.5, 0.5, 0.5]])).eval(box, np.zeros(1, np.int32))
+    values = form_cache.expression((i + 2) * (1 + u), np.array([[0.5, 0.5, 0.5]])).eval(box, np.zeros(1, np.int32))
     assert np.allclose(values, i + 2), values
 print(f"whole {len(compiled)}")
 """

@@ -33,7 +33,7 @@ def test_a_failure_is_raised_on_every_rank():
     from fingerfem.equilibrium.newton import NewtonOptions
 
     model = FingerModel(load_scene(SCENES / "draft.toml"), MPI.COMM_WORLD)
-    continuation = Continuation(model, StepOptions(halvings=1))
+    continuation = Continuation(model.problem, StepOptions(halvings=1))
     continuation.newton.options = NewtonOptions(iterations=2)
     raised = False
     try:

@@ -46,9 +46,9 @@ class DeadLoad:
         model.problem.residual = self.residual
 
     def residual(self):
-        b = self._residual()
+        b, reaction = self._residual()
         b.axpy(-self.force, self._direction)
-        return b
+        return b, reaction
 
     def equilibrium(self, force: float) -> None:
         self.force = force

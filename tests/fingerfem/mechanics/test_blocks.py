@@ -57,6 +57,7 @@ class Block:
             previous=self.previous,
             step=fem.Function(self.space),
             tension_density=None,
+            probe_density=None,
             distance=None,
             stiffness=None,
             pad_share=None,

@@ -52,9 +52,9 @@ def test_regions_have_the_volumes_and_areas_of_the_finger_at_every_resolution(ta
 
     table["mesh"]["cells"] = cells
     finger = build_mesh(Scene.model_validate(table), MPI.COMM_WORLD)
-    one = fem.Constant(finger.problem.mesh, 1.0)
-    dx = Measure("dx", finger.problem.mesh, subdomain_data=finger.cells)
-    ds = Measure("ds", finger.problem.mesh, subdomain_data=finger.facets)
+    one = fem.Constant(finger.mesh, 1.0)
+    dx = Measure("dx", finger.mesh, subdomain_data=finger.cells)
+    ds = Measure("ds", finger.mesh, subdomain_data=finger.facets)
 
     def size(measure):
         return MPI.COMM_WORLD.allreduce(fem.assemble_scalar(fem.form(one * measure)))
@@ -86,6 +86,6 @@ def test_the_pad_is_the_patch_that_the_scene_names(table):
     table["mesh"]["cells"] = [20, 8]
     table["obstacle"]["pad"] = {"name": "belly", "x": [0.031, 0.0475], "width": 0.005}
     finger = build_mesh(Scene.model_validate(table), MPI.COMM_SELF)
-    ds = Measure("ds", finger.problem.mesh, subdomain_data=finger.facets)
-    area = fem.assemble_scalar(fem.form(fem.Constant(finger.problem.mesh, 1.0) * ds(regions.PAD)))
+    ds = Measure("ds", finger.mesh, subdomain_data=finger.facets)
+    area = fem.assemble_scalar(fem.form(fem.Constant(finger.mesh, 1.0) * ds(regions.PAD)))
     assert area == pytest.approx(0.0165 * 0.005, rel=1e-12)

@@ -71,11 +71,11 @@ def test_without_an_obstacle_a_surrogate_has_tensions_alone(free):
 def test_without_an_obstacle_a_finger_reaches_and_refuses_to_hold(free):
     surrogate, _ = free
     finger = Finger(surrogate)
-    assert finger.problem.reach(finger.rest + surrogate.evaluate([30.0, 50.0]).tip).converged
+    assert finger.reach(finger.rest + surrogate.evaluate([30.0, 50.0]).tip).converged
     for attempt in (
         lambda: finger.hold(1.0, 0.01),
         lambda: finger.locate([1.0, 1.0], 1.0),
-        lambda: finger.problem.reach([0.04, 0.01, 0.0], distance=0.005),
+        lambda: finger.reach([0.04, 0.01, 0.0], distance=0.005),
         lambda: Gripper(surrogate),
     ):
         with pytest.raises(ValueError, match="model must have an obstacle"):

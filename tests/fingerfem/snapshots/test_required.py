@@ -58,7 +58,7 @@ def quantities(found: SnapshotSet) -> set[str]:
 
 
 def forms(table: dict) -> int:
-    return count(FingerModel(Scene.model_validate(table)).forms)
+    return count(FingerModel(Scene.model_validate(table)).problem.forms)
 
 
 def test_without_a_plane_there_are_no_contact_forms_no_axis_and_no_dataset_of_it(table, built):
@@ -76,7 +76,7 @@ def test_a_tendon_that_is_not_named_has_no_axis_and_a_planar_pull_half_the_mesh(
     spatial = scene(table)
     planar = scene(table, tendons=table["tendons"][:1])
     whole, half = (FingerModel(Scene.model_validate(one)) for one in (spatial, planar))
-    assert half.unknowns < 0.7 * whole.unknowns
+    assert half.problem.unknowns < 0.7 * whole.problem.unknowns
     states, datasets = built("planar", planar)
     assert [one["name"] for one in states.description.parameters] == ["F1", "d"]
     assert "free/values_0" in datasets and "free/values_1" not in datasets

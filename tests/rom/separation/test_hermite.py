@@ -18,55 +18,44 @@ def value(nodes, pieces, x):
 
 
 @given(st.integers(4, 12), st.lists(st.floats(-3, 3), min_size=4, max_size=4), st.floats(0, 1))
-@pytest.mark.parametrize("kind", ["cubic", "hermite"])
-def test_cubics_and_their_derivatives_are_reproduced(kind, n, c, x):
+def test_cubics_and_their_derivatives_are_reproduced(n, c, x):
     nodes = np.sort(1 - np.cos(np.linspace(0, np.pi / 2, n)))
     cubic = np.polynomial.Polynomial(c)
-    pieces = coefficients(nodes, cubic(nodes)[:, None], kind, cubic.deriv()(nodes)[:, None])
+    pieces = coefficients(nodes, cubic(nodes)[:, None], cubic.deriv()(nodes)[:, None])
     found, slope = value(nodes, pieces, x)
     assert found == pytest.approx(cubic(x), abs=1e-10)
     assert slope == pytest.approx(cubic.deriv()(x), abs=1e-8)
 
 
-@pytest.mark.parametrize(("kind", "rate"), [("cubic", 4), ("hermite", 4), ("linear", 2)])
-def test_the_error_falls_with_the_power_of_the_spacing_that_theory_says(kind, rate):
+def test_the_error_falls_with_the_fourth_power_of_the_spacing():
     errors = []
     for n in (10, 20, 40):
         nodes = np.linspace(0, 3, n + 1)
-        pieces = coefficients(nodes, np.sin(nodes)[:, None], kind, np.cos(nodes)[:, None])
+        pieces = coefficients(nodes, np.sin(nodes)[:, None], np.cos(nodes)[:, None])
         errors.append(max(abs(value(nodes, pieces, x)[0] - np.sin(x)) for x in np.linspace(0, 3, 301)))
     rates = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert np.all(rates > rate - 0.3)
+    assert np.all(rates > 3.7)
 
 
-@pytest.mark.parametrize("kind", ["cubic", "hermite", "linear"])
-def test_nodal_values_are_met(kind):
+def test_nodal_values_and_slopes_are_met():
     nodes = np.array([0.0, 0.1, 0.4, 0.5, 1.0])
     values, slopes = np.random.default_rng(0).standard_normal((2, 5, 1))
-    pieces = coefficients(nodes, values, kind, slopes)
+    pieces = coefficients(nodes, values, slopes)
     assert [value(nodes, pieces, x)[0] for x in nodes] == pytest.approx(values[:, 0], abs=1e-12)
-    if kind == "hermite":
-        assert [value(nodes, pieces, x)[1] for x in nodes] == pytest.approx(slopes[:, 0], abs=1e-10)
-
-
-def test_linear_pieces_do_not_overshoot():
-    nodes = np.linspace(0, 1, 6)
-    pieces = coefficients(nodes, (nodes > 0.5).astype(float)[:, None], "linear")
-    values = [value(nodes, pieces, x)[0] for x in np.linspace(0, 1, 101)]
-    assert min(values) >= 0 and max(values) <= 1
+    assert [value(nodes, pieces, x)[1] for x in nodes] == pytest.approx(slopes[:, 0], abs=1e-10)
 
 
 @pytest.mark.parametrize(
-    ("nodes", "values", "kind", "rule"),
+    ("nodes", "values", "slopes", "rule"),
     [
-        ([0.0], [[1.0]], "cubic", "nodes must ascend"),
-        ([0.0, 0.0, 1.0], [[1.0]] * 3, "linear", "nodes must ascend"),
-        ([0.0, 1.0], [[1.0]] * 3, "linear", "values must be finite"),
-        ([0.0, 1.0], [[1.0], [np.nan]], "linear", "values must be finite"),
-        ([0.0, 1.0], [[1.0]] * 2, "quintic", "kind must be one of"),
-        ([0.0, 1.0], [[1.0]] * 2, "hermite", "slopes must be finite"),
+        ([0.0], [[1.0]], [[1.0]], "nodes must ascend"),
+        ([0.0, 0.0, 1.0], [[1.0]] * 3, [[1.0]] * 3, "nodes must ascend"),
+        ([0.0, 1.0], [[1.0]] * 3, [[1.0]] * 3, "values must be finite"),
+        ([0.0, 1.0], [[1.0], [np.nan]], [[1.0]] * 2, "values must be finite"),
+        ([0.0, 1.0], [[1.0]] * 2, [[1.0]], "slopes must be finite"),
+        ([0.0, 1.0], [[1.0]] * 2, [[1.0], [np.inf]], "slopes must be finite"),
     ],
 )
-def test_bad_nodes_are_refused(nodes, values, kind, rule):
+def test_bad_nodes_are_refused(nodes, values, slopes, rule):
     with pytest.raises(ValueError, match=rule):
-        coefficients(nodes, np.array(values), kind)
+        coefficients(nodes, np.array(values), np.array(slopes))
