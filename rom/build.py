@@ -19,9 +19,9 @@ from rom import error_model
 from rom.components import Errors
 from rom.fit import displacement, mesh_transfer
 from rom.fit.chebyshev import CALM, NOISE
-from rom.fit.contact_coordinates import Way
-from rom.fit.contact_response import Contact, count_regimes
-from rom.fit.free_response import Free
+from rom.fit.contact_coordinates import ContactCoordinates
+from rom.fit.contact_response import ContactResponse, count_regimes
+from rom.fit.free_response import FreeResponse
 from rom.fits import Fits, separated_fits
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots.contact_regimes import Code
@@ -70,20 +70,20 @@ def train(
     progress("fitting the states", 1, 1)
     if contact is not None:
         free, contact = contact.with_its_corners(free)
-    places, near = contact.map() if contact else (np.zeros(1, np.int64), np.zeros(1, np.uint64))
+    lookup, possible = contact.regime_lookup() if contact else (np.zeros(1, np.int64), np.zeros(1, np.uint64))
     unknown = Errors(
         tip=np.nan,
         displacement=np.nan,
         touch_distance=np.nan,
-        contact=np.full((len(places), 3 + pad), np.nan),
+        contact=np.full((len(lookup), 3 + pad), np.nan),
         margin=0.0,
     )
     model = Surrogate(
         parameters=description.parameters,
         **separated_fits(Fits(free, contact, moved), options, progress),
-        map=places,
-        near=near,
-        way=Way(0.0, 1.0) if contact is None else contact.way,
+        regime_lookup=lookup,
+        possible_regimes=possible,
+        coordinates=ContactCoordinates(0.0, 1.0) if contact is None else contact.coordinates,
         errors=unknown,
         lead=description.lead,
         nodes=snapshots.nodes if moved is not None else np.zeros((0, 3)),
@@ -137,9 +137,9 @@ def _fitted(
 ) -> Fits:
     """Fit a set's states, or correct by them what is known before."""
     description, contact, moved = snapshots.description, None, None
-    free = Free.of(snapshots, before.free if before else None, noise)
+    free = FreeResponse.of(snapshots, before.free if before else None, noise)
     if description.has_obstacle:
-        contact = Contact.of(snapshots, free, counts, pad, before.contact if before else None)
+        contact = ContactResponse.of(snapshots, free, counts, pad, before.contact if before else None)
     if with_field:
         moved = displacement.fitted(snapshots, free, contact, options.tolerance, before.moved if before else None)
     return Fits(free, contact, moved)

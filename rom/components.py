@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.fit.contact_coordinates import Way
+from rom.fit.contact_coordinates import ContactCoordinates
 from rom.separation.separated_form import Separated
 from rom.snapshots.contact_regimes import Code
 
@@ -91,7 +91,7 @@ class Errors:
         displacement: in free space, root mean square over the nodes [m]; 0 without the field.
         touch_distance: [m].
         contact: of tip, contact force, displacement and pad pressure, if that is known, by way past touch [-, N/m, -,
-            Pa/m], by cell of the map of regimes, shape (cells, 3 or 4).
+            Pa/m], by cell of the regime lookup, shape (cells, 3 or 4).
         margin: added to the way past touch [m].
     """
 
@@ -110,9 +110,9 @@ class Components:
         parameters: name, unit, lower and upper of each parameter, tensions first, then d.
         free: tip [m], then heights [m] of what may touch first, by the tensions.
         regimes: contact in every regime; none without an obstacle.
-        map: regime to begin with by cell, flat, see rom.native.answer.cell.
-        near: bits of the regimes that are possible there.
-        way: of the contact-aligned coordinates.
+        regime_lookup: regime to begin with by cell of the box, flat.
+        possible_regimes: bits of the regimes that are possible there.
+        coordinates: the contact-aligned ones.
         errors: what it knows of its error.
         displacements: of all nodes; None if the scene does not store it.
         lead: index of the lead tension.
@@ -125,9 +125,9 @@ class Components:
     parameters: list[dict[str, Any]]
     free: Separated
     regimes: Sequence[Regime]
-    map: np.ndarray = field(repr=False)
-    near: np.ndarray = field(repr=False)
-    way: Way
+    regime_lookup: np.ndarray = field(repr=False)
+    possible_regimes: np.ndarray = field(repr=False)
+    coordinates: ContactCoordinates
     errors: Errors = field(repr=False)
     displacements: Field | None = field(repr=False)
     lead: int

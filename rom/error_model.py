@@ -14,9 +14,9 @@ from dataclasses import replace
 import numpy as np
 
 from rom.components import Errors
-from rom.fit.contact_response import Contact
-from rom.fit.displacement import Moved
-from rom.fit.free_response import Free
+from rom.fit.contact_response import ContactResponse
+from rom.fit.displacement import FittedDisplacement
+from rom.fit.free_response import FreeResponse
 from rom.held_out import split
 from rom.native import answer
 from rom.snapshots.snapshot_set import SnapshotSet
@@ -35,9 +35,9 @@ MARGIN = 1e-3  # share of the range of d: ways past touch below which errors do 
 def estimate(
     model: Surrogate,
     snapshots: SnapshotSet,
-    free: Free,
-    contact: Contact | None,
-    moved: Moved | None,
+    free: FreeResponse,
+    contact: ContactResponse | None,
+    moved: FittedDisplacement | None,
 ) -> Errors:
     """The errors of a model, from the states it was trained on.
 
@@ -69,7 +69,7 @@ def estimate(
         pressed = snapshots.states_of("contact", "pad_pressure")[contact.touching]
         found[:, 3] = np.abs(out[:, answer.PAD] - pressed)
     for part in contact.parts:
-        residuals = np.abs(part.outputs.residuals) * part.place.past[:, None]
+        residuals = np.abs(part.outputs.residuals) * part.domain.past[:, None]
         found[part.rows, 0] += np.linalg.norm(residuals[:, :3], axis=1)
         found[part.rows, 1] += residuals[:, 3]
         if model.has_pad:

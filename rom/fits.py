@@ -11,10 +11,10 @@ import numpy as np
 
 from rom.components import HEIGHTS, Field, Regime
 from rom.fit.chebyshev import Polynomial
-from rom.fit.contact_response import Contact
-from rom.fit.displacement import FINER, Moved
-from rom.fit.free_response import Free
-from rom.fit.regime_fit import Part
+from rom.fit.contact_response import ContactResponse
+from rom.fit.displacement import FINER, FittedDisplacement
+from rom.fit.free_response import FreeResponse
+from rom.fit.regime_fit import FittedRegime
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.separation.separate import separated
 from rom.snapshots.contact_regimes import describe
@@ -26,9 +26,9 @@ CONDITIONS = 0.1  # how much they count in a regime's separation, beside tip and
 class Fits(NamedTuple):
     """What is fitted to a set's states."""
 
-    free: Free
-    contact: Contact | None
-    moved: Moved | None
+    free: FreeResponse
+    contact: ContactResponse | None
+    moved: FittedDisplacement | None
 
 
 def separated_fits(fits: Fits, options: EnrichmentOptions, progress: Progress) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def separated_fits(fits: Fits, options: EnrichmentOptions, progress: Progress) -
     return {"free": form, "regimes": regimes, "displacements": field}
 
 
-def _regime(part: Part, options: EnrichmentOptions) -> Regime:
+def _regime(part: FittedRegime, options: EnrichmentOptions) -> Regime:
     outputs, name = part.outputs.polynomial, f"tip and contact force, {describe(part.code)}"
     all_of = np.eye(outputs.coefficients.shape[1])
     both = [outputs.mixed(all_of[:, :4]), *([part.conditions.polynomial] if part.conditions else [])]
@@ -66,7 +66,7 @@ def _regime(part: Part, options: EnrichmentOptions) -> Regime:
     return Regime(
         code=part.code,
         corner=part.corner,
-        begins=part.place.begins,
+        begins=part.domain.begins,
         states=len(part.points),
         sizes=np.maximum(np.abs(values).max(axis=0), np.finfo(float).tiny).tolist(),
         form=separated(name, Polynomial.together(both), part.points, options, weights=weights),

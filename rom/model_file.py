@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 
 from rom.components import Components, Errors, Field, ModelError, Regime
-from rom.fit.contact_coordinates import Way
+from rom.fit.contact_coordinates import ContactCoordinates
 from rom.separation.separated_form import Separated
 
 KIND, FORMAT = "fingerfem surrogate", 4
@@ -87,10 +87,10 @@ def _write(model: Components, file: h5py.File) -> None:
     if model.has_obstacle:
         aligned = [*tensions, ("s", "-")]
         contact = file.create_group("contact")
-        contact.attrs["nearest"], contact.attrs["soft"] = model.way
-        cells = [round(len(model.map) ** (1 / len(model.parameters)))] * len(model.parameters)
-        _dataset(contact, "map", model.map.reshape(cells), "-")
-        _dataset(contact, "near", model.near.reshape(cells), "-")
+        contact.attrs["nearest"], contact.attrs["soft"] = model.coordinates
+        cells = [round(len(model.regime_lookup) ** (1 / len(model.parameters)))] * len(model.parameters)
+        _dataset(contact, "map", model.regime_lookup.reshape(cells), "-")
+        _dataset(contact, "near", model.possible_regimes.reshape(cells), "-")
         _dataset(
             contact,
             "error",
@@ -133,8 +133,10 @@ def _dataset(group: h5py.Group, name: str, values: np.ndarray, unit: str) -> Non
     """Stored in the smallest type that holds every value exactly, compressed if that is worth it."""
     if values.dtype.kind in "iu":
         values = values.astype(np.min_scalar_type(values.max(initial=0)))
-    elif np.array_equal(single := values.astype(np.float32), values):
-        values = single
+    else:
+        with np.errstate(over="ignore"):  # what is too large for single precision differs from it
+            single = values.astype(np.float32)
+        values = single if np.array_equal(single, values) else values
     worth = {"compression": "gzip", "shuffle": True} if values.nbytes >= COMPRESSED else {}
     group.create_dataset(name, data=values, **worth)
     group[name].attrs["unit"] = unit
@@ -161,14 +163,14 @@ def _read(file: h5py.File) -> dict[str, Any]:
     obstacle = plain["parameters"][-1]["name"] == "d"
     error = file["error"]
     regimes: list[Regime] = []
-    contact, way = np.zeros((1, 3)), Way(0.0, 1.0)
-    places, near = np.zeros(1, np.int64), np.zeros(1, np.uint64)
+    contact, coordinates = np.zeros((1, 3)), ContactCoordinates(0.0, 1.0)
+    lookup, possible = np.zeros(1, np.int64), np.zeros(1, np.uint64)
     if obstacle:
         group = file["contact"]
-        contact, places = group["error"][:].astype(float), group["map"][:].ravel().astype(np.int64)
+        contact, lookup = group["error"][:].astype(float), group["map"][:].ravel().astype(np.int64)
         contact = contact.reshape(-1, contact.shape[-1])
-        near = group["near"][:].ravel().astype(np.uint64)
-        way = Way(float(group.attrs["nearest"]), float(group.attrs["soft"]))
+        possible = group["near"][:].ravel().astype(np.uint64)
+        coordinates = ContactCoordinates(float(group.attrs["nearest"]), float(group.attrs["soft"]))
         while f"regime_{len(regimes)}" in group:
             regimes.append(_read_regime(group[f"regime_{len(regimes)}"]))
     field = None
@@ -183,9 +185,9 @@ def _read(file: h5py.File) -> dict[str, Any]:
     return plain | {
         "free": _read_form(file["free"]),
         "regimes": regimes,
-        "map": places,
-        "near": near,
-        "way": way,
+        "regime_lookup": lookup,
+        "possible_regimes": possible,
+        "coordinates": coordinates,
         "errors": Errors(
             tip=float(error.attrs["tip"]),
             displacement=float(error.attrs["displacement"]),

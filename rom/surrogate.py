@@ -43,16 +43,16 @@ class Surrogate(Components):
             "has_pad": self.has_pad,
             "regimes": len(self.regimes),
             "most_conditions": sizes.shape[1],
-            "lookup_cells": round(len(self.map) ** (1 / len(self.parameters))),
+            "lookup_cells": round(len(self.regime_lookup) ** (1 / len(self.parameters))),
             "lower": lower,
             "upper": upper,
             "corners": [regime.corner for regime in self.regimes],
             "begins": [regime.begins for regime in self.regimes],
             "sizes": sizes,
-            "lookup": self.map,
-            "possible": self.near,
-            "nearest": self.way.nearest,
-            "softening": self.way.soft,
+            "lookup": self.regime_lookup,
+            "possible": self.possible_regimes,
+            "nearest": self.coordinates.nearest,
+            "softening": self.coordinates.soft,
         }
 
     @cached_property
@@ -96,17 +96,17 @@ class Surrogate(Components):
 
     def _error(self, point: np.ndarray, out: np.ndarray) -> dict[str, Any]:
         touch, errors = out[..., answer.TOUCH], self.errors
-        grown = answer.contact_errors(
+        contact_errors = answer.contact_errors(
             self.kernel, errors.contact, errors.margin, np.atleast_2d(point), np.atleast_1d(touch)
         ).reshape(*touch.shape, -1)
         found = {
-            "tip": errors.tip + grown[..., 0],
-            "contact_force": grown[..., 1],
+            "tip": errors.tip + contact_errors[..., 0],
+            "contact_force": contact_errors[..., 1],
             "touch_distance": np.full_like(touch, errors.touch_distance),
         }
         if self.has_pad:
-            found["pad_pressure"] = grown[..., 3]
-        return found | ({"displacement": errors.displacement + grown[..., 2]} if self.has_field else {})
+            found["pad_pressure"] = contact_errors[..., 3]
+        return found | ({"displacement": errors.displacement + contact_errors[..., 2]} if self.has_field else {})
 
     def free_values(self, tensions: np.ndarray) -> np.ndarray:
         """Tip and heights in free space [m], shape (n, 3 + heights), at tensions, shape (n, tensions) [N]."""
@@ -129,18 +129,18 @@ class Surrogate(Components):
         for r, regime in enumerate(self.regimes):
             form, less = regime.form.truncated(tolerance)
             regimes.append(replace(regime, form=form))
-            way = 1.0 if regime.begins else self.way.soft
-            contact[self.map == r, :2] += np.array([np.linalg.norm(less[:3]), less[3]]) / way
+            way = 1.0 if regime.begins else self.coordinates.soft
+            contact[self.regime_lookup == r, :2] += np.array([np.linalg.norm(less[:3]), less[3]]) / way
         moved = self.displacements
-        moving = 0.0
+        displacement_lost = 0.0
         if moved is not None:
             kept, gone = moved.free.truncated(tolerance)
-            moving = float(np.linalg.norm(gone)) / np.sqrt(len(self.nodes))
+            displacement_lost = float(np.linalg.norm(gone)) / np.sqrt(len(self.nodes))
             for r, form in enumerate(moved.regimes):
                 fields.append(form.truncated(tolerance)[0])
                 less = form.truncated(tolerance)[1]
-                way = 1.0 if self.regimes[r].begins else self.way.soft
-                contact[self.map == r, 2] += np.linalg.norm(less) / np.sqrt(len(self.nodes)) / way
+                way = 1.0 if self.regimes[r].begins else self.coordinates.soft
+                contact[self.regime_lookup == r, 2] += np.linalg.norm(less) / np.sqrt(len(self.nodes)) / way
             moved = replace(moved, free=kept, regimes=fields)
         found = replace(
             self,
@@ -151,7 +151,7 @@ class Surrogate(Components):
                 errors,
                 tip=errors.tip + float(np.linalg.norm(lost[:3])),
                 touch_distance=errors.touch_distance + float(lost[3:].max(initial=0.0)),
-                displacement=errors.displacement + moving,
+                displacement=errors.displacement + displacement_lost,
                 contact=contact,
             ),
         )
@@ -166,7 +166,8 @@ class Surrogate(Components):
     def bytes(self) -> int:
         """Size of its numbers, without the nodes of the mesh [B]."""
         forms = [(form.modes, *form.factors, *form.slopes) for form in self.forms.values()]
-        arrays = [*sum(forms, ()), self.map.astype(np.uint8), self.near, self.errors.contact.astype(np.float32)]
+        lookup = self.regime_lookup.astype(np.uint8), self.possible_regimes
+        arrays = [*sum(forms, ()), *lookup, self.errors.contact.astype(np.float32)]
         if self.displacements is not None:
             bases = (self.displacements.free_basis, self.displacements.contact_basis)
             arrays += [basis for basis in bases if basis is not None]
@@ -215,7 +216,7 @@ class Surrogate(Components):
             r = answer.answers(self.kernel, point[None])[2][0]
             if r >= 0:
                 height = self.free.value(tensions)[3 + self.regimes[r].corner]
-                coordinates = self.way.coordinates(held[None], np.array([height]))[0]
+                coordinates = self.coordinates.of(held[None], np.array([height]))[0]
                 amounts = self.displacements.regimes[r].value(coordinates)
                 if self.regimes[r].begins:
                     amounts *= height - held[-1]

@@ -20,8 +20,9 @@ from fingerfem.model import FingerModel
 from fingerfem.snapshots import ledger
 from fingerfem.snapshots.claims import open_claims
 from fingerfem.snapshots.lines import NOTHING_KNOWN, Arrays, Known, LineSolver
+from fingerfem.snapshots.rest import body
 from rom.snapshots.plan import Plan, Round
-from rom.snapshots.snapshot_set import Description, SnapshotError, task_file, write_nodes, write_task
+from rom.snapshots.snapshot_set import Description, SnapshotError, body_file, task_file, write_task
 
 T = TypeVar("T")
 
@@ -77,7 +78,7 @@ def run(
     """
     begun, work = time.perf_counter(), Work()
     solver, comm = LineSolver(description, model, path, known), model.problem.comm
-    on_first(comm, lambda: write_nodes(path, solver.numbering.nodes))
+    on_first(comm, lambda: body(model.scene, solver.numbering.nodes).write(body_file(path)))
     with Queue(description, path, solver.ready, progress, goal) if comm.rank == 0 else nullcontext() as queue:
         while (claimed := on_first(comm, lambda: queue.claim())) is not None:  # type: ignore[union-attr]
             task, deaths = claimed

@@ -185,9 +185,9 @@ class LineSolver:
                 return np.nan
             f = self.model.problem.reach() - self._nearest
             if abs(f) < 1e-9:
-                turned = differentiate(self.model.problem, self.model.continuation.linearise()).touch_distance
-                assert turned is not None
-                slopes[: len(turned)] = -turned / turned[description.lead]  # along D0 = d_min
+                touch_jacobian = differentiate(self.model.problem, self.model.continuation.linearise()).touch_distance
+                assert touch_jacobian is not None
+                slopes[: len(touch_jacobian)] = -touch_jacobian / touch_jacobian[description.lead]  # along D0 = d_min
                 slopes[[description.lead, -1]] = 0.0
                 return float(tension)
             if f * fb < 0:

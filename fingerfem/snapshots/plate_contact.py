@@ -71,21 +71,21 @@ class PlateContacts:
         """Of the state the problem is in, whose displacement changes with the parameters by `changes`, shape (p, n)."""
         problem, count = self._problem, len(self._nodes)
         owned = len(self._heights_at_rest)
-        rises = np.array([change[1 : 3 * owned : 3] for change in changes]).reshape(len(changes), owned)
+        height_changes = np.array([change[1 : 3 * owned : 3] for change in changes]).reshape(len(changes), owned)
         heights = self._heights_at_rest + problem.displacement[1 : 3 * owned : 3]
         distance = problem.distance
         poses = [self._pose(k, heights) for k in range(count)]
-        turning = [np.array([self._pose(k, rise) for rise in rises]).T for k in range(count)]
-        loads, pushing = self._loads(rises, distance)
+        pose_jacobians = [np.array([self._pose(k, change) for change in height_changes]).T for k in range(count)]
+        loads, load_jacobians = self._loads(height_changes, distance)
         carries = loads[:, 0] > 0
         force = np.where(carries, loads[:, 0], 1.0)[:, None]
         centre = np.where(carries[:, None], loads[:, 1:] / force, 0.0)
-        moving = np.where(
+        centre_jacobian = np.where(
             carries[:, None, None],
-            (pushing[:, 1:] - centre[:, :, None] * pushing[:, :1]) / force[:, :, None],
+            (load_jacobians[:, 1:] - centre[:, :, None] * load_jacobians[:, :1]) / force[:, :, None],
             0.0,
         )
-        highest = [self._highest(nodes, heights, rises) for nodes in self._rubber]
+        highest = [self._highest(nodes, heights, height_changes) for nodes in self._rubber]
         reach = np.array([found[0] for found in highest])
         ends = np.where(np.abs(centre) >= 1 - CORNER, np.sign(centre), 0.0)
         touches = reach > (np.inf if distance is None else distance)
@@ -96,10 +96,10 @@ class PlateContacts:
             centre_of_pressure=centre,
             rubber_reach=reach,
             jacobians={
-                "plate_height": np.array([turned[0] for turned in turning]),
-                "plate_tilt": np.array([turned[1:] for turned in turning]),
-                "plate_force": pushing[:, 0],
-                "centre_of_pressure": moving,
+                "plate_height": np.array([jacobian[0] for jacobian in pose_jacobians]),
+                "plate_tilt": np.array([jacobian[1:] for jacobian in pose_jacobians]),
+                "plate_force": load_jacobians[:, 0],
+                "centre_of_pressure": centre_jacobian,
                 "rubber_reach": np.array([found[1] for found in highest]),
             },
             regime=np.append(np.column_stack([carries, ends]).ravel(), touches).astype(float),
@@ -113,25 +113,25 @@ class PlateContacts:
             sums[:3, 3] = sums[3, :3] = sums[3, 4] = 0.0
         return np.asarray(np.linalg.solve(sums[:, :4], sums[:, 4])) / [1.0, *self._sizes]
 
-    def _loads(self, rises: np.ndarray, distance: float | None) -> tuple[np.ndarray, np.ndarray]:
+    def _loads(self, height_changes: np.ndarray, distance: float | None) -> tuple[np.ndarray, np.ndarray]:
         """Force [N] and its moments by x, y and z of every plate, and derivatives: (plates, 4), (plates, 4, p)."""
-        count, p = len(self._nodes), len(rises)
-        loads, pushing = np.zeros((count, 4)), np.zeros((count, 4, p))
+        count, p = len(self._nodes), len(height_changes)
+        loads, load_jacobians = np.zeros((count, 4)), np.zeros((count, 4, p))
         if distance is None:
-            return loads, pushing
+            return loads, load_jacobians
         forces, stiffness = self._nodal
-        nearing = np.zeros(p)
-        nearing[-1] = 1.0  # the plane's own motion
+        plane_motion = np.zeros(p)
+        plane_motion[-1] = 1.0  # the plane's own motion
         for k, (nodes, places) in enumerate(zip(self._nodes, self._places, strict=True)):
             own = np.column_stack([np.ones(len(nodes)), places])
             loads[k] = forces[nodes] @ own
             # The plates' contact is a penalty: a node's force goes with its own height over the plane alone.
-            pushing[k] = own.T @ (stiffness[nodes][:, None] * (rises[:, nodes].T - nearing))
+            load_jacobians[k] = own.T @ (stiffness[nodes][:, None] * (height_changes[:, nodes].T - plane_motion))
         loads = self._problem.copies * self._problem.comm.allreduce(loads)
-        pushing = self._problem.copies * self._problem.comm.allreduce(pushing)
+        load_jacobians = self._problem.copies * self._problem.comm.allreduce(load_jacobians)
         if self._problem.scene.is_half:
-            loads[:, 3] = pushing[:, 3] = 0.0
-        return loads, pushing
+            loads[:, 3] = load_jacobians[:, 3] = 0.0
+        return loads, load_jacobians
 
     @property
     def _nodal(self) -> tuple[np.ndarray, np.ndarray]:
@@ -141,13 +141,13 @@ class PlateContacts:
         forces, stiffness = (self._problem.nodal(form)[:owned, 1] for form in (forms.nodal_force, forms.force_gradient))
         return forces, stiffness
 
-    def _highest(self, nodes: np.ndarray, heights: np.ndarray, rises: np.ndarray) -> tuple[float, np.ndarray]:
+    def _highest(self, nodes: np.ndarray, heights: np.ndarray, height_changes: np.ndarray) -> tuple[float, np.ndarray]:
         """Height of the highest of some nodes, and its derivatives; of several as high, of the one farthest out."""
         comm = self._problem.comm
         own = heights[nodes]
         highest = comm.allreduce(float(own.max(initial=-np.inf)), op=MPI.MAX)
         equal = nodes[own > highest - EQUAL]
         order = np.lexsort((self._points[equal, 2], self._points[equal, 0]))
-        places = [(*self._points[node, [0, 2]], rises[:, node]) for node in equal[order[-1:]]]
+        places = [(*self._points[node, [0, 2]], height_changes[:, node]) for node in equal[order[-1:]]]
         _, _, slopes = max((place for part in comm.allgather(places) for place in part), key=lambda place: place[:2])
         return highest, slopes

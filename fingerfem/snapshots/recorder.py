@@ -13,8 +13,9 @@ from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.equilibrium.sensitivities import Sensitivities, differentiate
 from fingerfem.equilibrium.state import channel_shortening, pad_pressure
 from fingerfem.model import FingerModel
-from fingerfem.scene.scene import Scene
+from fingerfem.snapshots import rest
 from fingerfem.snapshots.plate_contact import PlateContacts
+from rom.snapshots import schema
 
 logger = logging.getLogger(__name__)
 
@@ -38,9 +39,18 @@ class Recorder:
     """
 
     def __init__(self, model: FingerModel, numbering: NodeOrder, edges: bool = False):
+        scene, body = model.scene, rest.body(model.scene, numbering.nodes)
         self._model, self._numbering, self._broken = model, numbering, ""
-        self._store, self._parameter_count = model.scene.sampling.store, len(model.scene.parameters)
-        self._edges = _long_edges(model.scene, numbering.nodes) if edges else None
+        self._store, self._parameter_count = scene.sampling.store, len(scene.parameters)
+        self._edges = body.edge_nodes if edges else None
+        scopes = {"state", *self._store, *(["obstacle"] if scene.obstacle else []), *(["edges"] if edges else [])}
+        sizes = schema.sizes(
+            segments=len(body.plates),
+            tendons=len(scene.tendons),
+            nodes=len(body.nodes),
+            edge_nodes=len(body.edge_nodes),
+        )
+        self._blank = schema.blanks(scopes, sizes, self._parameter_count)
         self._plates = PlateContacts(model.problem) if model.scene.obstacle is not None else None
         self._last_good: tuple[np.ndarray, float] | None = None
         self._touch: dict[str, Any] = {}
@@ -204,43 +214,8 @@ class Recorder:
         """The states collected, quantity by quantity, nan where there is no answer; on the model's first rank."""
         if self._model.problem.comm.rank:
             return {}
-        blank: dict[str, Any] = {name: np.full(shape, np.nan, kind) for name, (shape, kind) in self._schema.items()}
-        rows = [blank | row for row in self._rows]
+        rows = [self._blank | row for row in self._rows]
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
-
-    @property
-    def _schema(self) -> dict[str, tuple[tuple[int, ...], type]]:
-        """Shape and kind of every quantity of a state that may be missing."""
-        p, tendons, field = self._parameter_count, len(self._model.scene.tendons), self._numbering.nodes.shape
-        found: dict[str, tuple[tuple[int, ...], type]] = {
-            "tip": ((3,), float),
-            "tip_jacobian": ((3, p), float),
-        }
-        if self._edges is not None:
-            found["edge_heights"] = (self._edges.shape, float)
-            found["edge_heights_jacobian"] = ((len(self._edges), p), float)
-        if self._model.scene.obstacle is not None:
-            for name in ("contact_force", "touch_distance"):
-                found |= {name: ((), float), f"{name}_jacobian": ((p,), float)}
-            segments = len(self._model.scene.geometry.segments)
-            for name, shape in (
-                ("plate_height", (segments,)),
-                ("plate_force", (segments,)),
-                ("rubber_reach", (segments,)),
-                ("plate_tilt", (segments, 3)),
-                ("centre_of_pressure", (segments, 3)),
-            ):
-                found |= {name: (shape, float), f"{name}_jacobian": ((*shape, p), float)}
-            found["regime"] = ((5 * segments,), float)
-        if "pad_pressure" in self._store:
-            found |= {"pad_pressure": ((), float), "pad_pressure_jacobian": ((p,), float)}
-        if "channel_shortening" in self._store:
-            found["channel_shortening"] = ((tendons,), float)
-            found["channel_shortening_jacobian"] = ((tendons, p), float)
-        if "displacement" in self._store:
-            # Slopes are for interpolation, which errs far more than single precision does.
-            found |= {"displacement": (field, float), "displacement_jacobian": ((p, *field), np.float32)}
-        return found
 
 
 def _stable(continuation: Continuation) -> Sensitivities | None:
@@ -251,9 +226,3 @@ def _stable(continuation: Continuation) -> Sensitivities | None:
         return None
     found = differentiate(continuation.problem, linearisation)
     return found if linearisation.stable else None
-
-
-def _long_edges(scene: Scene, nodes: np.ndarray) -> np.ndarray:
-    """Nodes on the long edges: of a section that stays plane, a corner reaches farthest."""
-    side = scene.geometry.side
-    return np.flatnonzero(np.isclose(np.abs(nodes[:, 1:]), side / 2, atol=1e-6 * side).all(axis=1))

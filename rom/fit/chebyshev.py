@@ -23,7 +23,7 @@ SLOPES = 0.1  # weight of a derivative by an axis scaled to [-1, 1], beside a va
 ROWS = 1.5  # rows a fit has at least for every coefficient
 NOISE, DECAY = 1e-7, 0.4  # coefficients are expected to be smaller than DECAY^degree / NOISE
 CALM = 1e-6  # noise of a fit that will be corrected, by states that may lie a little beyond its own
-MOST = 16  # total degree
+HIGHEST_DEGREE = 16  # total degree
 FEW = 3  # states below which they correct nothing
 SLIGHT = 1e-6  # share of a function below which a correction of it is rounding
 NOTHING = 1e-9  # share of the largest function below which another, as it is here in SI units, is rounding
@@ -134,11 +134,11 @@ class Fitted:
 
 def corrected(samples: Samples, before: Polynomial, alike: bool = False, rows: float = ROWS) -> Fitted:
     """What is known from elsewhere, in or near whose box the samples lie, plus a fit of what they say beyond it."""
-    known, rising = before.value_and_gradient(samples.points)
+    known, known_slopes = before.value_and_gradient(samples.points)
     values = samples.values - known
     if len(values) < FEW:
         return Fitted(polynomial=before, degree=0, residuals=values)
-    slopes = None if samples.slopes is None else samples.slopes - rising
+    slopes = None if samples.slopes is None else samples.slopes - known_slopes
     own = replace(samples, values=values, slopes=slopes, lower=before.lower, upper=before.upper)
     size = np.abs(samples.values).max(axis=0)
     least = np.maximum(SLIGHT * size, NOTHING * size.max())
@@ -147,7 +147,7 @@ def corrected(samples: Samples, before: Polynomial, alike: bool = False, rows: f
 
 
 def fit(samples: Samples, alike: bool = False, least: np.ndarray | float = 0.0, rows: float = ROWS) -> Fitted:
-    """The polynomial of the total degree, up to MOST, that predicts best what is left out.
+    """The polynomial of the total degree, up to HIGHEST_DEGREE, that predicts best what is left out.
 
     It has at least so many `rows`, values and slopes of states, for every coefficient. Every one of the m functions
     counts by its own size, or `least`, unless they are `alike` and have one unit. All have the same degree.
@@ -159,7 +159,7 @@ def fit(samples: Samples, alike: bool = False, least: np.ndarray | float = 0.0, 
     size[size == 0] = 1.0
     found = _fit(samples, 0)
     smallest, since = _score(samples, found, size), 0
-    for degree in range(1, MOST + 1):
+    for degree in range(1, HIGHEST_DEGREE + 1):
         powers = total_degree(samples.points.shape[1], degree)
         known = len(samples.points) * (1 if samples.slopes is None else 1 + samples.points.shape[1])
         if known < rows * len(powers) or since == PATIENCE:

@@ -2,7 +2,7 @@
 
 A corner that reaches the height D(F) in free space, at tensions F, is touched on the curved surface d = D(F); across
 it everything has a kink that no product of one-dimensional functions follows. In contact, the plane's distance is
-therefore replaced by its way past that surface,
+therefore replaced by how far it is past that surface,
 
     s = (D(F) - d) / (D(F) - d_min + soft)
 
@@ -20,8 +20,8 @@ import numpy as np
 SOFT = 0.3  # share of the range of d
 
 
-class Way(NamedTuple):
-    """The plane's way past a corner.
+class ContactCoordinates(NamedTuple):
+    """Tensions and the plane's relative penetration s past a corner.
 
     Attributes:
         nearest: distance of the plane [m].
@@ -32,26 +32,28 @@ class Way(NamedTuple):
     soft: float
 
     @staticmethod
-    def over(nearest: float, farthest: float, heights: np.ndarray) -> Way:
-        """The way for a range of d [m] and the heights that the regimes' corners have in free space [m]."""
+    def over(nearest: float, farthest: float, heights: np.ndarray) -> ContactCoordinates:
+        """Coordinates for a range of d [m] and the heights that the regimes' corners have in free space [m]."""
         lowest = max(nearest - float(heights.min()), 0.0)
-        return Way(nearest, max(SOFT * (farthest - nearest), 2 * lowest))
+        return ContactCoordinates(nearest, max(SOFT * (farthest - nearest), 2 * lowest))
 
-    def coordinates(self, parameters: np.ndarray, height: np.ndarray) -> np.ndarray:
+    def of(self, parameters: np.ndarray, height: np.ndarray) -> np.ndarray:
         """Tensions, then s: shape (n, p), of parameters, shape (n, p), and the corner's heights D, shape (n,) [m]."""
         found = np.array(parameters)
         found[:, -1] = (height - parameters[:, -1]) / (height - self.nearest + self.soft)
         return found
 
-    def slopes(self, parameters: np.ndarray, height: np.ndarray, rising: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    def slopes(
+        self, parameters: np.ndarray, height: np.ndarray, height_jacobian: np.ndarray, slopes: np.ndarray
+    ) -> np.ndarray:
         """Derivatives by the coordinates, shape (n, m, p), from `slopes`, those by the parameters of the same shape.
 
-        With d = D - s (D - d_min + soft), by the chain rule; `rising` is dD/dF, shape (n, p - 1).
+        With d = D - s (D - d_min + soft), by the chain rule; `height_jacobian` is dD/dF, shape (n, p - 1).
         """
-        s, whole = self.coordinates(parameters, height)[:, -1], height - self.nearest + self.soft
+        s, whole = self.of(parameters, height)[:, -1], height - self.nearest + self.soft
         by_distance = slopes[..., -1]
         found = np.empty_like(slopes)
-        for k in range(rising.shape[1]):
-            found[..., k] = slopes[..., k] + by_distance * ((1 - s) * rising[:, k])[:, None]
+        for k in range(height_jacobian.shape[1]):
+            found[..., k] = slopes[..., k] + by_distance * ((1 - s) * height_jacobian[:, k])[:, None]
         found[..., -1] = -by_distance * whole[:, None]
         return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -11,21 +12,24 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from rom.fit import regime_fit
-from rom.fit.contact_coordinates import Way
-from rom.fit.free_response import Free, box
-from rom.fit.regime_fit import Part
+from rom.fit.contact_coordinates import ContactCoordinates
+from rom.fit.free_response import FreeResponse, box
+from rom.fit.regime_fit import FittedRegime
 from rom.snapshots import contact_regimes
+from rom.snapshots.body import Body
 from rom.snapshots.contact_regimes import Code
 from rom.snapshots.snapshot_set import SnapshotSet
 
-MOST = 64  # regimes; those of the fewest states beyond are left out
+logger = logging.getLogger(__name__)
+
+MOST_REGIMES = 64  # as bits of a machine word; the states of those of the fewest states are then left out
 NEIGHBOURS = 24  # states nearby whose regimes are possible
-MAP = 4000  # cells of the map of regimes, about
+LOOKUP = 4000  # cells of the regime lookup, about
 QUANTITIES = ("tip", "contact_force", *contact_regimes.QUANTITIES)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contact:
+class ContactResponse:
     """The contact states of a set, by regime.
 
     Attributes:
@@ -44,15 +48,19 @@ class Contact:
     touch_distance: np.ndarray
     regime: np.ndarray
     touching: np.ndarray
-    parts: list[Part]
-    way: Way
+    parts: list[FittedRegime]
+    coordinates: ContactCoordinates
     box: tuple[np.ndarray, np.ndarray]
-    coarse: Contact | None = None
+    coarse: ContactResponse | None = None
 
     @staticmethod
     def of(
-        snapshots: SnapshotSet, free: Free, counts: Counter[Code], pad: bool, coarse: Contact | None = None
-    ) -> Contact:
+        snapshots: SnapshotSet,
+        free: FreeResponse,
+        counts: Counter[Code],
+        pad: bool,
+        coarse: ContactResponse | None = None,
+    ) -> ContactResponse:
         """Fit a set's contact states, or correct by them what a coarser mesh says.
 
         Args:
@@ -67,23 +75,28 @@ class Contact:
         states = {name: snapshots.states_of("contact", name) for name in names}
         touching, codes = _codes(snapshots)
         states = {name: values[touching] for name, values in states.items()}
-        listed = [code for code, _ in counts.most_common(MOST)]
+        listed = [code for code, _ in counts.most_common(MOST_REGIMES)]
+        if len(counts) > MOST_REGIMES:
+            left_out = counts.total() - sum(counts[code] for code in listed)
+            logger.warning(
+                "done without %d states: contact has %d regimes, and a surrogate holds %d",
+                left_out, len(counts), MOST_REGIMES,
+            )  # fmt: skip
         kept = np.array([code in listed for code in codes], bool)
         states, codes = {name: values[kept] for name, values in states.items()}, [c for c in codes if c in listed]
         touching[touching] = kept
         ends = box(snapshots)
         heights = free.polynomial.value(states["parameters"][:, :-1])[:, 3:]
         regime = np.array([listed.index(code) for code in codes], int)
-        geometry, half = snapshots.description.scene["geometry"], bool(snapshots.nodes[:, 2].min() > -1e-9)
-        sizes = np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
+        body, half = snapshots.body, snapshots.body.is_half
         leading = _corners(listed, counts, half)
         signs = contact_regimes.signs(listed, counts)
         corners = [
-            _height(free, contact_regimes.corner(code, half) or contact_regimes.nearest_corner(code, leading), geometry)
+            _height(free, contact_regimes.corner(code, half) or contact_regimes.nearest_corner(code, leading), body)
             for code in listed
         ]
         own_heights = np.take_along_axis(heights, np.array(corners)[regime][:, None], 1)
-        way = coarse.way if coarse else Way.over(ends[0][-1], ends[1][-1], own_heights)
+        coordinates = coarse.coordinates if coarse else ContactCoordinates.over(ends[0][-1], ends[1][-1], own_heights)
         before = {part.code: part for part in coarse.parts} if coarse else {}
         parts = []
         for r, (code, height) in enumerate(zip(listed, corners, strict=True)):
@@ -91,21 +104,21 @@ class Contact:
             if not rows.size and code not in before:
                 continue
             own = {name: values[rows] for name, values in states.items()}
-            where = regime_fit.place(own, free, height, corner is not None, way, before.get(code))
-            parts.append(regime_fit.fitted(code, rows, own, free, height, where, signs[r], sizes))
-        return Contact(
+            domain = regime_fit.fit_domain(own, free, height, corner is not None, coordinates, before.get(code))
+            parts.append(regime_fit.fitted(code, rows, own, free, height, domain, signs[r], body.half_lengths))
+        return ContactResponse(
             parameters=states["parameters"],
             force=states["contact_force"],
             touch_distance=states["touch_distance"],
             regime=regime,
             touching=touching,
             parts=parts,
-            way=way,
+            coordinates=coordinates,
             box=ends,
             coarse=coarse,
         )
 
-    def with_its_corners(self, free: Free) -> tuple[Free, Contact]:
+    def with_its_corners(self, free: FreeResponse) -> tuple[FreeResponse, ContactResponse]:
         """Both with only the heights that lead somewhere or are of a regime's corner."""
         wanted = np.union1d(np.flatnonzero(free.leads), [part.corner for part in self.parts]).astype(int)
         parts = [replace(part, corner=int(np.searchsorted(wanted, part.corner))) for part in self.parts]
@@ -119,14 +132,14 @@ class Contact:
     def _around(self, parameters: np.ndarray, reach: np.ndarray) -> np.ndarray:
         lower, upper = self.box
         p = len(lower)
-        cells = max(int(MAP ** (1 / p)), 2)
+        cells = max(int(LOOKUP ** (1 / p)), 2)
         scaled = (parameters - lower) / (upper - lower)
-        scaled[:, -1] = (reach - parameters[:, -1]) / (reach - self.way.nearest + self.way.soft)
+        scaled[:, -1] = (reach - parameters[:, -1]) / (reach - self.coordinates.nearest + self.coordinates.soft)
         middles = (np.stack(np.meshgrid(*[np.arange(cells)] * p, indexing="ij"), axis=-1).reshape(-1, p) + 0.5) / cells
         found = cKDTree(scaled).query(middles, k=min(NEIGHBOURS, len(scaled)))[1]
         return np.asarray(found.reshape(len(middles), -1))
 
-    def map(self) -> tuple[np.ndarray, np.ndarray]:
+    def regime_lookup(self) -> tuple[np.ndarray, np.ndarray]:
         """Regimes by cell, flat: that of the state nearest to its middle; and bits of those nearby, on all meshes."""
         regime, around = self.regime, self.around
         if self.coarse:
@@ -161,10 +174,10 @@ def _corners(listed: list[Code], counts: Counter[Code], half: bool) -> Counter:
     return found
 
 
-def _height(free: Free, corner: tuple[int, Code], geometry: dict) -> int:
+def _height(free: FreeResponse, corner: tuple[int, Code], body: Body) -> int:
     """Which of the heights is that of a corner."""
     segment, ends = corner
-    x = np.cumsum(geometry["segments"])[segment] - (0.0 if ends[0] > 0 else geometry["plate"])
-    place = [x, ends[1] * geometry["side"] / 2, (ends[2] or 1) * geometry["side"] / 2]
-    away = np.abs(free.corners - place).max(axis=1)
+    side = 2 * body.half_lengths[1]
+    x = body.plates[segment, 1 if ends[0] > 0 else 0]
+    away = np.abs(free.corners - [x, ends[1] * side / 2, (ends[2] or 1) * side / 2]).max(axis=1)
     return int(away.argmin())

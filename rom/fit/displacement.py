@@ -8,17 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rom.fit.chebyshev import Fitted, Samples, corrected, fit
-from rom.fit.contact_response import Contact
-from rom.fit.free_response import Free
+from rom.fit.contact_response import ContactResponse
+from rom.fit.free_response import FreeResponse
 from rom.snapshots.contact_regimes import Code
 from rom.snapshots.snapshot_set import SnapshotSet
 
 FINER = 0.3  # share of the tolerance
-MOST = 60  # principal components of one kind of states
+MOST_MODES = 60  # principal components of one kind of states
 
 
 @dataclass(frozen=True, kw_only=True)
-class Moved:
+class FittedDisplacement:
     """The fitted displacements of a set.
 
     Attributes:
@@ -35,14 +35,18 @@ class Moved:
     contact: dict[Code, Fitted]
     left_out: tuple[np.ndarray, np.ndarray]
 
-    def on(self, bring: Callable[[np.ndarray], np.ndarray]) -> Moved:
+    def on(self, bring: Callable[[np.ndarray], np.ndarray]) -> FittedDisplacement:
         """The same on the nodes of another mesh, to which `bring` interpolates columns of 3 nodes."""
         return replace(self, free_basis=bring(self.free_basis), contact_basis=bring(self.contact_basis))
 
 
 def fitted(
-    snapshots: SnapshotSet, free: Free, contact: Contact | None, tolerance: float, before: Moved | None = None
-) -> Moved:
+    snapshots: SnapshotSet,
+    free: FreeResponse,
+    contact: ContactResponse | None,
+    tolerance: float,
+    before: FittedDisplacement | None = None,
+) -> FittedDisplacement:
     """Fit the displacements of a set, or correct by them what is known before, from a coarser mesh.
 
     Components leave out a tenth of what their amounts are separated to; those in free space less, as what contact adds
@@ -69,7 +73,7 @@ def fitted(
         amounts = fit(samples, alike=True)
     else:
         amounts = corrected(samples, before.free.polynomial.mixed(before.free_basis.T @ basis), alike=True)
-    found = Moved(
+    found = FittedDisplacement(
         free_basis=basis,
         free=amounts,
         contact_basis=np.zeros((len(basis), 0)),
@@ -79,28 +83,34 @@ def fitted(
     return found if contact is None else _with_contact(found, snapshots, contact, 0.1 * least, before)
 
 
-def _with_contact(found: Moved, snapshots: SnapshotSet, contact: Contact, least: float, before: Moved | None) -> Moved:
+def _with_contact(
+    found: FittedDisplacement,
+    snapshots: SnapshotSet,
+    contact: ContactResponse,
+    least: float,
+    before: FittedDisplacement | None,
+) -> FittedDisplacement:
     added = _flat(snapshots.states_of("contact", "displacement"))[contact.touching]
-    amounts, turning = found.free.polynomial.value_and_gradient(contact.parameters[:, :-1])
+    amounts, amount_jacobian = found.free.polynomial.value_and_gradient(contact.parameters[:, :-1])
     added -= amounts @ found.free_basis.T
     if before is None:
         basis = _principal(added, least)
     else:
         beyond = added.copy()
         for part in contact.parts:
-            if part.place.before is not None:
-                known = before.contact[part.code].polynomial.value(part.place.blank.points) * part.place.past[:, None]
+            if part.domain.before is not None:
+                known = before.contact[part.code].polynomial.value(part.domain.blank.points) * part.domain.past[:, None]
                 beyond[part.rows] -= known @ before.contact_basis.T
         basis = _beside(before.contact_basis, beyond, least)
     values, slopes = added @ basis, snapshots.projected("contact", basis)[contact.touching]
-    slopes[..., :-1] -= (basis.T @ found.free_basis) @ turning
+    slopes[..., :-1] -= (basis.T @ found.free_basis) @ amount_jacobian
     fits, left_out = {}, np.zeros(len(values))
     for part in contact.parts:
         prior = None
-        if before is not None and part.place.before is not None:
+        if before is not None and part.domain.before is not None:
             prior = before.contact[part.code].polynomial.mixed(before.contact_basis.T @ basis)
-        fits[part.code] = one = part.place.fit(values[part.rows], slopes[part.rows], prior, field=True)
-        residuals = one.residuals * part.place.past[:, None]
+        fits[part.code] = one = part.domain.fit(values[part.rows], slopes[part.rows], prior, field=True)
+        residuals = one.residuals * part.domain.past[:, None]
         left_out[part.rows] = np.linalg.norm(residuals, axis=1) / np.sqrt(len(snapshots.nodes))
     return replace(found, contact_basis=basis, contact=fits, left_out=(found.left_out[0], left_out))
 
@@ -121,6 +131,6 @@ def _principal(states: np.ndarray, least: float) -> np.ndarray:
     left = np.sqrt(
         np.cumsum(sizes[::-1] ** 2)[::-1] / len(states)
     )  # root mean square over states, of each and all after
-    kept = int(np.clip(np.count_nonzero(left > least), 1, MOST))
+    kept = int(np.clip(np.count_nonzero(left > least), 1, MOST_MODES))
     basis = states.T @ (vectors[:, ::-1][:, :kept] / np.maximum(sizes[:kept], np.finfo(float).tiny))
     return np.linalg.qr(basis)[0]

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from rom.fit.chebyshev import NOISE, Fitted, Polynomial, Samples, corrected, fit
+from rom.snapshots.body import Body
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
 PLACES = 2000  # tensions at which to see what leads
@@ -15,7 +16,7 @@ CLOSE = 1e-7  # [m]: heights so close to the largest may stand for it
 
 
 @dataclass(frozen=True, kw_only=True)
-class Free:
+class FreeResponse:
     """Tip and heights of what may touch first, as functions of the tensions.
 
     Attributes:
@@ -37,7 +38,7 @@ class Free:
     noise: float
 
     @staticmethod
-    def of(snapshots: SnapshotSet, coarse: Free | None = None, noise: float = NOISE) -> Free:
+    def of(snapshots: SnapshotSet, coarse: FreeResponse | None = None, noise: float = NOISE) -> FreeResponse:
         """Fit a set's free states, or correct by them what a coarser mesh says."""
         description = snapshots.description
         count = description.tensions
@@ -61,7 +62,7 @@ class Free:
             upper=upper[:count],
             noise=noise,
         )
-        along = _long_edges(snapshots) if description.has_obstacle else np.zeros(0, int)
+        along = snapshots.body.edge_nodes if description.has_obstacle else np.zeros(0, int)
         places, none, known = snapshots.nodes[along], np.zeros(0, int), points
         if coarse is None or len(coarse.points) <= len(points):
             whole = fit(samples)
@@ -69,17 +70,17 @@ class Free:
             known = np.concatenate([points, coarse.points])
             whole = corrected(samples, coarse.whole.polynomial.mixed(_onto(coarse.along, places)))
         if not description.has_obstacle:
-            return Free(
+            return FreeResponse(
                 points=points, known=known, along=places, kept=none, leads=none.astype(bool), whole=whole, noise=noise
             )
         everywhere = np.random.default_rng(0).random((PLACES, count)) * (upper - lower)[:count] + lower[:count]
         leading = _leading(whole.polynomial.value(np.concatenate([points, everywhere]))[:, 3:])
-        kept = np.union1d(leading, np.flatnonzero(_is_corner(snapshots, along)))
-        return Free(
+        kept = np.union1d(leading, np.flatnonzero(_is_corner(snapshots.body, along)))
+        return FreeResponse(
             points=points, known=known, along=places, kept=kept, leads=np.isin(kept, leading), whole=whole, noise=noise
         )
 
-    def of_heights(self, wanted: np.ndarray) -> Free:
+    def of_heights(self, wanted: np.ndarray) -> FreeResponse:
         """The same with only some of the heights."""
         return replace(self, kept=self.kept[wanted], leads=self.leads[wanted])
 
@@ -132,15 +133,7 @@ def box(snapshots: SnapshotSet) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
-def _long_edges(snapshots: SnapshotSet) -> np.ndarray:
-    side = snapshots.description.scene["geometry"]["side"]
-    return np.flatnonzero(np.isclose(np.abs(snapshots.nodes[:, 1:]), side / 2, atol=1e-6 * side).all(axis=1))
-
-
-def _is_corner(snapshots: SnapshotSet, nodes: np.ndarray) -> np.ndarray:
-    """Which nodes of the long edges are corners of a plate."""
-    geometry = snapshots.description.scene["geometry"]
-    ends = np.cumsum(geometry["segments"])
-    places = np.concatenate([ends, ends - geometry["plate"]])
-    x = snapshots.nodes[nodes, 0]
-    return np.asarray(np.isclose(x[:, None], places, atol=1e-6 * geometry["side"]).any(axis=1))
+def _is_corner(body: Body, nodes: np.ndarray) -> np.ndarray:
+    """Which nodes of the long edges are corners of a plate, shape (nodes,)."""
+    x, side = body.nodes[nodes, 0], 2 * body.half_lengths[1]
+    return np.asarray(np.isclose(x[:, None], body.plates.ravel(), atol=1e-6 * side).any(axis=1))

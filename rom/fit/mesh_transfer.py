@@ -33,8 +33,7 @@ def check_pair(fine: SnapshotSet, coarse: SnapshotSet) -> None:
     if len(coarse.nodes) >= len(fine.nodes):
         counts = f"{len(fine.nodes)} nodes, got {len(coarse.nodes)}"
         raise SnapshotError(f"{coarse.path}: must be of a coarser mesh than the fine set's {counts}")
-    halves = [one.nodes[:, 2].min() > -1e-9 for one in (fine, coarse)]
-    if halves[0] != halves[1] or fine.description.has_field > coarse.description.has_field:
+    if fine.body.is_half != coarse.body.is_half or fine.description.has_field > coarse.description.has_field:
         raise SnapshotError(
             f"{coarse.path}: must model half the finger, and store the displacement, if the fine set does"
         )

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rom.fit.chebyshev import Fitted, Polynomial, Samples, corrected, fit
-from rom.fit.contact_coordinates import Way
-from rom.fit.free_response import Free
+from rom.fit.contact_coordinates import ContactCoordinates
+from rom.fit.free_response import FreeResponse
 from rom.snapshots import contact_regimes
 from rom.snapshots.contact_regimes import Code
 
@@ -19,26 +19,26 @@ SMALL = 0.02  # share of a regime's largest force below which errors count as of
 
 
 @dataclass(frozen=True, kw_only=True)
-class Place:
+class FitDomain:
     """Where the states of a regime lie in its coordinates.
 
     Attributes:
         parameters: shape (n, p).
         height: of the regime's corner in free space at their tensions [m], shape (n,).
-        rising: its derivatives by the tensions, shape (n, p - 1).
+        height_jacobian: its derivatives by the tensions, shape (n, p - 1).
         begins: whether the regime begins at touch.
-        way: of the coordinates.
+        coordinates: the contact-aligned ones.
         blank: the samples without values.
         before: what is known of the regime on a coarser mesh, and is corrected; None if that is nothing of use.
     """
 
     parameters: np.ndarray
     height: np.ndarray
-    rising: np.ndarray
+    height_jacobian: np.ndarray
     begins: bool
-    way: Way
+    coordinates: ContactCoordinates
     blank: Samples
-    before: Part | None
+    before: FittedRegime | None
 
     @property
     def past(self) -> np.ndarray:
@@ -61,25 +61,25 @@ class Place:
         samples = self.blank
         if self.begins and grows:
             past = self.past
-            growing = np.column_stack([self.rising, np.full(len(past), -1.0)])
+            past_jacobian = np.column_stack([self.height_jacobian, np.full(len(past), -1.0)])
             values = values / past[:, None]
-            slopes = (slopes - values[..., None] * growing[:, None]) / past[:, None, None]
+            slopes = (slopes - values[..., None] * past_jacobian[:, None]) / past[:, None, None]
             if field:
                 samples = replace(samples, weights=past / (past + SHORT * past.max(initial=0.0)))
-        aligned = self.way.slopes(self.parameters, self.height, self.rising, slopes)
+        aligned = self.coordinates.slopes(self.parameters, self.height, self.height_jacobian, slopes)
         samples = replace(samples, values=values, slopes=aligned)
         return fit(samples, alike=field) if before is None else corrected(samples, before, field, ROWS)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class FittedRegime:
     """The contact states of one regime.
 
     Attributes:
         code: of the regime.
         rows: of its states among all contact states.
         corner: which height of the free states is that of its corner.
-        place: where they lie.
+        domain: where they lie.
         points: contact-aligned coordinates of the states from which it is known, on all meshes, shape (n, p).
         outputs: tip added, contact force, and pad pressure if that is to be known.
         signs: conditions, and the fit of their values.
@@ -88,40 +88,40 @@ class Part:
     code: Code
     rows: np.ndarray
     corner: int
-    place: Place
+    domain: FitDomain
     points: np.ndarray
     outputs: Fitted
     signs: list[contact_regimes.Sign]
     conditions: Fitted | None
 
 
-def _of_use(before: Part | None, points: np.ndarray) -> Part | None:
+def _of_use(before: FittedRegime | None, points: np.ndarray) -> FittedRegime | None:
     """What is known before, unless it is from fewer states than these, or of a box that they lie beyond."""
     if before is None or not len(points):
         return before
-    box = before.place.blank
+    box = before.domain.blank
     scaled = np.abs(2 * (points - box.lower) / (box.upper - box.lower) - 1)
     return before if len(before.points) > len(points) and scaled.max() <= BEYOND else None
 
 
-def place(
+def fit_domain(
     states: dict[str, np.ndarray],
-    free: Free,
+    free: FreeResponse,
     height: int,
     begins: bool,
-    way: Way,
-    before: Part | None,
-) -> Place:
+    coordinates: ContactCoordinates,
+    before: FittedRegime | None,
+) -> FitDomain:
     """Where the states of a regime lie, in the box of what is known before, if anything is."""
     parameters, force = states["parameters"], states["contact_force"]
-    known, rising = free.polynomial.value_and_gradient(parameters[:, :-1])
-    points = way.coordinates(parameters, known[:, 3 + height])
+    known, jacobian = free.polynomial.value_and_gradient(parameters[:, :-1])
+    points = coordinates.of(parameters, known[:, 3 + height])
     before = _of_use(before, points)
     if before is None:
         lower, upper = points.min(axis=0), points.max(axis=0)
         upper = lower + np.maximum(upper - lower, 1e-6 * np.maximum(np.abs(upper), 1e-3))
     else:
-        lower, upper = before.place.blank.lower, before.place.blank.upper
+        lower, upper = before.domain.blank.lower, before.domain.blank.upper
     blank = Samples(
         points=points,
         values=np.zeros((len(points), 0)),
@@ -131,12 +131,12 @@ def place(
         upper=upper,
         noise=free.noise,
     )
-    return Place(
+    return FitDomain(
         parameters=parameters,
         height=known[:, 3 + height],
-        rising=rising[:, 3 + height],
+        height_jacobian=jacobian[:, 3 + height],
         begins=begins,
-        way=way,
+        coordinates=coordinates,
         blank=blank,
         before=before,
     )
@@ -146,37 +146,39 @@ def fitted(
     code: Code,
     rows: np.ndarray,
     states: dict[str, np.ndarray],
-    free: Free,
+    free: FreeResponse,
     height: int,
-    where: Place,
+    domain: FitDomain,
     signs: list[contact_regimes.Sign],
     sizes: np.ndarray,
-) -> Part:
+) -> FittedRegime:
     """Fit a regime's quantities and conditions, or correct by them what is known before."""
-    before = where.before
-    known, rising = free.polynomial.value_and_gradient(states["parameters"][:, :-1])
-    rising = np.concatenate([rising, np.zeros((*rising.shape[:2], 1))], axis=-1)
+    before = domain.before
+    known, jacobian = free.polynomial.value_and_gradient(states["parameters"][:, :-1])
+    jacobian = np.concatenate([jacobian, np.zeros((*jacobian.shape[:2], 1))], axis=-1)
     values = np.column_stack([states["tip"] - known[:, :3], states["contact_force"]])
-    slopes = np.concatenate([states["tip_jacobian"] - rising[:, :3], states["contact_force_jacobian"][:, None]], axis=1)
+    slopes = np.concatenate(
+        [states["tip_jacobian"] - jacobian[:, :3], states["contact_force_jacobian"][:, None]], axis=1
+    )
     if "pad_pressure" in states:
         values = np.column_stack([values, states["pad_pressure"]])
         slopes = np.concatenate([slopes, states["pad_pressure_jacobian"][:, None]], axis=1)
     conditions = None
     if signs:
         pairs = [contact_regimes.sign_values(sign, states, sizes) for sign in signs]
-        conditions = where.fit(
+        conditions = domain.fit(
             np.column_stack([pair[0] for pair in pairs]),
             np.stack([pair[1] for pair in pairs], axis=1),
             before.conditions.polynomial if before and before.conditions else None,
             grows=False,
         )
-    return Part(
+    return FittedRegime(
         code=code,
         rows=rows,
         corner=height,
-        place=where,
-        points=np.concatenate([where.blank.points, *([before.points] if before else [])]),
-        outputs=where.fit(values, slopes, before.outputs.polynomial if before else None),
+        domain=domain,
+        points=np.concatenate([domain.blank.points, *([before.points] if before else [])]),
+        outputs=domain.fit(values, slopes, before.outputs.polynomial if before else None),
         signs=signs,
         conditions=conditions,
     )

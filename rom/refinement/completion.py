@@ -18,7 +18,7 @@ WIDTH = 4  # planes that a prediction uses
 
 
 @dataclass(frozen=True, kw_only=True)
-class Known:
+class KnownGrid:
     """What is known of a function of several variables, on a grid of which every stride-th node is complete.
 
     Attributes:
@@ -59,7 +59,7 @@ class Completed:
     split: list[int]
 
 
-def complete(function: Known) -> Completed:
+def complete(function: KnownGrid) -> Completed:
     """Complete a grid; one that is complete already needs no derivatives."""
     count, strides = len(function.axes), list(function.strides)
     inside = tuple(slice(None, None, stride) for stride in strides)
@@ -102,7 +102,7 @@ def complete(function: Known) -> Completed:
 
 
 def _opened(
-    function: Known, strides: Sequence[int], values: np.ndarray, slopes: Sequence[np.ndarray]
+    function: KnownGrid, strides: Sequence[int], values: np.ndarray, slopes: Sequence[np.ndarray]
 ) -> list[np.ndarray]:
     """Derivatives with those at open ends taken from a spline through the values."""
     found = [slope.copy() for slope in slopes]

@@ -15,9 +15,9 @@ from rom.snapshots.contact_regimes import Code
 from rom.snapshots.plan import Round
 from rom.snapshots.snapshot_set import SnapshotSet
 
-ENOUGH = 60  # states of a regime
-A_LINE = 3  # states of a regime that a line which visits it adds, about
-MOST = 0.3  # share of the set's lines that may be added
+ENOUGH_STATES = 60  # states of a regime
+STATES_OF_A_LINE = 3  # states of a regime that a line which visits it adds, about
+MOST_LINES = 0.3  # share of the set's lines that may be added
 
 
 def between_regimes(snapshots: SnapshotSet, _: float = 0.0) -> Round:
@@ -30,11 +30,11 @@ def between_regimes(snapshots: SnapshotSet, _: float = 0.0) -> Round:
     candidates = _neighbours(snapshots, visits)
     chosen: dict[tuple[float, ...], None] = {}  # a set that keeps its order
     for code, count in sorted(counts.items(), key=lambda item: (item[1], item[0])):
-        wanted = -(-(ENOUGH - count) // A_LINE)
+        wanted = -(-(ENOUGH_STATES - count) // STATES_OF_A_LINE)
         places = [place for place, codes in candidates.items() if code in codes]
         for place in places[:: max(len(places) // max(wanted, 1), 1)][: max(wanted, 0)]:
             chosen[place] = None
-    most = int(MOST * sum(line.kind == "contact" for line in description.lines.values()))
+    most = int(MOST_LINES * sum(line.kind == "contact" for line in description.lines.values()))
     lines = {
         f"scattered-{k}": description.scattered_line(k, tensions) for k, tensions in enumerate(list(chosen)[:most])
     }

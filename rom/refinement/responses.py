@@ -11,11 +11,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rom.refinement.completion import Known
+from rom.refinement.completion import KnownGrid
 from rom.snapshots.snapshot_set import SnapshotSet
 
 
-def free_response(snapshots: SnapshotSet, values: np.ndarray, jacobian: np.ndarray | None) -> Known:
+def free_response(snapshots: SnapshotSet, values: np.ndarray, jacobian: np.ndarray | None) -> KnownGrid:
     """A quantity of the free states as a function of the tensions.
 
     Args:
@@ -30,7 +30,7 @@ def free_response(snapshots: SnapshotSet, values: np.ndarray, jacobian: np.ndarr
     return _on_grid(axes, description.strides[: len(axes)], snapshots.positions("free"), values, slopes, order)
 
 
-def contact_response(snapshots: SnapshotSet, values: np.ndarray, jacobian: np.ndarray | None) -> Known:
+def contact_response(snapshots: SnapshotSet, values: np.ndarray, jacobian: np.ndarray | None) -> KnownGrid:
     """What contact adds to a quantity, as a function of the contact-aligned coordinates; arguments as above."""
     description, lead = snapshots.description, snapshots.description.lead
     positions = snapshots.positions("contact")
@@ -45,12 +45,12 @@ def contact_response(snapshots: SnapshotSet, values: np.ndarray, jacobian: np.nd
     return _on_grid(axes, description.strides, positions[whole], added, slopes, order, (lead, len(axes) - 1))
 
 
-def onset_response(snapshots: SnapshotSet) -> Known:
+def onset_response(snapshots: SnapshotSet) -> KnownGrid:
     """Onset of contact as a function of the tensions that do not lead."""
     description, others = snapshots.description, snapshots.description.other_axes
     onset, strides = snapshots.onset(), [description.strides[k] for k in others]
     jacobian = snapshots.onset("onset_jacobian")
-    return Known(
+    return KnownGrid(
         axes=[np.array(description.tension_nodes[k]) for k in others],
         strides=strides,
         known=np.isfinite(onset),
@@ -98,14 +98,14 @@ def _on_grid(
     slopes: Sequence[np.ndarray],
     order: Sequence[int],
     open_axes: Sequence[int] = (),
-) -> Known:
+) -> KnownGrid:
     shape, where = tuple(len(axis) for axis in axes), tuple(positions.T)
     grids = [np.zeros((*shape, values.shape[1])) for _ in range(1 + len(slopes))]
     for grid, column in zip(grids, [values, *slopes], strict=True):
         grid[where] = column
     known = np.zeros(shape, bool)
     known[where] = True
-    return Known(
+    return KnownGrid(
         axes=axes, strides=strides, known=known, values=grids[0], slopes=grids[1:], order=order, open=open_axes
     )
 
@@ -131,8 +131,10 @@ def _aligned(
         snapshots.values("contact", "touch_distance_jacobian"),
     )
     others = tuple(positions[:, description.other_axes].T)
-    onset, turned = snapshots.onset()[others], snapshots.onset("onset_jacobian")[others]
-    turned = np.broadcast_to(turned, (len(positions), turned.shape[-1]))  # of one tension there is one onset
+    onset, onset_jacobian = snapshots.onset()[others], snapshots.onset("onset_jacobian")[others]
+    onset_jacobian = np.broadcast_to(
+        onset_jacobian, (len(positions), onset_jacobian.shape[-1])
+    )  # of one tension there is one onset
     xi = np.array(description.onset_nodes)[positions[:, lead]]
     s = np.array(description.contact_nodes)[positions[:, -1]]
     by_distance = jacobian[..., -1]
@@ -140,7 +142,10 @@ def _aligned(
         jacobian[..., k] - jacobian[at_touch][..., k] + by_distance * ((1 - s) * slopes[:, k])[:, None]
         for k in range(description.tensions)
     ]
-    found = [by_tension[k] + by_tension[lead] * ((1 - xi) * turned[:, k])[:, None] for k in range(description.tensions)]
+    found = [
+        by_tension[k] + by_tension[lead] * ((1 - xi) * onset_jacobian[:, k])[:, None]
+        for k in range(description.tensions)
+    ]
     found[lead] = by_tension[lead] * np.reshape(description.parameters[lead]["upper"] - onset, (-1, 1))
     nearest = description.parameters[-1]["lower"]
     return [*found, -by_distance * (touch - nearest)[:, None]]

@@ -14,7 +14,7 @@ from rom.separation.separated_form import Separated
 logger = logging.getLogger(__name__)
 
 GRID = 3_500  # points of the grid on which it is separated, about
-FEWEST, MOST = 7, 21  # nodes of an axis
+FEWEST_NODES, MOST_NODES = 7, 21  # nodes of an axis
 NEAR = 1.5  # steps of the grid that a state is known around itself, at least in one axis
 
 
@@ -39,7 +39,7 @@ def separated(
     Its numbers are those that single precision holds: a model file need not store more, see rom.model_file.
     """
     p = len(polynomial.lower)
-    count = int(np.clip(GRID ** (1 / max(p, 1)), FEWEST, MOST))
+    count = int(np.clip(GRID ** (1 / max(p, 1)), FEWEST_NODES, MOST_NODES))
     if not polynomial.powers.any() or p == 0:
         return _constant(polynomial, p)
     axes = [np.linspace(low, high, count) for low, high in zip(polynomial.lower, polynomial.upper, strict=True)]

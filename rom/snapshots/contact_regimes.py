@@ -166,19 +166,19 @@ def sign_values(sign: Sign, states: dict[str, np.ndarray], half_lengths: np.ndar
     if sign.kind == "centre":
         # What the other end carries, twice: the centre itself is no smooth function where the force vanishes.
         value, slope = of("centre_of_pressure")
-        force, growing = of("plate_force")
+        force, force_jacobian = of("plate_force")
         share = 1 - sign.end * value[:, sign.axis]
-        return share * force, share[:, None] * growing - sign.end * force[:, None] * slope[:, sign.axis]
+        return share * force, share[:, None] * force_jacobian - sign.end * force[:, None] * slope[:, sign.axis]
     if sign.kind == "force":
         return of("plate_force")
     if sign.kind == "rubber_force":
         carried, slope = states["plate_force"].sum(axis=1), states["plate_force_jacobian"].sum(axis=1)
         return states["contact_force"] - carried, states["contact_force_jacobian"] - slope
-    height, rising = of("rubber_reach" if sign.kind == "rubber_gap" else "plate_height")
+    height, height_jacobian = of("rubber_reach" if sign.kind == "rubber_gap" else "plate_height")
     if sign.kind == "gap":
-        tilt, turning = of("plate_tilt")
+        tilt, tilt_jacobian = of("plate_tilt")
         height = height + np.abs(tilt) @ half_lengths
-        rising = rising + np.einsum("na,nap,a->np", np.sign(tilt), turning, half_lengths)
-    nearing = np.zeros(rising.shape[1])
-    nearing[-1] = 1.0
-    return states["parameters"][:, -1] - height, nearing - rising
+        height_jacobian = height_jacobian + np.einsum("na,nap,a->np", np.sign(tilt), tilt_jacobian, half_lengths)
+    distance_jacobian = np.zeros(height_jacobian.shape[1])
+    distance_jacobian[-1] = 1.0
+    return states["parameters"][:, -1] - height, distance_jacobian - height_jacobian

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-FORMAT = 4  # of snapshot sets
+FORMAT = 5  # of snapshot sets
 
 
 @dataclass(frozen=True)

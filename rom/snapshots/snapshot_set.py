@@ -3,40 +3,11 @@
 A set is a folder:
 
     set.json            what was asked for: scene, parameters, sampling nodes, tasks, versions
-    nodes.npy           the finger's nodes at rest, shape (nodes, 3) [m], sorted by x, then y, then z
+    body.npz            the finger at rest, see rom.snapshots.body
     rounds/NNNN.json    lines that refine the set, see rom.snapshots.plan
     tasks/NAME.npz      one file per task, written beside and renamed, so it is whole or absent
 
-A task is a line of states solved in a fixed order. Its file holds, state by state (n of them):
-
-    parameters          (n, p)          tensions [N], then d [m] (nan in a free state)
-    tip                 (n, 3)          [m]
-    nodes               (n,)            positions along the line, of the grid's nodes; free and contact lines. -1 for a
-                                        state between two of them that differ in regime
-    edge_heights        (n, edge nodes) of the long edges over the face towards the plane at rest [m]; free and
-                                        scattered lines
-    touch_distance      (n,)            [m] free reach at these tensions; scenes with an obstacle
-    contact_force       (n,)            [N] scenes with an obstacle
-    plate_height        (n, s)          [m] of the s segments' plates over where the face lies at rest
-    plate_tilt          (n, s, 3)       [-] its slope along the plate's own x, y, z
-    plate_force         (n, s)          [N] part of the contact force that each plate carries
-    centre_of_pressure  (n, s, 3)       [-] where, from -1 to 1 along the plate's own x, y, z
-    rubber_reach        (n, s)          [m] how far the rubber of each segment reaches towards the plane
-    regime              (n, 5 s)        [-] plate by plate whether it carries (0, 1), and at which end along x, y, z
-                                        (-1, 1; 0 between); then whether each segment's rubber touches (0, 1)
-    X_jacobian          (n, *X, p)      derivatives of these by the parameters; not of the regime
-    displacement        (n, nodes, 3)   [m], if sampling.store asks for it, as for the next three
-    displacement_jacobian (n, p, nodes, 3) derivatives of the displacement, in single precision
-    pad_pressure        (n,)            [Pa], and its jacobian
-    channel_shortening  (n, tendons)    [m], and its jacobian
-    iterations          (n,)            Newton iterations
-    converged           (n,)            bool; a state that is not is nan everywhere
-    reason              (n,)            why not, empty if converged
-    last_good           (n, p)          last load with an equilibrium on the way to a state that did not converge
-    seconds             ()              that solving the line took
-    task, fingerprint   ()              whose states these are
-    onset               ()              free-J: lead tension that first reaches the nearest plane [N]
-    onset_jacobian      (p,)            and its derivatives by the other tensions [-]
+A task is a line of states solved in a fixed order; rom.snapshots.schema says what its file holds.
 
 Tasks come in four kinds. `free-J` is a line along the lead tension (the tendon that bends the finger most towards the
 plane) at the J-th combination of the others. `contact-J-I` holds the tensions (I-th node of the lead between onset and
@@ -55,23 +26,17 @@ from pathlib import Path
 
 import numpy as np
 
+from rom.snapshots.body import Body
 from rom.snapshots.description import FORMAT, Description, Line
 from rom.snapshots.files import write_whole
 from rom.snapshots.plan import Plan
+from rom.snapshots.schema import FIELDS
 
 SAME_PLACE = 9  # decimals of the parameters' ranges in which states at one place agree
-FIELDS = ("displacement", "displacement_jacobian")
 
 
 class SnapshotError(ValueError):
     """A folder that is not the set it should be: one line naming it and what is wrong."""
-
-
-def write_nodes(path: str | Path, nodes: np.ndarray) -> None:
-    """Write the finger's nodes at rest, shape (nodes, 3) [m]; everyone who does writes the same."""
-    file = Path(path) / "nodes.npy"
-    if not file.exists():
-        write_whole(file, lambda stream: np.save(stream, nodes))
 
 
 def read_description(path: str | Path) -> Description:
@@ -89,6 +54,11 @@ def read_description(path: str | Path) -> Description:
         if isinstance(error, SnapshotError):
             raise
         raise SnapshotError(f"{path}: is not a snapshot set (no readable set.json)") from None
+
+
+def body_file(path: str | Path) -> Path:
+    """Where the finger at rest is, or will be."""
+    return Path(path) / "body.npz"
 
 
 def task_file(path: str | Path, task: str) -> Path:
@@ -134,11 +104,16 @@ class SnapshotSet:
         absent = [task for task in self.missing if task in self.description.lines]
         if absent:
             raise SnapshotError(f"{path}: {len(absent)} of {len(self.description.lines)} tasks are not solved yet")
-        file = self.path / "nodes.npy"
+        file = body_file(path)
         try:
-            self.nodes = np.load(file)
+            self.body = Body.read(file)
         except Exception as error:  # numpy raises many kinds for a broken file
             raise SnapshotError(f"{file}: is missing or not readable ({type(error).__name__})") from None
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """The finger's nodes at rest, shape (nodes, 3) [m]."""
+        return self.body.nodes
 
     @cached_property
     def _tasks(self) -> dict[str, dict[str, np.ndarray]]:

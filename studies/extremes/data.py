@@ -15,7 +15,8 @@ from rom.held_out import FELT
 from rom.separation.alternating_directions import EnrichmentOptions, compose, separate
 from rom.separation.separated_form import Separated
 from rom.snapshots.folder import create
-from rom.snapshots.snapshot_set import FIELDS, SnapshotSet, read_task, write_task
+from rom.snapshots.schema import FIELDS
+from rom.snapshots.snapshot_set import SnapshotSet, read_task, write_task
 from studies import sets
 from studies.extremes.verdicts import Row, judged
 from studies.surrogate.two_meshes import without_store
@@ -32,7 +33,7 @@ def rewritten(of: SnapshotSet, name: str, *changes: Change, fields: bool = False
     description = of.description if fields else without_store(of.description)
     left = ("task", "fingerprint", *(() if fields else FIELDS))
     create(place, replace(description, scattered=list(description.scattered) * len(changes)))
-    shutil.copy(of.path / "nodes.npy", place)
+    shutil.copy(of.path / "body.npz", place)
     count = len(description.scattered)
     for k, change in enumerate(changes):
         for line in range(count):

@@ -24,8 +24,8 @@ sys.path.insert(0, str(ROOT))
 from rom.build import train
 from rom.error_model import calibrated
 from rom.fit import chebyshev
-from rom.fit.contact_response import Contact, count_regimes
-from rom.fit.free_response import Free, box
+from rom.fit.contact_response import ContactResponse, count_regimes
+from rom.fit.free_response import FreeResponse, box
 from rom.held_out import FELT, check
 from rom.native import answer
 from rom.native.forms import values_and_gradients
@@ -86,8 +86,8 @@ def honesty(model: Surrogate, fresh: SnapshotSet) -> dict:
 
 def plain(training: SnapshotSet, fresh: SnapshotSet) -> list[dict]:
     """The same states without regimes: one form over (F, d), and one over (F, s) for all contact states together."""
-    free = Free.of(training)
-    contact = Contact.of(training, free, count_regimes([training]), pad=False)
+    free = FreeResponse.of(training)
+    contact = ContactResponse.of(training, free, count_regimes([training]), pad=False)
     lower, upper = box(training)
     points, force = fresh.random("parameters"), fresh.random("contact_force")
     felt = force > FELT
@@ -122,11 +122,12 @@ def plain(training: SnapshotSet, fresh: SnapshotSet) -> list[dict]:
     known, rising = free.polynomial.value_and_gradient(contact.parameters[:, :-1])
     leads = known[:, 3:].argmax(axis=1)
     height = known[np.arange(len(known)), 3 + leads]
-    aligned = contact.way.coordinates(contact.parameters, height)
-    by = contact.way.slopes(contact.parameters, height, rising[np.arange(len(known)), 3 + leads], slopes[:, None])[:, 0]
+    aligned = contact.coordinates.of(contact.parameters, height)
+    rises = rising[np.arange(len(known)), 3 + leads]
+    by = contact.coordinates.slopes(contact.parameters, height, rises, slopes[:, None])[:, 0]
     ends = np.append(lower[:-1], 0.0), np.append(upper[:-1], aligned[:, -1].max())
     now = free.polynomial.value(points[:, :-1])[:, 3:].max(axis=1)
-    at = contact.way.coordinates(points, now)
+    at = contact.coordinates.of(points, now)
     form = fitted(aligned, contact.force, by, ends)
     touches = now > points[:, -1]
     error("one form over (F, s)", form, np.where(touches[:, None], at, np.append(lower[:-1], 0.0)))

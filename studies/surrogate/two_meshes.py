@@ -46,7 +46,7 @@ def first_lines(of: SnapshotSet, count: int, fields: bool = False) -> SnapshotSe
     create(place, replace(description, scattered=whole.scattered[:count]))
     for k in range(count):
         shutil.copy(of.path / "tasks" / f"scattered-{k}.npz", place / "tasks")
-    shutil.copy(of.path / "nodes.npy", place)
+    shutil.copy(of.path / "body.npz", place)
     return SnapshotSet(place)
 
 

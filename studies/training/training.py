@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from rom.snapshots.folder import create
-from rom.snapshots.snapshot_set import read_description, read_task, write_nodes
+from rom.snapshots.snapshot_set import read_description, read_task
 from studies.solver.solver import say
 
 LINES = 4000  # for the contention of claims
@@ -136,7 +136,7 @@ def contention(folder: Path, processes: int) -> dict:
     point = [0.0] * len(read_description(theirs).parameters)
     description = replace(read_description(theirs), random=[point] * LINES)
     create(ours, description)
-    write_nodes(ours, np.load(theirs / "nodes.npy"))
+    shutil.copy(theirs / "body.npz", ours)
     command = [sys.executable, "-c", CLAIMING, str(ours), str(theirs)]
     jobs = [subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) for _ in range(processes)]
     time.sleep(2 + 0.6 * processes)  # all have started and wait

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from farm import run
 
-from rom.refinement.regime_lines import ENOUGH, MOST, between_regimes
+from rom.refinement.regime_lines import ENOUGH_STATES, MOST_LINES, between_regimes
 from rom.snapshots.snapshot_set import SnapshotSet
 
 
@@ -24,7 +24,7 @@ def test_every_small_regime_has_got_lines_half_way_between_those_of_the_grid(tra
     (planned, last) = training.plan.rounds
     assert planned.lines and not last.lines and last.finest
     contact = [line for line in training.description.lines.values() if line.kind == "contact"]
-    assert len(planned.lines) <= MOST * len(contact)
+    assert len(planned.lines) <= MOST_LINES * len(contact)
     upper = [parameter["upper"] for parameter in training.description.parameters[:-1]]
     for line in planned.lines.values():
         assert line.kind == "scattered" and training.description.has(line)
@@ -40,7 +40,7 @@ def test_they_add_states_to_the_regimes_that_had_few(training):
             all_of_them[key] = all_of_them.get(key, 0) + 1
             if line.kind == "contact":
                 grid[key] = grid.get(key, 0) + 1
-    small = [key for key, count in grid.items() if count < ENOUGH]
+    small = [key for key, count in grid.items() if count < ENOUGH_STATES]
     assert len(small) >= 3
     assert sum(all_of_them[key] > grid[key] for key in small) >= 0.75 * len(small)
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rom.fit.contact_coordinates import Way
+from rom.fit.contact_coordinates import ContactCoordinates
 
-WAY = Way.over(0.001, 0.031, np.array([0.0008, 0.02]))
+WAY = ContactCoordinates.over(0.001, 0.031, np.array([0.0008, 0.02]))
 
 
 def height(tensions):
@@ -17,14 +17,14 @@ def height(tensions):
 def test_a_corner_that_is_just_touched_lies_at_s_0_whatever_the_tensions():
     for tensions in ([10.0, 5.0], [90.0, 40.0]):
         reach, _ = height(tensions)
-        assert WAY.coordinates(np.array([[*tensions, reach]]), np.array([reach]))[0, 2] == 0.0
-        nearest = WAY.coordinates(np.array([[*tensions, 0.001]]), np.array([reach]))[0, 2]
+        assert WAY.of(np.array([[*tensions, reach]]), np.array([reach]))[0, 2] == 0.0
+        nearest = WAY.of(np.array([[*tensions, 0.001]]), np.array([reach]))[0, 2]
         assert 0 < nearest < 1
 
 
 def test_coordinates_are_regular_where_a_corner_never_reaches_the_nearest_plane():
     assert WAY.soft >= 0.3 * 0.03
-    far = WAY.coordinates(np.array([[0.0, 0.0, 0.001]]), np.array([0.0008]))
+    far = WAY.of(np.array([[0.0, 0.0, 0.001]]), np.array([0.0008]))
     assert np.isfinite(far).all() and abs(far[0, 2]) < 0.1
 
 
@@ -35,7 +35,7 @@ def test_derivatives_by_the_coordinates_are_differences_at_fixed_coordinates():
     slopes = WAY.slopes(point[None], np.array([reach]), rising[None], np.array([[[point[2], 2 * point[1], point[0]]]]))[
         0, 0
     ]
-    s = WAY.coordinates(point[None], np.array([reach]))[0, 2]
+    s = WAY.of(point[None], np.array([reach]))[0, 2]
 
     def f(first, second, s):
         reach, _ = height([first, second])

@@ -5,20 +5,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rom.refinement.completion import Known, complete
+from rom.refinement.completion import KnownGrid, complete
 
 X = (1 - np.cos(np.pi * np.arange(17) / 16)) / 2
 Y = np.linspace(0, 1, 9)
 
 
-def known(value, by_x, by_y, strides, extra=()) -> Known:
+def known(value, by_x, by_y, strides, extra=()) -> KnownGrid:
     x, y = np.meshgrid(X, Y, indexing="ij")
     inside = np.zeros(x.shape, bool)
     inside[:: strides[0], :: strides[1]] = True
     for node in extra:
         inside[node] = True
     grids = [np.where(inside, f(x, y), np.nan)[..., None] for f in (value, by_x, by_y)]
-    return Known(axes=[X, Y], strides=strides, known=inside, values=grids[0], slopes=grids[1:])
+    return KnownGrid(axes=[X, Y], strides=strides, known=inside, values=grids[0], slopes=grids[1:])
 
 
 @given(st.lists(st.floats(-2, 2), min_size=16, max_size=16))
@@ -44,7 +44,7 @@ def test_what_is_known_stays_bit_for_bit_and_a_complete_grid_needs_no_derivative
     assert np.array_equal(found.values[function.known], function.values[function.known])
     assert not found.doubt[function.known].any() and not found.error[function.known].any()
     whole = known(lambda x, y: x + y, lambda x, y: 0 * x, lambda x, y: 0 * x, (1, 1))
-    bare = Known(axes=whole.axes, strides=(1, 1), known=whole.known, values=whole.values, slopes=[])
+    bare = KnownGrid(axes=whole.axes, strides=(1, 1), known=whole.known, values=whole.values, slopes=[])
     assert np.array_equal(complete(bare).values, whole.values)
 
 
@@ -89,5 +89,5 @@ def test_a_derivative_that_is_not_known_at_an_open_end_is_not_used():
     grids = [array[..., None] for array in (value, slope, np.ones_like(x))]
     inside = np.zeros(x.shape, bool)
     inside[::4, ::2] = True
-    function = Known(axes=[X, Y], strides=(4, 2), known=inside, values=grids[0], slopes=grids[1:], open=(0,))
+    function = KnownGrid(axes=[X, Y], strides=(4, 2), known=inside, values=grids[0], slopes=grids[1:], open=(0,))
     assert np.abs(complete(function).values[..., 0] - value).max() < 1e-12

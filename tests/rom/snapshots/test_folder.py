@@ -15,7 +15,7 @@ def test_a_set_that_another_rank_begins_meanwhile_is_no_stranger(demo, tmp_path,
     def meanwhile(path):
         monkeypatch.setattr(Path, "iterdir", listed)
         create(folder, description)
-        (folder / "nodes.npy").touch()
+        (folder / "body.npz").touch()
         return listed(path)
 
     monkeypatch.setattr(Path, "iterdir", meanwhile)

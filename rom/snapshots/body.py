@@ -1,0 +1,42 @@
+"""The finger at rest, as the states of a set refer to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from rom.snapshots.files import write_whole
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """The finger at rest.
+
+    Attributes:
+        nodes: sorted by x, then y, then z, shape (nodes, 3) [m].
+        edge_nodes: which of them lie on the long edges, shape (edge nodes,).
+        plates: where every segment's plate begins and ends along x, shape (segments, 2) [m].
+        half_lengths: of a plate along its own axes, shape (3,) [m].
+        is_half: whether only the half z >= 0 is modelled, the other being its mirror image.
+    """
+
+    nodes: np.ndarray
+    edge_nodes: np.ndarray
+    plates: np.ndarray
+    half_lengths: np.ndarray
+    is_half: bool
+
+    def write(self, file: Path) -> None:
+        """Write it, unless the file is there: everyone who does writes the same."""
+        if not file.exists():
+            numbers = {one.name: np.asarray(getattr(self, one.name)) for one in fields(self)}
+            write_whole(file, lambda stream: np.savez(stream, **numbers))  # type: ignore[arg-type]
+
+    @staticmethod
+    def read(file: Path) -> Body:
+        """Read what `write` has written; whatever goes wrong with a broken file is raised as it is."""
+        with np.load(file, allow_pickle=False) as stored:
+            numbers = {one.name: stored[one.name] for one in fields(Body)}
+        return Body(**numbers | {"is_half": bool(numbers["is_half"])})

@@ -1,0 +1,151 @@
+"""Every quantity that a set holds of a state: name, shape, unit and scope. fingerfem writes by it, rom reads by it.
+
+A task's file holds them state by state, first axis n; X_jacobian holds the derivatives of X by the parameters. Besides
+these it holds, of every state:
+
+    parameters   (n, p)   tensions [N], then d [m] (nan in a free state)
+    nodes        (n,)     positions along the line, of the grid's nodes; free and contact lines. -1 for a state between
+                          two of them that differ in regime
+    iterations   (n,)     Newton iterations
+    converged    (n,)     bool; a state that is not is nan everywhere
+    reason       (n,)     why not, empty if converged
+    last_good    (n, p)   last load with an equilibrium on the way to a state that did not converge
+
+and of the line: task, fingerprint, seconds; of a free line onset, the lead tension that first reaches the nearest plane
+[N], and onset_jacobian, its derivatives by the other tensions [-].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+# Which states have a quantity: all; those of scenes with an obstacle; those of lines that keep the long edges' heights
+# (free, scattered and held-out ones); or those of scenes whose sampling.store names it.
+Scope = Literal["state", "obstacle", "edges", "displacement", "pad_pressure", "channel_shortening"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """One quantity of a state.
+
+    Attributes:
+        name: in files and tables.
+        shape: sizes of its axes: numbers, or names of sizes that differ from finger to finger, see `sizes`.
+        unit: of it; its derivatives have it per N and per m.
+        meaning: in words.
+        scope: which states have it.
+        jacobian: whether its derivatives are kept, and where the axis of the parameters stands among theirs.
+    """
+
+    name: str
+    shape: tuple[int | str, ...]
+    unit: str
+    meaning: str
+    scope: Scope
+    jacobian: Literal["last", "first", ""] = "last"
+
+
+QUANTITIES = (
+    Quantity(name="tip", shape=(3,), unit="m", meaning="displacement of the tip plate's centre", scope="state"),
+    Quantity(
+        name="edge_heights",
+        shape=("edge nodes",),
+        unit="m",
+        meaning="of the long edges over the face towards the plane at rest",
+        scope="edges",
+    ),
+    Quantity(name="contact_force", shape=(), unit="N", meaning="integral of the contact pressure", scope="obstacle"),
+    Quantity(name="touch_distance", shape=(), unit="m", meaning="free reach at these tensions", scope="obstacle"),
+    Quantity(
+        name="plate_height",
+        shape=("segments",),
+        unit="m",
+        meaning="of the plates' centres over the face towards the plane at rest",
+        scope="obstacle",
+    ),
+    Quantity(
+        name="plate_tilt",
+        shape=("segments", 3),
+        unit="-",
+        meaning="slope of that height along the plate's own x, y, z",
+        scope="obstacle",
+    ),
+    Quantity(
+        name="plate_force",
+        shape=("segments",),
+        unit="N",
+        meaning="part of the contact force that each plate carries",
+        scope="obstacle",
+    ),
+    Quantity(
+        name="centre_of_pressure",
+        shape=("segments", 3),
+        unit="-",
+        meaning="where it acts, from -1 to 1 along the plate's own x, y, z",
+        scope="obstacle",
+    ),
+    Quantity(
+        name="rubber_reach",
+        shape=("segments",),
+        unit="m",
+        meaning="how far the rubber of each segment reaches towards the plane",
+        scope="obstacle",
+    ),
+    Quantity(
+        name="regime",
+        shape=("signs",),
+        unit="-",
+        meaning="code of the contact regime, see rom.snapshots.contact_regimes",
+        scope="obstacle",
+        jacobian="",
+    ),
+    Quantity(
+        name="pad_pressure", shape=(), unit="Pa", meaning="mean contact pressure on the pad", scope="pad_pressure"
+    ),
+    Quantity(
+        name="channel_shortening",
+        shape=("tendons",),
+        unit="m",
+        meaning="how much shorter every tendon has become",
+        scope="channel_shortening",
+    ),
+    Quantity(
+        name="displacement",
+        shape=("nodes", 3),
+        unit="m",
+        meaning="of all nodes; its derivatives in single precision, as they serve interpolation, which errs far more",
+        scope="displacement",
+        jacobian="first",
+    ),
+)
+FIELDS = ("displacement", "displacement_jacobian")  # many times larger than all else, and read only when asked for
+
+
+def sizes(*, segments: int, tendons: int, nodes: int, edge_nodes: int) -> dict[str, int]:
+    """The sizes that shapes name."""
+    return {
+        "segments": segments,
+        "signs": 5 * segments,
+        "tendons": tendons,
+        "nodes": nodes,
+        "edge nodes": edge_nodes,
+    }
+
+
+def blanks(scopes: Collection[str], sizes: Mapping[str, int], parameters: int) -> dict[str, Any]:
+    """Of a state without an answer: nan for every quantity in scope and its derivatives by all parameters, by name."""
+    found = {}
+    for quantity in QUANTITIES:
+        if quantity.scope not in scopes:
+            continue
+        shape = tuple(sizes[size] if isinstance(size, str) else size for size in quantity.shape)
+        found[quantity.name] = np.full(shape, np.nan)
+        if quantity.jacobian == "last":
+            found[f"{quantity.name}_jacobian"] = np.full((*shape, parameters), np.nan)
+        elif quantity.jacobian == "first":
+            found[f"{quantity.name}_jacobian"] = np.full((parameters, *shape), np.nan, np.float32)
+    return found
