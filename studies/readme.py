@@ -35,7 +35,7 @@ def measured(numbers: dict) -> str:
     return f"""
 Draft finger, {numbers["unknowns"]:,} unknowns, trained on {training["states"]} full-order states
 ({training["newton_iterations"] / training["states"]:.1f} Newton iterations a state, {training["failed"]} failed), against
-{numbers["errors"]["states"]} fresh random ones:
+{numbers["errors"]["states"]} held-out random ones ({numbers["errors"]["calibration_states"]} others calibrated its estimated errors):
 
 {table(report.ERROR_HEADER, report.error_rows(numbers))}
 

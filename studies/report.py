@@ -66,13 +66,13 @@ def error_rows(numbers: dict) -> list[list[str]]:
         "contact_force": "contact force",
     }
     return [
-        [title, str(row["count"]), *(f"{100 * row[name]:.2g}%" for name in ("median", "p95", "max"))]
+        [title, str(row["count"]), *(f"{100 * row[name]:.2g}%" for name in ("median", "p95", "max", "coverage"))]
         for quantity, title in named.items()
         if (row := numbers["errors"][quantity])["count"]
     ]
 
 
-ERROR_HEADER = ["relative error of", "states", "median", "95 %", "largest"]
+ERROR_HEADER = ["relative error of", "states", "median", "95th percentile", "largest", "within its estimate"]
 
 
 def hold_rows(numbers: dict) -> list[list[str]]:
@@ -150,7 +150,8 @@ three full-order fingers, and the full-order model verified every answer. The wh
 <h2>The finger</h2>
 <img src="s11.png" alt="deformed finger, four load cases">
 <p>Axial second Piola-Kirchhoff stress S11 of four load cases; the plate is grey, the obstacle tan.</p>
-<h2>Surrogate against {numbers["errors"]["states"]} fresh full-order states</h2>
+<h2>Surrogate against {numbers["errors"]["states"]} held-out full-order states</h2>
+<p>{numbers["errors"]["calibration_states"]} other held-out states calibrated its estimated errors.</p>
 {table(ERROR_HEADER, error_rows(numbers))}
 <p>Touch decided right in {touch["count"] - touch["wrong"]} of {touch["count"]} states ({touch["right"]:.1%}); contact force is compared
 in the {contacts["count"]} states that touch. Separated terms: {", ".join(f"{name} {n}" for name, n in numbers["errors"]["terms"].items())};
