@@ -25,7 +25,8 @@ from rom.fit.free_response import FreeResponse
 from rom.fits import Fits, separated_fits
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots.contact_regimes import Code
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+from rom.snapshots.snapshot_set import SnapshotSet
+from rom.snapshots.training_states import TrainingStates, read_training_states
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
 
@@ -52,21 +53,23 @@ def train(
             of two fingers.
     """
     description, sets = snapshots.description, [snapshots] if coarse is None else [snapshots, coarse]
+    stored = set.intersection(*(set(one.description.stored) for one in sets))
+    states = [read_training_states(one, stored) for one in sets]
     for one in sets:
-        _check(one)
+        _tell_what_is_missing(one)
     if coarse is not None:
         mesh_transfer.check_pair(snapshots, coarse)
-    pad = all("pad_pressure" in one.description.stored for one in sets)
-    counts = count_regimes(sets) if description.has_obstacle else Counter()
+    has_pad = "pad_pressure" in stored
+    counts = count_regimes(states) if description.has_obstacle else Counter()
     before = None
     if coarse is not None:
         progress("fitting the coarse states", 0, 1)
-        before = _fitted(coarse, counts, options, description.has_field, pad, noise=CALM)
+        before = _fitted(states[1], counts, options, noise=CALM)
         progress("fitting the coarse states", 1, 1)
         if before.moved is not None:
             before = before._replace(moved=before.moved.on(mesh_transfer.interpolation(coarse.nodes, snapshots.nodes)))
     progress("fitting the states", 0, 1)
-    free, contact, moved = _fitted(snapshots, counts, options, description.has_field, pad, before)
+    free, contact, moved = _fitted(states[0], counts, options, before)
     progress("fitting the states", 1, 1)
     if contact is not None:
         free, contact = contact.with_its_corners(free)
@@ -75,7 +78,7 @@ def train(
         tip=np.nan,
         displacement=np.nan,
         touch_distance=np.nan,
-        contact=np.full((len(lookup), 3 + pad), np.nan),
+        contact=np.full((len(lookup), 3 + has_pad), np.nan),
         margin=0.0,
     )
     model = Surrogate(
@@ -99,22 +102,13 @@ def train(
         | ({} if coarse is None else {"coarse": _origin(coarse)}),
     )
     progress("estimating the errors", 0, 1)
-    model = replace(model, errors=error_model.estimate(model, snapshots, free, contact, moved))
+    model = replace(model, errors=error_model.estimate(model, states[0], free, contact, moved))
     progress("estimating the errors", 1, 1)
     return model
 
 
-def _check(snapshots: SnapshotSet) -> None:
+def _tell_what_is_missing(snapshots: SnapshotSet) -> None:
     description = snapshots.description
-    if description.random:
-        raise SnapshotError(f"{snapshots.path}: must be a training set, got a held-out set (made with --random)")
-    for kind in ("free", "contact") if description.has_obstacle else ("free",):
-        if not snapshots.count(kind):
-            raise SnapshotError(f"{snapshots.path}: must have {kind} states with an answer, got none")
-    if "pad_pressure" in description.stored and not snapshots.has_pad_slopes:
-        raise SnapshotError(
-            f"{snapshots.path}: must have derivatives of pad_pressure, which older versions did not store"
-        )
     for task, parameters, reason in snapshots.failures:
         named = zip(description.parameters, parameters, strict=True)
         at = " ".join(f"{one['name']}={value:.6g}" for one, value in named if np.isfinite(value))
@@ -127,21 +121,19 @@ def _check(snapshots: SnapshotSet) -> None:
 
 
 def _fitted(
-    snapshots: SnapshotSet,
+    states: TrainingStates,
     counts: Counter[Code],
     options: EnrichmentOptions,
-    with_field: bool,
-    pad: bool,
     before: Fits | None = None,
     noise: float = NOISE,
 ) -> Fits:
     """Fit a set's states, or correct by them what is known before."""
-    description, contact, moved = snapshots.description, None, None
-    free = FreeResponse.of(snapshots, before.free if before else None, noise)
-    if description.has_obstacle:
-        contact = ContactResponse.of(snapshots, free, counts, pad, before.contact if before else None)
-    if with_field:
-        moved = displacement.fitted(snapshots, free, contact, options.tolerance, before.moved if before else None)
+    contact = moved = None
+    free = FreeResponse.of(states, before.free if before else None, noise)
+    if states.has_obstacle:
+        contact = ContactResponse.of(states, free, counts, before.contact if before else None)
+    if "displacement" in states.free:
+        moved = displacement.fitted(states, free, contact, options.tolerance, before.moved if before else None)
     return Fits(free, contact, moved)
 
 

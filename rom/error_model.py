@@ -20,6 +20,7 @@ from rom.fit.free_response import FreeResponse
 from rom.held_out import split
 from rom.native import answer
 from rom.snapshots.snapshot_set import SnapshotSet
+from rom.snapshots.training_states import TrainingStates
 from rom.surrogate import Surrogate
 
 KEPT = 95  # percent of fresh states whose error is to be within what is said
@@ -34,7 +35,7 @@ MARGIN = 1e-3  # share of the range of d: ways past touch below which errors do 
 
 def estimate(
     model: Surrogate,
-    snapshots: SnapshotSet,
+    states: TrainingStates,
     free: FreeResponse,
     contact: ContactResponse | None,
     moved: FittedDisplacement | None,
@@ -43,7 +44,7 @@ def estimate(
 
     Args:
         model: the model, whatever its errors.
-        snapshots: its states.
+        states: that it was trained on.
         free: their fit in free space.
         contact: their fits in contact.
         moved: their displacements, fitted.
@@ -53,7 +54,9 @@ def estimate(
     tip = float(np.percentile(np.linalg.norm(errors[:, :3], axis=1), KEPT))
     field = 0.0
     if moved is not None:
-        field = _percentile(moved.left_out[0] + _field_errors(model, snapshots, "free", free.points))
+        field = _percentile(
+            moved.left_out[0] + _field_errors(model, _away(model, free.points), states.free["displacement"])
+        )
     if contact is None:
         return Errors(
             tip=tip, displacement=field, touch_distance=0.0, contact=np.zeros((1, 3 + model.has_pad)), margin=1.0
@@ -62,11 +65,11 @@ def estimate(
     margin = MARGIN * float(upper[-1] - lower[-1])
     out = answer.answers(model.kernel, contact.parameters)[0]
     found = np.zeros((len(contact.parameters), 3 + model.has_pad))
-    truth = snapshots.states_of("contact", "tip")[contact.touching], contact.force
+    truth = states.contact["tip"][contact.kept], contact.force
     found[:, 0] = np.linalg.norm(out[:, :3] - truth[0], axis=1)
     found[:, 1] = np.abs(out[:, answer.FORCE] - truth[1])
     if model.has_pad:
-        pressed = snapshots.states_of("contact", "pad_pressure")[contact.touching]
+        pressed = states.contact["pad_pressure"][contact.kept]
         found[:, 3] = np.abs(out[:, answer.PAD] - pressed)
     for part in contact.parts:
         residuals = np.abs(part.outputs.residuals) * part.domain.past[:, None]
@@ -75,9 +78,8 @@ def estimate(
         if model.has_pad:
             found[part.rows, 3] += residuals[:, 4]
     if moved is not None:
-        found[:, 2] = (
-            moved.left_out[1] + _field_errors(model, snapshots, "contact", contact.parameters)[contact.touching]
-        )
+        field_errors = _field_errors(model, contact.parameters, states.contact["displacement"][contact.kept])
+        found[:, 2] = moved.left_out[1] + field_errors
     past = contact.touch_distance - contact.parameters[:, -1]
     rates = UNSEEN * found / (past + margin)[:, None]
     if model.has_pad:  # where the pad bears nothing, nothing seems to be wrong
@@ -139,11 +141,18 @@ def _percentile(errors: np.ndarray) -> float:
     return float(np.percentile(errors, KEPT))
 
 
-def _field_errors(model: Surrogate, snapshots: SnapshotSet, kind: str, points: np.ndarray) -> np.ndarray:
-    """Root mean square over the nodes of what the displacement errs at states it was trained on [m]."""
-    field = snapshots.states_of(kind, "displacement")
-    parameters = snapshots.states_of(kind, "parameters")
-    if kind == "free" and model.has_obstacle:
-        parameters = np.column_stack([points, np.full(len(points), np.inf)])
+def _away(model: Surrogate, tensions: np.ndarray) -> np.ndarray:
+    """Parameters of free states at tensions, shape (n, tensions): the plane is far away."""
+    return np.column_stack([tensions, np.full(len(tensions), np.inf)]) if model.has_obstacle else tensions
+
+
+def _field_errors(model: Surrogate, parameters: np.ndarray, field: np.ndarray) -> np.ndarray:
+    """Errors of the displacement at states, root mean square over the nodes, shape (n,) [m].
+
+    Args:
+        model: with the field.
+        parameters: shape (n, p).
+        field: the displacements there, shape (n, nodes, 3) [m].
+    """
     found = [model.displacement(point) - true for point, true in zip(parameters, field, strict=True)]
     return np.array([np.sqrt(np.mean(np.sum(one**2, axis=1))) for one in found])

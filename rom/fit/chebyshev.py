@@ -132,8 +132,20 @@ class Fitted:
         )
 
 
-def corrected(samples: Samples, before: Polynomial, alike: bool = False, rows: float = ROWS) -> Fitted:
-    """What is known from elsewhere, in or near whose box the samples lie, plus a fit of what they say beyond it."""
+def fit(
+    samples: Samples, before: Polynomial | None = None, *, alike: bool = False, rows: float | None = None
+) -> Fitted:
+    """The polynomial of the total degree, up to HIGHEST_DEGREE, that predicts best what is left out.
+
+    Args:
+        samples: of m functions.
+        before: what is known of them from elsewhere, in or near whose box the samples lie; what they say beyond it is
+            then fitted.
+        alike: whether all have one unit and count alike; else each counts by its own size. All have the same degree.
+        rows: values and slopes of states that a fit has at least for every coefficient; ROWS if left out.
+    """
+    if before is None:
+        return _of_best_degree(samples, alike, 0.0, rows or ROWS)
     known, known_slopes = before.value_and_gradient(samples.points)
     values = samples.values - known
     if len(values) < FEW:
@@ -142,16 +154,11 @@ def corrected(samples: Samples, before: Polynomial, alike: bool = False, rows: f
     own = replace(samples, values=values, slopes=slopes, lower=before.lower, upper=before.upper)
     size = np.abs(samples.values).max(axis=0)
     least = np.maximum(SLIGHT * size, NOTHING * size.max())
-    found = fit(own, alike=alike, least=least, rows=rows)
+    found = _of_best_degree(own, alike, least, rows or ROWS)
     return replace(found, polynomial=before.plus(found.polynomial))
 
 
-def fit(samples: Samples, alike: bool = False, least: np.ndarray | float = 0.0, rows: float = ROWS) -> Fitted:
-    """The polynomial of the total degree, up to HIGHEST_DEGREE, that predicts best what is left out.
-
-    It has at least so many `rows`, values and slopes of states, for every coefficient. Every one of the m functions
-    counts by its own size, or `least`, unless they are `alike` and have one unit. All have the same degree.
-    """
+def _of_best_degree(samples: Samples, alike: bool, least: np.ndarray | float, rows: float) -> Fitted:
     size = np.abs(samples.values).max(axis=0)
     size = np.maximum(size, np.maximum(least, NOTHING * size.max()))
     if alike:

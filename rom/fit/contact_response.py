@@ -13,19 +13,18 @@ from scipy.spatial import cKDTree
 
 from rom.fit import regime_fit
 from rom.fit.contact_coordinates import ContactCoordinates
-from rom.fit.free_response import FreeResponse, box
+from rom.fit.free_response import FreeResponse
 from rom.fit.regime_fit import FittedRegime
 from rom.snapshots import contact_regimes
 from rom.snapshots.body import Body
 from rom.snapshots.contact_regimes import Code
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.snapshots.training_states import TrainingStates
 
 logger = logging.getLogger(__name__)
 
 MOST_REGIMES = 64  # as bits of a machine word; the states of those of the fewest states are then left out
 NEIGHBOURS = 24  # states nearby whose regimes are possible
 LOOKUP = 4000  # cells of the regime lookup, about
-QUANTITIES = ("tip", "contact_force", *contact_regimes.QUANTITIES)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +36,7 @@ class ContactResponse:
         force: of contact [N], shape (n,).
         touch_distance: at their tensions [m], shape (n,).
         regime: of each, shape (n,).
-        touching: which of the set's contact states these are.
+        kept: which of the training set's states in contact these are.
         parts: of the regimes in which this set or a coarser one has states.
         box: lower and upper end of the parameters.
         coarse: the states on a coarser mesh, if there are any.
@@ -47,7 +46,7 @@ class ContactResponse:
     force: np.ndarray
     touch_distance: np.ndarray
     regime: np.ndarray
-    touching: np.ndarray
+    kept: np.ndarray
     parts: list[FittedRegime]
     coordinates: ContactCoordinates
     box: tuple[np.ndarray, np.ndarray]
@@ -55,26 +54,19 @@ class ContactResponse:
 
     @staticmethod
     def of(
-        snapshots: SnapshotSet,
+        states: TrainingStates,
         free: FreeResponse,
         counts: Counter[Code],
-        pad: bool,
         coarse: ContactResponse | None = None,
     ) -> ContactResponse:
         """Fit a set's contact states, or correct by them what a coarser mesh says.
 
         Args:
-            snapshots: the set.
-            free: its free states.
+            states: of the set.
+            free: the fit of its free states.
             counts: of states by regime, on all meshes: regimes are numbered in the order of these.
-            pad: whether the pad's pressure is to be known too.
             coarse: the contact states on a coarser mesh.
         """
-        quantities = [*QUANTITIES, *(["pad_pressure"] if pad else [])]
-        names = ["parameters", "touch_distance", "regime", *quantities, *(f"{name}_jacobian" for name in quantities)]
-        states = {name: snapshots.states_of("contact", name) for name in names}
-        touching, codes = _codes(snapshots)
-        states = {name: values[touching] for name, values in states.items()}
         listed = [code for code, _ in counts.most_common(MOST_REGIMES)]
         if len(counts) > MOST_REGIMES:
             left_out = counts.total() - sum(counts[code] for code in listed)
@@ -82,13 +74,12 @@ class ContactResponse:
                 "done without %d states: contact has %d regimes, and a surrogate holds %d",
                 left_out, len(counts), MOST_REGIMES,
             )  # fmt: skip
-        kept = np.array([code in listed for code in codes], bool)
-        states, codes = {name: values[kept] for name, values in states.items()}, [c for c in codes if c in listed]
-        touching[touching] = kept
-        ends = box(snapshots)
-        heights = free.polynomial.value(states["parameters"][:, :-1])[:, 3:]
-        regime = np.array([listed.index(code) for code in codes], int)
-        body, half = snapshots.body, snapshots.body.is_half
+        kept = np.array([code in listed for code in states.regimes], bool)
+        table = {name: values[kept] for name, values in states.contact.items()}
+        ends = states.lower, states.upper
+        heights = free.polynomial.value(table["parameters"][:, :-1])[:, 3:]
+        regime = np.array([listed.index(code) for code in states.regimes if code in listed], int)
+        body, half = states.body, states.body.is_half
         leading = _corners(listed, counts, half)
         signs = contact_regimes.signs(listed, counts)
         corners = [
@@ -103,15 +94,15 @@ class ContactResponse:
             rows, corner = np.flatnonzero(regime == r), contact_regimes.corner(code, half)
             if not rows.size and code not in before:
                 continue
-            own = {name: values[rows] for name, values in states.items()}
+            own = {name: values[rows] for name, values in table.items()}
             domain = regime_fit.fit_domain(own, free, height, corner is not None, coordinates, before.get(code))
             parts.append(regime_fit.fitted(code, rows, own, free, height, domain, signs[r], body.half_lengths))
         return ContactResponse(
-            parameters=states["parameters"],
-            force=states["contact_force"],
-            touch_distance=states["touch_distance"],
+            parameters=table["parameters"],
+            force=table["contact_force"],
+            touch_distance=table["touch_distance"],
             regime=regime,
-            touching=touching,
+            kept=kept,
             parts=parts,
             coordinates=coordinates,
             box=ends,
@@ -152,16 +143,9 @@ class ContactResponse:
         return regime[around[:, 0]], np.bitwise_or.reduce(bits[around], axis=1)
 
 
-def count_regimes(sets: Sequence[SnapshotSet]) -> Counter[Code]:
+def count_regimes(sets: Sequence[TrainingStates]) -> Counter[Code]:
     """Number of contact states by regime."""
-    return Counter(code for snapshots in sets for code in _codes(snapshots)[1])
-
-
-def _codes(snapshots: SnapshotSet) -> tuple[np.ndarray, list[Code]]:
-    """Which of the contact states touch, and their regimes."""
-    touching = snapshots.states_of("contact", "contact_force") > 0
-    codes = snapshots.states_of("contact", "regime")[touching]
-    return touching, [tuple(int(sign) for sign in code) for code in codes]
+    return Counter(code for states in sets for code in states.regimes)
 
 
 def _corners(listed: list[Code], counts: Counter[Code], half: bool) -> Counter:

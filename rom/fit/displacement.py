@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rom.fit.chebyshev import Fitted, Samples, corrected, fit
+from rom.fit.chebyshev import Fitted, Samples, fit
 from rom.fit.contact_response import ContactResponse
 from rom.fit.free_response import FreeResponse
 from rom.snapshots.contact_regimes import Code
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.snapshots.training_states import TrainingStates
 
 FINER = 0.3  # share of the tolerance
 MOST_MODES = 60  # principal components of one kind of states
@@ -41,7 +41,7 @@ class FittedDisplacement:
 
 
 def fitted(
-    snapshots: SnapshotSet,
+    states: TrainingStates,
     free: FreeResponse,
     contact: ContactResponse | None,
     tolerance: float,
@@ -52,7 +52,7 @@ def fitted(
     Components leave out a tenth of what their amounts are separated to; those in free space less, as what contact adds
     is found from them.
     """
-    displacement = _flat(snapshots.states_of("free", "displacement"))
+    displacement = _flat(states.free["displacement"])
     size = float(np.linalg.norm(displacement, axis=1).max())
     least, count = FINER * tolerance * size, free.points.shape[1]
     if before is None:
@@ -63,34 +63,32 @@ def fitted(
     samples = Samples(
         points=free.points,
         values=displacement @ basis,
-        slopes=snapshots.projected("free", basis)[..., :count],
+        slopes=states.field_slopes("free", basis)[..., :count],
         weights=np.ones(len(free.points)),
         lower=free.polynomial.lower,
         upper=free.polynomial.upper,
         noise=free.noise,
     )
-    if before is None:
-        amounts = fit(samples, alike=True)
-    else:
-        amounts = corrected(samples, before.free.polynomial.mixed(before.free_basis.T @ basis), alike=True)
+    prior = None if before is None else before.free.polynomial.mixed(before.free_basis.T @ basis)
+    amounts = fit(samples, prior, alike=True)
     found = FittedDisplacement(
         free_basis=basis,
         free=amounts,
         contact_basis=np.zeros((len(basis), 0)),
         contact={},
-        left_out=(np.linalg.norm(amounts.residuals, axis=1) / np.sqrt(len(snapshots.nodes)), np.zeros(0)),
+        left_out=(np.linalg.norm(amounts.residuals, axis=1) / np.sqrt(len(states.body.nodes)), np.zeros(0)),
     )
-    return found if contact is None else _with_contact(found, snapshots, contact, 0.1 * least, before)
+    return found if contact is None else _with_contact(found, states, contact, 0.1 * least, before)
 
 
 def _with_contact(
     found: FittedDisplacement,
-    snapshots: SnapshotSet,
+    states: TrainingStates,
     contact: ContactResponse,
     least: float,
     before: FittedDisplacement | None,
 ) -> FittedDisplacement:
-    added = _flat(snapshots.states_of("contact", "displacement"))[contact.touching]
+    added = _flat(states.contact["displacement"])[contact.kept]
     amounts, amount_jacobian = found.free.polynomial.value_and_gradient(contact.parameters[:, :-1])
     added -= amounts @ found.free_basis.T
     if before is None:
@@ -102,7 +100,7 @@ def _with_contact(
                 known = before.contact[part.code].polynomial.value(part.domain.blank.points) * part.domain.past[:, None]
                 beyond[part.rows] -= known @ before.contact_basis.T
         basis = _beside(before.contact_basis, beyond, least)
-    values, slopes = added @ basis, snapshots.projected("contact", basis)[contact.touching]
+    values, slopes = added @ basis, states.field_slopes("contact", basis)[contact.kept]
     slopes[..., :-1] -= (basis.T @ found.free_basis) @ amount_jacobian
     fits, left_out = {}, np.zeros(len(values))
     for part in contact.parts:
@@ -111,7 +109,7 @@ def _with_contact(
             prior = before.contact[part.code].polynomial.mixed(before.contact_basis.T @ basis)
         fits[part.code] = one = part.domain.fit(values[part.rows], slopes[part.rows], prior, field=True)
         residuals = one.residuals * part.domain.past[:, None]
-        left_out[part.rows] = np.linalg.norm(residuals, axis=1) / np.sqrt(len(snapshots.nodes))
+        left_out[part.rows] = np.linalg.norm(residuals, axis=1) / np.sqrt(len(states.body.nodes))
     return replace(found, contact_basis=basis, contact=fits, left_out=(found.left_out[0], left_out))
 
 

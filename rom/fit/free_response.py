@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from rom.fit.chebyshev import NOISE, Fitted, Polynomial, Samples, corrected, fit
+from rom.fit.chebyshev import NOISE, Fitted, Polynomial, Samples, fit
 from rom.snapshots.body import Body
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+from rom.snapshots.training_states import TrainingStates
 
 PLACES = 2000  # tensions at which to see what leads
 CLOSE = 1e-7  # [m]: heights so close to the largest may stand for it
@@ -38,21 +38,14 @@ class FreeResponse:
     noise: float
 
     @staticmethod
-    def of(snapshots: SnapshotSet, coarse: FreeResponse | None = None, noise: float = NOISE) -> FreeResponse:
-        """Fit a set's free states, or correct by them what a coarser mesh says."""
-        description = snapshots.description
-        count = description.tensions
-        points = snapshots.states_of("free", "parameters")[:, :count]
-        values, slopes = (snapshots.states_of("free", name) for name in ("tip", "tip_jacobian"))
-        if description.has_obstacle:
-            heights = snapshots.states_of("free", "edge_heights")
-            if np.abs(heights.max(axis=1) - snapshots.states_of("free", "touch_distance")).max() > 1e-6:
-                raise SnapshotError(
-                    f"{snapshots.path}: somewhere a face bulges farther towards the plane than its edges"
-                )
-            values = np.concatenate([values, heights], axis=1)
-            slopes = np.concatenate([slopes, snapshots.states_of("free", "edge_heights_jacobian")], axis=1)
-        lower, upper = box(snapshots)
+    def of(states: TrainingStates, coarse: FreeResponse | None = None, noise: float = NOISE) -> FreeResponse:
+        """Fit the free states, or correct by them what a coarser mesh says."""
+        count, table = states.tensions, states.free
+        points, values, slopes = table["parameters"][:, :count], table["tip"], table["tip_jacobian"]
+        if states.has_obstacle:
+            values = np.concatenate([values, table["edge_heights"]], axis=1)
+            slopes = np.concatenate([slopes, table["edge_heights_jacobian"]], axis=1)
+        lower, upper = states.lower, states.upper
         samples = Samples(
             points=points,
             values=values,
@@ -62,20 +55,19 @@ class FreeResponse:
             upper=upper[:count],
             noise=noise,
         )
-        along = snapshots.body.edge_nodes if description.has_obstacle else np.zeros(0, int)
-        places, none, known = snapshots.nodes[along], np.zeros(0, int), points
-        if coarse is None or len(coarse.points) <= len(points):
-            whole = fit(samples)
-        else:
+        along = states.body.edge_nodes if states.has_obstacle else np.zeros(0, int)
+        places, none, known, before = states.body.nodes[along], np.zeros(0, int), points, None
+        if coarse is not None and len(coarse.points) > len(points):
             known = np.concatenate([points, coarse.points])
-            whole = corrected(samples, coarse.whole.polynomial.mixed(_onto(coarse.along, places)))
-        if not description.has_obstacle:
+            before = coarse.whole.polynomial.mixed(_onto(coarse.along, places))
+        whole = fit(samples, before)
+        if not states.has_obstacle:
             return FreeResponse(
                 points=points, known=known, along=places, kept=none, leads=none.astype(bool), whole=whole, noise=noise
             )
         everywhere = np.random.default_rng(0).random((PLACES, count)) * (upper - lower)[:count] + lower[:count]
         leading = _leading(whole.polynomial.value(np.concatenate([points, everywhere]))[:, 3:])
-        kept = np.union1d(leading, np.flatnonzero(_is_corner(snapshots.body, along)))
+        kept = np.union1d(leading, np.flatnonzero(_is_corner(states.body, along)))
         return FreeResponse(
             points=points, known=known, along=places, kept=kept, leads=np.isin(kept, leading), whole=whole, noise=noise
         )
@@ -122,15 +114,6 @@ def _leading(heights: np.ndarray) -> np.ndarray:
             break
         kept.append(int(heights[worst].argmax()))
     return np.array(sorted(kept))
-
-
-def box(snapshots: SnapshotSet) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper end of a set's parameters, shapes (p,)."""
-    parameters = snapshots.description.parameters
-    return (
-        np.array([parameter["lower"] for parameter in parameters], float),
-        np.array([parameter["upper"] for parameter in parameters], float),
-    )
 
 
 def _is_corner(body: Body, nodes: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rom.fit.chebyshev import Fitted, Polynomial, Samples, corrected, fit
+from rom.fit.chebyshev import Fitted, Polynomial, Samples, fit
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.fit.free_response import FreeResponse
 from rom.snapshots import contact_regimes
@@ -68,7 +68,7 @@ class FitDomain:
                 samples = replace(samples, weights=past / (past + SHORT * past.max(initial=0.0)))
         aligned = self.coordinates.slopes(self.parameters, self.height, self.height_jacobian, slopes)
         samples = replace(samples, values=values, slopes=aligned)
-        return fit(samples, alike=field) if before is None else corrected(samples, before, field, ROWS)
+        return fit(samples, before, alike=field, rows=None if before is None else ROWS)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,7 +25,7 @@ from rom.build import train
 from rom.error_model import calibrated
 from rom.fit import chebyshev
 from rom.fit.contact_response import ContactResponse, count_regimes
-from rom.fit.free_response import FreeResponse, box
+from rom.fit.free_response import FreeResponse
 from rom.held_out import FELT, check
 from rom.native import answer
 from rom.native.forms import values_and_gradients
@@ -33,6 +33,7 @@ from rom.separation.alternating_directions import EnrichmentOptions
 from rom.separation.separate import separated
 from rom.separation.separated_form import Separated
 from rom.snapshots.snapshot_set import SnapshotSet
+from rom.snapshots.training_states import read_training_states
 from rom.surrogate import Surrogate
 from studies import sets
 from studies.solver.solver import say
@@ -86,9 +87,10 @@ def honesty(model: Surrogate, fresh: SnapshotSet) -> dict:
 
 def plain(training: SnapshotSet, fresh: SnapshotSet) -> list[dict]:
     """The same states without regimes: one form over (F, d), and one over (F, s) for all contact states together."""
-    free = FreeResponse.of(training)
-    contact = ContactResponse.of(training, free, count_regimes([training]), pad=False)
-    lower, upper = box(training)
+    table = read_training_states(training)
+    free = FreeResponse.of(table)
+    contact = ContactResponse.of(table, free, count_regimes([table]))
+    lower, upper = table.lower, table.upper
     points, force = fresh.random("parameters"), fresh.random("contact_force")
     felt = force > FELT
     rows = []
@@ -109,9 +111,9 @@ def plain(training: SnapshotSet, fresh: SnapshotSet) -> list[dict]:
         off = np.abs(said - force)[felt] / force[felt]
         rows.append({"form": name, "terms": form.terms} | quantiles(off))
 
-    slopes = training.states_of("contact", "contact_force_jacobian")[contact.touching]
+    slopes = table.contact["contact_force_jacobian"][contact.kept]
     # Before touch nothing depends on d: free states stand for planes anywhere beyond their reach.
-    tensions, reach = free.points, training.states_of("free", "touch_distance")
+    tensions, reach = free.points, table.free["touch_distance"]
     away = [np.linspace(max(one, lower[-1]), upper[-1], 6)[1:] for one in reach]
     beyond = np.column_stack([np.repeat(tensions, 5, axis=0), np.concatenate(away)])
     places = np.concatenate([contact.parameters, beyond])
