@@ -59,9 +59,9 @@ def build(
     with steps() as progress:
         model = train(snapshots, options, None if coarse is None else SnapshotSet(coarse), progress=progress)
         if held_out is not None:
-            fresh = SnapshotSet(held_out)
-            model = calibrated(model, fresh)
-            model = replace(model, accuracy=accuracy(check(model, fresh, progress)))
+            states = SnapshotSet(held_out)
+            model = calibrated(model, states)
+            model = replace(model, accuracy=accuracy(check(model, states, progress)))
     model.save(output)
     show(summary(model), as_json)
 

@@ -30,7 +30,8 @@ class Answer:
         touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without one.
         pad_pressure: mean contact pressure on the tactile pad [Pa], as the contact force; None if the model does not
             know it.
-        error: that 95 % of fresh states keep, by quantity in its unit, shapes as the quantities without components.
+        error: the estimated one, at most exceeded by 5 % of states, by quantity in its unit, shapes as the quantities
+            without components.
         inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
             Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
     """
@@ -48,7 +49,7 @@ class Regime:
     """Contact in one regime, see rom.snapshots.contact_regimes.
 
     Attributes:
-        code: what carries.
+        code: its active contacts.
         corner: which of the free form's heights is that of the corner whose way past the plane is its coordinate.
         begins: whether it begins at touch: tip and force are then by that way.
         states: number of states it was fitted to.
@@ -70,9 +71,9 @@ class Field:
     """The displacement of all nodes.
 
     Attributes:
-        free_basis: principal components in free space, shape (3 nodes, k), single precision.
+        free_basis: POD modes in free space, shape (3 nodes, k), single precision.
         free: their amounts by tensions [m].
-        contact_basis: principal components of what contact adds; None without an obstacle.
+        contact_basis: POD modes of what contact adds; None without an obstacle.
         regimes: their amounts in every regime, as in Regime.form.
     """
 
@@ -84,7 +85,7 @@ class Field:
 
 @dataclass(frozen=True, kw_only=True)
 class Errors:
-    """What the surrogate knows of its own error, see rom.error_model: that 95 % of fresh states keep.
+    """The surrogate's estimate of its own error, see rom.error_model; 95 % of states keep it.
 
     Attributes:
         tip: in free space [m].

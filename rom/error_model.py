@@ -1,10 +1,10 @@
-"""What a surrogate knows of its own error, from states left out of its fits, and made true on held-out states.
+"""The surrogate's estimate of its own error: from leave-one-out residuals, calibrated on held-out states.
 
-A state's error is taken as what its fit errs when the state is left out, and what the separated form errs at it. By its
-way past touch it becomes a rate, since what contact adds grows from zero there; a cell of the map of regimes takes the
-geometric mean of the rates of the states nearest to it, which says their order of magnitude and does not mind one that
-is extrapolated. Held-out states then scale all of a quantity's rates alike, so that 95 % of errors keep within what is
-said. Without held-out states they are taken four times, which is about what those would find.
+The error of a training state is taken as what its fit errs when the state is left out, plus what the separated form
+errs at it. Divided by the path past touch it becomes a rate, since what contact adds grows from zero there; a cell
+of the regime lookup takes the geometric mean of the rates of the states nearest to it, which tells their order of
+magnitude and does not mind one that is extrapolated. Calibration states then scale all rates of a quantity alike, so
+that at least 95 % of errors are covered. Without them the rates are taken four times, which is about what they would find.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from rom.snapshots.snapshot_set import SnapshotSet
 from rom.snapshots.training_states import TrainingStates
 from rom.surrogate import Surrogate
 
-KEPT = 95  # percent of fresh states whose error is to be within what is said
-SAFE = 98  # percent of held-out states that are scaled to be within, so that of fresh ones KEPT are
+COVERAGE = 95  # percent of states whose error is to be at most the estimated one
+CALIBRATED = 98  # percent of calibration states that are scaled to be covered, so that of others COVERAGE are
 AROUND = 8  # states whose errors a cell goes by
 FREE = {"tip", "displacement", "touch_distance"}  # quantities whose errors in free space are known
-FEW, LEAST = 20, 1e-3  # held-out states that scale nothing; factor that none goes below
-UNSEEN = 4.0  # factor on the errors as long as no held-out states have scaled them
+FEW_STATES, LEAST_FACTOR = 20, 1e-3  # calibration states that scale nothing; factor that none goes below
+UNCALIBRATED = 4.0  # factor on the rates as long as no calibration states have scaled them
 IDLE = 0.01  # of the middle error of a pad, that it has at least where it bears nothing
 MARGIN = 1e-3  # share of the range of d: ways past touch below which errors do not become smaller
 
@@ -49,9 +49,9 @@ def estimate(
         contact: their fits in contact.
         moved: their displacements, fitted.
     """
-    said = model.free_values(free.points)
-    errors = np.abs(said - free.polynomial.value(free.points)) + np.abs(free.fitted.residuals)
-    tip = float(np.percentile(np.linalg.norm(errors[:, :3], axis=1), KEPT))
+    separated = model.free_values(free.points)
+    errors = np.abs(separated - free.polynomial.value(free.points)) + np.abs(free.fitted.residuals)
+    tip = float(np.percentile(np.linalg.norm(errors[:, :3], axis=1), COVERAGE))
     field = 0.0
     if moved is not None:
         field = _percentile(
@@ -81,14 +81,14 @@ def estimate(
         field_errors = _field_errors(model, contact.parameters, states.contact["displacement"][contact.kept])
         found[:, 2] = moved.left_out[1] + field_errors
     past = contact.touch_distance - contact.parameters[:, -1]
-    rates = UNSEEN * found / (past + margin)[:, None]
+    rates = UNCALIBRATED * found / (past + margin)[:, None]
     if model.has_pad:  # where the pad bears nothing, nothing seems to be wrong
         some = rates[:, 3][rates[:, 3] > 0]
         rates[:, 3] = np.maximum(rates[:, 3], IDLE * np.median(some) if some.size else 0.0)
     return Errors(
         tip=tip,
         displacement=field,
-        touch_distance=_percentile(np.take_along_axis(errors[:, 3:], said[:, 3:].argmax(axis=1)[:, None], 1)),
+        touch_distance=_percentile(np.take_along_axis(errors[:, 3:], separated[:, 3:].argmax(axis=1)[:, None], 1)),
         contact=np.exp(np.log(np.maximum(rates, np.finfo(float).tiny))[contact.around[:, :AROUND]].mean(axis=1)),
         margin=margin,
     )
@@ -130,15 +130,15 @@ def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
     )
 
 
-def _scale(true: np.ndarray, said: np.ndarray) -> float:
-    """Factor on what is said, so that enough of the true errors keep within it; 1 if too few states tell."""
-    if len(true) < FEW:
+def _scale(true: np.ndarray, estimated: np.ndarray) -> float:
+    """Factor on estimated errors, shape (states,), that covers enough of the true ones; 1 if there are too few."""
+    if len(true) < FEW_STATES:
         return 1.0
-    return max(float(np.percentile(true / np.maximum(said, np.finfo(float).tiny), SAFE)), LEAST)
+    return max(float(np.percentile(true / np.maximum(estimated, np.finfo(float).tiny), CALIBRATED)), LEAST_FACTOR)
 
 
 def _percentile(errors: np.ndarray) -> float:
-    return float(np.percentile(errors, KEPT))
+    return float(np.percentile(errors, COVERAGE))
 
 
 def _away(model: Surrogate, tensions: np.ndarray) -> np.ndarray:

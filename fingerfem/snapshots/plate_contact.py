@@ -1,7 +1,7 @@
 """Where a finger stands on the plane: what each plate carries, at which point, and how plates and rubber lie over it.
 
-A rigid plate touches a plane with a corner, an edge or a face. What carries, and with which of its parts, is the
-contact's regime: while it stays, everything depends smoothly on the loads; where it changes, everything has a kink.
+A rigid plate touches a plane with a corner, an edge or a face. Which of these are active is the contact's
+regime: while it stays, everything depends smoothly on the loads; where it changes, everything has a kink.
 """
 
 from __future__ import annotations

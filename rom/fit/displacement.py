@@ -1,4 +1,4 @@
-"""The displacement of all nodes: its principal components in free space and of what contact adds, and their amounts."""
+"""The displacement of all nodes: its POD modes in free space and of what contact adds, and their amounts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rom.snapshots.contact_regimes import Code
 from rom.snapshots.training_states import TrainingStates
 
 FINER = 0.3  # share of the tolerance
-MOST_MODES = 60  # principal components of one kind of states
+MOST_MODES = 60  # POD modes of one kind of states
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,9 +22,9 @@ class FittedDisplacement:
     """The fitted displacements of a set.
 
     Attributes:
-        free_basis: principal components in free space, shape (3 nodes, k).
+        free_basis: POD modes in free space, shape (3 nodes, k).
         free: their amounts by tensions [m].
-        contact_basis: principal components of what contact adds.
+        contact_basis: POD modes of what contact adds.
         contact: their amounts in every regime, see rom.fit.regime_fit.
         left_out: what they err with states left out, root mean square over the nodes, of free and contact states [m].
     """
@@ -56,7 +56,7 @@ def fitted(
     size = float(np.linalg.norm(displacement, axis=1).max())
     least, count = FINER * tolerance * size, free.points.shape[1]
     if before is None:
-        basis = _principal(displacement, 0.01 * least)
+        basis = _pod(displacement, 0.01 * least)
     else:
         known = before.free.polynomial.value(free.points) @ before.free_basis.T
         basis = _beside(before.free_basis, displacement - known, 0.01 * least)
@@ -92,7 +92,7 @@ def _with_contact(
     amounts, amount_jacobian = found.free.polynomial.value_and_gradient(contact.parameters[:, :-1])
     added -= amounts @ found.free_basis.T
     if before is None:
-        basis = _principal(added, least)
+        basis = _pod(added, least)
     else:
         beyond = added.copy()
         for part in contact.parts:
@@ -119,10 +119,10 @@ def _flat(displacement: np.ndarray) -> np.ndarray:
 
 def _beside(known: np.ndarray, beyond: np.ndarray, least: float) -> np.ndarray:
     """Orthonormal basis of what is known and of the states beyond it, shape (3 nodes, k)."""
-    return np.linalg.qr(np.column_stack([known, _principal(beyond, least)]))[0]
+    return np.linalg.qr(np.column_stack([known, _pod(beyond, least)]))[0]
 
 
-def _principal(states: np.ndarray, least: float) -> np.ndarray:
+def _pod(states: np.ndarray, least: float) -> np.ndarray:
     """Orthonormal basis of states, shape (3 nodes, k); what it leaves out of a state is about `least` at most."""
     values, vectors = np.linalg.eigh(states @ states.T)
     sizes = np.sqrt(np.maximum(values[::-1], 0.0))

@@ -1,4 +1,4 @@
-"""Contact regimes: what carries, and with which of its parts. In each, everything depends smoothly on the parameters.
+"""Contact regimes: sets of active contacts. In each, everything depends smoothly on the parameters.
 
 A regime's code lists plate by plate whether it carries (0, 1) and with which end along its own x, y and z (-1, 1, or 0
 for what lies between), then segment by segment whether its rubber touches (0, 1). A regime ends where one of its signs

@@ -197,10 +197,10 @@ class SnapshotSet:
             if line.kind == "scattered":
                 rows = rows[(rows == 0) == (kind == "free")]
             places = np.round(np.nan_to_num(self._tasks[task]["parameters"][rows] / size), SAME_PLACE) + 0.0
-            fresh = [row for row, place in zip(rows, places, strict=True) if place.tobytes() not in seen]
+            unseen = [row for row, place in zip(rows, places, strict=True) if place.tobytes() not in seen]
             seen |= {place.tobytes() for place in places}
-            if fresh:
-                found.append((task, np.array(fresh)))
+            if unseen:
+                found.append((task, np.array(unseen)))
         return found
 
     def projected(self, kind: str, basis: np.ndarray) -> np.ndarray:
