@@ -4,7 +4,7 @@ The error of a training state is taken as what its fit errs when the state is le
 errs at it. Divided by the path past touch it becomes a rate, since what contact adds grows from zero there; a cell
 of the regime lookup takes the geometric mean of the rates of the states nearest to it, which tells their order of
 magnitude and does not mind one that is extrapolated. Calibration states then scale all rates of a quantity alike, so
-that at least 95 % of errors are covered. Without them the rates are taken four times, which is about what they would find.
+that at least 95 % of errors are covered. Without them the rates are taken four times, which is about what they find.
 """
 
 from __future__ import annotations
