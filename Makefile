@@ -41,7 +41,7 @@ readme: demo
 # rom/finger.h5, the trained finger that comes with the repository: some twenty minutes on two cores; it resumes.
 model:
 	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/standard.toml out/model/training
-	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/standard.toml out/model/heldout --random 20 --distances 4 --seed 2018
+	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/standard.toml out/model/heldout --random 50 --distances 4 --seed 2018
 	docker/run python3 -m rom build out/model/training -o rom/finger.h5 --held-out out/model/heldout
 
 # What a machine without a C compiler installs: dist/*.whl.

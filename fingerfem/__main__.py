@@ -13,8 +13,6 @@ import logging
 import math
 import os
 import signal
-import time
-from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -133,89 +131,39 @@ def snapshots(
 
     # PETSc, too, would wait for killed ranks; and its signal handlers hang in MPI_Abort where mpirun itself is gone.
     petsc4py.init(["-no_signal_handler"], comm=MPI.COMM_SELF)
-    from fingerfem.snapshots import farm
-    from fingerfem.snapshots.design import HeldOut, describe
-    from fingerfem.snapshots.ledger import Ledger, sentence
-    from fingerfem.snapshots.lines import Known
-    from fingerfem.snapshots.neighbours import Neighbours
-    from fingerfem.snapshots.progress import STYLES, Reporter
-    from fingerfem.snapshots.reuse import Donor
-    from fingerfem.versions import versions
-    from rom.refinement.next_round import next_round
-    from rom.refinement.regime_lines import between_regimes
-    from rom.snapshots.folder import create, set_aside_broken_rounds, set_aside_strangers
-    from rom.snapshots.snapshot_set import SnapshotSet
+    from fingerfem.snapshots.design import HeldOut
+    from fingerfem.snapshots.job import Job, Request
+    from fingerfem.snapshots.progress import STYLES
 
-    world, begun = MPI.COMM_WORLD, time.perf_counter()
-    first = world.rank == 0
-    log_lines(logging.INFO if first else logging.ERROR)
+    world = MPI.COMM_WORLD
+    log_lines(logging.INFO if world.rank == 0 else logging.ERROR)
     if progress not in STYLES:
         raise ValueError(f"progress must be one of {', '.join(STYLES)}, got {progress}")
     if world.size % ranks_per_finger:
         raise ValueError(f"ranks-per-finger must divide the number of ranks, {world.size}, got {ranks_per_finger}")
-    scene = fingerfem.load_scene(scene_file)
-    if first and scene.expected is not None and not random:
-        logging.info("expected: %s", scene.expected)
-    refines = until is not None or budget is not None
-    if until is not None and not 0 < until < 1:
-        raise ValueError(f"until must lie in (0, 1), got {until}")
-    if random and (refines or reuse is not None):
-        raise ValueError(f"random must not be given with until, budget or reuse, got {random}")
-    seconds = duration("budget", budget) if budget is not None else math.inf
     if distances > 1 and not random:
         raise ValueError(f"distances must be given with random, got {distances}")
-    held_out = HeldOut(count=random, seed=seed, distances=distances) if random else None
-    description = describe(scene, versions(), held_out, refines)
-    if near is not None and not random:
-        raise ValueError(f"near must be given with random, got {near}")
-    known = Known(
-        donor=Donor(reuse, description) if reuse is not None else None,
-        neighbours=Neighbours(near, description) if near is not None else None,
+    scene = fingerfem.load_scene(scene_file)
+    request = Request(
+        scene=scene,
+        folder=folder,
+        held_out=HeldOut(count=random, seed=seed, distances=distances) if random else None,
+        until=until,
+        budget=duration("budget", budget) if budget is not None else math.inf,
+        reuse=reuse,
+        near=near,
     )
-    create(folder, description)
+    if world.rank == 0 and scene.expected is not None and not random:
+        logging.info("expected: %s", scene.expected)
+    job = Job(request=request, world=world, ranks_per_finger=ranks_per_finger)
     if ranks_per_finger == 1:
         signal.signal(signal.SIGTERM, _terminated)
         interruptible(KEPT.format("Ctrl-C"))
     else:  # ranks may be waiting for each other in MPI: they end at once
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    aside = set_aside_broken_rounds(folder, description)
-    ledger = Ledger(folder, description)
-    if first:
-        for file in [*aside, *set_aside_strangers(folder, description)]:
-            logging.warning(
-                "%s was not whole, or another set's: moved to %s and solved again", file, folder / "set-aside"
-            )
-    group = world.Split(world.rank // ranks_per_finger) if ranks_per_finger > 1 else MPI.COMM_SELF
-    plan_next = next_round if refines else between_regimes
-    goal = farm.Goal(
-        refine=None if random else lambda tolerance: plan_next(SnapshotSet(folder), tolerance),
-        error=until or 0.0,
-        seconds=seconds,
-    )
-    work = farm.Work()
-    with Reporter(ledger, progress) if first else nullcontext(lambda: None) as report:
-        if ledger.plan.missing() or not (random or ledger.plan.ended(until or 0.0)):
-            work = farm.run(description, fingerfem.FingerModel(scene, group), folder, report, goal, known)
-    if not first:
-        return
-    ledger.refresh()
-    for failure in ledger.failures:
-        logging.warning("failed: %s", sentence(description, *failure))
-    if ledger.failures:
-        logging.warning("to try them again: python3 -m fingerfem retry %s, then this command", folder)
-    result = ledger.summary() | {
-        "this_rank": asdict(work),
-        "seconds": time.perf_counter() - begun,
-        "ranks": world.size,
-    }
-    if work.stopped:
-        logging.warning("%s", work.stopped)
-    elif refines and ledger.plan.rounds and ledger.plan.rounds[-1].finest:
-        logging.warning("the finest grid leaves an estimated error of %.1e", result["estimated_error"])
-    # A surrogate can do without a held-out state, or without one that refines.
-    needed = [task for task, *_ in ledger.failures if task in description.lines]
-    unusable = needed and not (random and result["solved"])
-    finish(result, as_json, NOTHING_USABLE if unusable else 0)
+    found = job.run(progress)
+    if job.is_first:
+        finish(found, as_json, NOTHING_USABLE if job.is_unusable else 0)
 
 
 def _terminated(*_) -> None:

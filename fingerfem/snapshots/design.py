@@ -1,4 +1,4 @@
-"""Which parameters to solve: the nodes of a training set, or held-out points."""
+"""What a set is of: the finger at rest, and the parameters to solve, nodes of a training set or held-out points."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from fingerfem.scene.scene import Scene, SceneError
+from rom.snapshots.body import Body
 from rom.snapshots.snapshot_set import Description
 
 
@@ -142,3 +143,16 @@ def _half_cosine(count: int) -> np.ndarray:
     nodes = 1 - np.cos(np.pi / 2 * np.arange(count) / (count - 1))
     nodes[-1] = 1.0
     return nodes
+
+
+def body(scene: Scene, nodes: np.ndarray) -> Body:
+    """The finger of a scene whose mesh has these nodes, shape (nodes, 3) [m]."""
+    geometry = scene.geometry
+    on_edge = np.isclose(np.abs(nodes[:, 1:]), geometry.side / 2, atol=1e-6 * geometry.side).all(axis=1)
+    return Body(
+        nodes=nodes,
+        edge_nodes=np.flatnonzero(on_edge),
+        plates=np.array(scene.outline.plates),
+        half_lengths=np.array([geometry.plate, geometry.side, geometry.side]) / 2,
+        is_half=scene.is_half,
+    )

@@ -19,8 +19,8 @@ from mpi4py import MPI
 from fingerfem.model import FingerModel
 from fingerfem.snapshots import ledger
 from fingerfem.snapshots.claims import open_claims
+from fingerfem.snapshots.design import body
 from fingerfem.snapshots.lines import NOTHING_KNOWN, Arrays, Known, LineSolver
-from fingerfem.snapshots.rest import body
 from rom.snapshots.plan import Plan, Round
 from rom.snapshots.snapshot_set import Description, SnapshotError, body_file, task_file, write_task
 

@@ -13,7 +13,7 @@ from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.equilibrium.sensitivities import Sensitivities, differentiate
 from fingerfem.equilibrium.state import channel_shortening, pad_pressure
 from fingerfem.model import FingerModel
-from fingerfem.snapshots import rest
+from fingerfem.snapshots.design import body as finger_at_rest
 from fingerfem.snapshots.plate_contact import PlateContacts
 from rom.snapshots import schema
 
@@ -39,7 +39,7 @@ class Recorder:
     """
 
     def __init__(self, model: FingerModel, numbering: NodeOrder, edges: bool = False):
-        scene, body = model.scene, rest.body(model.scene, numbering.nodes)
+        scene, body = model.scene, finger_at_rest(model.scene, numbering.nodes)
         self._model, self._numbering, self._broken = model, numbering, ""
         self._store, self._parameter_count = scene.sampling.store, len(scene.parameters)
         self._edges = body.edge_nodes if edges else None

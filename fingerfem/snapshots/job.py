@@ -1,0 +1,153 @@
+"""One job on a snapshot set: what is asked for, checked, and done by the ranks of a communicator."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from mpi4py import MPI
+
+from fingerfem.model import FingerModel
+from fingerfem.scene.scene import Scene
+from fingerfem.snapshots import farm
+from fingerfem.snapshots.design import HeldOut, describe
+from fingerfem.snapshots.ledger import Ledger, sentence
+from fingerfem.snapshots.lines import Known
+from fingerfem.snapshots.neighbours import Neighbours
+from fingerfem.snapshots.progress import Reporter
+from fingerfem.snapshots.reuse import Donor
+from fingerfem.versions import versions
+from rom.refinement.next_round import next_round
+from rom.refinement.regime_lines import between_regimes
+from rom.snapshots.description import Description
+from rom.snapshots.folder import create, set_aside_broken_rounds, set_aside_strangers
+from rom.snapshots.snapshot_set import SnapshotSet
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What is to be solved.
+
+    Attributes:
+        scene: of the finger.
+        folder: of the set; begun if new, finished if not.
+        held_out: points to solve instead of training states.
+        until: estimated relative error until which a coarse grid is refined [-].
+        budget: time after which no further line is begun [s]; a coarse grid is refined so long.
+        reuse: folder of a set of the same finger whose states are taken.
+        near: folder of the training set at whose states held-out ones begin.
+    """
+
+    scene: Scene
+    folder: Path
+    held_out: HeldOut | None = None
+    until: float | None = None
+    budget: float = math.inf
+    reuse: Path | None = None
+    near: Path | None = None
+
+    def __post_init__(self) -> None:
+        if self.until is not None and not 0 < self.until < 1:
+            raise ValueError(f"until must lie in (0, 1), got {self.until}")
+        if self.held_out is not None and (self.refines or self.reuse is not None):
+            raise ValueError(f"random must not be given with until, budget or reuse, got {self.held_out.count}")
+        if self.near is not None and self.held_out is None:
+            raise ValueError(f"near must be given with random, got {self.near}")
+
+    @property
+    def refines(self) -> bool:
+        """Whether a coarse grid is refined where the surrogate's error is largest."""
+        return self.until is not None or math.isfinite(self.budget)
+
+
+@dataclass(kw_only=True)
+class Job:
+    """A request in its folder, on the ranks of a communicator.
+
+    Args:
+        request: what is to be solved.
+        world: the ranks.
+        ranks_per_finger: how many of them solve one finger together.
+    """
+
+    request: Request
+    world: MPI.Comm
+    ranks_per_finger: int = 1
+    description: Description = field(init=False)
+    ledger: Ledger = field(init=False)
+
+    def __post_init__(self) -> None:
+        request, folder = self.request, self.request.folder
+        self.description = describe(request.scene, versions(), request.held_out, request.refines)
+        self._known = Known(
+            donor=Donor(request.reuse, self.description) if request.reuse is not None else None,
+            neighbours=Neighbours(request.near, self.description) if request.near is not None else None,
+        )
+        create(folder, self.description)
+        aside = set_aside_broken_rounds(folder, self.description)
+        self.ledger = Ledger(folder, self.description)
+        if self.is_first:
+            for file in [*aside, *set_aside_strangers(folder, self.description)]:
+                logging.warning(
+                    "%s was not whole, or another set's: moved to %s and solved again", file, folder / "set-aside"
+                )
+
+    @property
+    def is_first(self) -> bool:
+        """Whether this is the first rank, which reports."""
+        return bool(self.world.rank == 0)
+
+    def run(self, progress: str) -> dict[str, Any]:
+        """Solve what is missing, and report how far that is in a style of `progress`.
+
+        Returns, on the first rank, what came of it.
+        """
+        request, begun, work = self.request, time.perf_counter(), farm.Work()
+        goal = farm.Goal(refine=self._refine(), error=request.until or 0.0, seconds=request.budget)
+        with Reporter(self.ledger, progress) if self.is_first else nullcontext(lambda: None) as report:
+            if self.ledger.plan.missing() or not (request.held_out or self.ledger.plan.ended(request.until or 0.0)):
+                model = FingerModel(request.scene, self._group())
+                work = farm.run(self.description, model, request.folder, report, goal, self._known)
+        if not self.is_first:
+            return {}
+        self.ledger.refresh()
+        found = self.ledger.summary() | {
+            "this_rank": asdict(work),
+            "seconds": time.perf_counter() - begun,
+            "ranks": self.world.size,
+        }
+        self._tell(work, found)
+        return found
+
+    @property
+    def is_unusable(self) -> bool:
+        """Whether states failed that a surrogate needs: it can do without a held-out one, or one that refines."""
+        needed = [task for task, *_ in self.ledger.failures if task in self.description.lines]
+        return bool(needed) and not (self.request.held_out and self.ledger.summary()["solved"])
+
+    def _refine(self) -> Callable[[float], Any] | None:
+        if self.request.held_out is not None:
+            return None
+        plan_next = next_round if self.request.refines else between_regimes
+        return lambda tolerance: plan_next(SnapshotSet(self.request.folder), tolerance)
+
+    def _group(self) -> MPI.Comm:
+        count = self.ranks_per_finger
+        return self.world.Split(self.world.rank // count) if count > 1 else MPI.COMM_SELF
+
+    def _tell(self, work: farm.Work, found: dict[str, Any]) -> None:
+        for failure in self.ledger.failures:
+            logging.warning("failed: %s", sentence(self.description, *failure))
+        if self.ledger.failures:
+            logging.warning("to try them again: python3 -m fingerfem retry %s, then this command", self.request.folder)
+        rounds = self.ledger.plan.rounds
+        if work.stopped:
+            logging.warning("%s", work.stopped)
+        elif self.request.refines and rounds and rounds[-1].finest:
+            logging.warning("the finest grid leaves an estimated error of %.1e", found["estimated_error"])
