@@ -66,7 +66,12 @@ def error_rows(numbers: dict) -> list[list[str]]:
         "contact_force": "contact force",
     }
     return [
-        [title, str(row["count"]), *(f"{100 * row[name]:.2g}%" for name in ("median", "p95", "max", "coverage"))]
+        [
+            title,
+            str(row["count"]),
+            *(f"{100 * row[name]:.2g}%" for name in ("median", "p95", "max")),
+            f"{row['coverage']:.0%}",
+        ]
         for quantity, title in named.items()
         if (row := numbers["errors"][quantity])["count"]
     ]
