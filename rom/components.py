@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from rom.fit.contact_coordinates import ContactCoordinates
+from rom.fit.layout import RegimeLayout
 from rom.separation.separated_form import Separated
 from rom.snapshots.contact_regimes import Code
 
@@ -64,6 +65,12 @@ class Regime:
     states: int
     sizes: Sequence[float]
     form: Separated
+
+    @property
+    def layout(self) -> RegimeLayout:
+        """Which column of the form is which."""
+        conditions = len(self.sizes)
+        return RegimeLayout(conditions, len(self.form.modes) > RegimeLayout(conditions, False).count)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,7 +162,7 @@ class Components:
     @property
     def has_pad(self) -> bool:
         """Whether it knows the pad's pressure."""
-        return any(len(regime.form.modes) > 4 + len(regime.sizes) for regime in self.regimes)
+        return any(regime.layout.has_pad for regime in self.regimes)
 
     @property
     def forms(self) -> dict[str, Separated]:

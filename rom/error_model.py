@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from rom.components import Errors
+from rom.fit import layout
 from rom.fit.contact_response import ContactResponse
 from rom.fit.displacement import FittedDisplacement
 from rom.fit.free_response import FreeResponse
@@ -51,7 +52,7 @@ def estimate(
     """
     separated = model.free_values(free.points)
     errors = np.abs(separated - free.polynomial.value(free.points)) + np.abs(free.fitted.residuals)
-    tip = float(np.percentile(np.linalg.norm(errors[:, :3], axis=1), COVERAGE))
+    tip = float(np.percentile(np.linalg.norm(errors[:, layout.TIP], axis=1), COVERAGE))
     field = 0.0
     if moved is not None:
         field = _percentile(
@@ -66,17 +67,17 @@ def estimate(
     out = answer.answers(model.kernel, contact.parameters)[0]
     found = np.zeros((len(contact.parameters), 3 + model.has_pad))
     truth = states.contact["tip"][contact.kept], contact.force
-    found[:, 0] = np.linalg.norm(out[:, :3] - truth[0], axis=1)
+    found[:, 0] = np.linalg.norm(out[:, layout.TIP] - truth[0], axis=1)
     found[:, 1] = np.abs(out[:, answer.FORCE] - truth[1])
     if model.has_pad:
         pressed = states.contact["pad_pressure"][contact.kept]
         found[:, 3] = np.abs(out[:, answer.PAD] - pressed)
     for part in contact.parts:
         residuals = np.abs(part.outputs.residuals) * part.domain.past[:, None]
-        found[part.rows, 0] += np.linalg.norm(residuals[:, :3], axis=1)
-        found[part.rows, 1] += residuals[:, 3]
+        found[part.rows, 0] += np.linalg.norm(residuals[:, layout.TIP], axis=1)
+        found[part.rows, 1] += residuals[:, layout.FORCE]
         if model.has_pad:
-            found[part.rows, 3] += residuals[:, 4]
+            found[part.rows, 3] += residuals[:, layout.OUTPUTS.stop]
     if moved is not None:
         field_errors = _field_errors(model, contact.parameters, states.contact["displacement"][contact.kept])
         found[:, 2] = moved.left_out[1] + field_errors
@@ -88,7 +89,9 @@ def estimate(
     return Errors(
         tip=tip,
         displacement=field,
-        touch_distance=_percentile(np.take_along_axis(errors[:, 3:], separated[:, 3:].argmax(axis=1)[:, None], 1)),
+        touch_distance=_percentile(
+            np.take_along_axis(errors[:, layout.HEIGHTS], separated[:, layout.HEIGHTS].argmax(axis=1)[:, None], 1)
+        ),
         contact=np.exp(np.log(np.maximum(rates, np.finfo(float).tiny))[contact.around[:, :AROUND]].mean(axis=1)),
         margin=margin,
     )

@@ -14,6 +14,7 @@ from rom.fit.chebyshev import Polynomial
 from rom.fit.contact_response import ContactResponse
 from rom.fit.displacement import FINER, FittedDisplacement
 from rom.fit.free_response import FreeResponse
+from rom.fit.layout import OUTPUTS, RegimeLayout
 from rom.fit.regime_fit import FittedRegime
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.separation.separate import separated
@@ -55,13 +56,14 @@ def separated_fits(fits: Fits, options: EnrichmentOptions, progress: Progress) -
 
 def _regime(part: FittedRegime, options: EnrichmentOptions) -> Regime:
     outputs, name = part.outputs.polynomial, f"tip and contact force, {describe(part.code)}"
-    all_of = np.eye(outputs.coefficients.shape[1])
-    both = [outputs.mixed(all_of[:, :4]), *([part.conditions.polynomial] if part.conditions else [])]
-    if len(all_of) > 4:
-        both.append(outputs.mixed(all_of[:, 4:]))
+    columns = np.eye(outputs.coefficients.shape[1])
+    layout = RegimeLayout(len(part.signs), len(columns) > RegimeLayout(0, False).count)
+    both = [outputs.mixed(columns[:, OUTPUTS]), *([part.conditions.polynomial] if part.conditions else [])]
+    if layout.has_pad:
+        both.append(outputs.mixed(columns[:, OUTPUTS.stop :]))
     # Where a condition is near its end, the regimes on both sides say nearly the same: it may err more than they.
-    weights = np.ones(sum(len(one.coefficients.T) for one in both))
-    weights[4 : len(weights) - (len(all_of) - 4)] = CONDITIONS
+    weights = np.ones(layout.count)
+    weights[layout.condition_columns] = CONDITIONS
     values = part.conditions.polynomial.value(part.points) if part.conditions else np.zeros((1, 0))
     return Regime(
         code=part.code,

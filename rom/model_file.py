@@ -106,12 +106,8 @@ def _write(model: Components, file: h5py.File) -> None:
             )
             group.attrs["states"] = regime.states
             group.attrs["sizes"] = np.array(regime.sizes, float)
-            per = "/m" if regime.begins else ""
-            unit = f"m{per}, m{per}, m{per}, N{per}" + ", -" * len(regime.sizes)
-            names = ["x", "y", "z", "contact_force", *["condition"] * len(regime.sizes)]
-            if model.has_pad:
-                unit, names = f"{unit}, Pa{per}", [*names, "pad_pressure"]
-            _write_form(group, regime.form, aligned, unit, names)
+            units = regime.layout.units("/m" if regime.begins else "")
+            _write_form(group, regime.form, aligned, units, regime.layout.names)
     if model.displacements is not None:
         group = file.create_group("displacement")
         _dataset(group, "free_basis", model.displacements.free_basis, "-")

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from rom import model_file
 from rom.components import HEIGHTS, Answer, Components, ModelError, Regime
+from rom.fit import layout
 from rom.native import EVALUATION, answer
 from rom.native.forms import values
 from rom.separation.separated_form import tables
@@ -130,7 +131,9 @@ class Surrogate(Components):
             form, less = regime.form.truncated(tolerance)
             regimes.append(replace(regime, form=form))
             way = 1.0 if regime.begins else self.coordinates.soft
-            contact[self.regime_lookup == r, :2] += np.array([np.linalg.norm(less[:3]), less[3]]) / way
+            contact[self.regime_lookup == r, :2] += (
+                np.array([np.linalg.norm(less[layout.TIP]), less[layout.FORCE]]) / way
+            )
         moved = self.displacements
         displacement_lost = 0.0
         if moved is not None:
@@ -149,8 +152,8 @@ class Surrogate(Components):
             displacements=moved,
             errors=replace(
                 errors,
-                tip=errors.tip + float(np.linalg.norm(lost[:3])),
-                touch_distance=errors.touch_distance + float(lost[3:].max(initial=0.0)),
+                tip=errors.tip + float(np.linalg.norm(lost[layout.TIP])),
+                touch_distance=errors.touch_distance + float(lost[layout.HEIGHTS].max(initial=0.0)),
                 displacement=errors.displacement + displacement_lost,
                 contact=contact,
             ),
@@ -215,7 +218,7 @@ class Surrogate(Components):
         if self.has_obstacle:
             r = answer.answers(self.kernel, point[None])[2][0]
             if r >= 0:
-                height = self.free.value(tensions)[3 + self.regimes[r].corner]
+                height = self.free.value(tensions)[layout.height(self.regimes[r].corner)]
                 coordinates = self.coordinates.of(held[None], np.array([height]))[0]
                 amounts = self.displacements.regimes[r].value(coordinates)
                 if self.regimes[r].begins:

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from rom.fit import regime_fit
+from rom.fit import layout, regime_fit
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.fit.free_response import FreeResponse
 from rom.fit.regime_fit import FittedRegime
@@ -77,7 +77,7 @@ class ContactResponse:
         kept = np.array([code in listed for code in states.regimes], bool)
         table = {name: values[kept] for name, values in states.contact.items()}
         ends = states.lower, states.upper
-        heights = free.polynomial.value(table["parameters"][:, :-1])[:, 3:]
+        heights = free.polynomial.value(table["parameters"][:, :-1])[:, layout.HEIGHTS]
         regime = np.array([listed.index(code) for code in states.regimes if code in listed], int)
         body, half = states.body, states.body.is_half
         leading = _corners(listed, counts, half)

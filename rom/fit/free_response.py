@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from rom.fit.chebyshev import NOISE, Fitted, Polynomial, Samples, fit
+from rom.fit.layout import HEIGHTS, TIP, height
 from rom.snapshots.body import Body
 from rom.snapshots.training_states import TrainingStates
 
@@ -66,7 +67,7 @@ class FreeResponse:
                 points=points, known=known, along=places, kept=none, leads=none.astype(bool), whole=whole, noise=noise
             )
         everywhere = np.random.default_rng(0).random((PLACES, count)) * (upper - lower)[:count] + lower[:count]
-        leading = _leading(whole.polynomial.value(np.concatenate([points, everywhere]))[:, 3:])
+        leading = _leading(whole.polynomial.value(np.concatenate([points, everywhere]))[:, HEIGHTS])
         kept = np.union1d(leading, np.flatnonzero(_is_corner(states.body, along)))
         return FreeResponse(
             points=points, known=known, along=places, kept=kept, leads=np.isin(kept, leading), whole=whole, noise=noise
@@ -84,7 +85,7 @@ class FreeResponse:
     @cached_property
     def fitted(self) -> Fitted:
         """Tip, then heights of the nodes that matter [m]."""
-        return self.whole.of(np.concatenate([np.arange(3), 3 + self.kept]))
+        return self.whole.of(np.concatenate([np.arange(3), height(self.kept)]))
 
     @property
     def polynomial(self) -> Polynomial:
@@ -94,13 +95,13 @@ class FreeResponse:
 
 def _onto(coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
     """Tip and heights of one mesh from those of another: weights, shape (3 + nodes, 3 + nodes), linear along edges."""
-    weights = np.zeros((3 + len(coarse), 3 + len(fine)))
-    weights[:3, :3] = np.eye(3)
+    weights = np.zeros((height(len(coarse)), height(len(fine))))
+    weights[TIP, TIP] = np.eye(3)
     for column, place in enumerate(fine):
         edge = np.flatnonzero(np.abs(coarse[:, 1:] - place[1:]).max(axis=1) < 1e-9)
         edge = edge[np.argsort(coarse[edge, 0])]
         for row, one in zip(edge, np.eye(len(edge)), strict=True):
-            weights[3 + row, 3 + column] = np.interp(place[0], coarse[edge, 0], one)
+            weights[height(row), height(column)] = np.interp(place[0], coarse[edge, 0], one)
     return weights
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rom.fit import layout
 from rom.fit.chebyshev import Fitted, Polynomial, Samples, fit
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.fit.free_response import FreeResponse
@@ -115,7 +116,7 @@ def fit_domain(
     """Where the states of a regime lie, in the box of what is known before, if anything is."""
     parameters, force = states["parameters"], states["contact_force"]
     known, jacobian = free.polynomial.value_and_gradient(parameters[:, :-1])
-    points = coordinates.of(parameters, known[:, 3 + height])
+    points = coordinates.of(parameters, known[:, layout.height(height)])
     before = _of_use(before, points)
     if before is None:
         lower, upper = points.min(axis=0), points.max(axis=0)
@@ -133,8 +134,8 @@ def fit_domain(
     )
     return FitDomain(
         parameters=parameters,
-        height=known[:, 3 + height],
-        height_jacobian=jacobian[:, 3 + height],
+        height=known[:, layout.height(height)],
+        height_jacobian=jacobian[:, layout.height(height)],
         begins=begins,
         coordinates=coordinates,
         blank=blank,
@@ -156,9 +157,9 @@ def fitted(
     before = domain.before
     known, jacobian = free.polynomial.value_and_gradient(states["parameters"][:, :-1])
     jacobian = np.concatenate([jacobian, np.zeros((*jacobian.shape[:2], 1))], axis=-1)
-    values = np.column_stack([states["tip"] - known[:, :3], states["contact_force"]])
+    values = np.column_stack([states["tip"] - known[:, layout.TIP], states["contact_force"]])
     slopes = np.concatenate(
-        [states["tip_jacobian"] - jacobian[:, :3], states["contact_force_jacobian"][:, None]], axis=1
+        [states["tip_jacobian"] - jacobian[:, layout.TIP], states["contact_force_jacobian"][:, None]], axis=1
     )
     if "pad_pressure" in states:
         values = np.column_stack([values, states["pad_pressure"]])
