@@ -106,11 +106,6 @@ class Recorder:
             self._touch = {name: row[name] for name in ("touch_distance", "touch_distance_jacobian")}
         self._rows.append(row)
 
-    @property
-    def is_broken(self) -> bool:
-        """Whether a load was not reached, so that further states have no answer."""
-        return bool(self._broken)
-
     def restarted(self) -> None:
         """Where the line broke is no reason any more: the model has been brought to an equilibrium."""
         self._broken = ""
