@@ -12,7 +12,7 @@ from terminal import shown
 from rom.snapshots.snapshot_set import read_description, task_file
 
 FARM = [sys.executable, "-m", "fingerfem", "snapshots"]
-LEFT = 6  # lines of states that are to be solved
+LEFT = 12  # lines of states that are to be solved: enough for a bar to show some of them, however fast they are
 KEPT = "solved states are kept; run the same command again"
 DEMO = """
 import sys
