@@ -48,7 +48,10 @@ def read_description(path: str | Path) -> Description:
     try:
         table = json.loads((Path(path) / "set.json").read_text())
         if table["format"] != FORMAT:
-            raise SnapshotError(f"{path}: must be a set of format {FORMAT}, got {table['format']}")
+            raise SnapshotError(
+                f"{path}: must be a set of format {FORMAT}, got {table['format']}; fingerfem snapshots solves it in "
+                "another folder"
+            )
         return Description(**table)
     except (OSError, ValueError, TypeError, KeyError) as error:
         if isinstance(error, SnapshotError):

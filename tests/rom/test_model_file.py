@@ -1,6 +1,8 @@
 """The model file: readable without this project, and refused in one line when it is not what it should be."""
 
+import hashlib
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 
 from rom import Surrogate
+from rom.model_file import BLOCK, FORMAT, KIND
 from rom.surrogate import ModelError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -125,3 +128,15 @@ def test_flipped_bits_never_give_a_wrong_answer(tmp_path, demo, surrogate, seed)
         return
     point = [60.0, 25.0, 0.012]
     assert np.array_equal(model.evaluate(point).tip, surrogate.evaluate(point).tip)
+
+
+def test_other_functions_than_hermite_s_are_refused_in_one_line(demo, tmp_path):
+    damaged = tmp_path / "linear.h5"
+    shutil.copy(demo / "finger.h5", damaged)
+    with h5py.File(damaged, "r+") as file:
+        file["free"].attrs["functions"] = "linear"
+    contents = damaged.read_bytes()
+    line = f"{KIND}, format {FORMAT}, sha256 {hashlib.sha256(contents[BLOCK:]).hexdigest()}\n".encode()
+    damaged.write_bytes(line.ljust(BLOCK, b"\0") + contents[BLOCK:])
+    with pytest.raises(ModelError, match=r"^.*linear\.h5: must have Hermite functions, got linear: build it anew$"):
+        Surrogate.load(damaged)

@@ -189,6 +189,18 @@ def test_a_singular_tangent_is_refused_when_it_is_factorised(draft, monkeypatch)
     assert newton.linearise().negative_pivots == 0
 
 
+def test_a_linearisation_is_refused_once_another_tangent_is_factorised(draft):
+    """Its factors are then those of the other."""
+    draft.continuation.rest()
+    stale = draft.continuation.linearise()
+    before = stale.solve(draft.problem.load_gradient([1.0, 0.0]))
+    draft.continuation.advance([5.0, 0.0], None)
+    with pytest.raises(RuntimeError, match="before the next tangent is factorised"):
+        stale.solve(draft.problem.load_gradient([1.0, 0.0]))
+    after = draft.continuation.linearise().solve(draft.problem.load_gradient([1.0, 0.0]))
+    assert np.abs(after - before).max() > 1e-3 * np.abs(before).max()
+
+
 def test_a_nan_never_leaves_as_a_result(draft):
     draft.continuation.rest()
     draft.problem.set_loads([np.nan, 0.0], None)
