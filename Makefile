@@ -1,15 +1,18 @@
 # make demo   train the draft finger, grasp, verify, report to out/demo
 # make test   tests, lint, types, import contracts; make test-long  the repetitions of faults, and what takes long
-# make readme, solver, training, surrogate, control, tradeoff, extremes, required, figures   what README and docs/ show (see below)
+# make docs   measure anew what README and docs/ show; make readme  README's numbers alone
 # make model  rom/finger.h5, the trained finger that comes with the repository; make wheel  dist/*.whl
 # make bench  the short form of all studies, compared with docs/bench.json
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
 BOTH_CORES = -n 2 --dist loadfile
 COMPILER = command -v $${CC:-cc} >/dev/null || command -v gcc >/dev/null || command -v clang >/dev/null
+# Where the numbers of a page are from: the commit, and whether the sources are changed since.
+COMMIT = $$(git rev-parse --short HEAD)$$(git diff --quiet HEAD -- fingerfem/*.py fingerfem/*/*.py rom control scenes studies || echo ", changed")
+MEASURED = docker/run env FINGERFEM_COMMIT="$(COMMIT)"
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test test-long clean model wheel readme solver training surrogate control tradeoff extremes required bench figures
+.PHONY: demo test test-long clean model wheel readme docs bench
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -48,61 +51,22 @@ model:
 wheel:
 	$(PYTHON) -m pip wheel -q --disable-pip-version-check --no-deps -w dist .
 
-# docs/solver.md, from the studies of the full-order solver: about an hour on one core.
-solver:
-	docker/run env OMP_NUM_THREADS=1 python3 studies/solver/solver.py out/solver
-	docker/run env OMP_NUM_THREADS=1 python3 studies/solver/choices.py out/solver
-	docker/run env OMP_NUM_THREADS=1 python3 studies/solver/scenes.py out/solver
-	docker/run python3 studies/solver/page.py out/solver
+# All generated pages of docs/, README's numbers and the front that presets choose from: within 90 minutes on two cores. What is
+# measured is kept in out/docs, so that the same command goes on after an interruption; python3 -m studies.runner NAME makes one page.
+# Other packages, which the surrogate is compared with, come from PyPI, in an environment beside.
+docs: readme out/docs/others/ready
+	$(MEASURED) python3 -m studies.runner
+	FINGERFEM_COMMIT="$(COMMIT)" out/docs/others/bin/python -m studies.surrogate.others
+	$(MEASURED) python3 -m studies.runner surrogate
 
-# docs/training.md, from the studies of the farm, about half an hour; docs/solver.md's study must have run before.
-training:
-	docker/run python3 studies/training/training.py out/farm
-	docker/run python3 studies/training/refinement.py out/farm
-	docker/run python3 studies/training/page.py out/farm out/solver/solver.json
-
-# docs/surrogate.md, from the studies of the surrogate, about two hours; other packages come from PyPI, in an environment beside.
-surrogate:
-	docker/run python3 studies/surrogate/surrogate.py out/surrogate
-	docker/run python3 studies/surrogate/growth.py out/surrogate
-	docker/run python3 studies/surrogate/two_meshes.py out/surrogate
-	$(PYTHON) -m venv out/surrogate/others
-	out/surrogate/others/bin/python -m pip install -q --disable-pip-version-check -e . ezyrb tensorly
-	out/surrogate/others/bin/python studies/surrogate/others.py out/surrogate
-	docker/run python3 studies/surrogate/page.py out/surrogate
-
-# docs/control.md, from the sets of the surrogate's study, which are solved if they are not there; half an hour besides.
-control:
-	docker/run python3 studies/control/control.py out/control
-	docker/run python3 studies/control/page.py out/control
-
-# docs/tradeoff.md and the front that accuracy, budget and presets choose from: some two hours on two cores; it resumes.
-tradeoff:
-	docker/run python3 studies/tradeoff/tradeoff.py out/tradeoff
-	docker/run python3 studies/tradeoff/page.py out/tradeoff
-
-# docs/extremes.md: the ends of every range; some twenty minutes.
-extremes:
-	docker/run python3 studies/extremes/extremes.py out/extremes
-	docker/run python3 studies/extremes/page.py out/extremes
-
-# docs/required.md: what each kind of scene costs; some twenty minutes.
-required:
-	docker/run python3 studies/required/required.py out/required
-	docker/run python3 studies/required/page.py out/required
+out/docs/others/ready:
+	$(PYTHON) -m venv out/docs/others
+	out/docs/others/bin/python -m pip install -q --disable-pip-version-check -e . ezyrb tensorly jinja2
+	touch $@
 
 # What differs from docs/bench.json, if anything; some forty minutes.
 bench:
 	docker/run python3 studies/bench.py out/bench
-
-# The pictures of docs/figures.md: free states, contact states, two segments, as figures 3, 4 and 6 of the paper.
-figures:
-	docker/run python3 -m fingerfem render scenes/one_segment.toml docs/free.png \
-	    --case 'F1=50' --case 'F1=100' --case 'F1=50 F2=50' --case 'F1=100 F2=100'
-	docker/run python3 -m fingerfem render scenes/one_segment.toml docs/contact.png \
-	    --case 'F1=50 d=0.005' --case 'F1=100 d=0.005' --case 'F1=50 F2=50 d=0.005' --case 'F1=100 F2=50 d=0.015'
-	docker/run python3 -m fingerfem render scenes/two_segments.toml docs/two_segments.png \
-	    --case 'F_l=40' --case 'F_s=40' --case 'F_s=20 F_l=20 d=0.03' --case 'F_s=40 F_l=40 d=0.03'
 
 # A plain virtual environment of this machine's Python, with a C compiler, without DOLFINx.
 .venv/ready: pyproject.toml

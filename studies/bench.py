@@ -15,7 +15,6 @@ import json
 import math
 import shutil
 import statistics
-import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -25,12 +24,9 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from studies import runner
+
 RECORD = ROOT / "docs" / "bench.json"
-# All but two_meshes, of which tradeoff has a short form, and others, which wants other packages.
-STUDIES = (
-    *("solver", "choices", "scenes", "training", "refinement", "surrogate", "growth"),
-    *("control", "tradeoff", "required", "extremes"),
-)
 # Words of a name: ratios of times; times, and those too unsteady to be compared with others of the run; what else is of
 # the machine and its moment.
 RATIOS = {"faster", "over", "speedup"}
@@ -43,13 +39,10 @@ WITHIN, FACTOR, LONGER = 0.01, 2.0, 3.0  # of errors and bytes; factor on ratios
 
 def run(name: str, folder: Path) -> tuple[Any, float]:
     """A study's short form: what it writes, and how long it took [s]."""
-    place, begun = folder / f"bench-{name}", time.perf_counter()
-    shutil.rmtree(place, ignore_errors=True)  # what an older version solved says nothing of this one
-    (study,) = (ROOT / "studies").glob(f"*/{name}.py")
-    done = subprocess.run([sys.executable, str(study), str(place), "--quick"], cwd=ROOT)
-    if done.returncode:
-        raise SystemExit(f"{study.relative_to(ROOT)} --quick ended with {done.returncode}")
-    return json.loads((place / f"{name}.json").read_text()), time.perf_counter() - begun
+    begun = time.perf_counter()
+    runner.complete(name, folder, quick=True)
+    found, _ = runner.results(name, folder, quick=True)
+    return found, time.perf_counter() - begun
 
 
 def numbers(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
@@ -115,16 +108,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", nargs="?", default=str(ROOT / "out" / "bench"))
     parser.add_argument("--record", action="store_true", help="make what was found the record")
-    parser.add_argument("--only", nargs="+", choices=STUDIES, default=STUDIES, help="these studies")
+    parser.add_argument("--only", nargs="+", choices=runner.STUDIES, default=runner.STUDIES, help="these studies")
     options = parser.parse_args()
     folder = Path(options.out).resolve()
+    shutil.rmtree(runner.place("any/part", folder, quick=True).folder.parent, ignore_errors=True)  # begin anew
     record = json.loads(RECORD.read_text()) if RECORD.exists() else {}
     found: dict[str, Any] = {}
     took: dict[str, float] = {}
     lines: list[str] = []
     for name in options.only:
         found[name], took[name] = run(name, folder)
-        (folder / "bench.json").write_text(json.dumps({"studies": found, "seconds": took}, indent=1))
+        runner.write_json(folder / "bench.json", {"studies": found, "seconds": took})
         if options.record:
             RECORD.write_text(json.dumps(record | found, indent=1) + "\n")
         else:

@@ -34,19 +34,19 @@ def measured(numbers: dict) -> str:
     training, touch, sweep = numbers["training"], numbers["errors"]["touch"], numbers["campaign"]
     return f"""
 Draft finger, {numbers["unknowns"]:,} unknowns, trained on {training["states"]} full-order states
-({training["newton_iterations"] / training["states"]:.1f} Newton iterations a state, {training["failed"]} failed), against
+({training["newton_iterations"] / training["states"]:.1f} Newton iterations per state, {training["failed"]} failed), against
 {numbers["errors"]["states"]} held-out random ones ({numbers["errors"]["calibration_states"]} others calibrated its estimated errors):
 
 {table(report.ERROR_HEADER, report.error_rows(numbers))}
 
-Touch decided right in {touch["count"] - touch["wrong"]} of {touch["count"]} states. Contact forces held at
+Touch decided correctly in {touch["count"] - touch["wrong"]} of {touch["count"]} states. Contact forces held at
 {numbers["grasp"]["target"]:g} N, fed to the full-order model; the grasp's fingers find d themselves and correct by what they feel:
 
 {table(report.HOLD_HEADER, report.hold_rows(numbers))}
 
 The authors' sweep of {sweep["starts"]:,} holds: {sweep["converged"]:,} converged, {sweep["unreachable"]:,} unreachable and flagged,
-{sweep["failed"]} failed, {sweep["out_of_limits"]} outside the limits; {sweep["mean_us"]:.0f} us a solve on average and {sweep["p99_us"]:.0f} us at the 99th percentile
-on the machine that wrote this (the authors report 7,160 us and 31,000 us at worst on theirs).
+{sweep["failed"]} failed, {sweep["out_of_limits"]} outside the limits; {sweep["mean_us"]:.0f} µs per solve on average and {sweep["p99_us"]:.0f} µs at the 99th percentile
+on the machine that measured this (the authors report 7,160 µs and 31,000 µs at worst on theirs).
 """
 
 

@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
+import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from rom.snapshots.snapshot_set import SnapshotSet
-from studies.training.training import farm
+from rom.snapshots.snapshot_set import Description, SnapshotSet
 
 ROOT = Path(__file__).resolve().parents[1]
 # Scene, its cells if not the scene's own, and its sampling.
 SCENES = {
     "draft": ("draft", None, ""),
     "middle": ("draft", "[40, 7]", "lines = 60"),
-    "middle few": ("draft", "[40, 7]", "lines = 60\ncontact_nodes = 4"),
+    "middle few": ("draft", "[40, 7]", "lines = 40\ncontact_nodes = 4"),
     "reference": ("draft", "[80, 11]", ""),
-    "paper": ("one_segment", None, "lines = 6\ncontact_nodes = 4"),
+    "paper": ("one_segment", None, "lines = 5\ncontact_nodes = 4"),
     "two segments": ("two_segments", None, "lines = 60"),
     "draft lines": ("draft", None, "lines = 40"),
 }
-FRESH, SCALING = (200, 11), (200, 12)  # held-out states and their seeds: to judge by, and to scale errors by
+HELD_OUT, QUICK_HELD_OUT = 200, 60  # random states: one half calibrates estimated errors, the other tests
+SEED = 11
 QUICK = "tension_nodes = 5\ncontact_nodes = 6"
-QUICK_FRESH = (40, 11)
 
 
 def scene(folder: Path, name: str, quick: bool = False) -> Path:
@@ -33,6 +36,13 @@ def scene(folder: Path, name: str, quick: bool = False) -> Path:
         text = text.replace("cells = [20, 5]", f"cells = {cells}")
     sampling = QUICK if quick else sampling
     return written(folder, name, text + (f"\n[sampling]\n{sampling}\n" if sampling else ""))
+
+
+def grid_scene(folder: Path, tension_nodes: int, contact_nodes: int) -> Path:
+    """The draft finger on another grid."""
+    text = (ROOT / "scenes" / "draft.toml").read_text().split("[sampling]")[0]
+    text += f"\n[sampling]\ntension_nodes = {tension_nodes}\ncontact_nodes = {contact_nodes}\n"
+    return written(folder, f"draft {tension_nodes} {contact_nodes}", text)
 
 
 def written(folder: Path, name: str, text: str) -> Path:
@@ -61,6 +71,17 @@ def _is_table(value: Any) -> bool:
     return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
 
 
+def without_store(description: Description) -> Description:
+    """A set's description with nothing stored besides what always is."""
+    scene = description.scene
+    return replace(description, scene=scene | {"sampling": scene["sampling"] | {"store": []}})
+
+
+def first_lines(of: SnapshotSet, count: int) -> SnapshotSet:
+    """The first lines of a set of scattered lines."""
+    return of.only([f"scattered-{k}" for k in range(count)])
+
+
 def training(file: Path) -> SnapshotSet:
     """The training set of a scene, in the folder beside its file."""
     place = file.with_suffix("") / "training"
@@ -68,8 +89,38 @@ def training(file: Path) -> SnapshotSet:
     return SnapshotSet(place)
 
 
-def held_out(file: Path, kind: str, count: int, seed: int) -> SnapshotSet:
-    """Held-out states of a scene, in the folder beside its file."""
-    place = file.with_suffix("") / kind
-    farm(2, file, place, "--random", str(count), "--seed", str(seed))
+def held_out(file: Path, count: int, seed: int = SEED, name: str = "held-out") -> SnapshotSet:
+    """Random states of a scene, in the folder beside its file; each begins at the nearest of the training set."""
+    place = file.with_suffix("") / name
+    near = file.with_suffix("") / "training"
+    options = ["--near", str(near)] if near.exists() else []
+    farm(2, file, place, "--random", str(count), "--seed", str(seed), *options)
     return SnapshotSet(place)
+
+
+def farm(ranks: int, file: Path, folder: Path, *options: str) -> dict:
+    """Run the farm on a set until it is whole; what it reports, its wall time, and the resident memory of its ranks."""
+    command = [sys.executable, "-m", "fingerfem", "snapshots", str(file), str(folder), "--json", *options]
+    begun = time.perf_counter()
+    job = subprocess.Popen(["mpirun", "-n", str(ranks), *command], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    memory: list[dict[int, float]] = []
+    while job.poll() is None:
+        time.sleep(0.2)
+        memory.append(resident(job.pid))
+    if job.returncode:
+        raise SystemExit(f"the farm ended with {job.returncode}")
+    report = json.loads(job.stdout.read().splitlines()[-1])  # type: ignore[union-attr]
+    return report | {"wall_seconds": time.perf_counter() - begun, "memory": memory}
+
+
+def resident(job: int) -> dict[int, float]:
+    """Resident memory of a job's ranks [MB]."""
+    found: dict[int, float] = {}
+    for pid in subprocess.run(["pgrep", "-P", str(job)], capture_output=True, text=True).stdout.split():
+        try:
+            lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+        except OSError:
+            continue
+        sizes = [int(line.split()[1]) / 1024 for line in lines if line.startswith("VmRSS")]
+        found |= {int(pid): size for size in sizes}
+    return found

@@ -158,6 +158,11 @@ class SnapshotSet:
         """Newton iterations in all."""
         return int(sum(task["iterations"].sum() for task in self._tasks.values()))
 
+    @property
+    def core_seconds(self) -> float:
+        """Core time that solving took [s]."""
+        return float(sum(task["seconds"] for task in self._tasks.values()))
+
     def positions(self, kind: str) -> np.ndarray:
         """Positions on the grid of the free or the contact states that have an answer, shape (states, axes)."""
         return np.concatenate([self.on_grid(line)[rows] for _, line, rows in self._lines(kind)])

@@ -1,26 +1,18 @@
-"""A thousand simulated grasps of unknown objects, with noise, delay, rounding and errors of the model.
-
-python3 studies/control/grasps.py MODEL.h5 [--grasps 1000] [--seed 2018]    prints what became of them
-"""
+"""Simulated grasps of unknown objects, with noise, delay, rounding and errors of the model."""
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
 
 from control import Flaws, Gripper, Limits, Object, SimulatedPlant
 from control.grasp_forces import carries
 from control.loop import run
 from rom import Surrogate
+from studies.control.models import model
+from studies.runner import Run, say
 
 RATE = 1000.0  # [Hz]
 MOTOR = 500.0  # [N/s], most that a tension changes
@@ -89,36 +81,27 @@ def grasped(gripper: Gripper, random: np.random.Generator) -> dict:
     return known | {"fate": fate, "reason": "", "hardest": hardest, "force_error": float(errors.max())}
 
 
-def campaign(model: Surrogate, grasps: int, seed: int, progress: bool = True) -> dict:
-    """Many grasps: counts by fate, and each."""
-    gripper, random = Gripper(model, limits=Limits(rate=MOTOR)), np.random.default_rng(seed)
+def campaign(surrogate: Surrogate, grasps: int, seed: int) -> dict:
+    """Many grasps: counts by fate, and those that failed."""
+    gripper, random = Gripper(surrogate, limits=Limits(rate=MOTOR)), np.random.default_rng(seed)
     found = []
     for i in range(grasps):
         found.append(grasped(gripper, random))
-        if progress and (i + 1) % 100 == 0:
-            print(f"{i + 1} of {grasps} grasps: {dict(Counter(one['fate'] for one in found))}", flush=True)
+        if (i + 1) % 100 == 0:
+            say({"grasps": i + 1} | Counter(one["fate"] for one in found))
     held = [one for one in found if one["fate"] == "held"]
+    fates = ("held", "dropped", "crushed", "not lifted", "out of reach", "refused")
     return {
         "grasps": grasps,
-        **{
-            fate.replace(" ", "_"): sum(one["fate"] == fate for one in found)
-            for fate in ("held", "dropped", "crushed", "not lifted", "out of reach", "refused")
-        },
+        **{fate.replace(" ", "_"): sum(one["fate"] == fate for one in found) for fate in fates},
         "force_error_median": float(np.median([one["force_error"] for one in held])) if held else None,
         "force_error_max": float(max(one["force_error"] for one in held)) if held else None,
         "seconds_median": float(np.median([one["seconds"] for one in held])) if held else None,
-        "each": found,
+        "reasons": [one["reason"] for one in found if one["fate"] == "refused"][:5],
+        "failed": [one for one in found if one["fate"] in ("dropped", "crushed", "not lifted")],
     }
 
 
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("model", type=Path)
-    parser.add_argument("--grasps", type=int, default=1000)
-    parser.add_argument("--seed", type=int, default=2018)
-    given = parser.parse_args()
-    result = campaign(Surrogate.load(given.model), given.grasps, given.seed)
-    print(json.dumps({name: value for name, value in result.items() if name != "each"}, indent=1))
-    for one in result["each"]:
-        if one["fate"] in ("dropped", "crushed", "not lifted"):
-            print(json.dumps(one))
+def measure(run: Run) -> dict:
+    """With the draft finger."""
+    return campaign(model(run, "one segment"), 50 if run.quick else 1000, seed=2018)

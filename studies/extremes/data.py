@@ -19,7 +19,6 @@ from rom.snapshots.schema import FIELDS
 from rom.snapshots.snapshot_set import SnapshotSet, read_task, write_task
 from studies import sets
 from studies.extremes.verdicts import Row, judged
-from studies.surrogate.two_meshes import without_store
 
 PART = "surrogate"
 OPTIONS = EnrichmentOptions()
@@ -30,7 +29,7 @@ def rewritten(of: SnapshotSet, name: str, *changes: Change, fields: bool = False
     """A set of scattered lines beside another, with all its lines once for every change of their numbers."""
     place = of.path.parent / name
     shutil.rmtree(place, ignore_errors=True)
-    description = of.description if fields else without_store(of.description)
+    description = of.description if fields else sets.without_store(of.description)
     left = ("task", "fingerprint", *(() if fields else FIELDS))
     create(place, replace(description, scattered=list(description.scattered) * len(changes)))
     shutil.copy(of.path / "body.npz", place)
@@ -53,8 +52,8 @@ def rows(folder: Path) -> Iterator[Row]:
 def snapshots(folder: Path) -> Iterator[Row]:
     """The same states twice, nearly twice, in single precision, and too few."""
     scene = sets.scene(folder, "draft lines")
-    whole, fresh = sets.training(scene), sets.held_out(scene, "fresh", *sets.QUICK_FRESH)
-    points, true = fresh.random("parameters"), fresh.random("contact_force")
+    whole, held_out = sets.training(scene), sets.held_out(scene, sets.QUICK_HELD_OUT)
+    points, true = held_out.random("parameters"), held_out.random("contact_force")
     felt = true > FELT
     usual = train(rewritten(whole, "as it is", as_it_is), OPTIONS).evaluate(points).contact_force
     noise = np.random.default_rng(0)
@@ -75,7 +74,7 @@ def snapshots(folder: Path) -> Iterator[Row]:
     def in_single_fields() -> float:
         usual, found = (train(one, OPTIONS) for one in (whole, rewritten(whole, "fields", single, fields=True)))
         off = [np.abs(found.displacement(point) - usual.displacement(point)).max() for point in points]
-        return float(np.percentile(off, 95) / np.percentile(np.abs(fresh.random("displacement")), 99))
+        return float(np.percentile(off, 95) / np.percentile(np.abs(held_out.random("displacement")), 99))
 
     def first(name: str, values: np.ndarray) -> np.ndarray:
         return np.repeat(values[:1], len(values), axis=0) if values.ndim else values

@@ -1,4 +1,4 @@
-"""Verdicts on extremes: right against a reference, refused with a reason, or wrong."""
+"""Verdicts on extremes: accurate against a reference, refused with a reason, or neither."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from fingerfem.equilibrium.failures import LoadNotReached
 
 ROOT = Path(__file__).resolve().parents[2]
-RIGHT, REFUSED, WRONG = "right", "refused", "WRONG"
+ACCURATE, REFUSED, INACCURATE = "accurate", "refused", "INACCURATE"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,7 +20,7 @@ class Row:
         part: of the software.
         extreme: which range is at its end.
         case: how far.
-        outcome: right, refused or WRONG.
+        outcome: accurate, refused or INACCURATE.
         error: against the reference, relative [-]; None if it was refused.
         bound: that the error must keep [-].
         reference: what the answer is compared with; or the reason of a refusal.
@@ -45,7 +45,7 @@ def judged(part: str, extreme: str, case: str, reference: str, bound: float, err
         found = float(error())
     except (ValueError, LoadNotReached, Refused) as refusal:
         reason = str(refusal).strip().replace(f"{ROOT}/", "")
-        outcome = REFUSED if reason and "\n" not in reason else WRONG
+        outcome = REFUSED if reason and "\n" not in reason else INACCURATE
         return Row(part=part, extreme=extreme, case=case, outcome=outcome, error=None, bound=None, reference=reason)
-    outcome = RIGHT if found <= bound else WRONG
+    outcome = ACCURATE if found <= bound else INACCURATE
     return Row(part=part, extreme=extreme, case=case, outcome=outcome, error=found, bound=bound, reference=reference)

@@ -1,38 +1,25 @@
-"""Only what a scene requires: what each kind of scene costs from the first form to the last query.
-
-python3 studies/required/required.py [OUT] [--quick]
-    prints a table, writes OUT/required.json (out/required by default)
-"""
+"""Only what a scene requires: what each kind of scene costs from the first form to the last query."""
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
-from pathlib import Path
 from typing import Any
 
 import h5py
-
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
 
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
 from rom.build import train
 from rom.separation.alternating_directions import EnrichmentOptions
-from rom.snapshots.snapshot_set import SnapshotSet, read_task
+from rom.snapshots.snapshot_set import read_task
 from rom.surrogate import Surrogate
 from studies import sets
-from studies.solver.scenes import count, kinds
-from studies.solver.solver import say
-from studies.surrogate.surrogate import draw, timed
-from studies.tradeoff.tradeoff import seconds
-from studies.training.training import farm
+from studies.kinds import forms_of, kinds
+from studies.measures import call_times, random_points
+from studies.runner import Run
 
 NOT_HERE = ("straight", "incompressible", "Nitsche")  # other physics, not other requirements
 CELLS = [12, 9]  # of each segment; four channels need nine across
-LINES = 16  # of states, a tension
+LINES, QUICK_LINES = 12, 8  # of states, per tension
 
 
 def scenes() -> dict[str, dict[str, Any]]:
@@ -48,15 +35,14 @@ def scenes() -> dict[str, dict[str, Any]]:
     return {name: table | {"mesh": {"cells": CELLS, "order": 1}} for name, table in found.items()}
 
 
-def row(name: str, table: dict[str, Any], folder: Path, lines: int) -> dict:
+def row(name: str, table: dict[str, Any], run: Run) -> dict:
     """What one scene costs."""
+    lines = QUICK_LINES if run.quick else LINES
     table = table | {"sampling": table.get("sampling", {}) | {"lines": lines * len(table["tendons"])}}
     scene = Scene.model_validate(table)
     model = FingerModel(scene)
-    file = sets.written(folder, name.replace(",", ""), sets.as_toml(scene.model_dump(mode="json")))
-    place = file.with_suffix("") / "training"
-    farm(2, file, place)
-    training = SnapshotSet(place)
+    file = sets.written(run.folder, name.replace(",", ""), sets.as_toml(scene.model_dump(mode="json")))
+    training = sets.training(file)
     surrogate = train(training, EnrichmentOptions())
     stored = file.with_suffix(".h5")
     surrogate.save(stored)
@@ -68,33 +54,21 @@ def row(name: str, table: dict[str, Any], folder: Path, lines: int) -> dict:
         "scene": name,
         "parameters": len(scene.parameters),
         "unknowns": model.problem.unknowns,
-        "forms": count(model.problem.forms),
+        "forms": forms_of(model.problem.forms),
         "states": training.states,
-        "quantities": len(read_task(place, next(iter(training.lines)))),
-        "core_seconds": seconds(training),
+        "quantities": len(read_task(training.path, next(iter(training.lines)))),
+        "core_seconds": training.core_seconds,
         "datasets": len(datasets),
         "bytes": stored.stat().st_size,
         "terms": sum(surrogate.terms.values()),
-        "query_us": timed(surrogate.value_and_jacobian, draw(surrogate, 5000))["p50_us"],
+        "query_us": call_times(surrogate.value_and_jacobian, random_points(surrogate, 5000))["p50_us"],
     }
 
 
-def main() -> None:
-    """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("out", nargs="?", help="out/required by default, out/required-quick if quick")
-    parser.add_argument("--quick", action="store_true", help="half the lines, one segment only")
-    options = parser.parse_args()
-    folder = Path(options.out or ROOT / "out" / ("required-quick" if options.quick else "required")).resolve()
-    folder.mkdir(parents=True, exist_ok=True)
-    rows = []
-    for name, table in scenes().items():
-        if options.quick and "segments" in name:
-            continue
-        rows.append(row(name, table, folder, 8 if options.quick else LINES))
-        say(rows[-1])
-    (folder / "required.json").write_text(json.dumps({"scenes": rows}, indent=1))
-
-
-if __name__ == "__main__":
-    main()
+def measure(run: Run) -> list[dict]:
+    """A row a kind of scene; those of one segment in the short form."""
+    return [
+        run.once(name, row, name, table, run)
+        for name, table in scenes().items()
+        if not (run.quick and "segments" in name)
+    ]

@@ -1,12 +1,10 @@
 """What the solver was chosen from, measured: orderings, factorisations, compiler flags, quadrature, element order.
 
-python3 studies/solver/choices.py [OUT] [--quick]
-    prints tables, writes OUT/choices.json (out/solver by default); one core
+One core; the paper's mesh, or the draft mesh in the short form.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import subprocess
@@ -19,34 +17,24 @@ from pathlib import Path
 import numpy as np
 from petsc4py import PETSc
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-
 from fingerfem import FingerModel, load_scene
 from fingerfem.discretisation import forms
 from fingerfem.equilibrium.continuation import StepOptions
 from fingerfem.scene.scene import Scene
-from studies.solver.solver import SCENES, say
+from studies.kinds import SCENES
+from studies.measures import shortest
+from studies.runner import ROOT, Run, say
 
 ORDERINGS = {"AMD": 0, "AMF": 2, "Scotch": 3, "PORD": 4, "METIS": 5, "QAMD": 6, "automatic": 7}  # MUMPS' ICNTL(7)
-FLAGS = ["-O1 -g0", "-O2 -g0", "-O3 -g0", "-O3 -march=native -g0", "-Ofast -march=native -g0"]
+FLAGS = ["-O2 -g0", "-O3 -march=native -g0", "-Ofast -march=native -g0"]
 LOADS = [60.0, 0.0], 0.005  # of the states compared: tensions [N], d [m]
-MESHES = {1: [[20, 5], [50, 5], [50, 8], [100, 10], [150, 15]], 2: [[10, 5], [20, 5], [25, 8], [50, 8]]}
-REFERENCE = [80, 10], 2  # cells and order that errors are counted from
+MESHES = {1: [[20, 5], [50, 8], [100, 10]], 2: [[10, 5], [20, 5], [25, 8]]}
+REFERENCE = [50, 8], 2  # cells and order that errors are counted from
 
 
-def timed(call, repeats: int = 3) -> float:
-    """Shortest of some calls [s]."""
-    seconds = []
-    for _ in range(repeats):
-        begun = time.perf_counter()
-        call()
-        seconds.append(time.perf_counter() - begun)
-    return min(seconds)
-
-
-def factorisations(model: FingerModel) -> list[dict]:
+def factorisations(scene: Scene) -> list[dict]:
     """The tangent of a bent finger, factorised by MUMPS in every way."""
+    model = FingerModel(scene)
     model.solve(*LOADS, sensitivities=False)
     matrix = model.problem.tangent()
     right, update, found = model.problem.residual()[0], matrix.createVecRight(), []
@@ -69,8 +57,8 @@ def factorisations(model: FingerModel) -> list[dict]:
                 "factorisation": "LDL^T" if kind == "cholesky" else "LU",
                 "ordering": ordering,
                 "first_seconds": first,  # the analysis included, once a model
-                "seconds": timed(again),
-                "solve_seconds": timed(lambda ksp=ksp: ksp.solve(right, update)),
+                "seconds": shortest(again),
+                "solve_seconds": shortest(partial(ksp.solve, right, update)),
                 "entries": _entries(factor.getMumpsInfog(9)),
             }
             found.append(row)
@@ -110,8 +98,8 @@ def assembly(scene_file: Path) -> dict:
     residual = model.problem.residual()[0].norm()
     return {
         "build_seconds": built,
-        "tangent_seconds": timed(model.problem.tangent),
-        "residual_seconds": timed(lambda: model.problem.residual()[0].destroy()),
+        "tangent_seconds": shortest(model.problem.tangent),
+        "residual_seconds": shortest(lambda: model.problem.residual()[0].destroy()),
         "residual": residual,
         "tangent": model.problem.matrix.norm(),
     }
@@ -126,7 +114,8 @@ def compiler_flags(scene_file: Path) -> list[dict]:
             settings.parent.mkdir()
             settings.write_text(json.dumps({"cffi_extra_compile_args": flags.split()}))
             done = subprocess.run(
-                [sys.executable, __file__, "--assembly", str(scene_file)],
+                [sys.executable, "-m", "studies.solver.choices", str(scene_file)],
+                cwd=ROOT,
                 env=os.environ | {"XDG_CONFIG_HOME": folder, "XDG_CACHE_HOME": folder},
                 stdout=subprocess.PIPE,
                 check=True,
@@ -179,7 +168,7 @@ def quadrature(scene: Scene, cells: dict[int, list[int]]) -> list[dict]:
                 model = FingerModel(variant(scene, cells[order], order))
                 model.continuation.options = StepOptions(halvings=1)  # what does not converge shall say so soon
                 row = {"order": order, "degree": degree, "chosen": degree == chosen(order), **state(model)}
-                row["tangent_seconds"] = timed(model.problem.tangent)
+                row["tangent_seconds"] = shortest(model.problem.tangent)
             except Exception as failure:  # under-integrated elements have modes without energy
                 row = {"order": order, "degree": degree, "failed": f"{type(failure).__name__}: {failure}"}
             finally:
@@ -201,7 +190,7 @@ def compare(rows: list[dict], reference: dict) -> None:
 
 def orders(scene: Scene, quick: bool) -> list[dict]:
     """Order 1 and order 2 on finer and finer meshes."""
-    reference = state(FingerModel(variant(scene, *(([50, 8], 2) if quick else REFERENCE))))
+    reference = state(FingerModel(variant(scene, *REFERENCE)))
     rows = [
         {"order": order, "cells": cells, **state(FingerModel(variant(scene, cells, order)))}
         for order, meshes in MESHES.items()
@@ -211,32 +200,19 @@ def orders(scene: Scene, quick: bool) -> list[dict]:
     return rows
 
 
-def main() -> None:
-    """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("out", nargs="?", default="out/solver")
-    parser.add_argument("--quick", action="store_true", help="the draft mesh instead of the paper's")
-    parser.add_argument("--assembly", type=Path, help=argparse.SUPPRESS)
-    options = parser.parse_args()
-    if options.assembly:
-        print(json.dumps(assembly(options.assembly)))
-        return
-    folder = Path(options.out)
-    folder.mkdir(parents=True, exist_ok=True)
-    file = SCENES / ("draft.toml" if options.quick else "one_segment.toml")
+def measure(run: Run) -> dict:
+    """All of it."""
+    file = SCENES / ("draft.toml" if run.quick else "one_segment.toml")
     scene = load_scene(file)
-    print("factorisation of the tangent", flush=True)
-    result: dict = {"scene": scene.name, "factorisations": factorisations(FingerModel(scene))}
-    print("compiler flags", flush=True)
-    result["flags"] = compiler_flags(file)
-    print("quadrature degree", flush=True)
-    result["quadrature"] = quadrature(
-        scene, {1: [20, 5] if options.quick else [50, 8], 2: [10, 5] if options.quick else [25, 6]}
-    )
-    print("element order", flush=True)
-    result["orders"] = orders(scene, options.quick)
-    (folder / "choices.json").write_text(json.dumps(result, indent=1))
+    cells = {1: [20, 5] if run.quick else [50, 8], 2: [10, 5] if run.quick else [25, 6]}
+    return {
+        "scene": scene.name,
+        "factorisations": run.once("factorisation of the tangent", factorisations, scene),
+        "flags": run.once("compiler flags", compiler_flags, file),
+        "quadrature": run.once("quadrature degree", quadrature, scene, cells),
+        "orders": run.once("element order", orders, scene, run.quick),
+    }
 
 
 if __name__ == "__main__":
-    main()
+    print(json.dumps(assembly(Path(sys.argv[1]))))  # with the compiler flags of this process's settings

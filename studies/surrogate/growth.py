@@ -1,38 +1,31 @@
 """How states, terms, bytes and query time grow with the number of parameters.
 
-python3 studies/surrogate/growth.py [OUT] [--quick]    prints rows, writes OUT/growth.json (out/surrogate by default)
-
-The finger of two segments with both pairs of tendons (scenes/four_tendons.toml, on a coarser mesh), pulled by one to
-four of them; lines of states at scattered tensions, 40 a tension.
+The finger of two segments with both pairs of tendons (scenes/four_tendons.toml, on a coarser mesh), pulled by one,
+two or four of them; lines of states at scattered tensions, as many per tension.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import re
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-
 from rom.build import train
+from rom.error_model import calibrated
 from rom.held_out import check
 from rom.separation.alternating_directions import EnrichmentOptions
+from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
-from studies.sets import held_out, training, written
-from studies.solver.solver import say
-from studies.surrogate.surrogate import draw, honesty, timed
+from studies import sets
+from studies.measures import call_times, random_points
+from studies.runner import ROOT, Run
 
-PULLED = {2: ["F_l1"], 3: ["F_s1", "F_l1"], 4: ["F_s1", "F_l1", "F_l2"], 5: ["F_s1", "F_s2", "F_l1", "F_l2"]}
+PULLED = {2: ["F_l1"], 3: ["F_s1", "F_l1"], 5: ["F_s1", "F_s2", "F_l1", "F_l2"]}
 CELLS = ("cells = [20, 9]", "cells = [12, 9]")
-LINES = 40  # a tension
-FRESH = {2: 100, 3: 100, 4: 100, 5: 200}
-SEED = 11
+LINES, QUICK_LINES = 30, 8  # per tension
+HELD_OUT = {2: 80, 3: 80, 5: 120}
 ENOUGH = 0.01  # separation error for which terms are counted
 
 
@@ -44,7 +37,7 @@ def scene(folder: Path, parameters: int, lines: int = LINES) -> Path:
     named = {re.search(r'name = "(\w+)"', tendon)[1]: tendon for tendon in tendons}  # type: ignore[index]
     pulled = PULLED[parameters]
     sampling = f"\n[sampling]\nlines = {lines * len(pulled)}\nstore = []\n"
-    return written(
+    return sets.written(
         folder, f"growth {parameters}", head + "".join(named[name] for name in pulled) + "[obstacle]" + rest + sampling
     )
 
@@ -56,46 +49,41 @@ def terms_for(model: Surrogate, error: float) -> int | None:
     return int(good[0]) + 1 if good.size else None
 
 
-def main(folder: Path, quick: bool) -> None:
-    """Measure, print, write."""
-    folder.mkdir(parents=True, exist_ok=True)
-    rows = []
-    for parameters, names in PULLED.items():
-        if quick and len(names) > 2:
-            continue
-        file = scene(folder, parameters, 8 if quick else LINES)
-        states = training(file)
-        begun = time.perf_counter()
-        model = train(states, EnrichmentOptions())
-        seconds = time.perf_counter() - begun
-        fresh = held_out(file, "fresh", 20 if quick else FRESH[parameters], SEED)
-        report = check(model, fresh)
-        rows.append(
-            {
-                "parameters": parameters,
-                "tendons": names,
-                "states": states.states,
-                "grid_states": 9 ** len(names) * 13,
-                "regimes": len(model.regimes),
-                "terms": terms_for(model, ENOUGH),
-                "all_terms": sum(model.terms.values()),
-                "bytes": model.bytes,
-                "separation_seconds": seconds,
-                "query": timed(model.value_and_jacobian, draw(model, 5000)),
-                "contact_force": report["contact_force"],
-                "tip": report["tip"],
-                "said": honesty(model, fresh)["contact_force"],
-                "wrong_touch_decisions": report["touch"]["wrong_beyond_margin"],
-            }
-        )
-        say(rows[-1])
-    (folder / "growth.json").write_text(json.dumps(rows, indent=1))
+def scene_and_sets(run: Run, parameters: int) -> tuple[SnapshotSet, SnapshotSet]:
+    """Training and held-out set of a finger with so many parameters."""
+    file = scene(run.sets, parameters, QUICK_LINES if run.quick else LINES)
+    training = sets.training(file)
+    return training, sets.held_out(file, 20 if run.quick else HELD_OUT[parameters])
 
 
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("out", type=Path, nargs="?", help="out/surrogate by default, out/surrogate-quick if quick")
-    parser.add_argument("--quick", action="store_true", help="one and two tendons, a fifth of the lines")
-    given = parser.parse_args()
-    usual = ROOT / "out" / ("surrogate-quick" if given.quick else "surrogate")
-    main((given.out or usual).resolve(), given.quick)
+def row(run: Run, parameters: int) -> dict:
+    """What so many parameters cost and err."""
+    training, held_out = scene_and_sets(run, parameters)
+    begun = time.perf_counter()
+    model = train(training, EnrichmentOptions())
+    seconds = time.perf_counter() - begun
+    report = check(calibrated(model, held_out), held_out)
+    return {
+        "parameters": parameters,
+        "tendons": PULLED[parameters],
+        "states": training.states,
+        "test_states": report["states"],
+        "grid_states": 9 ** len(PULLED[parameters]) * 13,
+        "regimes": len(model.regimes),
+        "terms": terms_for(model, ENOUGH),
+        "all_terms": sum(model.terms.values()),
+        "bytes": model.bytes,
+        "separation_seconds": seconds,
+        "query": call_times(model.value_and_jacobian, random_points(model, 5000)),
+        "contact_force": report["contact_force"],
+        "tip": report["tip"],
+        "wrong_touch_decisions": report["touch"]["wrong_beyond_margin"],
+    }
+
+
+def measure(run: Run) -> list[dict]:
+    """By number of parameters; two and three in the short form."""
+    return [
+        run.once(f"{parameters} parameters", row, run, parameters)
+        for parameters in (list(PULLED)[:2] if run.quick else PULLED)
+    ]

@@ -1,13 +1,11 @@
-"""EZyRB and TensorLy beside this project, on the states of surrogate.py, in an environment that has all three.
+"""EZyRB and TensorLy beside this project, on the states of states.py, in a virtual environment that has all three.
 
-python studies/surrogate/others.py OUT    reads OUT/others.npz and OUT/draft.h5, prints a table, writes OUT/others.json
+python -m studies.surrogate.others    measures the part surrogate/others of `make docs`, which calls it
 """
 
 from __future__ import annotations
 
-import json
 import pickle
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -15,10 +13,8 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-
 from rom.surrogate import Surrogate
+from studies.runner import OUT, Run, finished, place, say
 
 CALLS = 300  # single queries that are timed
 RANK = 60
@@ -93,14 +89,15 @@ def fingerfem(stored, file: Path) -> list[dict]:
     return [row("fingerfem", "regimes, separated", predict, stored["points"], stored["force"], size)]
 
 
-def main(folder: Path) -> None:
+def measure(run: Run) -> list[dict]:
     """All of them, in one process."""
-    with np.load(folder / "others.npz") as states:
-        rows = fingerfem(states, folder / "draft.h5") + ezyrb(states) + tensorly(states)
+    with np.load(run.folder / "others.npz") as states:
+        rows = fingerfem(states, run.folder / "others.h5") + ezyrb(states) + tensorly(states)
     for one in rows:
-        print(json.dumps(one))
-    (folder / "others.json").write_text(json.dumps(rows, indent=1))
+        say(one)
+    return rows
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "out/surrogate"))
+    own, began = place("surrogate/others", OUT, quick=False), time.perf_counter()
+    finished(own, measure(own), time.perf_counter() - began)

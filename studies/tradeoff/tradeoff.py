@@ -1,18 +1,11 @@
 """Speed against accuracy: what a model costs to train and to ask, and how far it is from a solution finer than all.
 
-python3 studies/tradeoff/tradeoff.py [OUT] [--quick]
-    prints tables, writes OUT/tradeoff.json (out/tradeoff by default)
-
-Meshes first: the same fresh states on each, against the reference's, are the error of the mesh (e_FEM of the paper's
-figure 9). Then models, against fresh states on their own mesh (e_MOR), and against the reference. What is solved or
-measured already is not done again; remove OUT to begin anew.
+Meshes first: the same held-out states on each, against the reference's, are the error of the mesh (e_FEM of the paper's
+figure 9). Then models, against held-out states on their own mesh (e_MOR), and against the reference.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,21 +13,16 @@ from typing import Any
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-
 from control import Finger, campaign
 from rom.build import train
 from rom.held_out import FELT
 from rom.separation.alternating_directions import EnrichmentOptions
-from rom.snapshots.files import write_whole
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
 from studies import sets
-from studies.solver.solver import say
-from studies.surrogate.surrogate import draw, quantiles, timed
+from studies.measures import call_times, quantiles, random_points
+from studies.runner import ROOT, Run
 from studies.tradeoff.lattice import Lattice
-from studies.training.training import farm
 
 SEED = 21
 
@@ -59,7 +47,7 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Training:
-    """A model: its mesh, the sampling of its training set, what becomes of it, and the set it corrects, if any."""
+    """A model: its mesh, the sampling, the separation's tolerance, and the set it corrects, if any."""
 
     mesh: Mesh
     sampling: str
@@ -79,59 +67,49 @@ class Plan:
 
     Attributes:
         reference: mesh finer than all others.
-        meshes: of which the error is measured, and on how many of the fresh tensions.
-        fresh: tensions, and distances of the plane at each.
+        meshes: of which the error is measured, and on how many of the held-out tensions.
+        held_out: tensions, and distances of the plane at each.
         models: to be trained.
         starts: of a campaign of solves.
     """
 
     reference: Mesh
     meshes: dict[Mesh, int]
-    fresh: tuple[int, int]
+    held_out: tuple[int, int]
     models: list[Training]
     starts: int
 
 
 SAMPLINGS = {
     "4 x 4": "tension_nodes = 4\ncontact_nodes = 4",  # the paper's four nodes a direction
-    "5 x 6": "tension_nodes = 5\ncontact_nodes = 6",
-    "7 x 9": "tension_nodes = 7\ncontact_nodes = 9",
     "9 x 12": "tension_nodes = 9\ncontact_nodes = 12",
     "10 lines": "lines = 10",
     "20 lines": "lines = 20",
     "40 lines": "lines = 40",
     "60 lines": "lines = 60",
 }
-DRAFT, MIDDLE, THIRD, PAPER, TWICE = (Mesh(cells) for cells in ((20, 5), (40, 7), (70, 8), (100, 10), (200, 20)))
+DRAFT, MIDDLE, THIRD, PAPER = (Mesh(cells) for cells in ((20, 5), (40, 7), (70, 8), (100, 10)))
 SHORT, SQUARE, SQUARES = Mesh((6, 5), 2), Mesh((10, 5), 2), Mesh((20, 5), 2)
 
 PRESETS = {
     "draft": Training(DRAFT, "40 lines"),
     "standard": Training(SQUARE, "60 lines"),
-    "fine": Training(SQUARES, "60 lines"),
+    "fine": Training(SQUARES, "40 lines"),
 }
 
 
 def full() -> Plan:
-    """The whole study: some two hours on two cores."""
-    few = 10
-    meshes = dict.fromkeys([DRAFT, MIDDLE, THIRD, PAPER, SHORT, SQUARE, SQUARES], few)
-    methods = [Mesh((20, 5), order, "nitsche") for order in (1, 2)]
-    methods += [Mesh((20, 5), 1, "penalty", factor) for factor in (100.0, 1e5)]
-    grids, few_lines = ["4 x 4", "5 x 6", "7 x 9", "9 x 12"], ["10 lines", "20 lines"]
-    models = [Training(mesh, lines) for mesh in (DRAFT, SQUARE, SQUARES) for lines in ("40 lines", "60 lines")]
-    models += [Training(mesh, "40 lines") for mesh in (SHORT, MIDDLE)]
-    models += [
-        Training(SQUARES, "10 lines", coarse=(SQUARE, "40 lines")),
-        Training(SQUARES, "20 lines", coarse=(DRAFT, "60 lines")),
-        Training(MIDDLE, "10 lines", coarse=(DRAFT, "9 x 12")),
-    ]
-    models += [Training(mesh, lines) for mesh in (DRAFT, SHORT, SQUARE) for lines in few_lines]
-    models += [Training(DRAFT, sampling) for sampling in grids]
+    """The whole study."""
+    tensions = 8
+    meshes = dict.fromkeys([DRAFT, MIDDLE, THIRD, PAPER, SHORT, SQUARE, SQUARES], tensions)
+    methods = [Mesh((20, 5), 1, "nitsche"), Mesh((20, 5), 1, "penalty", 100.0), Mesh((20, 5), 1, "penalty", 1e5)]
+    models = [Training(DRAFT, sampling) for sampling in SAMPLINGS]
+    models += [Training(SQUARE, f"{lines} lines") for lines in (20, 40, 60)]
+    models += [Training(SQUARES, "20 lines"), PRESETS["fine"]]
+    models += [Training(SQUARES, "10 lines", coarse=(SQUARE, "40 lines"))]
+    models += [Training(DRAFT, "60 lines", tolerance=tolerance) for tolerance in (1e-1, 1e-2, 1e-3, 1e-4)]
     models += [Training(SQUARE, "60 lines", tolerance=tolerance) for tolerance in (1e-2, 1e-3)]
-    models += [Training(DRAFT, "9 x 12", tolerance=tolerance) for tolerance in (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4)]
-    models += [Training(PAPER, "20 lines")]
-    return Plan(Mesh((40, 8), 2), meshes | dict.fromkeys(methods, few) | {TWICE: 2}, (few, 4), models, 5000)
+    return Plan(Mesh((32, 7), 2), meshes | dict.fromkeys(methods, tensions), (tensions, 4), models, 5000)
 
 
 def quick() -> Plan:
@@ -148,9 +126,9 @@ def quick() -> Plan:
 
 @dataclass
 class Study:
-    """The sets and numbers of one plan, in a folder."""
+    """The sets of one plan."""
 
-    folder: Path
+    run: Run
     plan: Plan
 
     def scene(self, mesh: Mesh, sampling: str = "") -> Path:
@@ -162,32 +140,38 @@ class Study:
         text = text.replace('method = "penalty"', method)
         if sampling:
             text += f"\n[sampling]\n{SAMPLINGS[sampling]}\n"
-        return sets.written(self.folder, f"{mesh.name} {sampling}".strip(), text)
+        return sets.written(self.run.folder, f"{mesh.name} {sampling}".strip(), text)
 
-    def fresh(self, mesh: Mesh) -> SnapshotSet:
-        """Fresh states on a mesh, the same parameters on all."""
+    def held_out(self, mesh: Mesh) -> SnapshotSet:
+        """Held-out states on a mesh, the same parameters on all."""
         file = self.scene(mesh)
-        place, (most, distances) = file.with_suffix("") / "fresh", self.plan.fresh
+        place, (most, distances) = file.with_suffix("") / "held-out", self.plan.held_out
         count = self.plan.meshes.get(mesh, most)
-        farm(2, file, place, "--random", str(count), "--distances", str(distances), "--seed", str(SEED))
+        sets.farm(2, file, place, "--random", str(count), "--distances", str(distances), "--seed", str(SEED))
         return SnapshotSet(place)
 
     def training(self, mesh: Mesh, sampling: str) -> SnapshotSet:
-        """A training set."""
-        return sets.training(self.scene(mesh, sampling))
+        """A training set; fewer lines are the first ones of the most that the plan has of a mesh."""
+        if "lines" not in sampling:
+            return sets.training(self.scene(mesh, sampling))
+        wanted = [one for model in self.plan.models for one in ((model.mesh, model.sampling), model.coarse) if one]
+        most = max(int(lines.split()[0]) for of, lines in wanted if of == mesh and "lines" in lines)
+        whole = sets.training(self.scene(mesh, f"{most} lines"))
+        return sets.first_lines(whole, int(sampling.split()[0]))
 
     @cached_property
     def truth(self) -> Truth:
         """The reference's answers."""
-        return Truth(self.fresh(self.plan.reference), self.plan.reference.order)
+        return Truth(self.held_out(self.plan.reference), self.plan.reference.order)
 
 
 class Truth:
-    """What the reference says at the fresh parameters."""
+    """What the reference says at the held-out parameters."""
 
     def __init__(self, reference: SnapshotSet, order: int):
         self.parameters, self.force = reference.random("parameters"), reference.random("contact_force")
         self.touch, self.slopes = reference.random("touch_distance"), reference.random("contact_force_jacobian")
+        self.nodes = reference.nodes
         lower, upper = reference.nodes.min(axis=0), reference.nodes.max(axis=0)
         self._lattice = Lattice(lower, upper)
         read = self._lattice.reader(reference.nodes, order)
@@ -226,22 +210,19 @@ class Truth:
         return quantiles(np.array(off)) | {"count": len(off), "unreachable": unreachable}
 
 
-def seconds(of: SnapshotSet) -> float:
-    """Core time that solving a set took [s]."""
-    return float(sum(of.task(task)["seconds"] for task in of.plan.lines if task not in of.missing))
-
-
 def mesh_row(study: Study, mesh: Mesh) -> dict:
     """What a mesh costs and errs."""
-    own = study.fresh(mesh)
+    own = study.held_out(mesh)
     points = own.random("parameters")
     fields = list(own.random("displacement"))
     found = study.truth.against(points, own.random("contact_force"), fields, own.nodes, mesh.order)
     return {
+        "name": mesh.name,
+        "mesh": asdict(mesh),
         "unknowns": 3 * len(own.nodes),
         "states": own.states,
         "failed": len(own.failures),
-        "core_seconds": seconds(own),
+        "core_seconds": own.core_seconds,
         "iterations": own.iterations,
         "fem": found,
     }
@@ -252,22 +233,24 @@ def model_row(study: Study, one: Training) -> dict:
     own = study.training(one.mesh, one.sampling)
     trained = [own, *([study.training(*one.coarse)] if one.coarse else [])]
     model = train(own, EnrichmentOptions(tolerance=one.tolerance), *trained[1:])
-    file = study.folder / "model.h5"
+    file = study.run.folder / "model.h5"
     model.save(file)
     model = Surrogate.load(file)
-    fresh, truth = study.fresh(one.mesh), study.truth
-    points = fresh.random("parameters")
+    held_out, truth = study.held_out(one.mesh), study.truth
+    points = held_out.random("parameters")
     force, moved = model.evaluate(points).contact_force, [model.displacement(point) for point in points]
-    same = Truth(fresh, one.mesh.order).against(points, force, moved, model.nodes, one.mesh.order)
+    same = Truth(held_out, one.mesh.order).against(points, force, moved, model.nodes, one.mesh.order)
     solves = campaign.run(model, study.plan.starts, 1.0).as_json()
     return {
+        "name": one.name,
+        "training": asdict(one),
         "states": sum(part.states for part in trained),
         "failed": sum(len(part.failures) for part in trained),
-        "core_seconds": sum(seconds(part) for part in trained),
+        "core_seconds": sum(part.core_seconds for part in trained),
         "terms": sum(model.terms.values()),
         "bytes": file.stat().st_size,
         "bytes_without_field": replace(model, displacements=None).bytes,
-        "query_us": timed(model.value_and_jacobian, draw(model, 3000))["p50_us"],
+        "query_us": call_times(model.value_and_jacobian, random_points(model, 3000))["p50_us"],
         "solve_us": solves["mean_us"],
         "solves_failed": solves["failed"],
         "mor": same,
@@ -293,39 +276,10 @@ def error_of(row: dict, worth: tuple[str, ...]) -> float:
     return float(value)
 
 
-def main() -> None:
-    """Solve, train, measure, print, write; what is in the file already stays."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("out", nargs="?", help="out/tradeoff by default, out/tradeoff-quick if quick")
-    parser.add_argument("--quick", action="store_true", help="few meshes and models")
-    options = parser.parse_args()
-    folder = Path(options.out or ROOT / "out" / ("tradeoff-quick" if options.quick else "tradeoff")).resolve()
-    folder.mkdir(parents=True, exist_ok=True)
-    study, file = Study(folder, quick() if options.quick else full()), folder / "tradeoff.json"
-    found: dict = json.loads(file.read_text()) if file.exists() else {"meshes": [], "models": []}
-
-    def keep(part: str, name: str, row: dict) -> None:
-        found[part].append({"name": name} | row)
-        found["front"] = front(found["models"], "core_seconds")
-        write_whole(file, lambda stream: stream.write(json.dumps(found, indent=1).encode()))
-        say(found[part][-1])
-
-    done = {row["name"] for part in ("meshes", "models") for row in found[part]}
-    found["reference"] = {
-        "mesh": study.plan.reference.name,
-        "unknowns": 3 * len(study.fresh(study.plan.reference).nodes),
-    }
-    for mesh in study.plan.meshes:
-        if mesh.name not in done:
-            keep("meshes", mesh.name, {"mesh": asdict(mesh)} | mesh_row(study, mesh))
-    for one in study.plan.models:
-        if one.name not in done:
-            keep("models", one.name, {"training": asdict(one)} | model_row(study, one))
-    print("no other is both cheaper to train and nearer to the reference:")
-    for name in found["front"]:
-        row = next(row for row in found["models"] if row["name"] == name)
-        print(f"  {row['core_seconds']:8.0f} s {100 * error_of(row, ('total', 'contact_force', 'p95')):8.3f} %  {name}")
-
-
-if __name__ == "__main__":
-    main()
+def measure(run: Run) -> dict:
+    """Meshes, models, and which models no other beats."""
+    study = Study(run, quick() if run.quick else full())
+    meshes = [run.once(mesh.name, mesh_row, study, mesh) for mesh in study.plan.meshes]
+    models = [run.once(one.name, model_row, study, one) for one in study.plan.models]
+    reference = {"mesh": study.plan.reference.name, "unknowns": 3 * len(study.truth.nodes)}
+    return {"reference": reference, "meshes": meshes, "models": models, "front": front(models, "core_seconds")}

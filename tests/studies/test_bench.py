@@ -5,7 +5,8 @@ import json
 
 import pytest
 
-from studies.bench import RECORD, STUDIES, compare, numbers
+from studies.bench import RECORD, compare, numbers
+from studies.runner import STUDIES
 
 RECORDED = {
     "solver": {

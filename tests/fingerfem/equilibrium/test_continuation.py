@@ -9,7 +9,7 @@ from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.equilibrium.newton import Newton, NewtonOptions
 from fingerfem.scene.laws import neo_hookean_from
 from fingerfem.scene.scene import Scene
-from studies.solver import solver as solver_study
+from studies.solver import speed as solver_study
 
 LOADS = [([50.0, 0.0], 0.005), ([60.0, 40.0], 0.010), ([100.0, 30.0], 0.020)]
 

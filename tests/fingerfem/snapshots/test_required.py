@@ -11,8 +11,8 @@ from fingerfem.scene.scene import Scene
 from rom.build import train
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotSet, read_task
+from studies.kinds import forms_of
 from studies.sets import as_toml
-from studies.solver.scenes import count
 
 SMALL = {"mesh": {"cells": [10, 5], "order": 1}}
 
@@ -58,7 +58,7 @@ def quantities(found: SnapshotSet) -> set[str]:
 
 
 def forms(table: dict) -> int:
-    return count(FingerModel(Scene.model_validate(table)).problem.forms)
+    return forms_of(FingerModel(Scene.model_validate(table)).problem.forms)
 
 
 def test_without_a_plane_there_are_no_contact_forms_no_axis_and_no_dataset_of_it(table, built):

@@ -1,30 +1,25 @@
 """The full-order solver, measured: factorisations, wall time against plain Newton's, growth with the unknowns.
 
-python3 studies/solver/solver.py [OUT] [--quick]
-    prints tables, writes OUT/solver.json (out/solver by default); one core
+One core; the paper's mesh, or the draft mesh in the short form.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 from petsc4py import PETSc
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-
 from fingerfem import FingerModel, load_scene
 from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.scene.scene import Scene
+from studies.kinds import SCENES
+from studies.runner import Run
 
-SCENES = Path(__file__).resolve().parents[2] / "scenes"
-LINES = [[30.0, 0.0], [50.0, 20.0], [70.0, 40.0], [60.0, 80.0], [100.0, 60.0]]  # tensions of contact lines [N]
-STATES = 9  # a line's
-SIZES = [[12, 5], [25, 6], [50, 8], [100, 10], [150, 15], [220, 20]]  # cells, 1,500 to 300,000 unknowns
+LINES = [[30.0, 0.0], [50.0, 20.0], [100.0, 60.0]]  # tensions of contact lines [N]
+STATES = 9  # of a line
+PLAIN = (2, 5, 8)  # of them are also solved by plain Newton
+SIZES = [[12, 5], [25, 6], [50, 8], [100, 10], [150, 15]]  # cells, 1,500 to 116,000 unknowns
 
 
 def line_distances(reach: float, nearest: float) -> np.ndarray:
@@ -56,9 +51,10 @@ def contact_force(model: FingerModel) -> float:
 def contact_line(model: FingerModel, tensions: list[float]) -> dict:
     """A training line: the plane comes nearer, state by state, each starting from the last."""
     continuation, newton = model.continuation, model.continuation.newton
+    begun = time.perf_counter()
     continuation.rest()
     continuation.advance(tensions, None)
-    before, begun = newton.factorisations, time.perf_counter()
+    before = newton.factorisations
     distances = line_distances(model.problem.reach(), model.scene.parameters[-1]["lower"])
     forces = []
     for distance in distances:
@@ -129,88 +125,51 @@ class PlainNewton:
         return contact_force(self.model)
 
 
-def against_plain_newton(model: FingerModel, tensions: list[float]) -> dict:
-    """The same nine states, on the line and each from rest by plain Newton, in one run."""
-    begun = time.perf_counter()
-    line = contact_line(model, tensions)
-    ours = time.perf_counter() - begun  # the way from rest included
+def against_plain_newton(model: FingerModel, line: dict) -> dict:
+    """States of a contact line, each solved from rest by plain Newton, in the same run."""
     plain, forces, seconds = PlainNewton(model), [], []
-    for distance in line["distances"]:
+    for state in PLAIN:
         begun = time.perf_counter()
-        forces.append(plain.solve(tensions, distance))
+        forces.append(plain.solve(line["tensions"], line["distances"][state]))
         seconds.append(time.perf_counter() - begun)
-    both = [(a, b) for a, b in zip(line["contact_forces"], forces, strict=True) if b is not None]
+    ours = line["seconds"] / STATES  # the path from rest is counted
+    both = [(line["contact_forces"][k], force) for k, force in zip(PLAIN, forces, strict=True) if force is not None]
     converged = [each for each, force in zip(seconds, forces, strict=True) if force is not None]
     return {
-        "tensions": tensions,
-        "seconds": ours,
-        "plain_seconds": sum(seconds),
+        "tensions": line["tensions"],
+        "states": len(PLAIN),
         "plain_factorisations": plain.factorisations,
         "plain_not_converged": forces.count(None),
-        "times_faster": sum(seconds) / ours,
-        "times_faster_where_plain_converged": np.mean(converged) / (ours / STATES) if converged else None,
+        "times_faster": float(np.mean(seconds)) / ours,
+        "times_faster_where_plain_converged": float(np.mean(converged)) / ours if converged else None,
         "largest_difference": max((abs(a - b) / a for a, b in both), default=None),
     }
 
 
-def sizes(scene: Scene, quick: bool) -> list[dict]:
-    """From rest to 100 N on meshes of 1,500 to 300,000 unknowns."""
-    found = []
-    for cells in SIZES[: 3 if quick else None]:
-        table = scene.model_dump()
-        table["mesh"]["cells"] = cells
-        del table["obstacle"]
-        model = FingerModel(Scene.model_validate(table))
-        try:
-            found.append({"cells": cells, **from_rest(model)})
-        except LoadNotReached as failure:
-            found.append({"cells": cells, "unknowns": model.problem.unknowns, "failed": str(failure)})
-        say(found[-1])
-    return found
+def on_mesh(scene: Scene, cells: list[int]) -> dict:
+    """From rest to 100 N on one tendon, without a plane."""
+    table = scene.model_dump()
+    table["mesh"]["cells"] = cells
+    del table["obstacle"]
+    model = FingerModel(Scene.model_validate(table))
+    try:
+        return {"cells": cells, **from_rest(model)}
+    except LoadNotReached as failure:
+        return {"cells": cells, "unknowns": model.problem.unknowns, "failed": str(failure)}
 
 
-def say(row: dict) -> None:
-    """Print a row of a table."""
-    print("  ".join(f"{name} {_short(value)}" for name, value in row.items() if name not in HIDDEN), flush=True)
-
-
-HIDDEN = ("distances", "contact_forces")
-
-
-def _short(value) -> str:
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
-
-
-def main() -> None:
-    """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("out", nargs="?", default="out/solver")
-    parser.add_argument("--quick", action="store_true", help="the draft mesh instead of the paper's; three sizes")
-    options = parser.parse_args()
-    scene = load_scene(SCENES / ("draft.toml" if options.quick else "one_segment.toml"))
+def measure(run: Run) -> dict:
+    """All of it."""
+    scene = load_scene(SCENES / ("draft.toml" if run.quick else "one_segment.toml"))
     model = FingerModel(scene)
     model.continuation.rest()
     model.continuation.advance([1.0, 0.0], None)  # what is done once: compiled forms, symbolic factorisation
-    print(f"{scene.name}: from rest to 100 N")
-    result: dict = {"scene": scene.name, "from_rest": from_rest(model)}
-    say(result["from_rest"])
-    print(f"contact lines of {STATES} states")
-    result["lines"] = []
-    for tensions in LINES:
-        result["lines"].append(contact_line(model, tensions))
-        say(result["lines"][-1])
-    total = sum(line["factorisations"] for line in result["lines"])
-    result["factorisations_per_contact_state"] = total / (STATES * len(LINES))
-    print(f"factorisations a contact state: {result['factorisations_per_contact_state']:.2f}")
-    print("against plain Newton, each state from rest")
-    result["against_plain_newton"] = against_plain_newton(model, LINES[1])
-    say(result["against_plain_newton"])
-    print("number of unknowns")
-    result["sizes"] = sizes(scene, options.quick)
-    folder = Path(options.out)
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "solver.json").write_text(json.dumps(result, indent=1))
-
-
-if __name__ == "__main__":
-    main()
+    found: dict = {"scene": scene.name, "from_rest": run.once("from rest to 100 N", from_rest, model)}
+    found["lines"] = [run.once(f"contact line at {line} N", contact_line, model, line) for line in LINES]
+    total = sum(line["factorisations"] for line in found["lines"])
+    found["factorisations_per_contact_state"] = total / (STATES * len(LINES))
+    line = found["lines"][1]
+    found["against_plain_newton"] = run.once("plain Newton", against_plain_newton, model, line)
+    sizes = SIZES[: 3 if run.quick else None]
+    found["sizes"] = [run.once(f"cells {cells}", on_mesh, scene, cells) for cells in sizes]
+    return found

@@ -1,14 +1,10 @@
 """Training, measured: two ranks against one, what the farm costs, restart, memory, claims of 64 ranks at once.
 
-python3 studies/training/training.py [OUT] [--quick]
-    prints tables, writes OUT/training.json (out/farm by default); two cores
+Two cores.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import os
 import shutil
 import subprocess
 import sys
@@ -18,56 +14,17 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-
 from rom.snapshots.folder import create
 from rom.snapshots.snapshot_set import read_description, read_task
-from studies.solver.solver import say
+from studies.runner import ROOT, Run
+from studies.sets import farm, grid_scene
 
 LINES = 4000  # for the contention of claims
-DRAFT = ROOT / "scenes" / "draft.toml"
-
-
-def scene(folder: Path, tension_nodes: int, contact_nodes: int) -> Path:
-    """The draft finger on another grid."""
-    file = folder / f"draft-{tension_nodes}-{contact_nodes}.toml"
-    text = DRAFT.read_text().split("[sampling]")[0]
-    file.write_text(f"{text}\n[sampling]\ntension_nodes = {tension_nodes}\ncontact_nodes = {contact_nodes}\n")
-    return file
-
-
-def farm(ranks: int, file: Path, folder: Path, *options: str) -> dict:
-    """Run the farm on a set until it is whole; what it reports, its wall time, and the resident memory of its ranks."""
-    command = [sys.executable, "-m", "fingerfem", "snapshots", str(file), str(folder), "--json", *options]
-    begun = time.perf_counter()
-    job = subprocess.Popen(["mpirun", "-n", str(ranks), *command], cwd=ROOT, stdout=subprocess.PIPE, text=True)
-    memory: list[dict[int, float]] = []
-    while job.poll() is None:
-        time.sleep(0.2)
-        memory.append(resident(job.pid))
-    if job.returncode:
-        raise SystemExit(f"the farm ended with {job.returncode}")
-    report = json.loads(job.stdout.read().splitlines()[-1])  # type: ignore[union-attr]
-    return report | {"wall_seconds": time.perf_counter() - begun, "memory": memory}
-
-
-def resident(job: int) -> dict[int, float]:
-    """Resident memory of a job's ranks [MB]."""
-    found: dict[int, float] = {}
-    for pid in subprocess.run(["pgrep", "-P", str(job)], capture_output=True, text=True).stdout.split():
-        try:
-            lines = Path(f"/proc/{pid}/status").read_text().splitlines()
-        except OSError:
-            continue
-        sizes = [int(line.split()[1]) / 1024 for line in lines if line.startswith("VmRSS")]
-        found |= {int(pid): size for size in sizes}
-    return found
 
 
 def scaling(folder: Path, quick: bool) -> dict:
     """One rank and two on the same set, in turn, twice; the better of each counts."""
-    file = scene(folder, *((4, 4) if quick else (9, 12)))
+    file = grid_scene(folder, *((4, 4) if quick else (7, 9)))
     rates: dict[int, list[float]] = {1: [], 2: []}
     for _ in range(1 if quick else 2):
         for ranks in rates:
@@ -92,7 +49,7 @@ def scaling(folder: Path, quick: bool) -> dict:
 
 def long_run(folder: Path, quick: bool) -> dict:
     """Memory while thousands of states are solved, and the restart of the set once it is whole."""
-    file = scene(folder, *((5, 5) if quick else (17, 17)))
+    file = grid_scene(folder, *((5, 5) if quick else (13, 12)))
     shutil.rmtree(folder / "long", ignore_errors=True)
     report = farm(2, file, folder / "long")
     memory = [max(sizes.values()) for sizes in report["memory"] if sizes]
@@ -110,8 +67,8 @@ def long_run(folder: Path, quick: bool) -> dict:
 CLAIMING = """
 import sys, time
 from pathlib import Path
-from fingerfem.snapshots import Queue
-from rom.snapshots import read_description, read_task
+from fingerfem.snapshots.farm import Queue
+from rom.snapshots.snapshot_set import read_description, read_task
 ours, theirs = map(Path, sys.argv[1:])
 description = read_description(ours)
 arrays = read_task(theirs, "contact-0-0")
@@ -150,28 +107,10 @@ def contention(folder: Path, processes: int) -> dict:
     return {"processes": processes, "lines": lines, "seconds": seconds, "lines_per_second": lines / seconds}
 
 
-def main() -> None:
-    """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("out", nargs="?", default="out/farm")
-    parser.add_argument("--quick", action="store_true", help="small grids")
-    options = parser.parse_args()
-    folder = Path(options.out).resolve()
-    folder.mkdir(parents=True, exist_ok=True)
-    result: dict = {"cores": len(os.sched_getaffinity(0))}
-    print("two ranks against one")
-    result["scaling"] = scaling(folder, options.quick)
-    say(result["scaling"])
-    print("claims, without solving")
-    result["contention"] = []
-    for processes in (1, 8, 64):
-        result["contention"].append(contention(folder, processes))
-        say(result["contention"][-1])
-    print("a long run and its restart")
-    result["long_run"] = long_run(folder, options.quick)
-    say(result["long_run"])
-    (folder / "training.json").write_text(json.dumps(result, indent=1))
-
-
-if __name__ == "__main__":
-    main()
+def measure(run: Run) -> dict:
+    """All of it."""
+    return {
+        "scaling": run.once("two ranks against one", scaling, run.folder, run.quick),
+        "contention": [run.once(f"claims of {count} processes", contention, run.folder, count) for count in (1, 8, 64)],
+        "long_run": run.once("a long run and its restart", long_run, run.folder, run.quick),
+    }

@@ -1,0 +1,10 @@
+"""The parts of docs/control.md."""
+
+from studies.control import campaigns, grasps, loop, verification
+
+PARTS = {
+    "campaigns": campaigns.measure,
+    "loop": loop.measure,
+    "grasps": grasps.measure,
+    "verification": verification.measure,
+}

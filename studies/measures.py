@@ -1,0 +1,47 @@
+"""What studies measure alike: times of calls, quantiles of errors, points of a model's box."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from rom.surrogate import Surrogate
+
+
+def shortest(call: Callable[[], Any], repeats: int = 3) -> float:
+    """Shortest of some calls [s]."""
+    seconds = []
+    for _ in range(repeats):
+        begun = time.perf_counter()
+        call()
+        seconds.append(time.perf_counter() - begun)
+    return min(seconds)
+
+
+def call_times(call: Callable[[np.ndarray], Any], points: np.ndarray) -> dict[str, float]:
+    """Median and 99th percentile of a call's time [us], at each of `points`, shape (points, parameters)."""
+    call(points[0])
+    taken = np.empty(len(points))
+    for k, point in enumerate(points):
+        begun = time.perf_counter_ns()
+        call(point)
+        taken[k] = time.perf_counter_ns() - begun
+    return {"p50_us": float(np.percentile(taken, 50)) / 1e3, "p99_us": float(np.percentile(taken, 99)) / 1e3}
+
+
+def quantiles(errors: np.ndarray) -> dict[str, float]:
+    """Median, 95th percentile and largest of errors, shape (states,)."""
+    return {
+        "median": float(np.median(errors)),
+        "p95": float(np.percentile(errors, 95)),
+        "max": float(errors.max()),
+    }
+
+
+def random_points(model: Surrogate, count: int) -> np.ndarray:
+    """Random parameters of a model's box, shape (count, parameters)."""
+    lower, upper = model.limits
+    return lower + np.random.default_rng(0).random((count, len(lower))) * (upper - lower)

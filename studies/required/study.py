@@ -1,0 +1,5 @@
+"""The parts of docs/required.md."""
+
+from studies.required import required
+
+PARTS = {"required": required.measure}

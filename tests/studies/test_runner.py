@@ -1,0 +1,102 @@
+"""Studies go on where they were, and no page outlives its study."""
+
+from pathlib import Path
+
+import pytest
+
+from studies import runner
+
+
+def test_no_page_was_written_by_an_older_version_of_its_study():
+    assert runner.stale() == []
+
+
+def test_every_generated_page_says_its_commit_and_date():
+    for study in runner.STUDIES:
+        text = (runner.DOCS / f"{study}.md").read_text()
+        assert "commit " in text.split("---")[-1] and "unknown" not in text.split("---")[-1], study
+
+
+@pytest.fixture
+def study(tmp_path, monkeypatch):
+    """A study of two parts, of which one is interrupted the first time."""
+    folder = tmp_path / "studies" / "lengths"
+    folder.mkdir(parents=True)
+    (folder / "study.py").write_text("PARTS = {}\n")
+    (folder / "page.md.j2").write_text("# Lengths\n{% for row in rows %}\n{{ row.length | number }}\n{% endfor %}\n")
+    (tmp_path / "docs").mkdir()
+    monkeypatch.setattr(runner, "ROOT", tmp_path)
+    monkeypatch.setattr(runner, "DOCS", tmp_path / "docs")
+    monkeypatch.setattr(runner, "STUDIES", ("lengths",))
+    return folder
+
+
+def run_of(folder: Path) -> runner.Run:
+    place = runner.place("lengths/rows", folder.parents[1] / "out", quick=False)
+    place.folder.mkdir(parents=True, exist_ok=True)
+    return place
+
+
+def test_rows_that_were_measured_are_kept_until_the_study_changes(study):
+    measured = []
+
+    def row(length: float) -> dict:
+        if length == 2.0 and len(measured) < 2:
+            measured.append("interrupted")
+            raise KeyboardInterrupt
+        measured.append(length)
+        return {"length": length}
+
+    with pytest.raises(KeyboardInterrupt):
+        [run_of(study).once(f"{length}", row, length) for length in (1.0, 2.0)]
+    rows = [run_of(study).once(f"{length}", row, length) for length in (1.0, 2.0)]
+    assert rows == [{"length": 1.0}, {"length": 2.0}] and measured == [1.0, "interrupted", 2.0]
+    (study / "page.md.j2").write_text("# Lengths in metres\n")
+    run_of(study).once("1.0", row, 1.0)
+    assert measured == [1.0, "interrupted", 2.0]  # a page that shows them otherwise measures nothing anew
+    (study / "study.py").write_text("PARTS = {}  # in millimetres\n")
+    run_of(study).once("1.0", row, 1.0)
+    assert measured == [1.0, "interrupted", 2.0, 1.0]
+
+
+def test_a_page_is_stale_once_its_study_or_its_template_changes(study, monkeypatch):
+    monkeypatch.setattr(runner, "parts", lambda name, quick: {"lengths/rows": None})
+    out = study.parents[1] / "out"
+    with pytest.raises(runner.Unmeasured, match="lengths/rows must be measured first"):
+        runner.write_page("lengths", out)
+    assert runner.stale()
+    monkeypatch.setenv(runner.COMMIT, "0123abc")
+    runner.finished(run_of(study), [{"length": 0.0123456}], 60.0)
+    runner.write_page("lengths", out)
+    text = (runner.DOCS / "lengths.md").read_text()
+    assert text.startswith("# Lengths\n0.0123\n") and "commit 0123abc" in text and "rows 1.0" in text
+    assert runner.stale() == []
+    for file in ("study.py", "page.md.j2"):
+        before = (study / file).read_text()
+        (study / file).write_text(before + "\n")
+        assert runner.stale() == ["docs/lengths.md is not of this studies/lengths: make docs"]
+        (study / file).write_text(before)
+    assert runner.stale() == []
+
+
+def test_what_the_packages_measured_before_they_changed_is_not_taken(study, tmp_path):
+    before = run_of(study).folder
+    (tmp_path / "rom").mkdir()
+    (tmp_path / "rom" / "fit.py").write_text("DEGREE = 3\n")
+    after = run_of(study).folder
+    (tmp_path / "rom" / "fit.py").write_text("DEGREE = 4\n")
+    assert len({before, after, run_of(study).folder}) == 3
+
+
+def test_a_template_that_names_what_was_not_measured_is_an_error(study, monkeypatch):
+    monkeypatch.setattr(runner, "parts", lambda name, quick: {"lengths/rows": None})
+    (study / "page.md.j2").write_text("{{ rows[0].width }}\n")
+    runner.finished(run_of(study), [{"length": 1.0}], 1.0)
+    with pytest.raises(Exception, match="width"):
+        runner.write_page("lengths", study.parents[1] / "out")
+
+
+def test_numbers_are_written_for_people():
+    assert [runner.percent(share) for share in (0.5, 0.0123, 1.0)] == ["50 %", "1.2 %", "100 %"]
+    assert [runner.number(value) for value in (12345, 0.0123456, None)] == ["12,345", "0.0123", "-"]
+    assert runner.over({"seconds": 3.0}, "seconds", {"seconds": 2.0}) == "1.50"
