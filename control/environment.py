@@ -61,7 +61,11 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Draw a plane and a target; `options` may say them: distance [m], target [N]."""
+        """Draw a plane and a target; `options` may say them: distance [m], target [N].
+
+        Returns:
+            the observation, shape (tensions + 2,), see the class; and what is drawn.
+        """
         super().reset(seed=seed)
         lower, upper = self._model.limits
         given = options or {}

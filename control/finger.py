@@ -16,7 +16,7 @@ from control.problems import known, rules
 from rom import Surrogate
 from rom.native.answer import PAD
 
-KEPT = 1.96  # standard deviations within which 95 % of a normal distribution are
+NORMAL_95 = 1.96  # standard deviations within which 95 % of a normal distribution are [-]
 
 
 class Finger:
@@ -45,8 +45,6 @@ class Finger:
         self.rest = np.array([sum(geometry["segments"]) - geometry["plate"] / 2, 0.0, 0.0])  # tip plate's centre [m]
         self._offsets = np.array([tendon["offset"] for tendon in tendons], float)
         self._tip_error = float(model.errors.tip)
-
-    # -- reach and follow --------------------------------------------------------------------------------------------
 
     def reach(
         self,
@@ -152,8 +150,6 @@ class Finger:
         tensions, found = problems.reach(self.known, start, change, mirrored, float(distance), rules(tolerance))
         return self._motion(found.status, tensions, distance, found.residual, self._tip_error, found.evaluations, sides)
 
-    # -- feel and hold -----------------------------------------------------------------------------------------------
-
     def locate(self, tensions: ArrayLike, contact_force: ArrayLike, noise: float = 0.0, hint: float = np.nan) -> Motion:
         """Find the plane from tensions and the contact force felt; the motion's `distance` is d*.
 
@@ -179,11 +175,11 @@ class Finger:
             return self._out_of_domain(np.nan, pulled[-1])
         close = rules(1e-9 * max(float(felt.max()), 1.0))
         found = problems.locate(self.known, pulled, felt, float(hint), close)
-        status, steep, wrong = found.status, found.squared_slopes, found.weighted_error
-        error = wrong / np.sqrt(steep * len(felt)) if steep > 0 else np.inf
+        status, steep, error_95 = found.status, found.squared_slopes, found.weighted_error
+        error = error_95 / np.sqrt(steep * len(felt)) if steep > 0 else np.inf
         if len(felt) > 1 and steep > 0 and status != CONVERGED and found.residual <= 3 * noise + error:
             status = CONVERGED
-        deviation = float(np.hypot(noise / np.sqrt(steep), wrong / KEPT / steep)) if steep > 0 else np.inf
+        deviation = float(np.hypot(noise / np.sqrt(steep), error_95 / NORMAL_95 / steep)) if steep > 0 else np.inf
         return self._motion(
             status, pulled[-1], found.distance, found.residual, error, found.evaluations, deviation=deviation
         )
@@ -249,8 +245,6 @@ class Finger:
         """Contact force [N] and pad pressure [Pa] of a motion."""
         answer = self.model.evaluate([*motion.tensions, motion.distance])
         return float(answer.contact_force), float(answer.pad_pressure)
-
-    # -- shared ------------------------------------------------------------------------------------------------------
 
     def _needs_obstacle(self) -> None:
         if not self.model.has_obstacle:

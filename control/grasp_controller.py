@@ -222,10 +222,10 @@ class Grip:
             self.status = "unreachable" if np.isfinite(self.distance) else "out_of_domain"
             return
         change = self._finger.limits.rate * self._options.period
-        way = tensions - self.tensions
-        longest = float(np.abs(way).max())
+        change_wanted = tensions - self.tensions
+        longest = float(np.abs(change_wanted).max())
         arrives = longest <= change
-        self.tensions = tensions if arrives else self.tensions + way * (change / longest)
+        self.tensions = tensions if arrives else self.tensions + change_wanted * (change / longest)
         if self.stage == "squeeze" and not growing and self._aim == self._target and arrives:
             self.stage = "hold"
         wide = 2 if self.status == "converged" else 1  # what holds is not given up for a reading or two

@@ -3,8 +3,8 @@
 Damping by the gain ratio (Nielsen, IMM-REP-1999-05, DTU 1999); bounds by projection, with the variables that the
 gradient pushes against their bound left out of the step. A step is a linear least-squares problem, solved by
 Householder reflections (normal equations would square the condition). Where many points solve the problem, as two
-tensions hold one force, the way goes on along them to the one nearest to the start (projected gradient of the distance,
-the residual corrected at every step).
+tensions hold one force, null-space motion goes on along them to the one nearest to the start (projected gradient of the
+distance, the residual corrected at every step).
 
 Compiled, and without allocation (control/native/least_squares.h).
 """
@@ -34,7 +34,7 @@ class Rules(NamedTuple):
         step: stationary when a step below this, over the bounds' width, gains less than this, over the cost [-].
         nearest: of all solutions the nearest to the start is taken: along them, the start lies ahead by at most this
             share of its distance, over the bounds' width [-]; 1 takes any.
-        null_space_iterations: most evaluations on the way to it.
+        null_space_iterations: most evaluations of that motion.
         iterations: most evaluations of the residual in all.
     """
 

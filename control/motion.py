@@ -18,7 +18,7 @@ class Motion:
         distance: of the plane [m], inf where there is none.
         status: converged, unreachable (the nearest reachable answer), out_of_domain or iteration_limit.
         residual: distance from the target, [m] for reach, [N] for locate and hold.
-        error: the model's estimate of its error there, in the residual's unit; 95 % of states keep it.
+        error: the model's estimate of its error there, in the residual's unit; meant to cover 95 % of the true ones.
         iterations: evaluations of the model.
         sides: of the finger, along y and z, on which its tendons are pulled: 1 those of the scene, -1 their mirror
             images (in y in free space only, in z before a plane too).

@@ -27,7 +27,7 @@ class Atlas(NamedTuple):
         touch_distances: shape (k,) [m].
         distances: of the plane, shape (l,) [m]; empty without an obstacle.
         contact_forces: or pad pressures over their unit, shape (l, k) [N].
-        stiffness: of contact, by the way past touch, in the middle of these [N/m].
+        stiffness: of contact, per length of contact path, in the middle of these [N/m].
     """
 
     tensions: np.ndarray

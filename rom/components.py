@@ -51,8 +51,8 @@ class Regime:
 
     Attributes:
         code: its active contacts.
-        corner: which of the free form's heights is that of the corner whose way past the plane is its coordinate.
-        begins: whether it begins at touch: tip and force are then by that way.
+        corner: which of the free form's heights is that of the corner whose contact path is its coordinate.
+        begins: whether it begins at touch: tip and force are then per length of that path.
         states: number of states it was fitted to.
         sizes: what its conditions are large or small against.
         form: what contact adds to the tip [m], contact force [N], conditions, pad pressure [Pa] if it is known; by
@@ -92,15 +92,15 @@ class Field:
 
 @dataclass(frozen=True, kw_only=True)
 class Errors:
-    """The surrogate's estimate of its own error, see rom.error_model; 95 % of states keep it.
+    """The surrogate's estimate of its own error, see rom.error_model; meant to cover 95 % of the true ones.
 
     Attributes:
         tip: in free space [m].
         displacement: in free space, root mean square over the nodes [m]; 0 without the field.
         touch_distance: [m].
-        contact: of tip, contact force, displacement and pad pressure, if that is known, by way past touch [-, N/m, -,
-            Pa/m], by cell of the regime lookup, shape (cells, 3 or 4).
-        margin: added to the way past touch [m].
+        contact: of tip, contact force, displacement and pad pressure, if that is known, per length of contact path
+            [-, N/m, -, Pa/m], by cell of the regime lookup, shape (cells, 3 or 4).
+        margin: added to the contact path [m].
     """
 
     tip: float

@@ -31,7 +31,7 @@ FREE = {"tip", "displacement", "touch_distance"}  # quantities whose errors in f
 FEW_STATES, LEAST_FACTOR = 20, 1e-3  # calibration states that scale nothing; factor that none goes below
 UNCALIBRATED = 4.0  # factor on the rates as long as no calibration states have scaled them
 IDLE = 0.01  # of the middle error of a pad, that it has at least where it bears nothing
-MARGIN = 1e-3  # share of the range of d: ways past touch below which errors do not become smaller
+MARGIN = 1e-3  # share of the range of d: contact paths below which errors do not become smaller
 
 
 def estimate(

@@ -130,9 +130,9 @@ class Surrogate(Components):
         for r, regime in enumerate(self.regimes):
             form, less = regime.form.truncated(tolerance)
             regimes.append(replace(regime, form=form))
-            way = 1.0 if regime.begins else self.coordinates.soft
+            path = 1.0 if regime.begins else self.coordinates.soft
             contact[self.regime_lookup == r, :2] += (
-                np.array([np.linalg.norm(less[layout.TIP]), less[layout.FORCE]]) / way
+                np.array([np.linalg.norm(less[layout.TIP]), less[layout.FORCE]]) / path
             )
         moved = self.displacements
         displacement_lost = 0.0
@@ -142,8 +142,8 @@ class Surrogate(Components):
             for r, form in enumerate(moved.regimes):
                 fields.append(form.truncated(tolerance)[0])
                 less = form.truncated(tolerance)[1]
-                way = 1.0 if self.regimes[r].begins else self.coordinates.soft
-                contact[self.regime_lookup == r, 2] += np.linalg.norm(less) / np.sqrt(len(self.nodes)) / way
+                path = 1.0 if self.regimes[r].begins else self.coordinates.soft
+                contact[self.regime_lookup == r, 2] += np.linalg.norm(less) / np.sqrt(len(self.nodes)) / path
             moved = replace(moved, free=kept, regimes=fields)
         found = replace(
             self,
@@ -182,7 +182,7 @@ class Surrogate(Components):
         return {name: form.terms for name, form in self.forms.items()}
 
     def regime(self, parameters: ArrayLike) -> Regime | None:
-        """The contact regime at a point; None without contact.
+        """The contact regime at a point, shape (p,) [N, m]; None without contact.
 
         Raises:
             ModelError: the wrong number of parameters.
@@ -196,7 +196,7 @@ class Surrogate(Components):
         Models that know the pad have a sixth row, its pressure [Pa].
         At touch itself, a kink, they are those of the free side. Outside the trained box they are zero across its
         walls. Where a fit swings below zero just after touch, the force is held at zero but not its derivative, so
-        that a solver finds its way.
+        that a solver finds where it rises.
         """
         return answer.answer(self.kernel, self._point(parameters))[1]
 

@@ -25,12 +25,12 @@ typedef struct {
     double *lower, *upper, *width;       /* (n): bounds */
     double *r, *jacobian;                /* (m), (m, n): at x */
     double *r_ahead, *jacobian_ahead;    /* (m), (m, n): to be written by whoever calls */
-    double *step, *last, *back;          /* (n): the step, the one before, the way to the reference point */
+    double *step, *last, *back;          /* (n): the step, the one before, the motion to the reference point */
     double *free;                        /* (n): 1 for variables that the step may change, else 0 */
     double *system, *right;              /* (m + n, n), (m + n): of the step's least-squares problem */
     double cost, damping, damping_growth;
     double away;                         /* squared distance of best from the reference point */
-    double share;                        /* of the way to the reference point that is tried at once */
+    double share;                        /* of the motion to the reference point that is tried at once */
     int32_t evaluations, solved_at;      /* so far; and how many until it was first solved, 0 if it is not */
 } control_workspace;
 

@@ -16,7 +16,7 @@ static void locate(control_problem *problem, int readings, const double *tension
 {
     const int n = problem->tensions;
     const double nearest = problem->finger->kernel->lower[n], farthest = problem->finger->kernel->upper[n];
-    const double starts[] = {-1.0, 0.9, 0.5, 0.1}; /* of the way to where touch begins; first the hint */
+    const double starts[] = {-1.0, 0.9, 0.5, 0.1}; /* of the path to where touch begins; first the hint */
     double touched = nearest, least = INFINITY, residual, slope;
     control_workspace w;
     control_workspace_in(&w, 1, readings, memory);

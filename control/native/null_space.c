@@ -2,7 +2,7 @@
 #include <math.h>
 #include "step.h"
 
-#define LEAST_SHARE 0.0625 /* of the way to the reference point that is tried at once [-] */
+#define LEAST_SHARE 0.0625 /* of the motion to the reference point that is tried at once [-] */
 #define RANK 1e-10 /* share of the largest singular value, squared, below which a direction does not count [-] */
 
 void control_keep_nearest(control_workspace *w)
@@ -32,15 +32,15 @@ int control_null_space_advance(control_workspace *w, const control_rules *rules,
     return control_null_space_step(w, rules);
 }
 
-/* The step towards the reference point over the free variables; the largest change that the whole way asks for. */
+/* The step towards the reference point over the free variables; the largest change that the whole motion asks for. */
 static double projected_step(control_workspace *w, double damping)
 {
     const int n = w->n, m = w->m;
     double longest = 0.0;
     for (int j = 0; j < n; j++) {
-        const double way = w->free[j] != 0.0 ? (w->reference[j] - w->x[j]) / w->width[j] : 0.0;
-        w->back[j] = w->share * way;
-        if (fabs(way) > longest) longest = fabs(way);
+        const double change = w->free[j] != 0.0 ? (w->reference[j] - w->x[j]) / w->width[j] : 0.0;
+        w->back[j] = w->share * change;
+        if (fabs(change) > longest) longest = fabs(change);
     }
     for (int i = 0; i < m; i++) {
         w->right[i] = -w->r[i];
@@ -82,7 +82,7 @@ int control_null_space_step(control_workspace *w, const control_rules *rules)
     if (control_longest(w->step, n) <= rules->nearest * w->share * away) return settle(w);
     double turned = 0.0;
     for (int j = 0; j < n; j++) turned += w->step[j] * w->last[j];
-    /* On a strongly curved surface the whole way would swing from side to side. */
+    /* On a strongly curved surface the whole motion would swing from side to side. */
     if (turned < 0.0) w->share = fmax(0.5 * w->share, LEAST_SHARE);
     control_look_ahead(w, rules->longest);
     return CONTROL_GOING;

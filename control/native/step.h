@@ -32,7 +32,7 @@ void control_look_ahead(control_workspace *w, double most);
 void control_accept(control_workspace *w, double cost);
 
 /* Null-space motion: of the points that solve a problem the one nearest to the reference point, by going on along
- * them. The way there is projected on the directions that leave the residual as it is, and the residual corrected at
+ * them. The motion there is projected on the directions that leave the residual as it is, and the residual corrected at
  * every step. */
 void control_keep_nearest(control_workspace *w);
 int control_null_space_step(control_workspace *w, const control_rules *rules);

@@ -212,7 +212,7 @@ class Problem:
 
     @cached_property
     def surface_nodes(self) -> np.ndarray:
-        """Local indices of the nodes that may touch the plane."""
+        """Local indices, shape (nodes,), of the nodes that may touch the plane."""
         facets = [self.mesh.facets.find(kind) for kind in regions.SURFACE]
         dim = self.mesh.mesh.topology.dim - 1
         return fem.locate_dofs_topological(self.space, dim, np.sort(np.concatenate(facets)))

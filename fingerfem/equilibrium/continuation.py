@@ -53,7 +53,10 @@ class Step:
     slope: np.ndarray
 
     def change_after(self, last: Step) -> np.ndarray:
-        """Change of displacement by the cubic through both ends of the last step; after a turn by the tangent [m]."""
+        """Change of displacement by the cubic through both ends of the last step; after a turn by the tangent [m].
+
+        Shape (owned and ghost values of this rank,).
+        """
         ratio = float(np.max(np.abs(self.load)) / np.max(np.abs(last.load)))
         if ratio > 2 or not np.allclose(self.load, ratio * last.load, rtol=1e-6, atol=0):
             return self.slope
@@ -148,7 +151,7 @@ class Continuation:
             fraction, failed = ahead, False
 
     def _sizes(self, target: np.ndarray, distance: float | None) -> tuple[float, float]:
-        """Largest and first step, as fractions of the way."""
+        """Largest and first step, as fractions of the path."""
         turn = float(np.abs(target - self.tensions) @ self._turn)
         approach = 0.0
         if distance is not None and self.distance is not None:
@@ -203,8 +206,8 @@ class Continuation:
     def _predict(self, tensions: np.ndarray, distance: float | None) -> Step | None:
         """Move to where the next equilibrium is expected, by the last factorised tangent.
 
-        The nodes in contact move with the plane. Where the last step went the same way, a cubic goes through both its
-        ends and their tangents; a first step follows the tangent alone. Plates move rigidly.
+        The nodes in contact move with the plane. Where the last step went in the same direction, a cubic goes through
+        both its ends and their tangents; a first step follows the tangent alone. Plates move rigidly.
         """
         problem = self.problem
         moved = 0.0 if distance is None or self.distance is None else distance - self.distance

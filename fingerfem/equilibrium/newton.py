@@ -157,7 +157,7 @@ class Newton:
         return self._linearisation()
 
     def add(self, owned_values: np.ndarray) -> None:
-        """Add owned values to the problem's displacement."""
+        """Add this rank's owned values, shape (owned values,) [m], to the problem's displacement."""
         u = self.problem.fields.u.x
         u.array[: len(owned_values)] += owned_values
         u.scatter_forward()

@@ -50,7 +50,7 @@ def differentiate(problem: Problem, linearisation: Linearisation) -> Sensitiviti
         contact_force = _along(problem, [_owned(problem.gradient(forms.contact.force_gradient))], changes)[:, 0]
         contact_force[-1] -= problem.scalar(forms.contact.stiffness)  # at fixed displacement
         if forms.contact.pad_gradient is not None and forms.contact.pad_area is not None:
-            # A plane that moves away is a finger that moves the other way: only the gap between them counts.
+            # A plane that moves away is a finger that moves in the other direction: only the gap between them counts.
             lifted = problem.nodal(forms.contact.pad_gradient)[: changes.shape[1] // 3, 1].sum()
             pad_pressure = _along(problem, [_owned(problem.gradient(forms.contact.pad_gradient))], changes)[:, 0]
             pad_pressure[-1] -= problem.copies * problem.comm.allreduce(lifted)

@@ -47,7 +47,7 @@ def subdivide(breakpoints: ArrayLike, cells: int, symmetric: bool = False) -> np
 
 
 def grid_lines(outline: Outline, mesh: Mesh, half: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Grid lines along x, y and z [m]; z begins at 0 where `half` the finger is modelled.
+    """Grid lines along x, y and z, shapes (lines,) [m]; z begins at 0 where `half` the finger is modelled.
 
     Raises:
         ValueError: mesh.cells cannot hold the plates, the channels or the pad.

@@ -1,7 +1,7 @@
 """Mesh, sampling and terms for an accuracy, a budget or a preset: from the measured front of speed against accuracy.
 
 `studies/tradeoff/tradeoff.py` measures the front on the draft finger, its page writes front.json beside this module,
-and docs/tradeoff.md shows it. Other fingers get cells of the same shape and as many lines of states a tension; what
+and docs/tradeoff.md shows it. Other fingers get cells of the same shape and as many lines of states per tension; what
 they cost is scaled by cells and lines, what they err is not known before `check` measures it.
 """
 
@@ -31,7 +31,7 @@ def front() -> list[dict[str, Any]]:
 
     Each has `cells`, `order`, `lines` [a tension], `tolerance`; `preset`, its name or None; and as measured
     `contact_force`, `contact_force_of_mesh`, `contact_force_of_surrogate` and the same of `displacement`
-    (95 % of states, relative [-]), `core_seconds` [s], `states`.
+    (95th percentile, relative [-]), `core_seconds` [s], `states`.
     """
     return json.loads(FRONT.read_text())["choices"]
 

@@ -113,8 +113,8 @@ class Sampling(Table):
 class Expected(Table):
     """What the mesh, sampling and terms that an accuracy, a budget or a preset chose are expected to give, see presets.
 
-    Errors are relative [-], of the contact force or, without an obstacle, of the displacement, and kept by 95 % of
-    states on the finger that the front was measured on.
+    Errors are relative [-], of the contact force or, without an obstacle, of the displacement, at the 95th
+    percentile of states on the finger that the front was measured on.
     """
 
     quantity: Literal["contact_force", "displacement"]
@@ -128,7 +128,7 @@ class Expected(Table):
     def __str__(self) -> str:
         shares = [f"{100 * share:.2g} %" for share in (self.error, self.error_of_mesh, self.error_of_surrogate)]
         return (
-            f"{self.quantity.replace('_', ' ')} within {shares[0]} in 95 % of states ({shares[1]} of the mesh, "
+            f"{self.quantity.replace('_', ' ')} within {shares[0]} at the 95th percentile ({shares[1]} of the mesh, "
             f"{shares[2]} of the surrogate), {self.states} states, {self.core_seconds / 60:.2g} core-minutes"
         )
 

@@ -50,7 +50,12 @@ class HeldOut:
 FINEST = {"tension": 17, "contact": 33}  # nodes of a grid that is refined
 FIRST = 4  # every how many-th of them it begins with
 MOST_TENSIONS = 3  # on such a grid
-SCATTER, LINES, ALONG, SEED = 3, 40, 8, 0  # tensions from which on lines are scattered; lines a tension; nodes a line
+SCATTER, LINES, ALONG, SEED = (
+    3,
+    40,
+    8,
+    0,
+)  # tensions from which on lines are scattered; lines per tension; nodes of a line
 
 
 def describe(

@@ -20,7 +20,8 @@ from fingerfem.model import FingerModel
 from fingerfem.snapshots import ledger
 from fingerfem.snapshots.claims import open_claims
 from fingerfem.snapshots.design import body
-from fingerfem.snapshots.lines import NOTHING_KNOWN, Arrays, Known, LineSolver
+from fingerfem.snapshots.lines.setting import NOTHING_KNOWN, Arrays, Known
+from fingerfem.snapshots.lines.solver import LineSolver
 from rom.snapshots.plan import Plan, Round
 from rom.snapshots.snapshot_set import Description, SnapshotError, body_file, task_file, write_task
 

@@ -18,7 +18,7 @@ from fingerfem.scene.scene import Scene
 from fingerfem.snapshots import farm
 from fingerfem.snapshots.design import HeldOut, describe
 from fingerfem.snapshots.ledger import Ledger, sentence
-from fingerfem.snapshots.lines import Known
+from fingerfem.snapshots.lines.setting import Known
 from fingerfem.snapshots.neighbours import Neighbours
 from fingerfem.snapshots.progress import Reporter
 from fingerfem.snapshots.reuse import Donor

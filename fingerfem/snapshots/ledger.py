@@ -63,7 +63,7 @@ def _attempts(path: str | Path, task: str) -> Path:
 
 
 def sentence(description: Description, task: str, parameters: np.ndarray, last_good: np.ndarray, reason: str) -> str:
-    """One line about a state that has no answer."""
+    """One line about a state that has no answer: parameters and last good load, shapes (p,) [N, m], nan without."""
 
     def loads(values: np.ndarray) -> str:
         named = zip(description.parameters, values, strict=True)
@@ -145,7 +145,7 @@ class Ledger:
 
     @property
     def failures(self) -> list[tuple[str, np.ndarray, np.ndarray, str]]:
-        """Task, parameters, last good load and reason of every state that has no answer."""
+        """Task, parameters and last good load, shapes (p,) [N, m], and reason of every state that has no answer."""
         return [(task, *failure) for task, outcome in self.outcomes.items() for failure in outcome.failures]
 
     def forget_failures(self) -> list[str]:

@@ -59,8 +59,9 @@ class Recorder:
         self.reaches: list[float] = []
 
     def state(self, tensions: np.ndarray, distance: float | None, iterations_before: int | None = None) -> None:
-        """Solve and note one state; the touch distance of one in contact is that of the last free state.
+        """Solve and note one state at tensions, shape (tensions,) [N], and a plane's distance [m], or without a plane.
 
+        The touch distance of a state in contact is that of the last free state.
         Its iterations are counted from `iterations_before`, from now if that is None.
         """
         model = self._model
@@ -98,7 +99,10 @@ class Recorder:
             )
 
     def take(self, row: dict[str, Any], displacement: np.ndarray | None) -> None:
-        """Note a state that another set has solved; its displacement is of this rank's nodes, if known."""
+        """Note a state that another set has solved.
+
+        Its displacement, shape (values,) [m], is of this rank's nodes, if known.
+        """
         blank = np.full_like(self._model.problem.displacement, np.nan)
         self.displacements.append(blank if displacement is None else displacement)
         self.reaches.append(float(row.get("touch_distance", np.nan)))
@@ -180,7 +184,7 @@ class Recorder:
         count: int = 1,
         last_good: tuple[np.ndarray, float] | None = None,
     ) -> None:
-        """Note states that have no answer, and the last load with an equilibrium on the way to them."""
+        """Note states at tensions, shape (tensions,) [N], without an answer, and the last load with an equilibrium."""
         logger.warning("no state at %s: %s", self._parameters(tensions, distance).tolist(), reason)
         row = {
             "parameters": self._parameters(tensions, distance),

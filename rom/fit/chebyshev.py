@@ -124,7 +124,7 @@ class Fitted:
     residuals: np.ndarray
 
     def of(self, columns: np.ndarray) -> Fitted:
-        """The fit of some of the functions."""
+        """The fit of some of the functions: `columns`, shape (columns,), are positions or a mask."""
         return Fitted(
             polynomial=replace(self.polynomial, coefficients=self.polynomial.coefficients[:, columns]),
             degree=self.degree,

@@ -33,7 +33,7 @@ class ContactCoordinates(NamedTuple):
 
     @staticmethod
     def over(nearest: float, farthest: float, heights: np.ndarray) -> ContactCoordinates:
-        """Coordinates for a range of d [m] and the heights that the regimes' corners have in free space [m]."""
+        """Coordinates for a range of d [m] and the heights of the regimes' corners in free space, shape (n,) [m]."""
         lowest = max(nearest - float(heights.min()), 0.0)
         return ContactCoordinates(nearest, max(SOFT * (farthest - nearest), 2 * lowest))
 

@@ -131,7 +131,7 @@ class ContactResponse:
         return np.asarray(found.reshape(len(middles), -1))
 
     def regime_lookup(self) -> tuple[np.ndarray, np.ndarray]:
-        """Regimes by cell, flat: that of the state nearest to its middle; and bits of those nearby, on all meshes."""
+        """Regimes by cell, shapes (cells,): that of the state nearest to its middle; and bits of those near by."""
         regime, around = self.regime, self.around
         if self.coarse:
             both = (self, self.coarse)

@@ -13,7 +13,7 @@ from rom.fit.free_response import FreeResponse
 from rom.snapshots import contact_regimes
 from rom.snapshots.contact_regimes import Code
 
-SHORT = 0.1  # share of the longest way past a corner that is short
+SHORT = 0.1  # share of the longest contact path below which one is short
 ROWS = 2.5  # of a correction for every coefficient: states come in few lines, and these are not left out whole
 BEYOND = 1.5  # of a box scaled to [-1, 1], how far beyond a fit is still of use
 SMALL = 0.02  # share of a regime's largest force below which errors count as of that force
@@ -43,7 +43,7 @@ class FitDomain:
 
     @property
     def past(self) -> np.ndarray:
-        """By which quantities that grow from touch on are divided: the way past the corner [m], or 1; shape (n,)."""
+        """By which quantities that grow from touch on are divided: the contact path [m], or 1; shape (n,)."""
         return self.height - self.parameters[:, -1] if self.begins else np.ones(len(self.height))
 
     def fit(
@@ -56,8 +56,8 @@ class FitDomain:
     ) -> Fitted:
         """Fit quantities, shape (n, m), with derivatives by the parameters, shape (n, m, p); or what is known `before`.
 
-        Those that grow from touch on are fitted by their ways past the corner where the regime begins at touch. For
-        those of a field, which count alike, ways so small that they magnify what its basis leaves out count little.
+        Those that grow from touch on are fitted per length of contact path where the regime begins at touch. For
+        those of a field, which count alike, paths so short that they magnify what its basis leaves out count little.
         """
         samples = self.blank
         if self.begins and grows:
@@ -113,7 +113,7 @@ def fit_domain(
     coordinates: ContactCoordinates,
     before: FittedRegime | None,
 ) -> FitDomain:
-    """Where the states of a regime lie, in the box of what is known before, if anything is."""
+    """Where the states of a regime lie, shapes (states, ...), in the box of what is known before, if anything is."""
     parameters, force = states["parameters"], states["contact_force"]
     known, jacobian = free.polynomial.value_and_gradient(parameters[:, :-1])
     points = coordinates.of(parameters, known[:, layout.height(height)])
@@ -153,7 +153,7 @@ def fitted(
     signs: list[contact_regimes.Sign],
     sizes: np.ndarray,
 ) -> FittedRegime:
-    """Fit a regime's quantities and conditions, or correct by them what is known before."""
+    """Fit a regime's quantities and conditions to its states, shapes (states, ...), or correct what is known before."""
     before = domain.before
     known, jacobian = free.polynomial.value_and_gradient(states["parameters"][:, :-1])
     jacobian = np.concatenate([jacobian, np.zeros((*jacobian.shape[:2], 1))], axis=-1)

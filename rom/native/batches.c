@@ -10,10 +10,10 @@ static void add_contact_values(const fingerfem_kernel *kernel, int regime, const
     const fingerfem_tables *tables = &kernel->tables;
     const int form = 1 + regime;
     const double size = kernel->begins[regime] ? height - point[kernel->parameters - 1] : 1.0;
-    double coordinates[kernel->parameters], products[tables->forms[4 * form + 1]];
+    double coordinates[kernel->parameters], products[fingerfem_terms(tables, form)];
     fingerfem_coordinates(kernel, point, height, coordinates);
     fingerfem_products(tables, form, coordinates, products);
-    for (int j = 0; j < tables->forms[4 * form + 2]; j++) {
+    for (int j = 0; j < fingerfem_components(tables, form); j++) {
         const int row = fingerfem_row(kernel, regime, j);
         if (row >= 0) out[row] += size * fingerfem_component(tables, form, j, products);
     }
@@ -24,15 +24,16 @@ void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *
                        int32_t *regimes)
 {
     const fingerfem_tables *tables = &kernel->tables;
-    const int p = kernel->parameters, corners = tables->forms[2] - 3, rows = FINGERFEM_PAD + kernel->has_pad;
-    double held[p], heights[corners > 0 ? corners : 1], products[tables->forms[1]];
+    const int p = kernel->parameters, corners = fingerfem_components(tables, 0) - FINGERFEM_HEIGHTS;
+    const int rows = FINGERFEM_PAD + kernel->has_pad;
+    double held[p], heights[corners > 0 ? corners : 1], products[fingerfem_terms(tables, 0)];
     for (int i = 0; i < count; i++, points += p, out += rows) {
         regimes[i] = -1;
         inside[i] = (uint8_t)fingerfem_hold_tensions(kernel, points, held);
         fingerfem_products(tables, 0, held, products);
         fingerfem_free_answer(kernel, products, out);
         if (!kernel->has_obstacle) continue;
-        for (int j = 0; j < corners; j++) heights[j] = fingerfem_component(tables, 0, 3 + j, products);
+        for (int j = 0; j < corners; j++) heights[j] = fingerfem_component(tables, 0, FINGERFEM_HEIGHTS + j, products);
         const double touch_distance = out[FINGERFEM_TOUCH] = heights[fingerfem_leading(heights, corners)];
         inside[i] &= (uint8_t)fingerfem_hold_distance(kernel, points, touch_distance, held);
         if (!(held[p - 1] < touch_distance)) continue;
@@ -64,7 +65,8 @@ void fingerfem_contact_errors(const fingerfem_kernel *kernel, const double *rate
 void fingerfem_form(const fingerfem_tables *tables, int form, int count, const double *points, double *values,
                     double *gradients)
 {
-    const int axes = tables->forms[4 * form], terms = tables->forms[4 * form + 1], m = tables->forms[4 * form + 2];
+    const int axes = fingerfem_axes(tables, form), terms = fingerfem_terms(tables, form);
+    const int m = fingerfem_components(tables, form);
     double products[terms], slopes[axes * terms];
     for (int i = 0; i < count; i++, points += axes, values += m) {
         if (gradients)

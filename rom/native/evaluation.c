@@ -6,6 +6,24 @@
 #define FINGERFEM_API
 #endif
 
+/* What a form's row says: how many axes, terms and components, and where its modes are in data. */
+static inline int fingerfem_axes(const fingerfem_tables *tables, int form)
+{
+    return tables->forms[FINGERFEM_ROW * form + FINGERFEM_AXES];
+}
+static inline int fingerfem_terms(const fingerfem_tables *tables, int form)
+{
+    return tables->forms[FINGERFEM_ROW * form + FINGERFEM_TERMS];
+}
+static inline int fingerfem_components(const fingerfem_tables *tables, int form)
+{
+    return tables->forms[FINGERFEM_ROW * form + FINGERFEM_COMPONENTS];
+}
+static inline int fingerfem_modes(const fingerfem_tables *tables, int form)
+{
+    return tables->forms[FINGERFEM_ROW * form + FINGERFEM_MODES];
+}
+
 /* Where x lies on an axis: its interval's pieces, how far along it is (an interval beyond the ends at most), and how
  * that changes with x. NaN goes to the lower end. */
 static inline const double *fingerfem_pieces(const fingerfem_tables *tables, int form, int axis, double x, double *along,
@@ -18,13 +36,13 @@ static inline const double *fingerfem_pieces(const fingerfem_tables *tables, int
     const int interval = (int)(held < 0.0 ? 0.0 : held > last - 1.0 ? last - 1.0 : held);
     *along = held - interval;
     *rate = wanted == held ? per_unit : 0.0;
-    return tables->data + tables->axes[at + 1] + (ptrdiff_t)4 * tables->forms[4 * form + 1] * interval;
+    return tables->data + tables->axes[at + 1] + (ptrdiff_t)4 * fingerfem_terms(tables, form) * interval;
 }
 
 /* Products, (terms), of a form's one-dimensional functions at x. */
 static inline void fingerfem_products(const fingerfem_tables *tables, int form, const double *x, double *restrict whole)
 {
-    const int axes = tables->forms[4 * form], terms = tables->forms[4 * form + 1];
+    const int axes = fingerfem_axes(tables, form), terms = fingerfem_terms(tables, form);
     for (int k = 0; k < terms; k++) whole[k] = 1.0;
     for (int a = 0; a < axes; a++) {
         double t, rate;
@@ -39,7 +57,7 @@ static inline void fingerfem_products(const fingerfem_tables *tables, int form, 
 static inline void fingerfem_products_and_slopes(const fingerfem_tables *tables, int form, const double *x,
                                                  double *restrict whole, double *restrict slopes)
 {
-    const int axes = tables->forms[4 * form], terms = tables->forms[4 * form + 1];
+    const int axes = fingerfem_axes(tables, form), terms = fingerfem_terms(tables, form);
     double values[axes * terms], behind[terms];
     for (int k = 0; k < terms; k++) whole[k] = behind[k] = 1.0;
     for (int a = 0; a < axes; a++) {
@@ -65,8 +83,8 @@ static inline void fingerfem_products_and_slopes(const fingerfem_tables *tables,
 /* Component j of a form: its modes weighted by the terms' products, or by their slopes. */
 static inline double fingerfem_component(const fingerfem_tables *tables, int form, int j, const double *restrict weights)
 {
-    const int terms = tables->forms[4 * form + 1];
-    const double *restrict modes = tables->data + tables->forms[4 * form + 3] + (ptrdiff_t)j * terms;
+    const int terms = fingerfem_terms(tables, form);
+    const double *restrict modes = tables->data + fingerfem_modes(tables, form) + (ptrdiff_t)j * terms;
     double found = 0.0;
     for (int k = 0; k < terms; k++) found += weights[k] * modes[k];
     return found;
@@ -75,7 +93,7 @@ static inline double fingerfem_component(const fingerfem_tables *tables, int for
 static inline void fingerfem_gradient(const fingerfem_tables *tables, int form, int j, const double *slopes,
                                       double *gradient)
 {
-    const int axes = tables->forms[4 * form], terms = tables->forms[4 * form + 1];
+    const int axes = fingerfem_axes(tables, form), terms = fingerfem_terms(tables, form);
     for (int a = 0; a < axes; a++) gradient[a] = fingerfem_component(tables, form, j, slopes + a * terms);
 }
 
@@ -83,7 +101,7 @@ static inline void fingerfem_gradient(const fingerfem_tables *tables, int form, 
 static inline double fingerfem_outside(const fingerfem_tables *tables, int form, const double *x)
 {
     double found = 0.0;
-    for (int a = 0; a < tables->forms[4 * form]; a++) {
+    for (int a = 0; a < fingerfem_axes(tables, form); a++) {
         const int at = 2 * (tables->most_axes * form + a);
         const double last = tables->axes[at], t = (x[a] - tables->scales[at]) * tables->scales[at + 1];
         if ((-1.0 - t) / last > found) found = (-1.0 - t) / last;
@@ -161,16 +179,17 @@ static inline double fingerfem_holds(const fingerfem_kernel *kernel, int regime,
                                      const double *heights)
 {
     const fingerfem_tables *tables = &kernel->tables;
-    const int form = 1 + regime, conditions = tables->forms[4 * form + 2] - 4 - kernel->has_pad;
+    const int form = 1 + regime, components = fingerfem_components(tables, form);
+    const int conditions = components - FINGERFEM_CONDITIONS - kernel->has_pad;
     if (fingerfem_too_early(kernel, regime, point, heights)) return -INFINITY;
-    double coordinates[kernel->parameters], whole[tables->forms[4 * form + 1]];
+    double coordinates[kernel->parameters], whole[fingerfem_terms(tables, form)];
     fingerfem_coordinates(kernel, point, heights[kernel->corners[regime]], coordinates);
     double worst = -fingerfem_outside(tables, form, coordinates);
     fingerfem_products(tables, form, coordinates, whole);
-    if (fingerfem_component(tables, form, 3, whole) < 0.0) return -INFINITY;
+    if (fingerfem_component(tables, form, FINGERFEM_FORCE, whole) < 0.0) return -INFINITY;
     for (int j = 0; j < conditions; j++) {
         const double size = kernel->sizes[kernel->most_conditions * regime + j];
-        const double own = fingerfem_component(tables, form, 4 + j, whole) / size;
+        const double own = fingerfem_component(tables, form, FINGERFEM_CONDITIONS + j, whole) / size;
         if (own < worst) worst = own;
     }
     return worst;
@@ -202,8 +221,9 @@ static inline int fingerfem_regime(const fingerfem_kernel *kernel, const double 
 /* Row of an answer that component j of a regime's form adds to, or -1: tip and force first, the pad's pressure last. */
 static inline int fingerfem_row(const fingerfem_kernel *kernel, int regime, int j)
 {
-    if (j < 4) return FINGERFEM_TIP + j;
-    return kernel->has_pad && j == kernel->tables.forms[4 * (1 + regime) + 2] - 1 ? FINGERFEM_PAD : -1;
+    if (j < FINGERFEM_CONDITIONS) return FINGERFEM_TIP + j;
+    const int last = fingerfem_components(&kernel->tables, 1 + regime) - 1;
+    return kernel->has_pad && j == last ? FINGERFEM_PAD : -1;
 }
 
 /* A plane never pulls: a fit may swing below zero just after touch. */
@@ -218,14 +238,14 @@ static inline void fingerfem_add_contact(const fingerfem_kernel *kernel, int reg
                                          const double *rising, double *out, double *jacobian)
 {
     const fingerfem_tables *tables = &kernel->tables;
-    const int p = kernel->parameters, d = p - 1, form = 1 + regime, terms = tables->forms[4 * form + 1];
+    const int p = kernel->parameters, d = p - 1, form = 1 + regime, terms = fingerfem_terms(tables, form);
     const double path = height - point[d], whole_path = height - kernel->nearest + kernel->softening;
     const double share = path / whole_path, size = kernel->begins[regime] ? path : 1.0;
     const double growth = kernel->begins[regime] ? 1.0 : 0.0;
     double coordinates[p], products[terms], slopes[p * terms], gradient[p];
     fingerfem_coordinates(kernel, point, height, coordinates);
     fingerfem_products_and_slopes(tables, form, coordinates, products, slopes);
-    for (int j = 0; j < tables->forms[4 * form + 2]; j++) {
+    for (int j = 0; j < fingerfem_components(tables, form); j++) {
         const int row = fingerfem_row(kernel, regime, j);
         if (row < 0) continue;
         const double value = fingerfem_component(tables, form, j, products);
@@ -243,7 +263,8 @@ static inline void fingerfem_add_contact(const fingerfem_kernel *kernel, int reg
 /* The answer without contact: rows that are not known are NaN. */
 static inline void fingerfem_free_answer(const fingerfem_kernel *kernel, const double *products, double *out)
 {
-    for (int i = 0; i < 3; i++) out[FINGERFEM_TIP + i] = fingerfem_component(&kernel->tables, 0, i, products);
+    for (int i = 0; i < FINGERFEM_HEIGHTS; i++)
+        out[FINGERFEM_TIP + i] = fingerfem_component(&kernel->tables, 0, i, products);
     out[FINGERFEM_FORCE] = 0.0;
     out[FINGERFEM_TOUCH] = NAN;
     if (kernel->has_pad) out[FINGERFEM_PAD] = 0.0;
@@ -252,25 +273,27 @@ static inline void fingerfem_free_answer(const fingerfem_kernel *kernel, const d
 FINGERFEM_API int fingerfem_answer(const fingerfem_kernel *kernel, const double *point, double *out, double *jacobian)
 {
     const fingerfem_tables *tables = &kernel->tables;
-    const int p = kernel->parameters, terms = tables->forms[1], corners = tables->forms[2] - 3;
+    const int p = kernel->parameters, terms = fingerfem_terms(tables, 0);
+    const int corners = fingerfem_components(tables, 0) - FINGERFEM_HEIGHTS;
     const int rows = FINGERFEM_PAD + kernel->has_pad;
-    double held[p], rising[p], products[terms], slopes[tables->forms[0] * terms];
+    double held[p], rising[p], products[terms], slopes[fingerfem_axes(tables, 0) * terms];
     int inside = fingerfem_hold_tensions(kernel, point, held);
     for (int j = 0; j < rows * p; j++) jacobian[j] = 0.0;
     fingerfem_products_and_slopes(tables, 0, held, products, slopes);
     fingerfem_free_answer(kernel, products, out);
-    for (int i = 0; i < 3; i++) fingerfem_gradient(tables, 0, i, slopes, jacobian + p * (FINGERFEM_TIP + i));
+    for (int i = 0; i < FINGERFEM_HEIGHTS; i++)
+        fingerfem_gradient(tables, 0, i, slopes, jacobian + p * (FINGERFEM_TIP + i));
     if (kernel->has_obstacle) {
         double heights[corners];
-        for (int j = 0; j < corners; j++) heights[j] = fingerfem_component(tables, 0, 3 + j, products);
+        for (int j = 0; j < corners; j++) heights[j] = fingerfem_component(tables, 0, FINGERFEM_HEIGHTS + j, products);
         const int leading = fingerfem_leading(heights, corners);
         out[FINGERFEM_TOUCH] = heights[leading];
-        fingerfem_gradient(tables, 0, 3 + leading, slopes, jacobian + p * FINGERFEM_TOUCH);
+        fingerfem_gradient(tables, 0, FINGERFEM_HEIGHTS + leading, slopes, jacobian + p * FINGERFEM_TOUCH);
         inside &= fingerfem_hold_distance(kernel, point, heights[leading], held);
         if (held[p - 1] < heights[leading]) {
             const int regime = fingerfem_regime(kernel, held, heights, heights[leading]);
             const int corner = kernel->corners[regime];
-            fingerfem_gradient(tables, 0, 3 + corner, slopes, rising);
+            fingerfem_gradient(tables, 0, FINGERFEM_HEIGHTS + corner, slopes, rising);
             fingerfem_add_contact(kernel, regime, held, heights[corner], rising, out, jacobian);
         }
     }

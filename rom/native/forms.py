@@ -8,6 +8,8 @@ import numpy as np
 
 from rom.native import EVALUATION, pointer
 
+AXES, TERMS, COMPONENTS, MODES, ROW = range(5)  # columns of a form's row and their number, as in kernel.h
+
 
 def values(tables: Any, form: int, points: np.ndarray) -> np.ndarray:
     """Values of a form, shape (n, components), at points, shape (n, axes).
@@ -15,7 +17,7 @@ def values(tables: Any, form: int, points: np.ndarray) -> np.ndarray:
     Outside an axis the end pieces go on for one interval, and then stay: whoever calls decides what lies inside.
     """
     points = np.ascontiguousarray(points, float)
-    found = np.empty((len(points), tables.forms[4 * form + 2]))
+    found = np.empty((len(points), tables.forms[ROW * form + COMPONENTS]))
     EVALUATION.functions.fingerfem_form(tables, form, len(points), pointer(points), pointer(found), EVALUATION.ffi.NULL)
     return found
 
@@ -23,7 +25,7 @@ def values(tables: Any, form: int, points: np.ndarray) -> np.ndarray:
 def values_and_gradients(tables: Any, form: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same with gradients by the axes, shape (n, components, axes)."""
     points = np.ascontiguousarray(points, float)
-    components, axes = tables.forms[4 * form + 2], points.shape[1]
+    components, axes = tables.forms[ROW * form + COMPONENTS], points.shape[1]
     found, gradients = np.empty((len(points), components)), np.empty((len(points), components, axes))
     EVALUATION.functions.fingerfem_form(tables, form, len(points), pointer(points), pointer(found), pointer(gradients))
     return found, gradients

@@ -9,10 +9,17 @@
 /* Rows of an answer: tip displacement x, y, z [m], contact force [N], touch distance [m], pad pressure [Pa]. */
 enum { FINGERFEM_TIP = 0, FINGERFEM_FORCE = 3, FINGERFEM_TOUCH = 4, FINGERFEM_PAD = 5 };
 
+/* Columns of a form's row of `forms`. */
+enum { FINGERFEM_AXES, FINGERFEM_TERMS, FINGERFEM_COMPONENTS, FINGERFEM_MODES, FINGERFEM_ROW };
+
+/* Components of the free form: tip, then touch heights; of a regime's form (rom/fit/layout.py): tip, force, then its
+ * conditions, and the pad's pressure last if that is known. */
+enum { FINGERFEM_HEIGHTS = 3, FINGERFEM_CONDITIONS = 4 };
+
 /* Separated forms sum_k mode_jk prod_a function_ak(x_a), one after another, with cubic pieces on even intervals. */
 typedef struct {
     int32_t most_axes, most_terms, most_components; /* of any form */
-    const int32_t *forms;  /* (forms, 4): axes, terms, components, where its modes are in data */
+    const int32_t *forms;  /* (forms, FINGERFEM_ROW): how many axes, terms and components, where its modes are in data */
     const int32_t *axes;   /* (forms, most_axes, 2): intervals, where their pieces are in data */
     const double *scales;  /* (forms, most_axes, 2): lower end, intervals per unit */
     const double *data;    /* pieces, (intervals, 4, terms) by axis, and modes, (components, terms), of every form */

@@ -28,7 +28,7 @@ class KnownGrid:
         values: of m quantities, shape (n_1, ..., n_k, m).
         slopes: their derivatives by every axis, each shaped as the values.
         order: of the axes, in which a level splits them.
-        open: axes whose derivatives are not known at the first node, such as that by the plane's way at touch.
+        open: axes whose derivatives are not known at the first node, such as that by the contact path at touch.
     """
 
     axes: Sequence[np.ndarray]

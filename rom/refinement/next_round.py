@@ -127,9 +127,9 @@ def _contact(snapshots: SnapshotSet) -> _Part:
     def share(error: np.ndarray) -> np.ndarray:
         return np.maximum(np.linalg.norm(error[..., :3], axis=-1) / tip, error[..., 3] / force)
 
-    # The plane's way from touch to its nearest, the width of the box at a node, grows with the lead tension.
-    way = response.axes[lead].reshape([-1 if a == lead else 1 for a in range(force.ndim)])
-    return _part(snapshots, "contact", response.known, found, share, _volumes(response.axes) * way)
+    # The contact path to the plane's nearest distance, the width of the box at a node, grows with the lead tension.
+    path = response.axes[lead].reshape([-1 if a == lead else 1 for a in range(force.ndim)])
+    return _part(snapshots, "contact", response.known, found, share, _volumes(response.axes) * path)
 
 
 def _part(
@@ -180,7 +180,7 @@ def _volumes(axes: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def _estimated_error(part: _Part) -> float:
-    """Relative error that 95 % of the box keep [-]."""
+    """95th percentile of the relative error over the box [-]."""
     error = part.error.ravel()
     order = np.argsort(error)
     volume = np.cumsum(part.volume.ravel()[order])

@@ -45,20 +45,6 @@ def contact_response(snapshots: SnapshotSet, values: np.ndarray, jacobian: np.nd
     return _on_grid(axes, description.strides, positions[whole], added, slopes, order, (lead, len(axes) - 1))
 
 
-def onset_response(snapshots: SnapshotSet) -> KnownGrid:
-    """Onset of contact as a function of the tensions that do not lead."""
-    description, others = snapshots.description, snapshots.description.other_axes
-    onset, strides = snapshots.onset(), [description.strides[k] for k in others]
-    jacobian = snapshots.onset("onset_jacobian")
-    return KnownGrid(
-        axes=[np.array(description.tension_nodes[k]) for k in others],
-        strides=strides,
-        known=np.isfinite(onset),
-        values=np.nan_to_num(onset)[..., None],
-        slopes=[np.nan_to_num(jacobian[..., [k]]) for k in others],
-    )
-
-
 def free_outputs(snapshots: SnapshotSet) -> tuple[np.ndarray, np.ndarray | None]:
     """Of the free states the tip and, where there is a plane, the heights of the nodes that lead the reach somewhere.
 

@@ -94,7 +94,7 @@ def _constant(polynomial: Polynomial, p: int) -> Separated:
 
 
 def _lost(tensor: np.ndarray, factors: list[np.ndarray]) -> np.ndarray:
-    """What each component loses at 95 % of the points with the first 1, 2, ... terms, shape (terms, m)."""
+    """95th percentile over the points of what each component loses with its first terms, shape (terms, m)."""
     left, found = np.nan_to_num(tensor), []
     known = np.isfinite(tensor[0])
     for k in range(factors[0].shape[1]):

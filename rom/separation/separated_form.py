@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.native import EVALUATION
-from rom.native.forms import values, values_and_gradients
+from rom.native.forms import AXES, COMPONENTS, MODES, ROW, TERMS, values, values_and_gradients
 from rom.separation import hermite
 
 
@@ -28,7 +28,7 @@ class Separated:
         slopes: their nodal derivatives by the axis, the same shapes.
         modes: F_i, shape (m, terms), in the quantity's unit.
         errors: relative 2-norm error over what was separated of the first 1, 2, ... terms, shape (terms,) [-].
-        lost: how much of every component is lost at most with the first 1, 2, ... terms, at 95 % of the points it was
+        lost: what every component loses with the first 1, 2, ... terms, 95th percentile over the points it was
             separated on, shape (terms, m).
     """
 
@@ -71,7 +71,7 @@ class Separated:
     def truncated(self, tolerance: float) -> tuple[Separated, np.ndarray]:
         """The fewest leading terms whose separation error is below `tolerance` [-], all of them if none is.
 
-        And what more every component loses than with all, at 95 % of the points, shape (m,).
+        And what more every component loses than with all, at the 95th percentile of the points, shape (m,).
         """
         good = np.flatnonzero(self.errors <= tolerance)
         terms = int(good[0]) + 1 if good.size else self.terms
@@ -103,7 +103,7 @@ def tables(forms: Sequence[Separated]) -> dict[str, Any]:
     """What a struct fingerfem_tables of these forms holds or points to, by the names of kernel.h."""
     axes = max(len(form.factors) for form in forms)
     parts: list[np.ndarray] = []
-    heads, spans = np.zeros((len(forms), 4), np.int64), np.zeros((len(forms), axes, 2), np.int64)
+    heads, spans = np.zeros((len(forms), ROW), np.int64), np.zeros((len(forms), axes, 2), np.int64)
     scales = np.ones((len(forms), axes, 2))
     offset = 0
     for f, form in enumerate(forms):
@@ -112,13 +112,13 @@ def tables(forms: Sequence[Separated]) -> dict[str, Any]:
             scales[f, a] = form.lower[a], len(pieces) / (form.upper[a] - form.lower[a])
             parts.append(pieces.ravel())
             offset += pieces.size
-        heads[f] = len(form.factors), form.terms, len(form.modes), offset
+        heads[f, [AXES, TERMS, COMPONENTS, MODES]] = len(form.factors), form.terms, len(form.modes), offset
         parts.append(np.ascontiguousarray(form.modes).ravel())
         offset += form.modes.size
     return {
         "most_axes": axes,
-        "most_terms": int(heads[:, 1].max()),
-        "most_components": int(heads[:, 2].max()),
+        "most_terms": int(heads[:, TERMS].max()),
+        "most_components": int(heads[:, COMPONENTS].max()),
         "forms": heads,
         "axes": spans,
         "scales": scales,

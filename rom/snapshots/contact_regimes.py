@@ -83,7 +83,7 @@ def corner(code: Code, half: bool) -> Corner | None:
 
 
 def nearest_corner(code: Code, corners: Counter[Corner]) -> Corner:
-    """The corner to measure the plane's way from where none carries alone: one in common, of most states."""
+    """The corner to measure the contact path from where none is active alone: one in common, of most states."""
     carrying = {k: plate(code, k)[1] for k in range(segments(code)) if plate(code, k)[0]}
 
     def shared(corner: Corner) -> int:

@@ -20,8 +20,8 @@ class Line:
     """The states of one task, solved in their order.
 
     Attributes:
-        kind: free (along the lead tension), contact (along the plane's way), scattered (a free state and the plane's
-            way from there, at tensions of its own) or random (held-out states of the same tensions).
+        kind: free (along the lead tension), contact (along the contact path), scattered (a free state and the contact
+            path from there, at tensions of its own) or random (held-out states of the same tensions).
         index: what it holds fixed, as positions: of the other tensions' combination; and for contact of the onset node.
             A number of its own for scattered and random lines.
         nodes: positions along the line, of `tension_nodes[lead]` or of `contact_nodes`; of a random line in `random`.
@@ -44,8 +44,8 @@ class Description:
         lead: index of the lead tension.
         tension_nodes: nodes of every tension [N].
         onset_nodes: nodes of the lead tension between onset (0) and its highest (1) [-].
-        contact_nodes: nodes of the plane's way between touch (0) and its nearest (1) [-].
-        strides: every how many-th node the first grid takes, of every tension, then of the plane's way; 1 unless the
+        contact_nodes: nodes of the contact path between touch (0) and its nearest (1) [-].
+        strides: every how many-th node the first grid takes, of every tension, then of the contact path; 1 unless the
             set is refined where its error is largest.
         random: held-out parameters, shape (count, p); empty for a training set.
         scattered: tensions of lines of a set without a grid, shape (lines, tensions) [N]; empty for one with a grid.
@@ -107,7 +107,7 @@ class Description:
             return {f"random-{k}": Line("random", (k,), nodes) for k, nodes in enumerate(self._held_out_lines())}
         if self.scattered:
             return {f"scattered-{k}": self.scattered_line(k, tensions) for k, tensions in enumerate(self.scattered)}
-        lead, way = self.strides[self.lead], self.strides[-1]
+        lead, path = self.strides[self.lead], self.strides[-1]
         others = [
             j
             for j, where in enumerate(product(*[range(len(self.tension_nodes[k])) for k in self.other_axes]))
@@ -115,7 +115,7 @@ class Description:
         ]
         found = {f"free-{j}": self.free_line(j) for j in others}
         if self.has_obstacle:
-            nodes = tuple(range(0, len(self.contact_nodes), way))
+            nodes = tuple(range(0, len(self.contact_nodes), path))
             for j, i in product(others, range(0, len(self.onset_nodes), lead)):
                 found[f"contact-{j}-{i}"] = Line("contact", (j, i), nodes)
         return found
@@ -163,5 +163,5 @@ class Description:
         return list(self.lines)
 
     def insert_lead(self, others: tuple[float, ...], lead: float) -> np.ndarray:
-        """Tensions [N] from the others and the lead."""
+        """Tensions, shape (tensions,) [N], from the others and the lead."""
         return np.insert(np.array(others, float), self.lead, lead)

@@ -12,7 +12,7 @@ A task is a line of states solved in a fixed order; rom.snapshots.schema says wh
 Tasks come in four kinds. `free-J` is a line along the lead tension (the tendon that bends the finger most towards the
 plane) at the J-th combination of the others. `contact-J-I` holds the tensions (I-th node of the lead between onset and
 its highest) and brings the plane from where it touches to its nearest; where that is the same place, one state stands
-for the line. `scattered-K` holds tensions of its own: the free state there, then the plane's way. `free-J-rN` and
+for the line. `scattered-K` holds tensions of its own: the free state there, then the contact path. `free-J-rN` and
 `contact-J-I-rN` add states to a line in round N. `random-K` holds the held-out states at the K-th tensions.
 """
 
@@ -70,7 +70,7 @@ def task_file(path: str | Path, task: str) -> Path:
 
 
 def write_task(path: str | Path, task: str, fingerprint: str, arrays: dict[str, np.ndarray]) -> None:
-    """Write a task's file; it appears whole or not at all."""
+    """Write a task's file, arrays of shapes (states, ...), see schema; it appears whole or not at all."""
     stored = arrays | {"task": np.array(task), "fingerprint": np.array(fingerprint)}
     write_whole(task_file(path, task), lambda stream: np.savez(stream, **stored))  # type: ignore[arg-type]
 
@@ -78,7 +78,7 @@ def write_task(path: str | Path, task: str, fingerprint: str, arrays: dict[str, 
 def read_task(
     path: str | Path, task: str, names: tuple[str, ...] = (), without: tuple[str, ...] = ()
 ) -> dict[str, np.ndarray]:
-    """The arrays of a task: those named, or all, without some.
+    """The arrays of a task, shapes (states, ...), see schema: those named, or all, without some.
 
     Raises:
         SnapshotError: the file is missing or not this task's.
@@ -133,7 +133,7 @@ class SnapshotSet:
         return fewer
 
     def task(self, name: str) -> dict[str, np.ndarray]:
-        """The arrays of a task that is solved, without the fields."""
+        """The arrays of a task that is solved, shapes (states, ...), without the fields."""
         return self._tasks[name]
 
     def _values(self, task: str, name: str) -> np.ndarray:
@@ -141,7 +141,7 @@ class SnapshotSet:
 
     @cached_property
     def failures(self) -> list[tuple[str, np.ndarray, str]]:
-        """Task, parameters and reason of every state that did not converge."""
+        """Task, parameters, shape (p,) [N, m], and reason of every state that did not converge."""
         return [
             (name, task["parameters"][k], str(task["reason"][k]))
             for name, task in self._tasks.items()
@@ -232,12 +232,12 @@ class SnapshotSet:
 
     @property
     def lines(self) -> dict[str, Line]:
-        """The lines planned; one of a single state, where the plane cannot move, has all nodes of the plane's way."""
-        way, found = tuple(range(len(self.description.contact_nodes))), dict(self.plan.lines)
+        """The lines planned; one of a single state, where the plane cannot move, has all nodes of the contact path."""
+        path, found = tuple(range(len(self.description.contact_nodes))), dict(self.plan.lines)
         for task, stored in self._tasks.items():
             line = found.get(task)
             if line is not None and line.kind == "contact" and (stored["nodes"] >= 0).sum() < len(line.nodes):
-                found[task] = Line(line.kind, line.index, way if self.description.refines else line.nodes)
+                found[task] = Line(line.kind, line.index, path if self.description.refines else line.nodes)
         return found
 
     def _stored(self, task: str, line: Line) -> np.ndarray:
@@ -271,7 +271,7 @@ class SnapshotSet:
         return self._grid("free", name, [len(axis) for axis in self.description.tension_nodes])
 
     def contact(self, name: str) -> np.ndarray:
-        """A quantity of the contact states on the grid, shape (tension 1, ..., way of the plane, *quantity).
+        """A quantity of the contact states on the grid, shape (tension 1, ..., contact path, *quantity).
 
         The lead axis runs over `onset_nodes`, the last over `contact_nodes`. 0 if not known.
         """

@@ -18,7 +18,7 @@ from fingerfem.output.cell_fields import cell_fields, contact_pressure
 from fingerfem.scene.laws import STEEL, neo_hookean_from
 from fingerfem.scene.scene import Scene
 from fingerfem.snapshots.design import describe
-from fingerfem.snapshots.lines import LineSolver
+from fingerfem.snapshots.lines.solver import LineSolver
 from fingerfem.versions import versions
 
 SCENES = Path(__file__).resolve().parents[3] / "scenes"

@@ -14,7 +14,7 @@ from farm import ROOT, assert_same, assert_same_task, command, run
 from scipy.interpolate import CubicSpline
 
 from rom.build import train
-from rom.refinement.responses import contact_outputs, contact_response, onset_response
+from rom.refinement.responses import contact_outputs, contact_response
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots.plan import Plan
 from rom.snapshots.snapshot_set import SnapshotSet, read_description, read_task, task_file, write_task
@@ -261,10 +261,11 @@ def test_slopes_in_contact_aligned_coordinates_are_differences_of_the_states(two
 
 
 def test_the_onset_s_slopes_are_differences_of_onsets(two):
-    response = onset_response(two)
-    stride = response.strides[0]
-    nodes, onset = response.axes[0][::stride], response.values[::stride, 0]
-    slopes = response.slopes[0][::stride, 0]
+    description = two.description
+    (other,) = description.other_axes
+    solved = slice(None, None, description.strides[other])
+    nodes, onset = np.array(description.tension_nodes[other])[solved], two.onset()[solved]
+    slopes = two.onset("onset_jacobian")[solved, other]
     chords = np.diff(onset) / np.diff(nodes)
     errors = np.abs((slopes[1:] + slopes[:-1]) / 2 - chords) / chords.max()
     # In one interval another corner begins to touch first; the first node, without tension, has a kink of its own.

@@ -12,7 +12,8 @@ import pytest
 
 from control.least_squares import CONVERGED, GOING, LIMIT, STATIONARY
 from control.native import CONTROL
-from rom.native import EVALUATION, FEATURES, HERE, Library, NoCompiler, answer, processor
+from rom.fit.layout import RegimeLayout
+from rom.native import EVALUATION, FEATURES, HERE, Library, NoCompiler, answer, forms, processor
 
 ROOT = Path(__file__).resolve().parents[3]
 HALF = "double {name}(double x);\n", "double {name}(double x) {{ return {factor} * x; }}\n"
@@ -105,6 +106,15 @@ def test_what_c_and_python_both_name_has_one_value():
     lib = CONTROL.functions
     rows = (lib.FINGERFEM_TIP, lib.FINGERFEM_FORCE, lib.FINGERFEM_TOUCH, lib.FINGERFEM_PAD)
     assert rows == (answer.TIP, answer.FORCE, answer.TOUCH, answer.PAD)
+    columns = (
+        lib.FINGERFEM_AXES,
+        lib.FINGERFEM_TERMS,
+        lib.FINGERFEM_COMPONENTS,
+        lib.FINGERFEM_MODES,
+        lib.FINGERFEM_ROW,
+    )
+    assert columns == (forms.AXES, forms.TERMS, forms.COMPONENTS, forms.MODES, forms.ROW)
+    assert RegimeLayout(conditions=2, has_pad=True).condition_columns.start == lib.FINGERFEM_CONDITIONS
     states = (lib.CONTROL_GOING, lib.CONTROL_CONVERGED, lib.CONTROL_STATIONARY, lib.CONTROL_ITERATION_LIMIT)
     assert states == (GOING, CONVERGED, STATIONARY, LIMIT)
 

@@ -9,7 +9,7 @@ from farm import ROOT, command, run
 
 from fingerfem import FingerModel, load_scene
 from fingerfem.discretisation.node_order import NodeOrder
-from fingerfem.snapshots.held_out import HeldOutSolver
+from fingerfem.snapshots.lines.held_out import HeldOutSolver
 from fingerfem.snapshots.neighbours import Neighbours
 from rom.snapshots.snapshot_set import SnapshotSet
 

@@ -14,8 +14,8 @@ from fingerfem.model import FingerModel
 from fingerfem.snapshots.recorder import ContactState, Recorder
 from rom.snapshots import contact_regimes
 
-NEAR_TOUCH = 0.1  # share of the plane's way from touch to its first place past it
-REGIME_ENDS = 0.02  # share of the plane's way from touch to its nearest, to which the end of a regime is found
+NEAR_TOUCH = 0.1  # share of the path from touch to the line's first distance past it
+REGIME_ENDS = 0.02  # share of the whole contact path to which the end of a regime is found
 
 
 def between(model: FingerModel, record: Recorder, tensions: np.ndarray, touch: float, nearest: float) -> int:
@@ -45,7 +45,7 @@ def _near_touch(model: FingerModel, record: Recorder, tensions: np.ndarray, touc
 def _halve(
     model: FingerModel, record: Recorder, tensions: np.ndarray, nearest: float, states: list[ContactState]
 ) -> int:
-    """Halve the plane's way wherever two states beside each other differ in regime."""
+    """Halve the path wherever two states beside each other differ in regime."""
     shortest, count, added = REGIME_ENDS * (states[0].distance - nearest), len(record.contacts()), 0
     pairs = list(pairwise(states))
     while pairs:

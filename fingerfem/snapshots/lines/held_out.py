@@ -1,4 +1,4 @@
-"""Held-out states that share their tensions: first the free state, then the plane ever nearer."""
+"""A line of held-out states that share their tensions: first the free state, then the plane ever nearer."""
 
 from __future__ import annotations
 
@@ -9,10 +9,40 @@ import numpy as np
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.model import FingerModel
+from fingerfem.snapshots.lines.setting import Arrays, Setting
 from fingerfem.snapshots.neighbours import Neighbour, Neighbours
 from fingerfem.snapshots.recorder import Recorder
+from rom.snapshots.description import Line
 
 Start = Callable[[], None]
+
+
+def needs(setting: Setting, task: str, line: Line) -> list[str]:
+    """No task must be done before."""
+    return []
+
+
+def solve(setting: Setting, task: str, line: Line) -> Arrays:
+    """The states of the line's points."""
+    points = _points(setting, line)
+    solver = HeldOutSolver(setting.model, setting.numbering, setting.known.neighbours)
+    return solver.solve(points[0][0], [distance for _, distance in points]).arrays()
+
+
+def give_up(setting: Setting, task: str, line: Line, reason: str) -> Arrays:
+    """The same without an answer."""
+    record = setting.recorder()
+    for tensions, distance in _points(setting, line):
+        record.failed(tensions, distance, reason)
+    return record.arrays()
+
+
+def _points(setting: Setting, line: Line) -> list[tuple[np.ndarray, float]]:
+    """Tensions [N] and distance [m] of a line's points; nan without a plane."""
+    description = setting.description
+    points = np.array([description.random[k] for k in line.nodes])
+    distances = points[:, -1] if description.has_obstacle else np.full(len(points), np.nan)
+    return list(zip(points[:, : description.tensions], distances.tolist(), strict=True))
 
 
 class HeldOutSolver:
@@ -35,7 +65,7 @@ class HeldOutSolver:
             starts = self._contact_starts(tensions, distance, reach, free)
             more, failure = self._bring(starts, tensions, distance)
             self._note(record, tensions, distance, spent + more, failure)
-            spent = 0  # the first counts the way to the free state
+            spent = 0  # the first counts the path to the free state
         return record
 
     def _free_starts(self, tensions: np.ndarray) -> Iterator[Start]:

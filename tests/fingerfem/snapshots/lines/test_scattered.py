@@ -4,7 +4,7 @@ import numpy as np
 from farm import assert_same, run
 
 from fingerfem import FingerModel, load_scene
-from fingerfem.snapshots.lines import ROOTS
+from fingerfem.snapshots.lines.scattered import ROOTS
 from rom.snapshots.snapshot_set import read_description, read_task
 
 LINES = 18

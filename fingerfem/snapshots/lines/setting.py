@@ -1,0 +1,98 @@
+"""What lines of every kind are solved with: the model, the set they belong to, and states of other sets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fingerfem.discretisation.node_order import NodeOrder
+from fingerfem.model import FingerModel
+from fingerfem.snapshots.neighbours import Neighbours
+from fingerfem.snapshots.recorder import Recorder
+from fingerfem.snapshots.reuse import Donor
+from rom.snapshots.description import Description, Line
+from rom.snapshots.plan import Plan
+from rom.snapshots.snapshot_set import read_task
+
+Arrays = dict[str, np.ndarray]
+BETWEEN = -1  # in place of a node, of states between those of the grid
+SAME_PLACE = 1e-8  # [m]: a plane whose path from touch to its nearest is no longer than that does not move
+
+
+class Known(NamedTuple):
+    """States of other sets that save work: a donor's are taken where they fit, held-out ones begin at neighbours."""
+
+    donor: Donor | None = None
+    neighbours: Neighbours | None = None
+
+
+NOTHING_KNOWN = Known()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """A model and a set.
+
+    Attributes:
+        description: what the set holds.
+        model: what solves; every rank of it takes part.
+        path: the set's folder.
+        numbering: of the nodes in the set's files.
+        plan: the set's lines, refreshed as they appear.
+        known: states of other sets.
+    """
+
+    description: Description
+    model: FingerModel
+    path: Path
+    numbering: NodeOrder
+    plan: Plan
+    known: Known
+
+    @property
+    def nearest(self) -> float:
+        """The plane's nearest distance [m]; nan without a plane."""
+        return self.description.parameters[-1]["lower"] if self.description.has_obstacle else np.nan
+
+    def recorder(self, edges: bool = False) -> Recorder:
+        """What notes the states of a line."""
+        return Recorder(self.model, self.numbering, edges=edges)
+
+    def line(self, task: str) -> Line:
+        """A task's line."""
+        if task not in self.plan.lines:
+            self.plan.refresh()
+        return self.plan.lines[task]
+
+    def before(self, task: str) -> list[str]:
+        """Tasks that have states on the same line and were planned before."""
+        line, names = self.line(task), list(self.plan.lines)
+        same = [name for name in names[: names.index(task)] if self.plan.lines[name].index == line.index]
+        return [name for name in same if self.plan.lines[name].kind == line.kind]
+
+    def given(self, line: Line) -> dict[int, dict[str, Any]]:
+        """The donor's states of a line, by node."""
+        return self.known.donor.states(line) if self.known.donor else {}
+
+    def take(self, record: Recorder, row: dict[str, Any]) -> None:
+        """Note a state of another set, and bring the model there if its displacement is known."""
+        field = self.numbering.scatter(row["displacement"]) if self.description.has_field else None
+        record.take(row, field)
+        if field is not None:
+            *tensions, distance = row["parameters"] if self.description.has_obstacle else (*row["parameters"], np.nan)
+            self.model.continuation.start(tensions, None if np.isnan(distance) else distance, field)
+            record.restarted()
+
+    def start_free(self, j: int, tensions: np.ndarray) -> None:
+        """Bring the model to the last free state of combination `j` known before these tensions [N], or to rest."""
+        stored = ("displacement",) if self.description.has_field else ()
+        free, lead = read_task(self.path, f"free-{j}", ("parameters", "converged", *stored)), self.description.lead
+        before = np.flatnonzero((free["parameters"][:, lead] <= tensions[lead]) & free["converged"])
+        if "displacement" in free and before.size:
+            start = self.numbering.scatter(free["displacement"][before[-1]])
+            self.model.continuation.start(free["parameters"][before[-1], : len(tensions)], None, start)
+        else:
+            self.model.continuation.rest()
