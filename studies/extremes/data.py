@@ -51,7 +51,7 @@ def rows(folder: Path) -> Iterator[Row]:
 
 def snapshots(folder: Path) -> Iterator[Row]:
     """The same states twice, nearly twice, in single precision, and too few."""
-    scene = sets.scene(folder, "draft lines")
+    scene = sets.scene(folder, "draft")
     whole, held_out = sets.training(scene), sets.held_out(scene, sets.QUICK_HELD_OUT)
     points, true = held_out.random("parameters"), held_out.random("contact_force")
     felt = true > FELT

@@ -22,7 +22,7 @@ SURROGATE, CONTROL = "surrogate", "control"
 
 def rows(folder: Path, queries: int) -> Iterator[Row]:
     """All of them; the model's snapshots are solved in `folder` if they are not there."""
-    model = train(sets.training(sets.scene(folder, "draft lines")), EnrichmentOptions())
+    model = train(sets.training(sets.scene(folder, "draft")), EnrichmentOptions())
     yield from anything(model, queries)
     yield from targets(model)
 

@@ -160,7 +160,7 @@ def quadrature(scene: Scene, cells: dict[int, list[int]]) -> list[dict]:
     """Degrees of the volume's quadrature, order 1 and 2; differences from the highest."""
     found = []
     chosen = forms.quadrature_degree
-    for order, degrees in ((1, (1, 2, 4, 6)), (2, (2, 4, 6, 8))):  # 1 to 4 points a direction, 2 to 5
+    for order, degrees in ((1, (1, 2, 4)), (2, (2, 4, 6))):  # 1 to 3 points a direction, 2 to 4
         rows = []
         for degree in degrees:
             forms.quadrature_degree = partial(fixed, degree)

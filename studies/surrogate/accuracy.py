@@ -15,7 +15,7 @@ from rom.surrogate import Surrogate
 from studies import sets
 from studies.runner import Run
 
-JUDGED = ("draft", "middle", "two segments")
+JUDGED = ("draft", "standard", "two segments")
 OPTIONS = EnrichmentOptions()
 
 
@@ -27,7 +27,7 @@ def sets_of(run: Run, name: str) -> tuple[SnapshotSet, SnapshotSet]:
 
 
 def draft_sets(run: Run) -> tuple[SnapshotSet, SnapshotSet]:
-    """Those of the draft finger, trained on a grid."""
+    """Those of the draft finger."""
     return sets_of(run, "draft")
 
 

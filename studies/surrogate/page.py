@@ -8,17 +8,23 @@ import matplotlib.pyplot as plt
 
 from studies.runner import DOCS
 
-COLOURS = {"both meshes": "tab:blue", "middle mesh alone": "tab:orange"}
+COLOURS = {"both meshes": "tab:blue", "fine mesh alone": "tab:orange"}
 
 
 def prepare(found: dict, folder: Path) -> dict:
     """Draw the picture; the page shows nothing besides what was measured."""
     draw(found["two_meshes"], DOCS / "two_meshes.png")
-    return {"scenes": {"draft": "draft", "middle": "one segment, middle mesh", "two segments": "two segments"}}
+    return {
+        "scenes": {
+            "draft": "draft",
+            "standard": "draft finger, 10 x 5 cells of order 2",
+            "two segments": "two segments",
+        }
+    }
 
 
 def draw(found: dict, file: Path) -> None:
-    """Errors of contact force against states on the middle mesh."""
+    """Errors of contact force against states on the fine mesh."""
     figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), sharey=True, layout="constrained")
     for ax, key, title in (
         (axes[0], "surrogate", "of the surrogate, against its mesh"),
@@ -31,10 +37,10 @@ def draw(found: dict, file: Path) -> None:
             ax.loglog(states, [100 * row[key]["median"] for row in rows], "o-", color=colour, label=f"{label}, median")
             tail = [100 * row[key]["p95"] for row in rows]
             ax.loglog(states, tail, "s:", color=colour, mfc="none", label="95th percentile")
-        for name, style in (("draft", "--"), ("middle", "-.")):
+        for name, style in (("draft", "--"), ("standard", "-.")):
             error = 100 * found["mesh"][name]["median"]
             ax.axhline(error, color="black", linestyle=style, label=f"error of the {name} mesh, median")
-        ax.set(title=title, xlabel="states on the middle mesh")
+        ax.set(title=title, xlabel="states on the fine mesh")
         ax.grid(True, which="both", alpha=0.2)
     axes[0].set_ylabel("relative error of the contact force [%]")
     axes[1].legend(fontsize=7)

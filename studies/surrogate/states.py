@@ -12,6 +12,7 @@ from rom.build import train
 from rom.held_out import FELT, split
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
+from studies import sets
 from studies.runner import Run
 from studies.surrogate.accuracy import OPTIONS, draft_sets
 
@@ -47,8 +48,8 @@ def states_for_others(file: Path, training: SnapshotSet, tested: SnapshotSet, mo
 
 def measure(run: Run) -> dict[str, int]:
     """Write the states and this project's model of them, for others.py."""
-    training, held_out = draft_sets(run)
-    model, tested = train(training, OPTIONS), split(held_out)[1]
+    training = sets.training(sets.scene(run.sets, "draft grid"))
+    model, tested = train(training, OPTIONS), split(draft_sets(run)[1])[1]
     model.save(run.folder / "others.h5")
     states_for_others(run.folder / "others.npz", training, tested, model)
     return {"training_states": training.states, "test_states": len(tested.random("contact_force"))}

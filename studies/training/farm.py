@@ -23,24 +23,20 @@ LINES = 4000  # for the contention of claims
 
 
 def scaling(folder: Path, quick: bool) -> dict:
-    """One rank and two on the same set, in turn, twice; the better of each counts."""
-    file = grid_scene(folder, *((4, 4) if quick else (7, 9)))
-    rates: dict[int, list[float]] = {1: [], 2: []}
-    for _ in range(1 if quick else 2):
-        for ranks in rates:
-            shutil.rmtree(folder / "set", ignore_errors=True)
-            report = farm(ranks, file, folder / "set")
-            # From the first claim to the last: a job's start is counted apart.
-            rates[ranks].append(report["states"] / report["this_rank"]["seconds"])
+    """One rank and two on the same set, one after the other."""
+    file, rates = grid_scene(folder, *((4, 4) if quick else (5, 6))), {}
+    for ranks in (1, 2):
+        shutil.rmtree(folder / "set", ignore_errors=True)
+        report = farm(ranks, file, folder / "set")
+        # From the first claim to the last: a job's start is counted apart.
+        rates[ranks] = report["states"] / report["this_rank"]["seconds"]
+        if ranks == 1:
             overhead = 1 - report["this_rank"]["solve_seconds"] / report["this_rank"]["seconds"]
-            if ranks == 1:
-                shares = overhead
-    best = {ranks: max(found) for ranks, found in rates.items()}
     return {
         "states": report["states"],
-        "states_per_second": best,
-        "two_over_one": best[2] / best[1],
-        "farm_overhead": shares,
+        "states_per_second": rates,
+        "two_over_one": rates[2] / rates[1],
+        "farm_overhead": overhead,
         "start_seconds": report["wall_seconds"] - report["this_rank"]["seconds"],
         "bytes_per_state": report["bytes_per_state"],
         "newton_iterations_per_state": report["newton_iterations"] / report["states"],
@@ -48,13 +44,14 @@ def scaling(folder: Path, quick: bool) -> dict:
 
 
 def long_run(folder: Path, quick: bool) -> dict:
-    """Memory while thousands of states are solved, and the restart of the set once it is whole."""
-    file = grid_scene(folder, *((5, 5) if quick else (13, 12)))
-    shutil.rmtree(folder / "long", ignore_errors=True)
-    report = farm(2, file, folder / "long")
+    """Memory while a set is solved that refinement.py uses again, and its restart once it is whole."""
+    nodes = (5, 9) if quick else (9, 9)
+    file, path = grid_scene(folder, *nodes), folder / "uniform-{}-{}".format(*nodes)
+    shutil.rmtree(path, ignore_errors=True)
+    report = farm(2, file, path)
     memory = [max(sizes.values()) for sizes in report["memory"] if sizes]
     part = len(memory) // 4
-    restart = min(farm(1, file, folder / "long")["wall_seconds"] for _ in range(3))
+    restart = min(farm(1, file, path)["wall_seconds"] for _ in range(3))
     return {
         "states": report["states"],
         "states_per_rank": report["states"] // 2,
