@@ -19,11 +19,9 @@ SCENES = {
     "draft": ("draft", None, "lines = 80"),
     "draft grid": ("draft", None, "tension_nodes = 7\ncontact_nodes = 9"),
     "standard": ("draft", STANDARD, "lines = 40"),
-    "reference": ("draft", REFERENCE, ""),
-    "paper": ("one_segment", None, "lines = 5\ncontact_nodes = 4"),
-    "two segments": ("two_segments", None, "lines = 40"),
+    "two segments": ("two_segments", None, "lines = 20"),
 }
-HELD_OUT, QUICK_HELD_OUT = 160, 60  # random states: one half calibrates estimated errors, the other tests
+HELD_OUT, QUICK_HELD_OUT = 100, 60  # random states: one half calibrates estimated errors, the other tests
 SEED = 11
 QUICK = {"draft grid": "tension_nodes = 5\ncontact_nodes = 6"}  # others have few lines
 
