@@ -92,12 +92,12 @@ def training(file: Path) -> SnapshotSet:
     return SnapshotSet(place)
 
 
-def held_out(file: Path, count: int, seed: int = SEED, name: str = "held-out") -> SnapshotSet:
+def held_out(file: Path, count: int) -> SnapshotSet:
     """Random states of a scene, in the folder beside its file; each begins at the nearest of the training set."""
-    place = file.with_suffix("") / name
+    place = file.with_suffix("") / f"held-out-{count}"
     near = file.with_suffix("") / "training"
     options = ["--near", str(near)] if near.exists() else []
-    farm(2, file, place, "--random", str(count), "--seed", str(seed), *options)
+    farm(2, file, place, "--random", str(count), "--seed", str(SEED), *options)
     return SnapshotSet(place)
 
 
