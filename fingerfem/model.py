@@ -49,12 +49,12 @@ class FingerModel:
         begun = perf_counter()
         self.continuation.rest()
         self.continuation.advance(tensions, None)
-        touch_distance = self.problem.reach() if self.scene.obstacle is not None else None
+        reach = self.problem.reach() if self.scene.obstacle is not None else -np.inf
         if distance is not None:
             self.continuation.advance(tensions, distance)
         return observe(
             self.continuation,
-            touch_distance=touch_distance,
+            touch_distance=reach if np.isfinite(reach) else None,
             self_intersecting=self.passes_through_itself(),
             seconds=perf_counter() - begun,
             sensitivities=sensitivities,

@@ -14,7 +14,8 @@ from petsc4py import PETSc
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
 from fingerfem.discretisation.mesh import build_mesh
-from fingerfem.mechanics import contact
+from fingerfem.mechanics import contact, obstacles
+from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene import grid_lines
 from fingerfem.scene.scene import Scene
 
@@ -217,15 +218,30 @@ class Problem:
         dim = self.mesh.mesh.topology.dim - 1
         return fem.locate_dofs_topological(self.space, dim, np.sort(np.concatenate(facets)))
 
-    def reach(self) -> float:
-        """How far the surface reaches towards the plane, max of X_y + u_y - side/2 [m].
+    @cached_property
+    def obstacle(self) -> Body:
+        """The scene's obstacle; of a scene without one, the plane y = side/2 + d."""
+        return obstacles.body(self.scene.obstacle, self.scene.geometry.side)
 
-        In free space this is the distance at which the plane is touched.
-        """
+    def surface_places(self) -> np.ndarray:
+        """Where this rank's nodes that may touch are in space, shape (nodes, 3) [m]."""
         nodes = self.surface_nodes
-        heights = self.space.tabulate_dof_coordinates()[nodes, 1] + self.displacement[3 * nodes + 1]
-        highest = heights.max() if heights.size else -np.inf
-        return float(self.comm.allreduce(highest, op=MPI.MAX)) - self.scene.geometry.side / 2
+        return self.space.tabulate_dof_coordinates()[nodes] + self.displacement.reshape(-1, 3)[nodes]
+
+    def reach(self) -> float:
+        """How far the surface reaches towards the obstacle: the largest d at which one of its nodes touches it [m].
+
+        In free space this is the distance at which the obstacle is touched; -inf if it passes by.
+        """
+        found = self.obstacle.touch_distance(self.surface_places()).max(initial=-np.inf)
+        return float(self.comm.allreduce(float(found), op=MPI.MAX))
+
+    def penetration(self) -> float:
+        """How far the surface's nodes are inside the obstacle at most [m]; 0 if it is away."""
+        if self.distance is None:
+            return 0.0
+        gaps = self.obstacle.signed_distance(self.surface_places().T, self.distance, obstacles.NUMPY)
+        return max(-float(self.comm.allreduce(float(gaps.min(initial=np.inf)), op=MPI.MIN)), 0.0)
 
     def smallest_volume_ratio(self) -> float:
         """Min J over corners, midpoints and centres of all cells [-]."""

@@ -24,7 +24,7 @@ class Sensitivities:
         displacement: of this rank's owned nodes, shape (p, 3 nodes) [m].
         tip: shape (p, 3) [m].
         channel_shortening: shape (p, tendons) [m].
-        touch_distance: of a free state as the parameters grow, shape (p,) [m]; None without an obstacle or in contact.
+        touch_distance: of a free state as the parameters grow, shape (p,) [m]; None in contact or if it never touches.
         contact_force: shape (p,) [N]; None without a plane.
         pad_pressure: shape (p,) [Pa]; None without a plane, or if the scene does not store it.
     """
@@ -55,7 +55,7 @@ def differentiate(problem: Problem, linearisation: Linearisation) -> Sensitiviti
             pad_pressure = _along(problem, [_owned(problem.gradient(forms.contact.pad_gradient))], changes)[:, 0]
             pad_pressure[-1] -= problem.copies * problem.comm.allreduce(lifted)
             pad_pressure /= problem.scalar(forms.contact.pad_area)
-    elif scene.obstacle is not None:
+    elif scene.obstacle is not None and np.isfinite(problem.reach()):
         touch_distance = np.array([_reach_change(problem, change) for change in changes])
     return Sensitivities(
         displacement=changes,
@@ -77,11 +77,13 @@ def _reach_change(problem: Problem, change: np.ndarray) -> float:
 
     Where several nodes reach equally far, the one that goes farthest leads.
     """
-    nodes = problem.surface_nodes[3 * problem.surface_nodes < len(change)]
-    heights = problem.space.tabulate_dof_coordinates()[nodes, 1] + problem.displacement[3 * nodes + 1]
-    side = problem.scene.geometry.side
-    leading = nodes[heights > problem.reach() + side * (0.5 - 1e-9)]
-    moved = change[3 * leading + 1]
+    owned = 3 * problem.surface_nodes < len(change)
+    places = problem.surface_places()[owned]
+    reaches = problem.obstacle.touch_distance(places)
+    leads = reaches > problem.reach() - 1e-9 * problem.scene.geometry.side
+    normal = problem.obstacle.normal_at(places[leads], reaches[leads])
+    moved = np.sum(normal * change.reshape(-1, 3)[problem.surface_nodes[owned][leads]], axis=1)
+    moved /= normal @ problem.obstacle.direction
     return float(problem.comm.allreduce(moved.max() if moved.size else -np.inf, op=MPI.MAX))
 
 

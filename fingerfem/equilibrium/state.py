@@ -21,10 +21,11 @@ class State:
         parameters: tensions [N] and d [m] by name.
         displacement: nodal displacements of this rank, ghosts included, shape (3 nodes,) [m].
         tip: displacement of the tip plate's centre, shape (3,) [m].
-        touch_distance: how far the finger reaches towards the plane in free space at these tensions [m].
-        contact_force: integral of the contact pressure [N].
+        touch_distance: d at which the finger touches the obstacle in free space at these tensions [m]; None if never.
+        contact_force: what the obstacle feels along the direction in which d moves it [N]; of a plane that d moves
+            along its normal, the integral of the contact pressure.
         pad, pad_pressure: name of the scene's tactile pad, and the mean contact pressure on it [Pa].
-        penetration: how far the surface's nodes pass the plane at most [m].
+        penetration: how far the surface's nodes are inside the obstacle at most [m].
         complementarity: integral of contact pressure times |gap| over contact force times side [-]; exactly zero would
             be pressure only where the gap is closed. (Pressure is never negative.)
         clamp_reaction: force of the clamp on the finger, shape (3,) [N].
@@ -128,16 +129,16 @@ def pad_pressure(problem: Problem) -> float:
 
 def _contact(problem: Problem) -> dict[str, Any]:
     """What the plane makes to report."""
-    forms, obstacle, distance = problem.forms.contact, problem.scene.obstacle, problem.distance
+    forms, obstacle = problem.forms.contact, problem.scene.obstacle
     if forms is None or obstacle is None:
         return {}
     force = problem.scalar(forms.force)
     found: dict[str, Any] = {"contact_force": force}
     if obstacle.pad is not None:
         found |= {"pad": obstacle.pad.name, "pad_pressure": pad_pressure(problem)}
-    if distance is not None:
+    if problem.distance is not None:
         away = problem.scalar(forms.gap_work) / (force * problem.scene.geometry.side) if force else 0.0
-        found |= {"penetration": max(problem.reach() - distance, 0.0), "complementarity": away}
+        found |= {"penetration": problem.penetration(), "complementarity": away}
     return found
 
 

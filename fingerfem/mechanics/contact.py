@@ -1,15 +1,16 @@
-"""Frictionless contact with the rigid plane y = side/2 + d, by a penalty or by Nitsche's method.
+"""Frictionless contact with a rigid obstacle, by a penalty or by Nitsche's method.
 
 Both are one potential per area of the undeformed surface [J/m^2], with the gap g [m], a stiffness gamma [N/m^3] and the
-pressure q [Pa] that the rubber's own stress exerts along y:
+pressure q [Pa] that the rubber's own stress exerts along the obstacle's normal n, which points towards the finger:
 
     (p^2 - q^2) / (2 gamma),    p = <q - gamma g>
 
-The penalty has q = 0, which leaves gamma/2 <-g>^2. With q = -e_y . P N, P the first Piola-Kirchhoff stress and N the
+The penalty has q = 0, which leaves gamma/2 <-g>^2. With q = n . P N, P the first Piola-Kirchhoff stress and N the
 normal, it is Nitsche's symmetric variant at finite strain, consistent: the exact solution, with p = q, fulfils it at
 every gamma large enough for the potential to have a minimum (Mlika, Renard, Chouly, Comput. Methods Appl. Mech. Eng.
-325, 2017, doi:10.1016/j.cma.2017.07.015, without friction). In both, p is the contact pressure, and -dP/dd of the
-potential is the integral of p: the contact force.
+325, 2017, doi:10.1016/j.cma.2017.07.015, without friction). In both, p is the contact pressure. The contact force is
+-dP/dd, the integral of p dg/dd: what the obstacle feels along the direction in which d moves it; of a plane that d
+moves along its normal, the integral of p.
 
 Plates are rigid: their stress says nothing about the pressure on them. The penalty holds them off in both methods.
 
@@ -24,15 +25,21 @@ from fingerfem.mechanics import kinematics, strain_energy
 PLATES = 2.0  # stiffness of the plates' penalty over that of Nitsche's method beside it [-]
 
 
-def gap(u, x, side, distance):
-    """Distance of the deformed surface from the plane, g = side/2 + d - (X_y + u_y) [m]; negative if it penetrates."""
-    return side / 2 + distance - (x[1] + u[1])
+def gap(obstacle, u, x, distance, maths):
+    """Signed distance g [m] of the deformed surface from an obstacle moved by `distance`; negative if it penetrates.
+
+    Returns:
+        g, and its gradient by the place in space, the obstacle's normal n towards the finger [-].
+    """
+    place = ufl.variable(x + u)
+    g = obstacle.signed_distance([place[i] for i in range(3)], distance, maths)
+    return g, ufl.diff(g, place)
 
 
-def surface_pressure(energy, u, normal):
-    """Pressure q = -e_y . P N [Pa] of the body's own stress on its undeformed surface."""
+def surface_pressure(energy, u, surface_normal, obstacle_normal):
+    """Pressure q = n . P N [Pa] of the body's own stress on its undeformed surface."""
     S = strain_energy.stress(energy, kinematics.right_cauchy_green(u))
-    return -ufl.dot(kinematics.deformation_gradient(u)[1, :], S * normal)
+    return ufl.dot(obstacle_normal, kinematics.deformation_gradient(u) * S * surface_normal)
 
 
 def pressure(gap, stiffness, q=0):

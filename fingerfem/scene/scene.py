@@ -94,6 +94,8 @@ class Scene(Table):
             raise ValueError("mesh.symmetry must be false where a tendon is off the plane z = 0, got true")
         if self.obstacle is not None:
             self._check_obstacle(self.obstacle)
+            if self.mesh.symmetry and not self.obstacle.is_mirrored:
+                raise ValueError("mesh.symmetry must be false where the obstacle is not its own mirror image, got true")
         grid_lines(self.outline, self.mesh, self.is_half)
         return self
 
@@ -140,7 +142,9 @@ class Scene(Table):
     @property
     def is_half(self) -> bool:
         """Whether only the half z >= 0 is modelled."""
-        return self.outline.is_planar if self.mesh.symmetry is None else self.mesh.symmetry
+        if self.mesh.symmetry is not None:
+            return self.mesh.symmetry
+        return self.outline.is_planar and (self.obstacle is None or self.obstacle.is_mirrored)
 
     @property
     def law(self) -> Law:
