@@ -139,5 +139,5 @@ def test_half_the_finger_is_modelled_where_the_obstacle_is_its_own_mirror_image(
 
 def test_only_the_facing_plane_is_trained_on(table):
     scene = model(table, shape="sphere", centre=[0.042, 0.017, 0.0], radius=0.012).scene
-    with pytest.raises(SceneError, match="obstacle must be the plane .* to train on it, got another sphere"):
+    with pytest.raises(SceneError, match=r"obstacle must be the plane .* to train on it, got another sphere"):
         describe(scene, versions())
