@@ -88,7 +88,7 @@ SAMPLINGS = {
     "40 lines": "lines = 40",
     "80 lines": "lines = 80",
 }
-DRAFT, MIDDLE, PAPER = (Mesh(cells) for cells in ((20, 5), (40, 7), (100, 10)))
+DRAFT, MIDDLE, THIRD, PAPER = (Mesh(cells) for cells in ((20, 5), (40, 7), (70, 8), (100, 10)))
 SHORT, SQUARE, SQUARES = Mesh((6, 5), 2), Mesh((10, 5), 2), Mesh((20, 5), 2)
 
 PRESETS = {
@@ -101,8 +101,8 @@ PRESETS = {
 def full() -> Plan:
     """The whole study."""
     tensions = 8
-    meshes = dict.fromkeys([DRAFT, MIDDLE, PAPER, SHORT, SQUARE, SQUARES], tensions)
-    methods = [Mesh((20, 5), 1, "nitsche"), Mesh((20, 5), 1, "penalty", 100.0)]
+    meshes = dict.fromkeys([DRAFT, MIDDLE, THIRD, PAPER, SHORT, SQUARE, SQUARES], tensions)
+    methods = [Mesh((20, 5), 1, "nitsche"), Mesh((20, 5), 1, "penalty", 100.0), Mesh((20, 5), 1, "penalty", 1e5)]
     models = [Training(DRAFT, sampling) for sampling in SAMPLINGS]
     models += [Training(SQUARE, f"{lines} lines") for lines in (20, 30, 40)]
     models += [Training(SQUARES, "20 lines"), PRESETS["fine"]]
