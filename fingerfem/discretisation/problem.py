@@ -14,6 +14,7 @@ from petsc4py import PETSc
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
 from fingerfem.discretisation.mesh import build_mesh
+from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
 from fingerfem.mechanics import contact, obstacles
 from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene import grid_lines
@@ -53,6 +54,8 @@ class Problem:
         self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self.tensions = np.zeros(len(scene.tendons))
         self.distance: float | None = None  # None: the plane is away
+        self.plates = PlateLoads(scene, self.mesh, self.space) if scene.load is not None else None
+        self.wrenches = np.zeros((len(scene.geometry.segments), 6))
         self._tip_volume = scene.geometry.plate * scene.geometry.side**2
         self._tendon_cells = [self._cells_of(k) for k in range(len(scene.tendons))]
         self.rest_lengths = np.array([self.tendon_length(k) for k in range(len(scene.tendons))])  # [m]
@@ -100,9 +103,13 @@ class Problem:
         """Nodal displacements of this rank, ghosts included, shape (3 nodes,) [m]; a view."""
         return self.fields.u.x.array
 
-    def set_loads(self, tensions: ArrayLike, distance: float | None) -> None:
-        """Set tensions [N], shape (tendons,), and the plane's distance [m] (None: no plane)."""
+    def set_loads(self, tensions: ArrayLike, distance: float | None, wrenches: ArrayLike | None = None) -> None:
+        """Set tensions [N], shape (tendons,), the obstacle's distance [m] (None: it is away), and wrenches.
+
+        A wrench is a force and a moment about a plate's centre, in the plate's frame, shape (plates, 6) [N, N m].
+        """
         self.tensions, self.distance = np.array(tensions, float), distance
+        self.wrenches[:] = 0.0 if wrenches is None else wrenches
         self._spread(self.tensions, self.fields.tension_density)
         self.fields.distance.value = FAR if distance is None else distance
 
@@ -130,6 +137,8 @@ class Problem:
         The caller destroys the vector.
         """
         b = self._vector(self.forms.residual)
+        if self.plates is not None and self.wrenches.any():
+            b.array[:] -= self.plates.forces(self.plates.poses(self.displacement), self.wrenches)
         reaction = self.copies * self.comm.allreduce(b.array_r[self._clamped].reshape(-1, 3).sum(axis=0))
         if self.scene.is_half:
             reaction[2] = 0.0
@@ -195,11 +204,21 @@ class Problem:
         self._spread(np.eye(len(self.tensions))[k], self.fields.probe_density)
         return self.scalar(self.forms.tendon_energy)
 
-    def load_gradient(self, tensions: ArrayLike, distance: float = 0.0) -> PETSc.Vec:
-        """Change of the residual with the loads, dR/dF . tensions + dR/dd distance [N]. The caller destroys the vector.
+    def following(self) -> LowRank | None:
+        """What following loads take from the tangent; None without any."""
+        if self.plates is None or not self.wrenches.any():
+            return None
+        found = self.plates.following(self.plates.poses(self.displacement), self.wrenches)
+        found.left[:, self._held] = 0.0
+        return found
 
-        For a unit tension it is the gradient of that tendon's length [-], for a unit distance minus that of the
-        contact force [N/m].
+    def load_gradient(
+        self, tensions: ArrayLike, distance: float = 0.0, wrenches: np.ndarray | None = None
+    ) -> PETSc.Vec:
+        """Change of the residual with the loads, dR/dF . tensions + dR/dd distance + dR/dw . wrenches [N].
+
+        The caller destroys the vector. For a unit tension it is the gradient of that tendon's length [-], for a unit
+        distance minus that of the contact force [N/m], for a wrench minus its nodal forces [N].
         """
         self._spread(np.asarray(tensions, float), self.fields.probe_density)
         b = self.gradient(self.forms.tendon_force)
@@ -207,6 +226,9 @@ class Problem:
             pull = self.gradient(self.forms.contact.force_gradient)
             b.axpy(-distance, pull)
             pull.destroy()
+        if self.plates is not None and wrenches is not None and wrenches.any():
+            b.array[:] -= self.plates.forces(self.plates.poses(self.displacement), wrenches)
+            b.array[self._held] = 0.0
         return b
 
     # -- geometry of the deformed finger -----------------------------------------------------------------------------

@@ -169,6 +169,13 @@ class Obstacle(Table):
         return self.stiffness or {"penalty": 2000.0, "nitsche": 1000.0}[self.method]
 
 
+class Load(Table):
+    """What may press on the plates, in place of an obstacle: forces of any direction, anywhere on a plate."""
+
+    force: Annotated[float, Field(gt=0, le=1e4)]  # largest on a plate [N]
+    friction: Annotated[float, Field(ge=0, le=80)] = 0.0  # angle between force and normal, for sampling [degrees]
+
+
 class Mesh(Table):
     """Hexahedra: cells per segment along the axis, cells across the side, Lagrange order."""
 
