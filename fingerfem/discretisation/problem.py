@@ -11,7 +11,8 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
-from fingerfem.discretisation import regions
+from fingerfem.discretisation import contact_points, regions
+from fingerfem.discretisation.contact_points import ContactPoints
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
 from fingerfem.discretisation.mesh import build_mesh
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
@@ -245,13 +246,21 @@ class Problem:
         """The scene's obstacle; of a scene without one, the plane y = side/2 + d."""
         return obstacles.body(self.scene.obstacle, self.scene.geometry.side)
 
+    @cached_property
+    def contact_points(self) -> ContactPoints:
+        """Where this rank's surface may touch: at the nodes, or against a round obstacle between them too."""
+        if self.obstacle.is_flat:
+            return contact_points.at_nodes(self.space, self.surface_nodes)
+        kinds = (regions.RUBBER_FACETS, regions.PLATE_FACETS)
+        facets = [np.concatenate([self.mesh.facets.find(kind) for kind in those]) for those in kinds]
+        return contact_points.on_facets(self.space, zip(facets, contact.POINTS, strict=True))
+
     def surface_places(self) -> np.ndarray:
-        """Where this rank's nodes that may touch are in space, shape (nodes, 3) [m]."""
-        nodes = self.surface_nodes
-        return self.space.tabulate_dof_coordinates()[nodes] + self.displacement.reshape(-1, 3)[nodes]
+        """Where these points are in space, shape (points, 3) [m]."""
+        return self.contact_points.rest + self.contact_points.field(self.displacement)
 
     def reach(self) -> float:
-        """How far the surface reaches towards the obstacle: the largest d at which one of its nodes touches it [m].
+        """How far the surface reaches towards the obstacle: the largest d at which one of its points touches it [m].
 
         In free space this is the distance at which the obstacle is touched; -inf if it passes by.
         """
@@ -259,7 +268,7 @@ class Problem:
         return float(self.comm.allreduce(float(found), op=MPI.MAX))
 
     def penetration(self) -> float:
-        """How far the surface's nodes are inside the obstacle at most [m]; 0 if it is away."""
+        """How far the surface is inside the obstacle at most [m]; 0 if it is away."""
         if self.distance is None:
             return 0.0
         gaps = self.obstacle.signed_distance(self.surface_places().T, self.distance, obstacles.NUMPY)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from dolfinx import fem
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -75,14 +76,16 @@ def _along(problem: Problem, gradients: list[np.ndarray], changes: np.ndarray) -
 def _reach_change(problem: Problem, change: np.ndarray) -> float:
     """How the reach sets out to change [m] with owned displacements, shape (3 nodes,).
 
-    Where several nodes reach equally far, the one that goes farthest leads.
+    Where several points reach equally far, the one that goes farthest leads.
     """
-    owned = 3 * problem.surface_nodes < len(change)
-    places = problem.surface_places()[owned]
+    whole = fem.Function(problem.space)
+    whole.x.array[: len(change)] = change
+    whole.x.scatter_forward()
+    places = problem.surface_places()
     reaches = problem.obstacle.touch_distance(places)
     leads = reaches > problem.reach() - 1e-9 * problem.scene.geometry.side
     normal = problem.obstacle.normal_at(places[leads], reaches[leads])
-    moved = np.sum(normal * change.reshape(-1, 3)[problem.surface_nodes[owned][leads]], axis=1)
+    moved = np.sum(normal * problem.contact_points.field(whole.x.array)[leads], axis=1)
     moved /= normal @ problem.obstacle.direction
     return float(problem.comm.allreduce(moved.max() if moved.size else -np.inf, op=MPI.MAX))
 

@@ -14,14 +14,18 @@ moves along its normal, the integral of p.
 
 Plates are rigid: their stress says nothing about the pressure on them. The penalty holds them off in both methods.
 
-It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach the plane is the
-first to feel it, edges and corners included.
+It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach a plane is the
+first to feel it, edges and corners included. A round obstacle touches between nodes too, and would pass by s^2/(8 R)
+between points s apart: against it, a facet of a plate has a lattice of POINTS[1]^2 springs, each as stiff as a facet
+on a plane, and one of rubber POINTS[0]^2, which share its stiffness.
 """
 
+import numpy as np
 import ufl
 
 from fingerfem.mechanics import kinematics, strain_energy
 
+POINTS = 4, 10  # on facets of rubber and of plates, along an edge: 0.2 mm apart on a plate of 2 mm cells
 PLATES = 2.0  # stiffness of the plates' penalty over that of Nitsche's method beside it [-]
 
 
@@ -29,11 +33,13 @@ def gap(obstacle, u, x, distance, maths):
     """Signed distance g [m] of the deformed surface from an obstacle moved by `distance`; negative if it penetrates.
 
     Returns:
-        g, and its gradient by the place in space, the obstacle's normal n towards the finger [-].
+        g; its gradient by the place in space, the obstacle's normal n towards the finger [-]; and that one's gradient
+        [1/m], zero of a plane.
     """
     place = ufl.variable(x + u)
     g = obstacle.signed_distance([place[i] for i in range(3)], distance, maths)
-    return g, ufl.diff(g, place)
+    normal = ufl.diff(g, place)
+    return g, normal, ufl.diff(normal, place)
 
 
 def surface_pressure(energy, u, surface_normal, obstacle_normal):
@@ -45,6 +51,19 @@ def surface_pressure(energy, u, surface_normal, obstacle_normal):
 def pressure(gap, stiffness, q=0):
     """Contact pressure p = <q - gamma g> [Pa] on the undeformed surface."""
     return ufl.max_value(q - stiffness * gap, 0)
+
+
+def penalty_residual(gap, normal, stiffness, v):
+    """Derivative of the penalty's energy density by the displacement, along v [J/m^2]."""
+    return -pressure(gap, stiffness) * ufl.dot(normal, v)
+
+
+def penalty_tangent(gap, normal, curvature, stiffness, v, w):
+    """The second derivative, along v and w, of an obstacle whose normal's gradient is `curvature` [J/m^2]."""
+    touches = ufl.conditional(ufl.lt(gap, 0), stiffness, 0.0)
+    return touches * ufl.dot(normal, v) * ufl.dot(normal, w) - pressure(gap, stiffness) * ufl.inner(
+        curvature, ufl.outer(v, w)
+    )
 
 
 def energy(gap, stiffness, q=0):
@@ -64,3 +83,16 @@ def stiffness(factor, modulus, mesh_size):
 def quadrature(order):
     """UFL metadata of the rule whose points are the nodes of an order 1 or 2 facet."""
     return {"quadrature_rule": "GLL", "quadrature_degree": 2 * order - 1}
+
+
+def lattice(count):
+    """Even points of the reference facet, so many along an edge, corners included, shape (count^2, 2)."""
+    along = np.linspace(0.0, 1.0, count)
+    return np.array([[s, t] for s in along for t in along])
+
+
+def springs(count):
+    """UFL metadata of a spring at every point of a lattice: all weigh alike, those on edges and corners too."""
+    points = lattice(count)
+    weights = np.full(len(points), 1 / len(points))
+    return {"quadrature_rule": "custom", "quadrature_points": points, "quadrature_weights": weights}

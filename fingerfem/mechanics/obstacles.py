@@ -53,6 +53,11 @@ class Body(ABC):
     centre: Vector
     direction: Vector
 
+    @property
+    def is_flat(self) -> bool:
+        """Whether it touches convex bodies at their corners alone."""
+        return isinstance(self, Plane)
+
     @abstractmethod
     def distance_from_centre(self, x: Coordinates, maths: Maths) -> Any:
         """Signed distance of points given from the centre [m]."""

