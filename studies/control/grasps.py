@@ -104,4 +104,4 @@ def campaign(surrogate: Surrogate, grasps: int, seed: int) -> dict:
 
 def measure(run: Run) -> dict:
     """With the draft finger."""
-    return campaign(model(run, "one segment"), 50 if run.quick else 1000, seed=2018)
+    return campaign(model(run, "one segment"), 50 if run.quick else 500, seed=2018)

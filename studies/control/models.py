@@ -7,14 +7,13 @@ from rom.build import train
 from rom.error_model import calibrated
 from rom.separation.alternating_directions import EnrichmentOptions
 from studies.runner import Run
-from studies.surrogate import accuracy, growth
+from studies.surrogate import accuracy
 
 TARGET = 1.0  # [N]
 # Mean solve of Chenevier et al., PLoS ONE 2018, table 1 [us].
 PAPER_US = {
     "one segment": 7160.0,
     "two segments": 30000.0,
-    "two segments, both pairs": 30000.0,
 }
 
 
@@ -27,9 +26,6 @@ def model(run: Run, name: str) -> Surrogate:
     """A trained and calibrated model, from its file if it is there."""
     file = run.folder / f"{name.replace(', ', '-').replace(' ', '-')}.h5"
     if not file.exists():
-        if name == "two segments, both pairs":
-            training, held_out = growth.scene_and_sets(run, 5)
-        else:
-            training, held_out = accuracy.sets_of(run, {"one segment": "draft"}.get(name, name))
+        training, held_out = accuracy.sets_of(run, {"one segment": "draft"}.get(name, name))
         calibrated(train(training, EnrichmentOptions()), held_out).save(file)
     return Surrogate.load(file)

@@ -16,7 +16,7 @@ from rom import Surrogate
 from studies.control.models import model, names
 from studies.runner import Run
 
-CASES, QUICK_CASES, SEED = 40, 10, 2018
+CASES, QUICK_CASES, SEED = 30, 10, 2018
 FORCES = 0.25, 4.0  # [N], two octaves on both sides of the paper's 1 N
 
 

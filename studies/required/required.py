@@ -19,7 +19,7 @@ from studies.runner import Run
 
 NOT_HERE = ("straight", "incompressible", "Nitsche")  # other physics, not other requirements
 CELLS = [12, 9]  # of each segment; four channels need nine across
-LINES, QUICK_LINES = 8, 8  # of states, per tension
+LINES, QUICK_LINES = 5, 5  # of states, per tension
 
 
 def scenes() -> dict[str, dict[str, Any]]:

@@ -1,12 +1,11 @@
 """The parts of docs/surrogate.md."""
 
-from studies.surrogate import accuracy, growth, plain, speed, states, two_meshes
+from studies.surrogate import accuracy, plain, speed, states, two_meshes
 
 PARTS = {
     "accuracy": accuracy.measure,
     "plain": plain.measure,
     "speed": speed.measure,
-    "growth": growth.measure,
     "states": states.measure,
     "others": None,  # by the Python that has other packages: python -m studies.surrogate.others
     "two_meshes": two_meshes.measure,
