@@ -33,28 +33,38 @@ class FingerModel:
         self.problem = Problem(scene, comm)
         self.continuation = Continuation(self.problem)
 
-    def solve(self, tensions: ArrayLike, distance: float | None = None, sensitivities: bool = True) -> State:
-        """The equilibrium reached from rest: tensions first, then the plane comes from where it touches to its place.
+    def solve(
+        self,
+        tensions: ArrayLike,
+        distance: float | None = None,
+        sensitivities: bool = True,
+        wrenches: ArrayLike | None = None,
+    ) -> State:
+        """The equilibrium reached from rest: by tensions; then an obstacle comes from where it touches, or wrenches.
 
         Args:
             tensions: of every tendon of the scene [N], shape (tendons,).
-            distance: of the plane [m]; None leaves it away.
+            distance: of the obstacle [m]; None leaves it away.
             sensitivities: also factorise the tangent at the answer and differentiate what the state reports.
+            wrenches: on the plates of a scene with a load, from clamp to tip: force and moment about the plate's
+                centre in the plate's own frame, shape (plates, 6) [N, N m].
 
         Raises:
             ValueError: a tension or distance the scene does not allow.
             LoadNotReached: no equilibrium was found; it carries the last good load.
         """
         self.check_loads(tensions, distance)
+        if wrenches is not None:
+            self._check_wrenches(np.asarray(wrenches, float))
         begun = perf_counter()
         self.continuation.rest()
         self.continuation.advance(tensions, None)
-        touch_distance = self.problem.reach() if self.scene.obstacle is not None else None
-        if distance is not None:
-            self.continuation.advance(tensions, distance)
+        reach = self.problem.reach() if self.scene.obstacle is not None else -np.inf
+        if distance is not None or wrenches is not None:
+            self.continuation.advance(tensions, distance, wrenches)
         return observe(
             self.continuation,
-            touch_distance=touch_distance,
+            touch_distance=reach if np.isfinite(reach) else None,
             self_intersecting=self.passes_through_itself(),
             seconds=perf_counter() - begun,
             sensitivities=sensitivities,
@@ -75,10 +85,17 @@ class FingerModel:
             if name in values and not lower <= values[name] <= upper:
                 raise ValueError(f"{name} must lie in [{lower:g}, {upper:g}] {unit}, got {values[name]:g}")
 
+    def _check_wrenches(self, wrenches: np.ndarray) -> None:
+        if self.scene.load is None:
+            raise ValueError("wrenches must be left out of a scene without a load, got some")
+        expected = self.problem.wrenches.shape
+        if wrenches.shape != expected or not np.isfinite(wrenches).all():
+            raise ValueError(f"wrenches must be finite, shape {expected}, got shape {wrenches.shape}")
+
     def take(self, state: State) -> None:
         """Be in a state that was solved before: its displacement and its loads."""
         tensions = [state.parameters[tendon.name] for tendon in self.scene.tendons]
-        self.continuation.start(tensions, state.parameters.get("d"), state.displacement)
+        self.continuation.start(tensions, state.parameters.get("d"), state.displacement, state.wrenches)
 
     @cached_property
     def _surface(self) -> Surface:

@@ -11,10 +11,13 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
-from fingerfem.discretisation import regions
+from fingerfem.discretisation import contact_points, regions
+from fingerfem.discretisation.contact_points import ContactPoints
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
 from fingerfem.discretisation.mesh import build_mesh
-from fingerfem.mechanics import contact
+from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
+from fingerfem.mechanics import contact, obstacles
+from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene import grid_lines
 from fingerfem.scene.scene import Scene
 
@@ -52,6 +55,8 @@ class Problem:
         self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self.tensions = np.zeros(len(scene.tendons))
         self.distance: float | None = None  # None: the plane is away
+        self.plates = PlateLoads(scene, self.mesh, self.space) if scene.load is not None else None
+        self.wrenches = np.zeros((len(scene.geometry.segments), 6))
         self._tip_volume = scene.geometry.plate * scene.geometry.side**2
         self._tendon_cells = [self._cells_of(k) for k in range(len(scene.tendons))]
         self.rest_lengths = np.array([self.tendon_length(k) for k in range(len(scene.tendons))])  # [m]
@@ -99,9 +104,13 @@ class Problem:
         """Nodal displacements of this rank, ghosts included, shape (3 nodes,) [m]; a view."""
         return self.fields.u.x.array
 
-    def set_loads(self, tensions: ArrayLike, distance: float | None) -> None:
-        """Set tensions [N], shape (tendons,), and the plane's distance [m] (None: no plane)."""
+    def set_loads(self, tensions: ArrayLike, distance: float | None, wrenches: ArrayLike | None = None) -> None:
+        """Set tensions [N], shape (tendons,), the obstacle's distance [m] (None: it is away), and wrenches.
+
+        A wrench is a force and a moment about a plate's centre, in the plate's frame, shape (plates, 6) [N, N m].
+        """
         self.tensions, self.distance = np.array(tensions, float), distance
+        self.wrenches[:] = 0.0 if wrenches is None else wrenches
         self._spread(self.tensions, self.fields.tension_density)
         self.fields.distance.value = FAR if distance is None else distance
 
@@ -129,6 +138,8 @@ class Problem:
         The caller destroys the vector.
         """
         b = self._vector(self.forms.residual)
+        if self.plates is not None and self.wrenches.any():
+            b.array[:] -= self.plates.forces(self.plates.poses(self.displacement), self.wrenches)
         reaction = self.copies * self.comm.allreduce(b.array_r[self._clamped].reshape(-1, 3).sum(axis=0))
         if self.scene.is_half:
             reaction[2] = 0.0
@@ -194,11 +205,21 @@ class Problem:
         self._spread(np.eye(len(self.tensions))[k], self.fields.probe_density)
         return self.scalar(self.forms.tendon_energy)
 
-    def load_gradient(self, tensions: ArrayLike, distance: float = 0.0) -> PETSc.Vec:
-        """Change of the residual with the loads, dR/dF . tensions + dR/dd distance [N]. The caller destroys the vector.
+    def following(self) -> LowRank | None:
+        """What following loads take from the tangent; None without any."""
+        if self.plates is None or not self.wrenches.any():
+            return None
+        found = self.plates.following(self.plates.poses(self.displacement), self.wrenches)
+        found.left[:, self._held] = 0.0
+        return found
 
-        For a unit tension it is the gradient of that tendon's length [-], for a unit distance minus that of the
-        contact force [N/m].
+    def load_gradient(
+        self, tensions: ArrayLike, distance: float = 0.0, wrenches: np.ndarray | None = None
+    ) -> PETSc.Vec:
+        """Change of the residual with the loads, dR/dF . tensions + dR/dd distance + dR/dw . wrenches [N].
+
+        The caller destroys the vector. For a unit tension it is the gradient of that tendon's length [-], for a unit
+        distance minus that of the contact force [N/m], for a wrench minus its nodal forces [N].
         """
         self._spread(np.asarray(tensions, float), self.fields.probe_density)
         b = self.gradient(self.forms.tendon_force)
@@ -206,6 +227,9 @@ class Problem:
             pull = self.gradient(self.forms.contact.force_gradient)
             b.axpy(-distance, pull)
             pull.destroy()
+        if self.plates is not None and wrenches is not None and wrenches.any():
+            b.array[:] -= self.plates.forces(self.plates.poses(self.displacement), wrenches)
+            b.array[self._held] = 0.0
         return b
 
     # -- geometry of the deformed finger -----------------------------------------------------------------------------
@@ -217,15 +241,38 @@ class Problem:
         dim = self.mesh.mesh.topology.dim - 1
         return fem.locate_dofs_topological(self.space, dim, np.sort(np.concatenate(facets)))
 
-    def reach(self) -> float:
-        """How far the surface reaches towards the plane, max of X_y + u_y - side/2 [m].
+    @cached_property
+    def obstacle(self) -> Body:
+        """The scene's obstacle; of a scene without one, the plane y = side/2 + d."""
+        return obstacles.body(self.scene.obstacle, self.scene.geometry.side)
 
-        In free space this is the distance at which the plane is touched.
+    @cached_property
+    def contact_points(self) -> ContactPoints:
+        """Where this rank's surface may touch: at the nodes, or against a round obstacle between them too."""
+        if self.obstacle.is_flat:
+            return contact_points.at_nodes(self.space, self.surface_nodes)
+        kinds = (regions.RUBBER_FACETS, regions.PLATE_FACETS)
+        facets = [np.concatenate([self.mesh.facets.find(kind) for kind in those]) for those in kinds]
+        return contact_points.on_facets(self.space, zip(facets, contact.POINTS, strict=True))
+
+    def surface_places(self) -> np.ndarray:
+        """Where these points are in space, shape (points, 3) [m]."""
+        return self.contact_points.rest + self.contact_points.field(self.displacement)
+
+    def reach(self) -> float:
+        """How far the surface reaches towards the obstacle: the largest d at which one of its points touches it [m].
+
+        In free space this is the distance at which the obstacle is touched; -inf if it passes by.
         """
-        nodes = self.surface_nodes
-        heights = self.space.tabulate_dof_coordinates()[nodes, 1] + self.displacement[3 * nodes + 1]
-        highest = heights.max() if heights.size else -np.inf
-        return float(self.comm.allreduce(highest, op=MPI.MAX)) - self.scene.geometry.side / 2
+        found = self.obstacle.touch_distance(self.surface_places()).max(initial=-np.inf)
+        return float(self.comm.allreduce(float(found), op=MPI.MAX))
+
+    def penetration(self) -> float:
+        """How far the surface is inside the obstacle at most [m]; 0 if it is away."""
+        if self.distance is None:
+            return 0.0
+        gaps = self.obstacle.signed_distance(self.surface_places().T, self.distance, obstacles.NUMPY)
+        return max(-float(self.comm.allreduce(float(gaps.min(initial=np.inf)), op=MPI.MIN)), 0.0)
 
     def smallest_volume_ratio(self) -> float:
         """Min J over corners, midpoints and centres of all cells [-]."""

@@ -43,7 +43,7 @@ class Step:
     """A step that began at an equilibrium.
 
     Attributes:
-        load: change of the tensions [N] and of d [m], shape (tensions + 1,).
+        load: change of the tensions [N], of the wrenches [N, N m] and of d [m], shape (tensions + 6 plates + 1,).
         start: owned displacements where it began [m].
         slope: change of displacement that the tangent expects of the step [m].
     """
@@ -88,26 +88,43 @@ class Continuation:
         )  # [rad/N]
         # A tendon on the axis bends nothing but shortens: count its strain for a turn.
         self._turn += 1 / (problem.law.young_modulus * geometry.side**2)
+        length = geometry.length
+        self._turn_by_wrench = np.repeat([length**2 / 2, length], 3) / bending  # [rad/N, rad/(N m)]
         self.rest()
 
     def rest(self) -> None:
         """Back to the undeformed finger without loads."""
         self.start(np.zeros(len(self.problem.scene.tendons)), None, np.zeros_like(self.problem.displacement))
 
-    def start(self, tensions: ArrayLike, distance: float | None, displacement: np.ndarray) -> None:
-        """Take an equilibrium that is known already: tensions [N], d [m], displacement [m], shape (3 nodes,)."""
+    def start(
+        self,
+        tensions: ArrayLike,
+        distance: float | None,
+        displacement: np.ndarray,
+        wrenches: ArrayLike | None = None,
+    ) -> None:
+        """Take an equilibrium that is known: displacement [m], shape (3 nodes,), and its loads as in `advance`."""
         self.tensions, self.distance = np.array(tensions, float), distance
+        self.wrenches = np.zeros_like(self.problem.wrenches) if wrenches is None else np.array(wrenches, float)
         self.problem.displacement[:] = displacement
-        self.problem.set_loads(self.tensions, distance)
+        self._set_loads()
         self.iterations, self.steps = 0, 0
         self.strategies: Counter[str] = Counter()
         self._linearisation: Linearisation | None = None
         self._last: Step | None = None
 
-    def advance(self, tensions: ArrayLike, distance: float | None) -> None:
+    def _set_loads(self) -> None:
+        self.problem.set_loads(self.tensions, self.distance, self.wrenches)
+
+    def advance(self, tensions: ArrayLike, distance: float | None, wrenches: ArrayLike | None = None) -> None:
         """Go in a straight line from the present load to tensions [N], shape (tendons,), and distance [m].
 
-        A plane that was away comes from where it touches.
+        An obstacle that was away comes from where it touches.
+
+        Args:
+            tensions: shape (tendons,) [N].
+            distance: of the obstacle [m]; None leaves it away.
+            wrenches: on the plates in their own frames, shape (plates, 6) [N, N m]; None takes them away.
 
         Raises:
             LoadNotReached: the problem is then left at the last good load.
@@ -119,11 +136,12 @@ class Continuation:
         if self.distance is None and distance is not None:
             # A hair inside what touches first, so that the tangent moves those nodes with the plane.
             self.distance = max(self.problem.reach() - self.options.touch * self.problem.scene.geometry.side, distance)
-            self.problem.set_loads(self.tensions, self.distance)
+            self._set_loads()
             self._linearisation, self._last = None, None
-        origin, origin_distance = self.tensions.copy(), self.distance
+        pressed = np.zeros_like(self.wrenches) if wrenches is None else np.array(wrenches, float)
+        origin, origin_distance, origin_wrenches = self.tensions.copy(), self.distance, self.wrenches.copy()
 
-        largest, first = self._sizes(target, distance)
+        largest, first = self._sizes(target, distance, pressed)
         fraction, size, failed = 0.0, first, False
         while fraction < 1.0:
             # No last step shorter than needed: what is left is shared evenly.
@@ -132,17 +150,18 @@ class Continuation:
             nearly = fraction + share > 1 - 1e-12
             ahead = 1.0 if nearly else fraction + share
             goal = target if nearly else origin + ahead * (target - origin)
+            goal_wrenches = pressed if nearly else origin_wrenches + ahead * (pressed - origin_wrenches)
             goal_distance = distance
             if distance is not None and origin_distance is not None and not nearly:
                 goal_distance = origin_distance + ahead * (distance - origin_distance)
             halvings = int(np.log2(max(first / share, 1.0)) + 0.5)
             try:
-                needed = self._step(goal, goal_distance, _strategies(halvings))
+                needed = self._step(goal, goal_distance, goal_wrenches, _strategies(halvings))
             except NotConverged as failure:
                 if halvings >= self.options.halvings:
                     if comes and not fraction:
                         self.distance = None  # nothing was solved with the plane
-                        self.problem.set_loads(self.tensions, None)
+                        self._set_loads()
                     raise LoadNotReached(failure.reason, self.tensions.copy(), self.distance) from None
                 size, failed = share / 2, True
                 continue
@@ -150,16 +169,23 @@ class Continuation:
                 size = min(2 * share, largest)
             fraction, failed = ahead, False
 
-    def _sizes(self, target: np.ndarray, distance: float | None) -> tuple[float, float]:
+    def _sizes(self, target: np.ndarray, distance: float | None, wrenches: np.ndarray) -> tuple[float, float]:
         """Largest and first step, as fractions of the path."""
         turn = float(np.abs(target - self.tensions) @ self._turn)
+        turn += float(np.abs(wrenches - self.wrenches).sum(axis=0) @ self._turn_by_wrench)
         approach = 0.0
         if distance is not None and self.distance is not None:
             approach = abs(distance - self.distance) / (self.options.approach * self.problem.scene.geometry.length)
         first_turn = self.options.first_turn if self._last is None else self.options.turn
         return 1 / max(1.0, turn / self.options.turn + approach), 1 / max(1.0, turn / first_turn + approach)
 
-    def _step(self, tensions: np.ndarray, distance: float | None, strategies: Sequence[Strategy]) -> int:
+    def _step(
+        self,
+        tensions: np.ndarray,
+        distance: float | None,
+        wrenches: np.ndarray,
+        strategies: Sequence[Strategy],
+    ) -> int:
         """One step, by the first strategy that works; returns the iterations it needed.
 
         Raises:
@@ -169,13 +195,15 @@ class Continuation:
         before = problem.displacement.copy()
         reason = ""
         for strategy in strategies:
+            if strategy == "line search" and wrenches.any():
+                continue  # following loads have no potential to search
             problem.displacement[:] = before
-            problem.set_loads(self.tensions, self.distance)
+            self._set_loads()
             step = None
             if strategy != "line search":
                 with contextlib.suppress(NotConverged):  # where the tangent is singular there is no prediction
-                    step = self._predict(tensions, distance)
-            problem.set_loads(tensions, distance)
+                    step = self._predict(tensions, distance, wrenches)
+            problem.set_loads(tensions, distance, wrenches)
             try:
                 needed, linearisation = newton.solve(strategy)
             except NotConverged as failure:
@@ -184,12 +212,13 @@ class Continuation:
                 reason = f"{strategy}: {failure.reason}"
                 continue
             self.tensions, self.distance, self._last = tensions.copy(), distance, step
+            self.wrenches = wrenches.copy()
             self.iterations, self.steps = self.iterations + needed, self.steps + 1
             self._linearisation = linearisation or self._linearisation
             self.strategies[strategy] += 1
             return needed
         problem.displacement[:] = before
-        problem.set_loads(self.tensions, self.distance)
+        self._set_loads()
         self._last = None  # what made this step fail, a cubic would not foresee
         raise NotConverged(reason)
 
@@ -203,7 +232,7 @@ class Continuation:
         self._linearisation = self.newton.linearise()
         return self._linearisation
 
-    def _predict(self, tensions: np.ndarray, distance: float | None) -> Step | None:
+    def _predict(self, tensions: np.ndarray, distance: float | None, wrenches: np.ndarray) -> Step | None:
         """Move to where the next equilibrium is expected, by the last factorised tangent.
 
         The nodes in contact move with the plane. Where the last step went in the same direction, a cubic goes through
@@ -211,11 +240,12 @@ class Continuation:
         """
         problem = self.problem
         moved = 0.0 if distance is None or self.distance is None else distance - self.distance
-        load = np.append(tensions - self.tensions, moved)
+        pressed = wrenches - self.wrenches
+        load = np.concatenate([tensions - self.tensions, pressed.ravel(), [moved]])
         if not load.any():
             return None
         linearisation = self._linearisation or self.linearise()
-        slope = -linearisation.solve(problem.load_gradient(load[:-1], moved))
+        slope = -linearisation.solve(problem.load_gradient(tensions - self.tensions, moved, pressed))
         before = problem.displacement.copy()
         step = Step(load=load, start=before[: len(slope)], slope=slope)
         self.newton.add(slope if self._last is None else step.change_after(self._last))

@@ -139,7 +139,7 @@ class Newton:
 
     def _factorise(self) -> str | None:
         self.problem.tangent()
-        return self._factorisation.update()
+        return self._factorisation.update(self.problem.following())
 
     def _linearisation(self) -> Linearisation:
         return Linearisation(self._factorisation, self._antisymmetric)

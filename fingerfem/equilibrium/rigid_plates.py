@@ -21,8 +21,8 @@ class RigidPlates:
         owned = problem.space.dofmap.index_map.size_local
         for start, end in problem.scene.outline.plates:
             nodes = np.flatnonzero((points[:, 0] > start - 1e-9) & (points[:, 0] < end + 1e-9))
-            mirrored = problem.scene.is_half
-            self._plates.append(Plate(problem.comm, nodes, nodes < owned, points[nodes], mirrored=mirrored))
+            mirrored, towards = problem.scene.is_half, np.array(problem.obstacle.direction)
+            self._plates.append(Plate(problem.comm, nodes, nodes < owned, points[nodes], towards, mirrored=mirrored))
 
     def move(self, before: np.ndarray) -> None:
         """Replace what they have moved since the displacement `before`, shape (3 nodes,) [m], by rigid motions."""
@@ -38,18 +38,28 @@ class Plate:
         nodes: local indices of this rank's nodes, ghosts included, shape (n,).
         owned: which of them this rank owns, shape (n,).
         points: where they are at rest, shape (n, 3) [m].
+        towards: direction of the obstacle, shape (3,) [-].
         mirrored: the nodes are half a plate, whose mirror image in z = 0 moves alike.
     """
 
-    def __init__(self, comm: MPI.Comm, nodes: np.ndarray, owned: np.ndarray, points: np.ndarray, mirrored: bool):
-        self._comm, self._nodes, self._owned, self._points, self._mirrored = comm, nodes, owned, points, mirrored
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        nodes: np.ndarray,
+        owned: np.ndarray,
+        points: np.ndarray,
+        towards: np.ndarray,
+        mirrored: bool,
+    ):
+        self._comm, self._nodes, self._owned, self._points = comm, nodes, owned, points
+        self._towards, self._mirrored = towards, mirrored
         self._count = comm.allreduce(int(owned.sum()))
 
     def move_rigidly(self, before: np.ndarray, displacement: np.ndarray) -> None:
         """Replace what the plate's nodes have moved since `before` by the rigid motion nearest to it (collective).
 
         The rotation is that of Kabsch, Acta Cryst. A32, 922 (1976), doi:10.1107/S0567739476001873. The plate reaches
-        as far along y as it did in `displacement`, so that one on the obstacle stays there.
+        as far towards the obstacle as it did in `displacement`, so that one that touches it stays there.
 
         Args:
             before: displacements of all nodes of this rank, shape (nodes, 3) [m].
@@ -65,7 +75,7 @@ class Plate:
             correlation[2, :2] = correlation[:2, 2] = 0.0
         left, _, right = np.linalg.svd(correlation)
         turned = arms @ left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right + new_centre
-        turned[:, 1] += self._highest(new) - self._highest(turned)
+        turned += (self._farthest(new) - self._farthest(turned)) * self._towards
         displacement[self._nodes] = turned - self._points
 
     def _mean(self, values: np.ndarray) -> np.ndarray:
@@ -74,5 +84,5 @@ class Plate:
             mean[2] = 0.0
         return mean
 
-    def _highest(self, positions: np.ndarray) -> float:
-        return self._comm.allreduce(float(positions[:, 1].max(initial=-np.inf)), op=MPI.MAX)
+    def _farthest(self, positions: np.ndarray) -> float:
+        return self._comm.allreduce(float((positions @ self._towards).max(initial=-np.inf)), op=MPI.MAX)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from dolfinx import fem
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -24,7 +25,7 @@ class Sensitivities:
         displacement: of this rank's owned nodes, shape (p, 3 nodes) [m].
         tip: shape (p, 3) [m].
         channel_shortening: shape (p, tendons) [m].
-        touch_distance: of a free state as the parameters grow, shape (p,) [m]; None without an obstacle or in contact.
+        touch_distance: of a free state as the parameters grow, shape (p,) [m]; None in contact or if it never touches.
         contact_force: shape (p,) [N]; None without a plane.
         pad_pressure: shape (p,) [Pa]; None without a plane, or if the scene does not store it.
     """
@@ -55,7 +56,7 @@ def differentiate(problem: Problem, linearisation: Linearisation) -> Sensitiviti
             pad_pressure = _along(problem, [_owned(problem.gradient(forms.contact.pad_gradient))], changes)[:, 0]
             pad_pressure[-1] -= problem.copies * problem.comm.allreduce(lifted)
             pad_pressure /= problem.scalar(forms.contact.pad_area)
-    elif scene.obstacle is not None:
+    elif scene.obstacle is not None and np.isfinite(problem.reach()):
         touch_distance = np.array([_reach_change(problem, change) for change in changes])
     return Sensitivities(
         displacement=changes,
@@ -75,13 +76,17 @@ def _along(problem: Problem, gradients: list[np.ndarray], changes: np.ndarray) -
 def _reach_change(problem: Problem, change: np.ndarray) -> float:
     """How the reach sets out to change [m] with owned displacements, shape (3 nodes,).
 
-    Where several nodes reach equally far, the one that goes farthest leads.
+    Where several points reach equally far, the one that goes farthest leads.
     """
-    nodes = problem.surface_nodes[3 * problem.surface_nodes < len(change)]
-    heights = problem.space.tabulate_dof_coordinates()[nodes, 1] + problem.displacement[3 * nodes + 1]
-    side = problem.scene.geometry.side
-    leading = nodes[heights > problem.reach() + side * (0.5 - 1e-9)]
-    moved = change[3 * leading + 1]
+    whole = fem.Function(problem.space)
+    whole.x.array[: len(change)] = change
+    whole.x.scatter_forward()
+    places = problem.surface_places()
+    reaches = problem.obstacle.touch_distance(places)
+    leads = reaches > problem.reach() - 1e-9 * problem.scene.geometry.side
+    normal = problem.obstacle.normal_at(places[leads], reaches[leads])
+    moved = np.sum(normal * problem.contact_points.field(whole.x.array)[leads], axis=1)
+    moved /= normal @ problem.obstacle.direction
     return float(problem.comm.allreduce(moved.max() if moved.size else -np.inf, op=MPI.MAX))
 
 

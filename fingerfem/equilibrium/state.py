@@ -10,6 +10,7 @@ import numpy as np
 from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.continuation import Continuation
 from fingerfem.equilibrium.failures import NotConverged
+from fingerfem.equilibrium.plate_motion import plate_motion
 from fingerfem.equilibrium.sensitivities import differentiate
 
 
@@ -21,15 +22,19 @@ class State:
         parameters: tensions [N] and d [m] by name.
         displacement: nodal displacements of this rank, ghosts included, shape (3 nodes,) [m].
         tip: displacement of the tip plate's centre, shape (3,) [m].
-        touch_distance: how far the finger reaches towards the plane in free space at these tensions [m].
-        contact_force: integral of the contact pressure [N].
+        touch_distance: d at which the finger touches the obstacle in free space at these tensions [m]; None if never.
+        contact_force: what the obstacle feels along the direction in which d moves it [N]; of a plane that d moves
+            along its normal, the integral of the contact pressure.
         pad, pad_pressure: name of the scene's tactile pad, and the mean contact pressure on it [Pa].
-        penetration: how far the surface's nodes pass the plane at most [m].
+        penetration: how far the surface's nodes are inside the obstacle at most [m].
         complementarity: integral of contact pressure times |gap| over contact force times side [-]; exactly zero would
             be pressure only where the gap is closed. (Pressure is never negative.)
         clamp_reaction: force of the clamp on the finger, shape (3,) [N].
         channel_shortening: by tendon, how much shorter it has become between its ends [m].
-        energy: total potential [J].
+        wrenches: on the plates, in their own frames, shape (plates, 6) [N, N m]; None in a scene without a load.
+        plate_centres, plate_rotations: of the plates from clamp to tip, shapes (plates, 3) [m], (plates, 3, 3) [-].
+        plate_motion: their derivatives by tensions and wrenches, see equilibrium.plate_motion.
+        energy: total potential [J], without that of wrenches, which have none.
         smallest_volume_ratio: min J [-].
         self_intersecting: whether the surface passes through itself, which the model does not prevent.
         stable: whether the potential has a minimum here, by the signs of the factorised tangent, against motions of the
@@ -52,6 +57,10 @@ class State:
     complementarity: float | None = None
     clamp_reaction: np.ndarray
     channel_shortening: dict[str, float]
+    wrenches: np.ndarray | None = None
+    plate_centres: np.ndarray | None = None
+    plate_rotations: np.ndarray | None = None
+    plate_motion: np.ndarray | None = None
     energy: float
     smallest_volume_ratio: float
     self_intersecting: bool
@@ -100,6 +109,7 @@ def observe(
         tip=problem.tip(),
         touch_distance=touch_distance,
         **_contact(problem),
+        **_plates(problem),
         clamp_reaction=clamp_reaction,
         channel_shortening=dict(zip(names, channel_shortening(problem).tolist(), strict=True)),
         energy=problem.energy(),
@@ -112,6 +122,18 @@ def observe(
         seconds=seconds,
         unknowns=problem.unknowns,
     )
+
+
+def _plates(problem: Problem) -> dict[str, Any]:
+    """Where the plates of a scene with a load are."""
+    if problem.plates is None:
+        return {}
+    poses = problem.plates.poses(problem.displacement)
+    return {
+        "wrenches": problem.wrenches.copy(),
+        "plate_centres": np.array([at.centre for at in poses]),
+        "plate_rotations": np.array([at.rotation for at in poses]),
+    }
 
 
 def channel_shortening(problem: Problem) -> np.ndarray:
@@ -128,16 +150,16 @@ def pad_pressure(problem: Problem) -> float:
 
 def _contact(problem: Problem) -> dict[str, Any]:
     """What the plane makes to report."""
-    forms, obstacle, distance = problem.forms.contact, problem.scene.obstacle, problem.distance
+    forms, obstacle = problem.forms.contact, problem.scene.obstacle
     if forms is None or obstacle is None:
         return {}
     force = problem.scalar(forms.force)
     found: dict[str, Any] = {"contact_force": force}
     if obstacle.pad is not None:
         found |= {"pad": obstacle.pad.name, "pad_pressure": pad_pressure(problem)}
-    if distance is not None:
+    if problem.distance is not None:
         away = problem.scalar(forms.gap_work) / (force * problem.scene.geometry.side) if force else 0.0
-        found |= {"penetration": max(problem.reach() - distance, 0.0), "complementarity": away}
+        found |= {"penetration": problem.penetration(), "complementarity": away}
     return found
 
 
@@ -160,8 +182,11 @@ def _sensitivities(continuation: Continuation) -> dict[str, Any]:
     }
     if found.contact_force is not None:
         answer["contact_force"] = dict(zip(names, found.contact_force.tolist(), strict=True))
+    plates = {} if problem.plates is None else {"plate_motion": plate_motion(problem, linearisation)}
     return {
-        "stable": linearisation.stable,
+        # Whether following loads are borne depends on what presses, not on the finger alone.
+        "stable": None if problem.wrenches.any() else linearisation.stable,
+        **plates,
         "sensitivities": answer,
         "displacement_sensitivities": dict(zip(names, found.displacement, strict=True)),
     }

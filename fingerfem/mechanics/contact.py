@@ -1,43 +1,69 @@
-"""Frictionless contact with the rigid plane y = side/2 + d, by a penalty or by Nitsche's method.
+"""Frictionless contact with a rigid obstacle, by a penalty or by Nitsche's method.
 
 Both are one potential per area of the undeformed surface [J/m^2], with the gap g [m], a stiffness gamma [N/m^3] and the
-pressure q [Pa] that the rubber's own stress exerts along y:
+pressure q [Pa] that the rubber's own stress exerts along the obstacle's normal n, which points towards the finger:
 
     (p^2 - q^2) / (2 gamma),    p = <q - gamma g>
 
-The penalty has q = 0, which leaves gamma/2 <-g>^2. With q = -e_y . P N, P the first Piola-Kirchhoff stress and N the
+The penalty has q = 0, which leaves gamma/2 <-g>^2. With q = n . P N, P the first Piola-Kirchhoff stress and N the
 normal, it is Nitsche's symmetric variant at finite strain, consistent: the exact solution, with p = q, fulfils it at
 every gamma large enough for the potential to have a minimum (Mlika, Renard, Chouly, Comput. Methods Appl. Mech. Eng.
-325, 2017, doi:10.1016/j.cma.2017.07.015, without friction). In both, p is the contact pressure, and -dP/dd of the
-potential is the integral of p: the contact force.
+325, 2017, doi:10.1016/j.cma.2017.07.015, without friction). In both, p is the contact pressure. The contact force is
+-dP/dd, the integral of p dg/dd: what the obstacle feels along the direction in which d moves it; of a plane that d
+moves along its normal, the integral of p.
 
 Plates are rigid: their stress says nothing about the pressure on them. The penalty holds them off in both methods.
 
-It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach the plane is the
-first to feel it, edges and corners included.
+It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach a plane is the
+first to feel it, edges and corners included. A round obstacle touches between nodes too, and would pass by s^2/(8 R)
+between points s apart: against it, a facet of a plate has a lattice of POINTS[1]^2 springs, each as stiff as a facet
+on a plane, and one of rubber POINTS[0]^2, which share its stiffness.
 """
 
+import numpy as np
 import ufl
 
 from fingerfem.mechanics import kinematics, strain_energy
 
+POINTS = 4, 10  # on facets of rubber and of plates, along an edge: 0.2 mm apart on a plate of 2 mm cells
 PLATES = 2.0  # stiffness of the plates' penalty over that of Nitsche's method beside it [-]
 
 
-def gap(u, x, side, distance):
-    """Distance of the deformed surface from the plane, g = side/2 + d - (X_y + u_y) [m]; negative if it penetrates."""
-    return side / 2 + distance - (x[1] + u[1])
+def gap(obstacle, u, x, distance, maths):
+    """Signed distance g [m] of the deformed surface from an obstacle moved by `distance`; negative if it penetrates.
+
+    Returns:
+        g; its gradient by the place in space, the obstacle's normal n towards the finger [-]; and that one's gradient
+        [1/m], zero of a plane.
+    """
+    place = ufl.variable(x + u)
+    g = obstacle.signed_distance([place[i] for i in range(3)], distance, maths)
+    normal = ufl.diff(g, place)
+    return g, normal, ufl.diff(normal, place)
 
 
-def surface_pressure(energy, u, normal):
-    """Pressure q = -e_y . P N [Pa] of the body's own stress on its undeformed surface."""
+def surface_pressure(energy, u, surface_normal, obstacle_normal):
+    """Pressure q = n . P N [Pa] of the body's own stress on its undeformed surface."""
     S = strain_energy.stress(energy, kinematics.right_cauchy_green(u))
-    return -ufl.dot(kinematics.deformation_gradient(u)[1, :], S * normal)
+    return ufl.dot(obstacle_normal, kinematics.deformation_gradient(u) * S * surface_normal)
 
 
 def pressure(gap, stiffness, q=0):
     """Contact pressure p = <q - gamma g> [Pa] on the undeformed surface."""
     return ufl.max_value(q - stiffness * gap, 0)
+
+
+def penalty_residual(gap, normal, stiffness, v):
+    """Derivative of the penalty's energy density by the displacement, along v [J/m^2]."""
+    return -pressure(gap, stiffness) * ufl.dot(normal, v)
+
+
+def penalty_tangent(gap, normal, curvature, stiffness, v, w):
+    """The second derivative, along v and w, of an obstacle whose normal's gradient is `curvature` [J/m^2]."""
+    touches = ufl.conditional(ufl.lt(gap, 0), stiffness, 0.0)
+    return touches * ufl.dot(normal, v) * ufl.dot(normal, w) - pressure(gap, stiffness) * ufl.inner(
+        curvature, ufl.outer(v, w)
+    )
 
 
 def energy(gap, stiffness, q=0):
@@ -57,3 +83,16 @@ def stiffness(factor, modulus, mesh_size):
 def quadrature(order):
     """UFL metadata of the rule whose points are the nodes of an order 1 or 2 facet."""
     return {"quadrature_rule": "GLL", "quadrature_degree": 2 * order - 1}
+
+
+def lattice(count):
+    """Even points of the reference facet, so many along an edge, corners included, shape (count^2, 2)."""
+    along = np.linspace(0.0, 1.0, count)
+    return np.array([[s, t] for s in along for t in along])
+
+
+def springs(count):
+    """UFL metadata of a spring at every point of a lattice: all weigh alike, those on edges and corners too."""
+    points = lattice(count)
+    weights = np.full(len(points), 1 / len(points))
+    return {"quadrature_rule": "custom", "quadrature_points": points, "quadrature_weights": weights}

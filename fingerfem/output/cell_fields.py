@@ -8,7 +8,7 @@ import numpy as np
 import ufl
 
 from fingerfem.discretisation import form_cache, forms, regions
-from fingerfem.mechanics import contact, kinematics, strain_energy
+from fingerfem.mechanics import kinematics, strain_energy
 
 if TYPE_CHECKING:
     from fingerfem.model import FingerModel
@@ -45,8 +45,9 @@ def contact_pressure(model: FingerModel) -> np.ndarray:
         return np.zeros(nodes)
     v = ufl.TestFunction(model.problem.space)
     ds = forms.surface_measure(model.scene, model.problem.mesh)
-    groups = forms.contact_groups(model.scene, ds, model.problem.fields)
-    borne = sum(contact.pressure(g, gamma, q) * v[1] * ds(facets) for facets, g, gamma, q in groups)
+    fields = model.problem.fields
+    groups = forms.contact_groups(model.scene, ds, fields, fields.distance)
+    borne = sum(one.pressure * v[1] * one.measure for one in groups)
     share = v[1] * ds(regions.SURFACE)
     compiled = [form_cache.form(form) for form in (borne, share)]
     force, area = (model.problem.nodal(form) for form in compiled)

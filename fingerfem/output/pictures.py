@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fingerfem.mechanics.obstacles import Body, Box, Cylinder, Plane, Sphere
+
 if TYPE_CHECKING:
     from fingerfem.equilibrium.state import State
     from fingerfem.model import FingerModel
@@ -40,7 +42,7 @@ class Deformed:
         displacement: shape (nodes, 3) [m].
         field: one of FIELDS.
         values: of the field in each cell, shape (cells,), in SI units; nan in plates.
-        plane: y of the obstacle [m], or None.
+        obstacle: and its d [m]; None if there is none.
         half: the mesh is the half z >= 0, to be drawn with its mirror image.
     """
 
@@ -51,7 +53,7 @@ class Deformed:
     displacement: np.ndarray
     field: str
     values: np.ndarray
-    plane: float | None
+    obstacle: tuple[Body, float] | None
     half: bool
 
     @classmethod
@@ -81,7 +83,7 @@ class Deformed:
             displacement=state.displacement.reshape(-1, 3),
             field=field,
             values=cell_fields(model)[field],
-            plane=None if d is None else model.scene.geometry.side / 2 + d,
+            obstacle=None if d is None else (model.problem.obstacle, d),
             half=model.scene.is_half,
         )
 
@@ -105,6 +107,7 @@ def draw(panels: Sequence[Deformed], picture: str | Path) -> None:
 
 VIEW = np.array([0.0, -0.15, 1.0])  # from the finger towards the eye: upright, from a little below the plane
 PANEL = 800  # width [pixels]
+SIDES = ("x_length", "y_length", "z_length")
 
 
 def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
@@ -116,13 +119,13 @@ def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
     limit = float(np.nanpercentile(np.abs(shown), 99)) or 1.0
     limits = [-limit, limit] if panels[0].field == "S11" else [float(np.nanmin(shown)), limit]
     fingers = [_finger(panel, label, scale) for panel in panels]
-    planes = [_plane(panel) for panel in panels]
+    obstacles = [_obstacle(panel) for panel in panels]
 
     # One camera for all panels, which sees whatever any of them shows, with room for title and colour bar.
     right = np.cross([0.0, 1.0, 0.0], VIEW)
     right /= np.linalg.norm(right)
     up = np.cross(VIEW, right) / np.linalg.norm(VIEW)
-    points = np.concatenate([mesh.points for mesh in [*fingers, *planes] if mesh is not None])
+    points = np.concatenate([mesh.points for mesh in [*fingers, *obstacles] if mesh is not None])
     width, height = 1.3 * np.ptp(points @ right), 1.25 * np.ptp(points @ up)
     centre = (points.max(axis=0) + points.min(axis=0)) / 2 + 0.08 * width * right + 0.05 * height * up
     pixels = int(np.clip(PANEL * height / width, 300, 800))
@@ -133,7 +136,7 @@ def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
         window_size=[PANEL * columns, pixels * -(-len(panels) // columns)],
         border=False,
     )
-    for k, (panel, finger, plane) in enumerate(zip(panels, fingers, planes, strict=True)):
+    for k, (panel, finger, obstacle) in enumerate(zip(panels, fingers, obstacles, strict=True)):
         plotter.subplot(k // columns, k % columns)
         last = k == len(panels) - 1
         plotter.add_mesh(
@@ -149,8 +152,9 @@ def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
             show_scalar_bar=last,
             scalar_bar_args=BAR | {"title": label},
         )
-        if plane is not None:
-            plotter.add_mesh(plane, color="tan", opacity=0.5, lighting=False, show_edges=True, edge_color="gray")
+        if obstacle is not None:
+            flat = isinstance(obstacle, pyvista.PolyData) and not np.ptp(obstacle.point_normals, axis=0).any()
+            plotter.add_mesh(obstacle, color="tan", opacity=0.5, lighting=not flat, show_edges=flat, edge_color="gray")
         plotter.add_text(panel.title, font_size=12, color="black")
         plotter.set_background("white")
         plotter.camera_position = [tuple(centre + np.ptp(points) * VIEW), tuple(centre), (0, 1, 0)]
@@ -181,16 +185,31 @@ def _finger(panel: Deformed, label: str, scale: float):
     return grid.merge(grid.reflect((0, 0, 1))) if panel.half else grid
 
 
-def _plane(panel: Deformed):
-    """The obstacle seen from below, ruled by squares as wide as the finger."""
+def _obstacle(panel: Deformed):
+    """The obstacle; a plane is ruled by squares as wide as the finger, and drawn where the finger is."""
     import pyvista
 
-    if panel.plane is None:
+    if panel.obstacle is None:
         return None
+    body, d = panel.obstacle
+    centre = np.array(body.centre) + d * np.array(body.direction)
     length, side = panel.points[:, 0].max(), np.ptp(panel.points[:, 1])
     columns = round(1.05 * length / side) + 1
-    plane = pyvista.Plane((columns * side / 2, panel.plane, 0.0), (0, 1, 0), 3 * side, columns * side, 3, columns)
-    return plane
+    match body:
+        case Plane():
+            normal, middle = np.array(body.normal), np.array([columns * side / 2, 0.0, 0.0])
+            middle -= normal * (normal @ (middle - centre))
+            return pyvista.Plane(middle, -normal, 3 * side, columns * side, 3, columns)
+        case Sphere():
+            return pyvista.Sphere(body.radius, centre, theta_resolution=40, phi_resolution=40)
+        case Cylinder():
+            return pyvista.Cylinder(centre, body.axis, body.radius, 3 * side, resolution=60)
+        case Box():
+            box = pyvista.Cube(center=(0.0, 0.0, 0.0), **dict(zip(SIDES, body.sides, strict=True)))
+            placed = np.eye(4)
+            placed[:3, :3], placed[:3, 3] = np.array(body.axes).T, centre
+            return box.transform(placed, inplace=False)
+    raise ValueError(f"obstacle must be a plane, sphere, cylinder or box, got {body}")
 
 
 if __name__ == "__main__":

@@ -6,12 +6,12 @@ import hashlib
 import json
 from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from fingerfem.scene.grid_lines import fitting, grid_lines
 from fingerfem.scene.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff
 from fingerfem.scene.presets import KEYS, chosen
-from fingerfem.scene.tables import Expected, Geometry, Mesh, Obstacle, Outline, Sampling, Table, Tendon
+from fingerfem.scene.tables import Expected, Geometry, Load, Mesh, Obstacle, Outline, Sampling, Table, Tendon
 
 NOT_OF_THE_FINGER = {"name", "sampling", "expected", *KEYS}
 
@@ -36,6 +36,7 @@ class Scene(Table):
     material: Annotated[NeoHookean | MooneyRivlin | SaintVenantKirchhoff, Field(discriminator="law")]
     tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
     obstacle: Obstacle | None = None
+    load: Load | None = None
     mesh: Mesh
     sampling: Sampling = Sampling()
 
@@ -92,8 +93,13 @@ class Scene(Table):
             _ordered(f"tendons.{k}.tension", tendon.tension)
         if self.mesh.symmetry and not self.outline.is_planar:
             raise ValueError("mesh.symmetry must be false where a tendon is off the plane z = 0, got true")
+        if self.load is not None and (self.obstacle is not None or self.mesh.symmetry):
+            where = "obstacle" if self.obstacle is not None else "mesh.symmetry"
+            raise ValueError(f"{where} must be left out where load says what may press, got both")
         if self.obstacle is not None:
             self._check_obstacle(self.obstacle)
+            if self.mesh.symmetry and not self.obstacle.is_mirrored:
+                raise ValueError("mesh.symmetry must be false where the obstacle is not its own mirror image, got true")
         grid_lines(self.outline, self.mesh, self.is_half)
         return self
 
@@ -140,7 +146,9 @@ class Scene(Table):
     @property
     def is_half(self) -> bool:
         """Whether only the half z >= 0 is modelled."""
-        return self.outline.is_planar if self.mesh.symmetry is None else self.mesh.symmetry
+        if self.mesh.symmetry is not None:
+            return self.mesh.symmetry
+        return self.outline.is_planar and self.load is None and (self.obstacle is None or self.obstacle.is_mirrored)
 
     @property
     def law(self) -> Law:
@@ -163,6 +171,11 @@ class Scene(Table):
     def parameter_names(self) -> list[str]:
         """Names of the parameters, in their order."""
         return [parameter["name"] for parameter in self.parameters]
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_named(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A scene without a load is as it was before there were loads."""
+        return {key: value for key, value in serialise(self).items() if key != "load" or value is not None}
 
     def fingerprint(self) -> str:
         """Hash of all that changes the finger's answers; name and sampling do not."""

@@ -70,8 +70,13 @@ def describe(
         refines: whether a coarse grid is refined where the surrogate's error is largest.
 
     Raises:
-        SceneError: no tendon bends the finger towards its plane, or there are too many tensions to refine.
+        SceneError: no tendon bends the finger towards its plane, there are too many tensions to refine, or the obstacle
+            is not the plane y = side/2 + d.
     """
+    if scene.obstacle is not None and not scene.obstacle.is_facing_plane:
+        raise SceneError(
+            f"obstacle must be the plane y = side/2 + d to train on it, got another {scene.obstacle.shape}"
+        )
     lead = _lead(scene)
     if refines and len(scene.tendons) > MOST_TENSIONS:
         raise SceneError(f"tendons must be at most {MOST_TENSIONS} to refine their grid, got {len(scene.tendons)}")

@@ -25,6 +25,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from rom.snapshots.body import Body
 from rom.snapshots.description import FORMAT, Description, Line
@@ -32,7 +33,7 @@ from rom.snapshots.files import write_whole
 from rom.snapshots.plan import Plan
 from rom.snapshots.schema import FIELDS
 
-SAME_PLACE = 9  # decimals of the parameters' ranges in which states at one place agree
+SAME_PLACE = 1e-9  # share of a parameter's range within which states are at one place [-]
 
 
 class SnapshotError(ValueError):
@@ -196,20 +197,22 @@ class SnapshotSet:
 
         States at one place count once: a fit that is judged by states left out would find each in its twin.
         """
-        found, seen = [], set()
         size = np.array([parameter["upper"] - parameter["lower"] for parameter in self.description.parameters])
+        listed: list[tuple[str, np.ndarray]] = []
         for task, line in self.plan.lines.items():
             if task not in self._tasks or line.kind not in (kind, "scattered"):
                 continue
             rows = np.flatnonzero(self._tasks[task]["converged"])
             if line.kind == "scattered":
                 rows = rows[(rows == 0) == (kind == "free")]
-            places = np.round(np.nan_to_num(self._tasks[task]["parameters"][rows] / size), SAME_PLACE) + 0.0
-            unseen = [row for row, place in zip(rows, places, strict=True) if place.tobytes() not in seen]
-            seen |= {place.tobytes() for place in places}
-            if unseen:
-                found.append((task, np.array(unseen)))
-        return found
+            listed.append((task, rows))
+        if not listed:
+            return listed
+        places = [np.nan_to_num(self._tasks[task]["parameters"][rows] / size) for task, rows in listed]
+        twins = cKDTree(np.concatenate(places)).query_pairs(SAME_PLACE, p=np.inf, output_type="ndarray")
+        first = ~np.isin(np.arange(sum(map(len, places))), twins[:, 1])  # not the later of a pair
+        kept = np.split(first, np.cumsum([len(rows) for _, rows in listed])[:-1])
+        return [(task, rows[own]) for (task, rows), own in zip(listed, kept, strict=True) if own.any()]
 
     def projected(self, kind: str, basis: np.ndarray) -> np.ndarray:
         """The displacement's derivatives of the same states in a basis, shape (states, k, p); read task by task.

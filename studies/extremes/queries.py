@@ -86,7 +86,7 @@ def targets(model: Surrogate) -> Iterator[Row]:
             target = float(forces.max() * share)
 
             def held(target: float = target, distance: float = distance) -> float:
-                motion = done(finger.hold(target, distance))
+                motion = done(finger.hold(target, distance, tolerance=min(1e-6, 1e-4 * target)))
                 return abs(float(model.evaluate([*motion.tensions, distance]).contact_force) / target - 1)
 
             yield judged(

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from unoptimised import unoptimised
 
 from fingerfem.discretisation.forms import Fields, residual_and_tangent
-from fingerfem.mechanics import contact, strain_energy
+from fingerfem.mechanics import contact, obstacles, strain_energy
 from fingerfem.scene.laws import NeoHookean
 
 LAW = NeoHookean(C1=1.9e6, D1=2.43e-7)
@@ -71,8 +71,9 @@ class Block:
             tags = dolfinx.mesh.meshtags(mesh, 2, np.sort(top), np.full(len(top), 1, np.int32))
             ds = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=contact.quadrature(order))(1)
             self.distance = fem.Constant(mesh, d)
-            gap = contact.gap(self.u, ufl.SpatialCoordinate(mesh), 1.0, self.distance)
-            q = contact.surface_pressure(strain_energy.energy(LAW), self.u, ufl.FacetNormal(mesh))
+            x, facing = ufl.SpatialCoordinate(mesh), obstacles.body(None, 1.0)
+            gap, normal, _ = contact.gap(facing, self.u, x, self.distance, obstacles.in_ufl(float))
+            q = contact.surface_pressure(strain_energy.energy(LAW), self.u, ufl.FacetNormal(mesh), normal)
             q = q if method == "nitsche" else 0
             push = ufl.derivative(contact.energy(gap, gamma, q) * ds, self.u, v)
             residual += push

@@ -1,0 +1,74 @@
+"""The rigid motion of a plate, and the forces of a wrench that follows it.
+
+A plate is given by two moments of its mesh: the mean place c [m] and M = int (x - c) (X - C)^T dX [m^5], both linear in
+the displacement. Steel leaves M = R U with a rotation R and a U that hardly changes. Virtual work of a moment m = R m_b
+about c is m . dtheta with
+
+    R^T dtheta = (tr U 1 - U)^-1 k(R^T dM),    k(A) = (A32 - A23, A13 - A31, A21 - A12),
+
+so what does that work on dM is N = R [w]x with w = (tr U 1 - U)^-1 m_b, and on dc it is f = R f_b.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pose:
+    """Where a plate is.
+
+    Attributes:
+        centre: mean place of its material, shape (3,) [m].
+        rotation: of the plate's frame, shape (3, 3) [-].
+        stretch: U of M = R U, symmetric, shape (3, 3) [m^5].
+    """
+
+    centre: np.ndarray
+    rotation: np.ndarray
+    stretch: np.ndarray
+
+    @property
+    def clamp(self) -> np.ndarray:
+        """The clamp's centre seen from the plate, R^T (0 - c), shape (3,) [m]."""
+        return -self.rotation.T @ self.centre
+
+
+def pose(centre: np.ndarray, moment: np.ndarray) -> Pose:
+    """The pose of a plate from its moments c, shape (3,), and M, shape (3, 3), by the polar decomposition M = R U."""
+    left, sizes, right = np.linalg.svd(moment)
+    handed = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
+    return Pose(centre=centre, rotation=left @ handed @ right, stretch=right.T @ handed @ np.diag(sizes) @ right)
+
+
+def cross(vector: np.ndarray) -> np.ndarray:
+    """[v]x, with [v]x a = v x a, shape (3, 3)."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def generalised_forces(at: Pose, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What a wrench in the plate's frame, force [N] and moment about its centre [N m], shape (6,), does work on.
+
+    Returns:
+        the force on c, shape (3,) [N], and on M, shape (3, 3) [N/m^4].
+    """
+    turned = np.linalg.solve(_inertia(at), wrench[3:])
+    return at.rotation @ wrench[:3], at.rotation @ cross(turned)
+
+
+def changes_with_rotation(at: Pose, wrench: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """How the generalised forces change as the plate turns about its own axes x, y, z, the stretch kept [.../rad]."""
+    force, moment = wrench[:3], cross(np.linalg.solve(_inertia(at), wrench[3:]))
+    return [(at.rotation @ cross(axis) @ force, at.rotation @ cross(axis) @ moment) for axis in np.eye(3)]
+
+
+def rotation_gradients(at: Pose) -> list[np.ndarray]:
+    """What turns the plate about its own axes, R^T dtheta by dM, three of shape (3, 3) [rad/m^5]."""
+    return [at.rotation @ cross(row) for row in np.linalg.inv(_inertia(at))]
+
+
+def _inertia(at: Pose) -> np.ndarray:
+    return np.trace(at.stretch) * np.eye(3) - at.stretch
