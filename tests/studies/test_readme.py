@@ -43,7 +43,13 @@ def test_the_table_of_parameters_names_every_key_of_a_scene():
     assert "| `name` |" in README
     listed = set(re.findall(r"^\| `(\w+)\.(\w+)`", README, re.MULTILINE))
     schema = Scene.model_json_schema()["$defs"]
-    tables = {"geometry": ["Geometry"], "tendons": ["Tendon"], "obstacle": ["Obstacle"], "mesh": ["Mesh"]}
+    tables = {
+        "geometry": ["Geometry"],
+        "tendons": ["Tendon"],
+        "obstacle": ["Obstacle"],
+        "mesh": ["Mesh"],
+        "load": ["Load"],
+    }
     tables |= {"material": ["NeoHookean", "MooneyRivlin", "SaintVenantKirchhoff"], "sampling": ["Sampling"]}
     keys = {(table, key) for table, names in tables.items() for name in names for key in schema[name]["properties"]}
     assert listed == keys

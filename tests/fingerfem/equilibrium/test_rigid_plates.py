@@ -12,7 +12,7 @@ ALL = np.arange(len(POINTS))
 
 
 def plate() -> Plate:
-    return Plate(MPI.COMM_SELF, ALL, np.ones(len(ALL), bool), POINTS, mirrored=False)
+    return Plate(MPI.COMM_SELF, ALL, np.ones(len(ALL), bool), POINTS, np.array([0.0, 1.0, 0.0]), mirrored=False)
 
 
 def moved(rotation: Rotation, shift) -> np.ndarray:
