@@ -29,7 +29,12 @@ def model(table: dict, **obstacle) -> FingerModel:
     return FingerModel(Scene.model_validate(table | {"obstacle": kept | obstacle}))
 
 
-@pytest.fixture(scope="module", params=SHAPES)
+LONG = ("sphere", "cylinder", "box")  # round ones take many iterations
+
+
+@pytest.fixture(
+    scope="module", params=[pytest.param(name, marks=[pytest.mark.long] * (name in LONG)) for name in SHAPES]
+)
 def pressed(request):
     """A model, and its state pressed on an obstacle."""
     import tomllib
@@ -64,6 +69,7 @@ def test_a_plane_beside_the_finger_is_the_plane_above_it_seen_from_the_side(tabl
     )
 
 
+@pytest.mark.long
 def test_large_spheres_and_cylinders_become_the_plane(table):
     flat = model(table).solve(TENSIONS, D)
     where = flat.displacement.reshape(-1, 3)  # touched near the tip: the apex of the round ones stands there
@@ -126,6 +132,7 @@ def test_an_obstacle_that_is_passed_by_presses_nothing(table):
     assert state.contact_force == 0.0 and state.touch_distance is None and state.penetration == 0.0
 
 
+@pytest.mark.long
 def test_half_the_finger_is_modelled_where_the_obstacle_is_its_own_mirror_image(table):
     table["tendons"] = table["tendons"][:1]
     sphere = {"shape": "sphere", "centre": [0.042, 0.017, 0.0], "radius": 0.012}
