@@ -91,10 +91,10 @@ def wait_for(words: list[str]) -> int:
 
 
 def surrogate(out: Path) -> tuple[Surrogate, dict]:
-    """Train on all cores, measure on fresh full-order states, save."""
+    """Train on all cores, measure on held-out states, save."""
     say("training: full-order states on all cores")
     snapshots, training = farm(out / "training")
-    say("held-out: fresh full-order states at random parameters")
+    say("held-out: full-order states at random parameters")
     near = "--near", str(out / "training")
     fresh, held_out = farm(out / "heldout", "--random", str(HELD_OUT), "--seed", str(SEED), *near)
     say("surrogate: fit the snapshots, separate them, check them against the held-out states")
@@ -220,7 +220,7 @@ def main(out: Path) -> None:
     held = [*numbers["grasp"]["force_errors"], *[hold["force_error"] for hold in numbers["holds"]]]
     say(
         f"contact force: median error {numbers['errors']['contact_force']['median']:.2%} on held-out states; "
-        f"touch decisions right: {numbers['errors']['touch']['right']:.1%}; worst held force off by {max(held):.2%}"
+        f"touch decided correctly: {numbers['errors']['touch']['right']:.1%}; worst held force off by {max(held):.2%}"
     )
     say(f"report: {out / 'report.html'}")
     if not result.converged:
