@@ -91,6 +91,11 @@ class FingerModel:
         expected = self.problem.wrenches.shape
         if wrenches.shape != expected or not np.isfinite(wrenches).all():
             raise ValueError(f"wrenches must be finite, shape {expected}, got shape {wrenches.shape}")
+        largest = float(np.linalg.norm(wrenches[:, :3], axis=1).max())
+        if largest > self.scene.load.force:
+            raise ValueError(
+                f"wrenches must have forces up to load.force, {self.scene.load.force:g} N, got {largest:g}"
+            )
 
     def take(self, state: State) -> None:
         """Be in a state that was solved before: its displacement and its loads."""

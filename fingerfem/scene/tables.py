@@ -173,7 +173,6 @@ class Load(Table):
     """What may press on the plates, in place of an obstacle: forces of any direction, anywhere on a plate."""
 
     force: Annotated[float, Field(gt=0, le=1e4)]  # largest on a plate [N]
-    friction: Annotated[float, Field(ge=0, le=80)] = 0.0  # angle between force and normal, for sampling [degrees]
 
 
 class Mesh(Table):

@@ -17,7 +17,7 @@ def changed(pressed: bool, **parts) -> Scene:
     table = tomllib.loads((ROOT / "scenes" / "draft.toml").read_text())
     if pressed:
         del table["obstacle"]
-        table["load"] = {"force": 5.0}
+        table["load"] = {"force": 20.0}
     return Scene.model_validate(table | parts)
 
 
@@ -104,7 +104,11 @@ def test_large_wrenches_that_no_dead_load_would_hold_are_solved(finger):
 
 @pytest.mark.parametrize(
     ("wrenches", "rule"),
-    [(np.zeros((2, 6)), r"wrenches must be finite, shape \(1, 6\)"), (np.full((1, 6), np.nan), "wrenches must be fin")],
+    [
+        (np.zeros((2, 6)), r"wrenches must be finite, shape \(1, 6\)"),
+        (np.full((1, 6), np.nan), "wrenches must be fin"),
+        ([[0, 21, 0, 0, 0, 0]], "up to load.force, 20 N, got 21"),
+    ],
 )
 def test_wrenches_that_are_none_are_refused(finger, wrenches, rule):
     with pytest.raises(ValueError, match=rule):
