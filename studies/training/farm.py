@@ -87,8 +87,9 @@ def contention(folder: Path, processes: int) -> dict:
     """Processes that claim and write lines as fast as they can, the solving left out: the farm's own limit."""
     ours, theirs = folder / "claims", folder / "set"
     shutil.rmtree(ours, ignore_errors=True)
-    point = [0.0] * len(read_description(theirs).parameters)
-    description = replace(read_description(theirs), random=[point] * LINES)
+    others = [0.0] * (len(read_description(theirs).parameters) - 1)
+    points = [[1e-3 * k, *others] for k in range(LINES)]  # states of equal tensions would be one line
+    description = replace(read_description(theirs), random=points)
     create(ours, description)
     shutil.copy(theirs / "body.npz", ours)
     command = [sys.executable, "-c", CLAIMING, str(ours), str(theirs)]
@@ -99,7 +100,7 @@ def contention(folder: Path, processes: int) -> dict:
     said = [job.communicate()[0].split() for job in jobs]
     seconds = time.perf_counter() - begun
     lines = sum(int(claims) for claims, _ in said)
-    assert lines == len(description.tasks), "a line was written twice, or not at all"
+    assert lines == len(description.tasks) == LINES, "a line was written twice, or not at all"
     assert all(read_task(ours, task) for task in description.tasks)
     return {"processes": processes, "lines": lines, "seconds": seconds, "lines_per_second": lines / seconds}
 
