@@ -15,7 +15,7 @@ import os
 import signal
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 try:
     import typer
@@ -36,8 +36,8 @@ SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
 
-def read_loads(scene, settings: list[str]) -> tuple[list[float], float | None]:
-    """Tensions [N] and distance [m] from words like F1=50; what is left out is 0 N, or no plane.
+def read_loads(scene, settings: list[str]) -> dict[str, Any]:
+    """Arguments of `FingerModel.solve` from words like F1=50: what is left out is zero, or no plane.
 
     Raises:
         ValueError: name, rule, value.
@@ -52,14 +52,19 @@ def read_loads(scene, settings: list[str]) -> tuple[list[float], float | None]:
             values[name] = float(text)
         except ValueError:
             raise ValueError(f"{name} must be a number, got {text!r}") from None
-    return [values.get(tendon.name, 0.0) for tendon in scene.tendons], values.get("d")
+    tendons = len(scene.tendons)
+    pulled = [values.get(name, 0.0) for name in names[:tendons]]
+    if scene.load is None:
+        return {"tensions": pulled, "distance": values.get("d")}
+    pressed = [values.get(name, 0.0) for name in names[tendons:]]
+    return {"tensions": pulled, "wrenches": [pressed[k : k + 6] for k in range(0, len(pressed), 6)]}
 
 
 @app.command()
 def solve(
     scene_file: SceneFile,
     loads: Annotated[
-        list[str] | None, typer.Argument(help="F1=50 F2=0 [N], d=0.005 [m]; d left out: no plane.")
+        list[str] | None, typer.Argument(help="F1=50 F2=0 [N], d=0.005 [m] (left out: no plane), fx=1 my=0.01 [N, N m].")
     ] = None,
     as_json: AsJson = False,
     picture: Annotated[Path | None, typer.Option(help="Also write a picture, coloured by S11.")] = None,
@@ -70,20 +75,20 @@ def solve(
 
     comm = MPI.COMM_WORLD
     scene = fingerfem.load_scene(scene_file)
-    tensions, distance = read_loads(scene, loads or [])
+    asked = read_loads(scene, loads or [])
     for file, option in ((picture, "picture"), (paraview, "paraview")):
         if file is not None and comm.size > 1:
             raise ValueError(f"{option} must be written by one rank, got {comm.size}")
     model = fingerfem.FingerModel(scene, comm)
     try:
-        state = model.solve(tensions, distance)
+        state = model.solve(**asked)
     except LoadNotReached as failure:
         reached = {"tensions": failure.tensions.tolist(), "distance": failure.distance}
         answer = {"converged": False, "reason": str(failure), "last_good_load": reached}
         finish(answer, as_json, NOTHING_USABLE, comm.rank)
     if state.self_intersecting and comm.rank == 0:
         say("the finger passes through itself: contact with itself is not modelled")
-    if not state.stable and comm.rank == 0:
+    if state.stable is False and comm.rank == 0:
         say("the equilibrium is not stable: the finger would leave it")
     if picture is not None:
         from fingerfem.output.pictures import Deformed, draw
@@ -238,8 +243,8 @@ def render(
     cases = [read_loads(scene, words.split()) for words in case]
     model = fingerfem.FingerModel(scene)
     panels = []
-    for tensions, distance in cases:
-        panels.append(Deformed.of(model, model.solve(tensions, distance, sensitivities=False), field))
+    for loads in cases:
+        panels.append(Deformed.of(model, model.solve(**loads, sensitivities=False), field))
     draw(panels, picture)
 
 

@@ -1,4 +1,4 @@
-"""Derivatives of what a state reports by every tension and by d.
+"""Derivatives of what a state reports by every tension, and by d or the wrenches on the plates.
 
 du/dp = -K^-1 dR/dp, one back-substitution each on the tangent factorised at the state. dR/dF_k is the gradient of
 tendon k's length and dR/dd minus that of the contact force, so the same vectors also differentiate those two.
@@ -13,13 +13,17 @@ from dolfinx import fem
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from fingerfem.discretisation.plate_loads import PlateLoads
 from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.linearisation import Linearisation
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sensitivities:
-    """Derivatives at one state; p parameters: the tensions [1/N], then d [1/m] where there is a plane.
+    """Derivatives at one state by p parameters.
+
+    These are the tensions [1/N], then d [1/m] where there is a plane, or every component of the wrenches [1/N, 1/(N m)]
+    where there is a load.
 
     Attributes:
         displacement: of this rank's owned nodes, shape (p, 3 nodes) [m].
@@ -28,6 +32,8 @@ class Sensitivities:
         touch_distance: of a free state as the parameters grow, shape (p,) [m]; None in contact or if it never touches.
         contact_force: shape (p,) [N]; None without a plane.
         pad_pressure: shape (p,) [Pa]; None without a plane, or if the scene does not store it.
+        plate_motion: of the plates' places and angles in their own frames, R^T dc and R^T dtheta, shape (p, plates, 6)
+            [m, rad]; None without a load.
     """
 
     displacement: np.ndarray
@@ -36,13 +42,17 @@ class Sensitivities:
     touch_distance: np.ndarray | None
     contact_force: np.ndarray | None
     pad_pressure: np.ndarray | None
+    plate_motion: np.ndarray | None
 
 
 def differentiate(problem: Problem, linearisation: Linearisation) -> Sensitivities:
     """Differentiate at the equilibrium that a problem is in, by the tangent there (collective)."""
     scene, forms = problem.scene, problem.forms
-    count, plane = len(scene.tendons), problem.distance is not None
-    loads = [(unit, 0.0) for unit in np.eye(count)] + ([(np.zeros(count), 1.0)] if plane else [])
+    count, plane, plates = len(scene.tendons), problem.distance is not None, problem.plates
+    loads: list[tuple] = [(unit,) for unit in np.eye(count)] + ([(np.zeros(count), 1.0)] if plane else [])
+    if plates is not None:
+        units = np.eye(problem.wrenches.size).reshape(-1, *problem.wrenches.shape)
+        loads += [(np.zeros(count), 0.0, unit) for unit in units]
     changes = np.array([-linearisation.solve(problem.load_gradient(*load)) for load in loads])
     lengths = [_owned(problem.load_gradient(unit)) for unit in np.eye(count)]
     tips = [_owned(problem.tip_gradient(i)) for i in range(3)]
@@ -65,7 +75,13 @@ def differentiate(problem: Problem, linearisation: Linearisation) -> Sensitiviti
         touch_distance=touch_distance,
         contact_force=contact_force,
         pad_pressure=pad_pressure,
+        plate_motion=None if plates is None else _plate_motion(problem, plates, changes),
     )
+
+
+def _plate_motion(problem: Problem, plates: PlateLoads, changes: np.ndarray) -> np.ndarray:
+    poses = plates.poses(problem.displacement)
+    return np.array([plates.motion(poses, change) for change in changes])
 
 
 def _along(problem: Problem, gradients: list[np.ndarray], changes: np.ndarray) -> np.ndarray:

@@ -10,7 +10,6 @@ import numpy as np
 from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.continuation import Continuation
 from fingerfem.equilibrium.failures import NotConverged
-from fingerfem.equilibrium.plate_motion import plate_motion
 from fingerfem.equilibrium.sensitivities import differentiate
 
 
@@ -19,7 +18,7 @@ class State:
     """An equilibrium of the full-order model; there is none that has not converged.
 
     Attributes:
-        parameters: tensions [N] and d [m] by name.
+        parameters: tensions [N], and d [m] or what presses on the plates [N, N m], by name.
         displacement: nodal displacements of this rank, ghosts included, shape (3 nodes,) [m].
         tip: displacement of the tip plate's centre, shape (3,) [m].
         touch_distance: d at which the finger touches the obstacle in free space at these tensions [m]; None if never.
@@ -33,7 +32,7 @@ class State:
         channel_shortening: by tendon, how much shorter it has become between its ends [m].
         wrenches: on the plates, in their own frames, shape (plates, 6) [N, N m]; None in a scene without a load.
         plate_centres, plate_rotations: of the plates from clamp to tip, shapes (plates, 3) [m], (plates, 3, 3) [-].
-        plate_motion: their derivatives by tensions and wrenches, see equilibrium.plate_motion.
+        plate_motion: their derivatives by all parameters, see equilibrium.sensitivities.
         energy: total potential [J], without that of wrenches, which have none.
         smallest_volume_ratio: min J [-].
         self_intersecting: whether the surface passes through itself, which the model does not prevent.
@@ -103,6 +102,9 @@ def observe(
     parameters = dict(zip(names, problem.tensions.tolist(), strict=True))
     if problem.distance is not None:
         parameters["d"] = float(problem.distance)
+    if problem.wrenches.any():
+        components = problem.scene.parameter_names[len(names) :]
+        parameters |= dict(zip(components, problem.wrenches.ravel().tolist(), strict=True))
     return State(
         parameters=parameters,
         displacement=problem.displacement.copy(),
@@ -182,11 +184,10 @@ def _sensitivities(continuation: Continuation) -> dict[str, Any]:
     }
     if found.contact_force is not None:
         answer["contact_force"] = dict(zip(names, found.contact_force.tolist(), strict=True))
-    plates = {} if problem.plates is None else {"plate_motion": plate_motion(problem, linearisation)}
     return {
         # Whether following loads are borne depends on what presses, not on the finger alone.
         "stable": None if problem.wrenches.any() else linearisation.stable,
-        **plates,
+        "plate_motion": found.plate_motion,
         "sensitivities": answer,
         "displacement_sensitivities": dict(zip(names, found.displacement, strict=True)),
     }

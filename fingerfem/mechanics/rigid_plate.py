@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +35,20 @@ class Pose:
     def clamp(self) -> np.ndarray:
         """The clamp's centre seen from the plate, R^T (0 - c), shape (3,) [m]."""
         return -self.rotation.T @ self.centre
+
+    @property
+    def quaternion(self) -> np.ndarray:
+        """Its rotation as a unit quaternion, its scalar part first and not negative, shape (4,) [-]."""
+        return np.asarray(Rotation.from_matrix(self.rotation).as_quat(canonical=True, scalar_first=True))
+
+    def clamp_change(self, motion: np.ndarray) -> np.ndarray:
+        """Change of the clamp seen from the plate [m] with R^T dc and R^T dtheta, shape (6,) [m, rad]."""
+        return cross(self.clamp) @ motion[3:] - motion[:3]
+
+    def quaternion_change(self, motion: np.ndarray) -> np.ndarray:
+        """The quaternion's change with the same motion, q (0, R^T dtheta) / 2, shape (4,) [-]."""
+        scalar, vector, turn = self.quaternion[0], self.quaternion[1:], motion[3:]
+        return np.append(-vector @ turn, scalar * turn + np.cross(vector, turn)) / 2
 
 
 def pose(centre: np.ndarray, moment: np.ndarray) -> Pose:

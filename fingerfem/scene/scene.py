@@ -67,12 +67,11 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _tables_agree(self) -> Scene:
-        names = [tendon.name for tendon in self.tendons]
         width = self.geometry.channel_width
         reach = self.geometry.side / 2 - width / 2
         for k, tendon in enumerate(self.tendons):
-            if tendon.name == "d" or names.count(tendon.name) > 1:
-                raise ValueError(f"tendons.{k}.name must be unique and not d, got {tendon.name}")
+            if self.parameter_names.count(tendon.name) > 1 or tendon.name == "d":
+                raise ValueError(f"tendons.{k}.name must be unique and no other parameter's, got {tendon.name}")
             if tendon.segment > len(self.geometry.segments):
                 raise ValueError(
                     f"tendons.{k}.segment must be at most {len(self.geometry.segments)}, the number of segments, "
@@ -157,7 +156,7 @@ class Scene(Table):
 
     @property
     def parameters(self) -> list[dict[str, Any]]:
-        """Name, unit, lowest and highest value of every parameter, in the order every layer uses: tensions, then d."""
+        """Name, unit, lowest and highest value of every parameter: tensions, then d or the wrenches' components."""
         listed = [
             {"name": tendon.name, "unit": "N", "lower": tendon.tension[0], "upper": tendon.tension[1]}
             for tendon in self.tendons
@@ -165,6 +164,8 @@ class Scene(Table):
         if self.obstacle is not None:
             lower, upper = self.obstacle.distance
             listed.append({"name": "d", "unit": "m", "lower": lower, "upper": upper})
+        if self.load is not None:
+            listed += self.load.parameters(self.geometry)
         return listed
 
     @property

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from itertools import accumulate
 from typing import Annotated, Any, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from fingerfem.scene.laws import Table
@@ -29,6 +30,11 @@ class Geometry(Table):
     def channel_width(self) -> float:
         """Width of a tendon's channel [m]."""
         return self.side / 5 if self.channel is None else self.channel
+
+    @property
+    def half_lengths(self) -> np.ndarray:
+        """Of a plate along its own axes, shape (3,) [m]."""
+        return np.array([self.plate, self.side, self.side]) / 2
 
     @property
     def length(self) -> float:
@@ -169,10 +175,26 @@ class Obstacle(Table):
         return self.stiffness or {"penalty": 2000.0, "nitsche": 1000.0}[self.method]
 
 
+WRENCH = (("fx", "N"), ("fy", "N"), ("fz", "N"), ("mx", "N m"), ("my", "N m"), ("mz", "N m"))
+
+
 class Load(Table):
     """What may press on the plates, in place of an obstacle: forces of any direction, anywhere on a plate."""
 
     force: Annotated[float, Field(gt=0, le=1e4)]  # largest on a plate [N]
+    friction_angle: Annotated[float, Field(ge=0, le=1.5)] = 0.0  # most between a force and its surface's normal [rad]
+    reach: Annotated[float, Field(ge=0, le=1.0)] = 0.0  # of a segment that follows, through which forces act too [m]
+
+    def parameters(self, geometry: Geometry) -> list[dict[str, Any]]:
+        """Name, unit, lowest and highest value of the wrenches' components, plate by plate from clamp to tip."""
+        arms = np.maximum(geometry.half_lengths, self.reach)
+        highest = self.force * np.array([1, 1, 1, *(np.hypot(*np.delete(arms, i)) for i in range(3))])
+        plates = [str(k + 1) for k in range(len(geometry.segments))] if len(geometry.segments) > 1 else [""]
+        return [
+            {"name": name + plate, "unit": unit, "lower": -float(most), "upper": float(most)}
+            for plate in plates
+            for (name, unit), most in zip(WRENCH, highest, strict=True)
+        ]
 
 
 class Mesh(Table):
@@ -190,13 +212,15 @@ class Sampling(Table):
     """How finely the parameters are sampled for training: nodes along every tension and along contact.
 
     Or `lines` of states at scattered tensions, whose number does not grow like a grid's; three or more tensions are
-    sampled by these unless `tension_nodes` are given. Tip, contact force and touch distance of a state are always kept;
-    `store` says what else.
+    sampled by these unless `tension_nodes` are given. A scene with a load has lines of a free state and of `wrenches`
+    pressed ones. Tip, contact force and touch distance of a state, or its plates' poses, are always kept; `store` says
+    what else.
     """
 
     lines: Annotated[int, Field(ge=3, le=10_000)] | None = None
     tension_nodes: Annotated[int, Field(ge=4, le=101)] = 9
     contact_nodes: Annotated[int, Field(ge=4, le=101)] = 12
+    wrenches: Annotated[int, Field(ge=1, le=100)] = 4
     store: list[Quantity] = ["displacement"]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from fingerfem.scene.scene import Scene, SceneError
+from fingerfem.snapshots import wrenches
 from rom.snapshots.body import Body
 from rom.snapshots.snapshot_set import Description
 
@@ -33,10 +34,16 @@ class HeldOut:
             if value < 1:
                 raise ValueError(f"{name} must be at least 1, got {value}")
 
-    def points(self, box: np.ndarray, has_obstacle: bool) -> list[list[float]]:
+    def points(self, scene: Scene, box: np.ndarray) -> list[list[float]]:
         """Parameters, shape (count, p), in a box of lower and upper ends, shape (p, 2)."""
+        has_obstacle = scene.obstacle is not None
         if not has_obstacle and self.distances > 1:
             raise SceneError(f"distances must be 1 where the scene has no obstacle, got {self.distances}")
+        if scene.load is not None:
+            random, tendons = np.random.default_rng(self.seed), len(scene.tendons)
+            pulled = box[:tendons, 0] + random.random((self.count, tendons)) * (box[:tendons, 1] - box[:tendons, 0])
+            pressed = wrenches.on_plates(scene, random.random((self.count, wrenches.draws(scene))))
+            return np.column_stack([pulled, pressed]).tolist()
         axes = np.arange(len(box) + self.distances - 1).clip(max=len(box) - 1)
         draw = np.random.default_rng(self.seed).random((self.count, len(axes)))
         drawn = box[axes, 0] + draw * (box[axes, 1] - box[axes, 0])
@@ -78,6 +85,8 @@ def describe(
             f"obstacle must be the plane y = side/2 + d to train on it, got another {scene.obstacle.shape}"
         )
     lead = _lead(scene)
+    if refines and scene.load is not None:
+        raise SceneError("load must be left out of a scene whose grid is refined, got one")
     if refines and len(scene.tendons) > MOST_TENSIONS:
         raise SceneError(f"tendons must be at most {MOST_TENSIONS} to refine their grid, got {len(scene.tendons)}")
     parameters = scene.parameters
@@ -88,7 +97,7 @@ def describe(
     scattered = [] if held_out or refines else _scattered(scene, tensions)
     if scattered:
         along_tension, along_contact = 2, scene.sampling.contact_nodes if _asks(scene, "contact_nodes") else ALONG
-    points = held_out.points(box, scene.obstacle is not None) if held_out else []
+    points = held_out.points(scene, box) if held_out else []
     return Description(
         scene=scene.model_dump(mode="json"),
         fingerprint=scene.fingerprint(),
@@ -100,6 +109,7 @@ def describe(
         strides=_strides(len(parameters), len(tensions), lead) if refines else [1] * len(parameters),
         random=points,
         scattered=scattered,
+        wrenches=_pressing(scene, len(scattered)) if scene.load is not None and scattered else [],
         versions=versions,
     )
 
@@ -113,7 +123,7 @@ def _scattered(scene: Scene, box: np.ndarray) -> list[list[float]]:
     count = len(box)
     lines = scene.sampling.lines
     if lines is None:
-        if count < SCATTER or _asks(scene, "tension_nodes"):
+        if scene.load is None and (count < SCATTER or _asks(scene, "tension_nodes")):
             return []
         lines = LINES * count
     corners = [list(corner) for corner in product((0.0, 1.0), repeat=count)]
@@ -121,6 +131,13 @@ def _scattered(scene: Scene, box: np.ndarray) -> list[list[float]]:
     draw = qmc.Sobol(count, seed=SEED).random_base2(int(np.ceil(np.log2(max(lines, 2)))))
     shares = [*corners, *((1 - np.cos(np.pi * draw)) / 2).tolist()][:lines]
     return (box[:, 0] + np.array(shares) * (box[:, 1] - box[:, 0])).tolist()
+
+
+def _pressing(scene: Scene, lines: int) -> list[list[list[float]]]:
+    """Wrenches on the plates, shape (lines, states, 6 plates) [N, N m], evenly spread over all that may press."""
+    each, draws = scene.sampling.wrenches, wrenches.draws(scene)
+    draw = qmc.Sobol(draws, seed=SEED).random_base2(int(np.ceil(np.log2(lines * each))))[: lines * each]
+    return wrenches.on_plates(scene, draw).reshape(lines, each, -1).tolist()
 
 
 def _strides(parameters: int, tensions: int, lead: int) -> list[int]:
@@ -163,6 +180,6 @@ def body(scene: Scene, nodes: np.ndarray) -> Body:
         nodes=nodes,
         edge_nodes=np.flatnonzero(on_edge),
         plates=np.array(scene.outline.plates),
-        half_lengths=np.array([geometry.plate, geometry.side, geometry.side]) / 2,
+        half_lengths=geometry.half_lengths,
         is_half=scene.is_half,
     )

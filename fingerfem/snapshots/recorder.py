@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,12 +13,14 @@ from fingerfem.equilibrium.continuation import Continuation
 from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.equilibrium.sensitivities import Sensitivities, differentiate
 from fingerfem.equilibrium.state import channel_shortening, pad_pressure
+from fingerfem.mechanics.rigid_plate import Pose
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.design import body as finger_at_rest
 from fingerfem.snapshots.plate_contact import PlateContacts
 from rom.snapshots import schema
 
 logger = logging.getLogger(__name__)
+TURNED_OVER = 0.05  # cosine of half the angle that a plate has turned by, below which it is no state to train on [-]
 
 
 class ContactState(NamedTuple):
@@ -43,7 +46,8 @@ class Recorder:
         self._model, self._numbering, self._broken = model, numbering, ""
         self._store, self._parameter_count = scene.sampling.store, len(scene.parameters)
         self._edges = body.edge_nodes if edges else None
-        scopes = {"state", *self._store, *(["obstacle"] if scene.obstacle else []), *(["edges"] if edges else [])}
+        scopes = {"state", *self._store, *(["edges"] if edges else [])}
+        scopes |= {name for name in ("obstacle", "load") if getattr(scene, name) is not None}
         sizes = schema.sizes(
             segments=len(body.plates),
             tendons=len(scene.tendons),
@@ -52,37 +56,52 @@ class Recorder:
         )
         self._blank = schema.blanks(scopes, sizes, self._parameter_count)
         self._plates = PlateContacts(model.problem) if model.scene.obstacle is not None else None
-        self._last_good: tuple[np.ndarray, float] | None = None
+        self._last_good: np.ndarray | None = None
         self._touch: dict[str, Any] = {}
         self._rows: list[dict[str, Any]] = []
         self.displacements: list[np.ndarray] = []
         self.reaches: list[float] = []
 
-    def state(self, tensions: np.ndarray, distance: float | None, iterations_before: int | None = None) -> None:
-        """Solve and note one state at tensions, shape (tensions,) [N], and a plane's distance [m], or without a plane.
+    def state(
+        self,
+        tensions: np.ndarray,
+        distance: float | None,
+        iterations_before: int | None = None,
+        wrenches: np.ndarray | None = None,
+    ) -> None:
+        """Solve and note one state.
 
-        The touch distance of a state in contact is that of the last free state.
-        Its iterations are counted from `iterations_before`, from now if that is None.
+        The touch distance of a state in contact is that of the last free state. A pressed one need not be stable:
+        whether it is depends on what presses.
+
+        Args:
+            tensions: shape (tensions,) [N].
+            distance: of the plane [m]; None without one.
+            iterations_before: from where its iterations are counted; from now if None.
+            wrenches: on the plates, shape (plates, 6) [N, N m]; None without any.
         """
         model = self._model
         d = np.nan if distance is None else distance
+        parameters = self._parameters(tensions, d, wrenches)
         if distance is not None and np.isnan(distance):  # of a plane that stands where the free finger has no answer
             self._broken = self._broken or self._rows[-1]["reason"]
         if self._broken:
-            self.failed(tensions, d, self._broken, last_good=self._last_good)
+            self._note_failure(parameters, self._broken, self._last_good)
             return
         before = model.continuation.iterations if iterations_before is None else iterations_before
         try:
-            model.continuation.advance(tensions, distance)
+            model.continuation.advance(tensions, distance, wrenches)
         except LoadNotReached as failure:
             self.broken(failure)
-            self.failed(tensions, d, failure.reason, last_good=self._last_good)
+            self._note_failure(parameters, failure.reason, self._last_good)
             return
-        found = _stable(model.continuation)
+        found = _sensitivities(model.continuation, must_be_stable=wrenches is None)
         if found is None:
-            self.failed(tensions, d, "the equilibrium is not stable")
+            self._note_failure(parameters, "the equilibrium is not stable")
         elif model.passes_through_itself():
-            self.failed(tensions, d, "the finger passes through itself")
+            self._note_failure(parameters, "the finger passes through itself")
+        elif self._turned_over():
+            self._note_failure(parameters, "a plate has turned by some 180 degrees, where its quaternion jumps")
         else:
             self.displacements.append(model.problem.displacement.copy())
             self.reaches.append(model.problem.reach())
@@ -90,13 +109,18 @@ class Recorder:
             self._rows.append(
                 solved
                 | {
-                    "parameters": self._parameters(tensions, d),
+                    "parameters": parameters,
                     "iterations": model.continuation.iterations - before,
                     "converged": True,
                     "reason": "",
-                    "last_good": self._parameters(np.full_like(tensions, np.nan), np.nan),
+                    "last_good": np.full_like(parameters, np.nan),
                 }
             )
+
+    def _turned_over(self) -> bool:
+        problem = self._model.problem
+        poses = [] if problem.plates is None else problem.plates.poses(problem.displacement)
+        return any(at.quaternion[0] < TURNED_OVER for at in poses)
 
     def take(self, row: dict[str, Any], displacement: np.ndarray | None) -> None:
         """Note a state that another set has solved.
@@ -117,7 +141,7 @@ class Recorder:
     def broken(self, failure: LoadNotReached) -> None:
         """All further states of the line have no answer either."""
         self._broken = failure.reason
-        self._last_good = failure.tensions, np.nan if failure.distance is None else failure.distance
+        self._last_good = self._parameters(failure.tensions, np.nan if failure.distance is None else failure.distance)
 
     def touch(self) -> None:
         """Note where the plane would be touched: the model is in a free state."""
@@ -144,6 +168,8 @@ class Recorder:
             row["contact_force_jacobian"] = self._padded(pressed)
         if self._plates is not None:
             row |= self._plate_contact(self._plates, found)
+        if model.problem.plates is not None and found.plate_motion is not None:
+            row |= _plate_poses(model.problem.plates.poses(model.problem.displacement), found.plate_motion)
         if "pad_pressure" in store:
             row["pad_pressure"] = pad_pressure(model.problem)
             row["pad_pressure_jacobian"] = self._padded(
@@ -181,23 +207,31 @@ class Recorder:
         tensions: np.ndarray,
         distance: float,
         reason: str,
-        count: int = 1,
         last_good: tuple[np.ndarray, float] | None = None,
+        wrenches: np.ndarray | None = None,
     ) -> None:
-        """Note states at tensions, shape (tensions,) [N], without an answer, and the last load with an equilibrium."""
-        logger.warning("no state at %s: %s", self._parameters(tensions, distance).tolist(), reason)
+        """Note a state at tensions, shape (tensions,) [N], without an answer, and the last load with an equilibrium."""
+        last = None if last_good is None else self._parameters(*last_good)
+        self._note_failure(self._parameters(tensions, distance, wrenches), reason, last)
+
+    def _note_failure(self, parameters: np.ndarray, reason: str, last_good: np.ndarray | None = None) -> None:
+        logger.warning("no state at %s: %s", parameters.tolist(), reason)
         row = {
-            "parameters": self._parameters(tensions, distance),
+            "parameters": parameters,
             "iterations": 0,
             "converged": False,
             "reason": reason,
-            "last_good": self._parameters(*(last_good or (np.full_like(tensions, np.nan), np.nan))),
+            "last_good": np.full_like(parameters, np.nan) if last_good is None else last_good,
         }
-        self._rows += [row] * count
-        self.displacements += [np.full_like(self._model.problem.displacement, np.nan)] * count
-        self.reaches += [np.nan] * count
+        self._rows.append(row)
+        self.displacements.append(np.full_like(self._model.problem.displacement, np.nan))
+        self.reaches.append(np.nan)
 
-    def _parameters(self, tensions: np.ndarray, distance: float) -> np.ndarray:
+    def _parameters(self, tensions: np.ndarray, distance: float, wrenches: np.ndarray | None = None) -> np.ndarray:
+        """In the scene's order."""
+        if self._model.scene.load is not None:
+            pressed = np.zeros_like(self._model.problem.wrenches) if wrenches is None else wrenches
+            return np.concatenate([tensions, np.ravel(pressed)])
         return np.append(tensions, distance) if self._model.scene.obstacle is not None else np.array(tensions)
 
     def contacts(self) -> list[ContactState]:
@@ -217,11 +251,32 @@ class Recorder:
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
-def _stable(continuation: Continuation) -> Sensitivities | None:
-    """The sensitivities at a stable equilibrium."""
+def _sensitivities(continuation: Continuation, *, must_be_stable: bool) -> Sensitivities | None:
+    """The sensitivities at an equilibrium; none where the tangent is singular, or it is not as stable as it must be."""
     try:
         linearisation = continuation.linearise()
     except NotConverged:
         return None
     found = differentiate(continuation.problem, linearisation)
-    return found if linearisation.stable else None
+    return found if linearisation.stable or not must_be_stable else None
+
+
+def _plate_poses(poses: list[Pose], motion: np.ndarray) -> dict[str, np.ndarray]:
+    """The clamp's place and the rotation seen from the plates, with their derivatives by all parameters.
+
+    Motion R^T dc and R^T dtheta by these, shape (p, plates, 6) [m, rad].
+    """
+    changes = [np.moveaxis(motion[:, k], 0, -1) for k in range(len(poses))]
+    return {
+        "clamp_place": np.array([at.clamp for at in poses]),
+        "plate_rotation": np.array([at.quaternion for at in poses]),
+        "clamp_place_jacobian": np.array([_columns(at.clamp_change, by) for at, by in zip(poses, changes, strict=True)]),
+        "plate_rotation_jacobian": np.array(
+            [_columns(at.quaternion_change, by) for at, by in zip(poses, changes, strict=True)]
+        ),
+    }
+
+
+def _columns(change: Callable[[np.ndarray], np.ndarray], motions: np.ndarray) -> np.ndarray:
+    """Changes with motions, shape (6, p), by columns."""
+    return np.array([change(motion) for motion in motions.T]).T

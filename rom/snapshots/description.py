@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import groupby, product
 from typing import Any
@@ -21,11 +21,13 @@ class Line:
 
     Attributes:
         kind: free (along the lead tension), contact (along the contact path), scattered (a free state and the contact
-            path from there, at tensions of its own) or random (held-out states of the same tensions).
+            path from there, at tensions of its own), pressed (a free state and pressed ones there) or random (held-out
+            states of the same tensions).
         index: what it holds fixed, as positions: of the other tensions' combination; and for contact of the onset node.
-            A number of its own for scattered and random lines.
-        nodes: positions along the line, of `tension_nodes[lead]` or of `contact_nodes`; of a random line in `random`.
-        tensions: of a scattered line [N].
+            A number of its own for scattered, pressed and random lines.
+        nodes: positions along the line, of `tension_nodes[lead]` or of `contact_nodes`; of a random line in `random`;
+            of a pressed line 0 for the free state, then 1 and so on in its `wrenches`.
+        tensions: of a scattered or pressed line [N].
     """
 
     kind: str
@@ -40,7 +42,7 @@ class Description:
 
     Attributes:
         scene: the scene as plain data, with its fingerprint.
-        parameters: name, unit, lower and upper of each, tensions first, then d.
+        parameters: name, unit, lower and upper of each, tensions first, then d or the wrenches' components.
         lead: index of the lead tension.
         tension_nodes: nodes of every tension [N].
         onset_nodes: nodes of the lead tension between onset (0) and its highest (1) [-].
@@ -49,6 +51,8 @@ class Description:
             set is refined where its error is largest.
         random: held-out parameters, shape (count, p); empty for a training set.
         scattered: tensions of lines of a set without a grid, shape (lines, tensions) [N]; empty for one with a grid.
+        wrenches: of these lines, on the plates in their own frames, shape (lines, states, 6 plates) [N, N m]; empty for
+            a scene without a load.
     """
 
     scene: dict[str, Any]
@@ -62,6 +66,7 @@ class Description:
     random: list[list[float]]
     scattered: list[list[float]]
     versions: dict[str, str]
+    wrenches: list[list[list[float]]] = field(default_factory=list)
     format: int = FORMAT
 
     @property
@@ -82,7 +87,12 @@ class Description:
     @property
     def tensions(self) -> int:
         """Number of tensions."""
-        return len(self.parameters) - self.has_obstacle
+        return len(self.scene["tendons"])
+
+    @property
+    def has_load(self) -> bool:
+        """Whether wrenches press on the scene's plates."""
+        return self.scene.get("load") is not None
 
     @cached_property
     def others(self) -> list[tuple[float, ...]]:
@@ -105,6 +115,12 @@ class Description:
         """The first lines by the names of their tasks; a task only ever needs tasks before it."""
         if self.random:
             return {f"random-{k}": Line("random", (k,), nodes) for k, nodes in enumerate(self._held_out_lines())}
+        if self.wrenches:
+            both = zip(self.scattered, self.wrenches, strict=True)
+            return {
+                f"pressed-{k}": Line("pressed", (k,), tuple(range(1 + len(wrenches))), tuple(tensions))
+                for k, (tensions, wrenches) in enumerate(both)
+            }
         if self.scattered:
             return {f"scattered-{k}": self.scattered_line(k, tensions) for k, tensions in enumerate(self.scattered)}
         lead, path = self.strides[self.lead], self.strides[-1]

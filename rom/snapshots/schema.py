@@ -3,7 +3,7 @@
 A task's file holds them state by state, first axis n; X_jacobian holds the derivatives of X by the parameters. Besides
 these it holds, of every state:
 
-    parameters   (n, p)   tensions [N], then d [m] (nan in a free state)
+    parameters   (n, p)   tensions [N], then d [m] (nan in a free state) or what presses on the plates [N, N m]
     nodes        (n,)     positions along the line, of the grid's nodes; free and contact lines. -1 for a state between
                           two of them that differ in regime
     iterations   (n,)     Newton iterations
@@ -23,9 +23,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-# Which states have a quantity: all; those of scenes with an obstacle; those of lines that keep the long edges' heights
+# Which states have a quantity: all; those of scenes with an obstacle, or with a load; those of lines that keep the long edges' heights
 # (free, scattered and held-out ones); or those of scenes whose sampling.store names it.
-Scope = Literal["state", "obstacle", "edges", "displacement", "pad_pressure", "channel_shortening"]
+Scope = Literal["state", "obstacle", "load", "edges", "displacement", "pad_pressure", "channel_shortening"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,6 +102,20 @@ QUANTITIES = (
         meaning="code of the contact regime, see rom.snapshots.contact_regimes",
         scope="obstacle",
         jacobian="",
+    ),
+    Quantity(
+        name="clamp_place",
+        shape=("segments", 3),
+        unit="m",
+        meaning="the clamp's centre in every plate's own frame, from its centre",
+        scope="load",
+    ),
+    Quantity(
+        name="plate_rotation",
+        shape=("segments", 4),
+        unit="-",
+        meaning="of every plate, a unit quaternion, its positive scalar part first",
+        scope="load",
     ),
     Quantity(
         name="pad_pressure", shape=(), unit="Pa", meaning="mean contact pressure on the pad", scope="pad_pressure"

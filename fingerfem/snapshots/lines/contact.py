@@ -62,7 +62,8 @@ def solve(setting: Setting, task: str, line: Line) -> Arrays:
 def give_up(setting: Setting, task: str, line: Line, reason: str) -> Arrays:
     """The same without an answer."""
     record, onset = setting.recorder(), float(read_task(setting.path, f"free-{line.index[0]}", ("onset",))["onset"])
-    record.failed(_tensions(setting, line, onset), np.nan, reason, len(line.nodes))
+    for _ in line.nodes:
+        record.failed(_tensions(setting, line, onset), np.nan, reason)
     return record.arrays() | {"nodes": np.array(line.nodes)}
 
 

@@ -24,14 +24,34 @@ def needs(setting: Setting, task: str, line: Line) -> list[str]:
 
 def solve(setting: Setting, task: str, line: Line) -> Arrays:
     """The states of the line's points."""
+    if setting.description.has_load:
+        return _pressed(setting, line).arrays()
     points = _points(setting, line)
     solver = HeldOutSolver(setting.model, setting.numbering, setting.known.neighbours)
     return solver.solve(points[0][0], [distance for _, distance in points]).arrays()
 
 
+def _pressed(setting: Setting, line: Line) -> Recorder:
+    """States with wrenches on the plates, from rest to the free state and on."""
+    record, model = setting.recorder(), setting.model
+    for tensions, wrenches in _pressed_points(setting, line):
+        model.continuation.rest()
+        record.restarted()
+        try:
+            model.continuation.advance(tensions, None)
+        except LoadNotReached as failure:
+            record.broken(failure)
+        record.state(tensions, None, 0, wrenches)
+    return record
+
+
 def give_up(setting: Setting, task: str, line: Line, reason: str) -> Arrays:
     """The same without an answer."""
     record = setting.recorder()
+    if setting.description.has_load:
+        for tensions, wrenches in _pressed_points(setting, line):
+            record.failed(tensions, np.nan, reason, wrenches=wrenches)
+        return record.arrays()
     for tensions, distance in _points(setting, line):
         record.failed(tensions, distance, reason)
     return record.arrays()
@@ -43,6 +63,13 @@ def _points(setting: Setting, line: Line) -> list[tuple[np.ndarray, float]]:
     points = np.array([description.random[k] for k in line.nodes])
     distances = points[:, -1] if description.has_obstacle else np.full(len(points), np.nan)
     return list(zip(points[:, : description.tensions], distances.tolist(), strict=True))
+
+
+def _pressed_points(setting: Setting, line: Line) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Tensions [N] and wrenches on the plates, shape (plates, 6) [N, N m], of a line's points."""
+    description = setting.description
+    points = [np.array(description.random[k]) for k in line.nodes]
+    return [(point[: description.tensions], point[description.tensions :].reshape(-1, 6)) for point in points]
 
 
 class HeldOutSolver:

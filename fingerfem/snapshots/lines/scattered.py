@@ -19,14 +19,14 @@ def needs(setting: Setting, task: str, line: Line) -> list[str]:
         return []
     size = [parameter["upper"] - parameter["lower"] for parameter in description.parameters[: description.tensions]]
     away = (np.array(description.scattered[:ROOTS]) - line.tensions) / size
-    return [f"scattered-{np.argmin(np.sum(away**2, axis=1))}"]
+    return [f"{line.kind}-{np.argmin(np.sum(away**2, axis=1))}"]
 
 
 def solve(setting: Setting, task: str, line: Line) -> Arrays:
     """The states of the line's nodes, and those between its contact regimes."""
     description, record = setting.description, setting.recorder(edges=True)
     tensions, nodes = np.array(line.tensions), list(line.nodes)
-    _start(setting, needs(setting, task, line))
+    begin(setting, needs(setting, task, line))
     record.state(tensions, None)
     reach = record.reaches[0]
     path = reach - setting.nearest  # of the plane [m]
@@ -41,11 +41,12 @@ def solve(setting: Setting, task: str, line: Line) -> Arrays:
 def give_up(setting: Setting, task: str, line: Line, reason: str) -> Arrays:
     """The same without an answer."""
     record = setting.recorder(edges=True)
-    record.failed(np.array(line.tensions), np.nan, reason, len(line.nodes))
+    for _ in line.nodes:
+        record.failed(np.array(line.tensions), np.nan, reason)
     return record.arrays() | {"nodes": np.array(line.nodes)}
 
 
-def _start(setting: Setting, roots: list[str]) -> None:
+def begin(setting: Setting, roots: list[str]) -> None:
     """Bring the model to a root's free state, or to rest where it has none."""
     setting.model.continuation.rest()
     for root in roots:

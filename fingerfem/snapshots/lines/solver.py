@@ -10,7 +10,7 @@ import numpy as np
 
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.model import FingerModel
-from fingerfem.snapshots.lines import contact, free, held_out, scattered
+from fingerfem.snapshots.lines import contact, free, held_out, pressed, scattered
 from fingerfem.snapshots.lines.setting import NOTHING_KNOWN, Arrays, Known, Setting
 from rom.snapshots.description import Description, Line
 from rom.snapshots.plan import Plan
@@ -30,7 +30,13 @@ class Kind(Protocol):
         """The same of a task that nobody shall try again."""
 
 
-KINDS: dict[str, Kind] = {"free": free, "contact": contact, "scattered": scattered, "random": held_out}
+KINDS: dict[str, Kind] = {
+    "free": free,
+    "contact": contact,
+    "scattered": scattered,
+    "pressed": pressed,
+    "random": held_out,
+}
 
 
 class LineSolver:

@@ -43,3 +43,14 @@ def test_following_forces_change_as_the_plate_turns():
             near.append(rigid_plate.generalised_forces(rigid_plate.pose(AT.centre, turn @ STRETCH), WRENCH))
         for part in (0, 1):
             assert (near[1][part] - near[0][part]) / 2e-6 == pytest.approx(change[part], abs=1e-8)
+
+
+def test_the_clamp_and_the_quaternion_seen_from_the_plate_change_as_it_moves():
+    motion, h = RANDOM.standard_normal(6), 1e-6
+    near = []
+    for step in (-h, h):
+        turn = TURNED @ Rotation.from_rotvec(step * motion[3:]).as_matrix()
+        near.append(rigid_plate.pose(AT.centre + step * TURNED @ motion[:3], turn @ STRETCH))
+    assert (near[1].clamp - near[0].clamp) / (2 * h) == pytest.approx(AT.clamp_change(motion), abs=1e-8)
+    assert (near[1].quaternion - near[0].quaternion) / (2 * h) == pytest.approx(AT.quaternion_change(motion), abs=1e-8)
+    assert Rotation.from_quat(AT.quaternion, scalar_first=True).as_matrix() == pytest.approx(AT.rotation)

@@ -1,0 +1,75 @@
+"""What an object may press on a plate with: wrenches in the plate's frame, drawn for training and for held-out states.
+
+A rigid object touches a plate at the corner that lies deepest in it, or along an edge, or on a face: where the plate's
+own surface is normal to the object's, or a corner of it may be. So every wrench is one force at one point of the plate's
+surface, along the inward normal there or turned from it by friction. A segment that follows passes forces on that act
+elsewhere, as far as it reaches.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from fingerfem.scene.scene import Scene
+
+EACH = 9  # numbers that one wrench is drawn by
+BEHIND = 0.2  # most of a normal's component along the plate's axis: farther behind, the rubber touches first [-]
+CORNERS, EDGES = 0.6, 0.85  # share of forces at corners; at corners or on edges; the others act within faces [-]
+SPREAD = 0.6  # exponent of a uniform share that makes large forces frequent: fits err most at their ends [-]
+
+
+def draws(scene: Scene) -> int:
+    """Numbers in [0, 1) that the wrenches on all plates are drawn by."""
+    return EACH * len(scene.geometry.segments)
+
+
+def on_plates(scene: Scene, drawn: np.ndarray) -> np.ndarray:
+    """Wrenches on the plates, shape (n, 6 plates) [N, N m], by numbers in [0, 1), shape (n, draws)."""
+    plates = np.split(drawn, len(scene.geometry.segments), axis=1)
+    return np.concatenate([_on_plate(scene, part) for part in plates], axis=1)
+
+
+def _on_plate(scene: Scene, drawn: np.ndarray) -> np.ndarray:
+    load = scene.load
+    assert load is not None, "of a scene with a load"
+    normal = _directions(drawn[:, 0], drawn[:, 1])
+    points = _points(normal, scene.geometry.half_lengths, drawn[:, 2:5])
+    if load.reach:
+        points = _ahead(load.reach, drawn[:, 2:5])
+    forces = load.force * drawn[:, 5:6] ** SPREAD * _turned(normal, load.friction_angle, drawn[:, 6:8])
+    return np.concatenate([forces, np.cross(points, forces)], axis=1)
+
+
+def _directions(height: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Unit vectors in a plate's frame, evenly over the sphere but for what lies behind the plate, shape (n, 3)."""
+    along = -1 + (1 + BEHIND) * height
+    across = np.sqrt(1 - along**2)
+    return np.column_stack([along, across * np.cos(2 * np.pi * angle), across * np.sin(2 * np.pi * angle)])
+
+
+def _points(normal: np.ndarray, half: np.ndarray, drawn: np.ndarray) -> np.ndarray:
+    """Where a plate is touched along normals, shape (n, 3) [m]: the corner there, or a point on an edge or a face."""
+    points = -np.sign(normal) * half
+    kind, elsewhere = drawn[:, 0], half * (2 * drawn[:, [1, 2]] - 1)[:, [0, 1, 0]]
+    rank = np.argsort(np.argsort(np.abs(normal), axis=1), axis=1)  # 0 along the edge that the object is closest to
+    free = (kind[:, None] >= CORNERS) & (rank == 0) | (kind[:, None] >= EDGES) & (rank == 1)
+    return np.where(free, elsewhere, points)
+
+
+def _ahead(reach: float, drawn: np.ndarray) -> np.ndarray:
+    """Points of the half ball before a plate, where a segment that follows may be, shape (n, 3) [m]."""
+    along, angle, share = drawn.T
+    across = np.sqrt(1 - along**2)
+    direction = np.column_stack([along, across * np.cos(2 * np.pi * angle), across * np.sin(2 * np.pi * angle)])
+    return reach * share[:, None] ** (1 / 3) * direction
+
+
+def _turned(normal: np.ndarray, most: float, drawn: np.ndarray) -> np.ndarray:
+    """Unit vectors within an angle of normals [rad], shape (n, 3)."""
+    if not most:
+        return normal
+    across = np.cross(normal, np.roll(normal, 1, axis=1) + [1.0, 0.5, 0.25])
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    around = Rotation.from_rotvec(2 * np.pi * drawn[:, :1] * normal).apply(across)
+    return Rotation.from_rotvec(most * np.sqrt(drawn[:, 1:]) * around).apply(normal)
