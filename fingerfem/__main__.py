@@ -64,7 +64,8 @@ def read_loads(scene, settings: list[str]) -> dict[str, Any]:
 def solve(
     scene_file: SceneFile,
     loads: Annotated[
-        list[str] | None, typer.Argument(help="F1=50 F2=0 [N], d=0.005 [m] (left out: no plane), fx=1 my=0.01 [N, N m].")
+        list[str] | None,
+        typer.Argument(help="F1=50 F2=0 [N], d=0.005 [m] (or no plane), fx=1 my=0.01 [N, N m]."),
     ] = None,
     as_json: AsJson = False,
     picture: Annotated[Path | None, typer.Option(help="Also write a picture, coloured by S11.")] = None,

@@ -13,7 +13,10 @@ from typing import Annotated
 
 import typer
 
+from rom.checked_file import kind_of
 from rom.command_line import AsJson, application, run, show
+from rom.segment import segment_map
+from rom.segment.segment_map import SegmentMap
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
 from rom.terminal import log_lines, steps
@@ -32,7 +35,10 @@ def build(
             min=1e-12, max=0.5, help="Relative error of the separation; 3e-4, or what the scene's accuracy chose."
         ),
     ] = None,
-    terms: Annotated[int, typer.Option(min=1, max=1000, help="Most products of one form.")] = 100,
+    terms: Annotated[
+        int | None,
+        typer.Option(min=1, max=10_000, help="Most products of one form, 100; of a segment's map, 2500."),
+    ] = None,
     held_out: Annotated[
         Path | None,
         typer.Option(metavar="HELDOUT/", help="Measure the error on these states."),
@@ -42,20 +48,28 @@ def build(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Separate a snapshot set and write the model file."""
+    """Separate a snapshot set and write the model file; of a scene with a load, fit the map of its segment."""
+    log_lines()
+    if not output.parent.is_dir():
+        raise ValueError(f"output must be in a folder that exists, got {output}")
+    snapshots = SnapshotSet(folder)
+    if snapshots.description.has_load:
+        if tolerance is not None or coarse is not None:
+            name = "coarse" if tolerance is None else "tolerance"
+            raise ValueError(f"{name} must be left out for a set of a scene with a load, got one")
+        segment = build_segment(snapshots, terms, held_out)
+        segment.save(output)
+        show(segment_summary(segment), as_json)
+        return
     from rom.build import train
     from rom.error_model import calibrated
     from rom.held_out import accuracy, check
     from rom.separation.alternating_directions import EnrichmentOptions
 
-    log_lines()
-    if not output.parent.is_dir():
-        raise ValueError(f"output must be in a folder that exists, got {output}")
-    snapshots = SnapshotSet(folder)
     if tolerance is None:
         expected = snapshots.description.scene.get("expected") or {}
         tolerance = expected.get("tolerance", EnrichmentOptions().tolerance)
-    options = EnrichmentOptions(tolerance=tolerance, terms=terms)
+    options = EnrichmentOptions(tolerance=tolerance, **({} if terms is None else {"terms": terms}))
     with steps() as progress:
         model = train(snapshots, options, None if coarse is None else SnapshotSet(coarse), progress=progress)
         if held_out is not None:
@@ -64,6 +78,17 @@ def build(
             model = replace(model, accuracy=accuracy(check(model, states, progress)))
     model.save(output)
     show(summary(model), as_json)
+
+
+def build_segment(snapshots: SnapshotSet, terms: int | None, held_out: Path | None) -> SegmentMap:
+    """The map of a set of pressed states, measured on held-out ones if there are any."""
+    from rom.segment import build
+
+    with steps() as progress:
+        segment = build.train(snapshots, terms or build.TERMS, progress=progress)
+    if held_out is None:
+        return segment
+    return segment.with_accuracy(build.check(segment, SnapshotSet(held_out)))
 
 
 @app.command("check")
@@ -76,6 +101,11 @@ def check_model(
     as_json: AsJson = False,
 ) -> None:
     """Compare a model with held-out full-order states."""
+    if kind_of(model) == segment_map.KIND:
+        from rom.segment import build
+
+        show(build.check(SegmentMap.load(model), SnapshotSet(held_out)), as_json)
+        return
     from rom.held_out import check
 
     with steps() as progress:
@@ -86,6 +116,9 @@ def check_model(
 @app.command()
 def info(model: ModelFile, as_json: AsJson = False) -> None:
     """What a model file holds: parameters with units and ranges, terms, accuracy, versions."""
+    if kind_of(model) == segment_map.KIND:
+        show(segment_summary(SegmentMap.load(model)), as_json)
+        return
     show(summary(Surrogate.load(model)), as_json)
 
 
@@ -101,6 +134,18 @@ def export_model(
     from rom.c_header import export
 
     export(Surrogate.load(model, tolerance=tolerance), output)
+
+
+def segment_summary(segment: SegmentMap) -> dict:
+    """A segment's map in plain data."""
+    return {
+        "scene": segment.scene["name"],
+        "parameters": segment.parameters,
+        "terms": len(segment.pose.powers),
+        "contact_force_error": segment.force_error,
+        "accuracy": segment.accuracy or "not measured: build with --held-out",
+        "provenance": segment.provenance,
+    }
 
 
 def summary(model: Surrogate) -> dict:

@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from rom.checked_file import ModelError
 from rom.native import EVALUATION, HERE, KINDS
-from rom.surrogate import ModelError, Surrogate
+from rom.surrogate import Surrogate
 
 PER_LINE = 4  # numbers
 

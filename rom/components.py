@@ -17,10 +17,6 @@ from rom.snapshots.contact_regimes import Code
 HEIGHTS = 0.01  # share of a tolerance that free tip and heights are kept to
 
 
-class ModelError(ValueError):
-    """A model file that cannot be read, or parameters of the wrong shape: one line."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Answer:
     """What the surrogate says at one point, shapes without n, or at n points.

@@ -1,43 +1,28 @@
-"""The model file: HDF5 that names its units, axes, scene, versions and accuracy (docs/format.md).
-
-It begins with a line of text, in the block that HDF5 leaves to its users: what it is, its format, and the checksum of
-all that follows. Nothing is read before that agrees: the HDF5 library itself can crash on a damaged file.
-"""
+"""The model file: HDF5 that names its units, axes, scene, versions and accuracy (docs/format.md)."""
 
 from __future__ import annotations
 
-import hashlib
 import json
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
-from rom.components import Components, Errors, Field, ModelError, Regime
+from rom import checked_file
+from rom.checked_file import ModelError
+from rom.components import Components, Errors, Field, Regime
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.separation.separated_form import Separated
 
 KIND, FORMAT = "fingerfem surrogate", 4
-COMPRESSED = 1024  # bytes from which on an array is
-BLOCK = 512  # bytes before what is HDF5
 HERMITE = "hermite"  # one-dimensional functions; cubic splines of older files are stored as these
 PLAIN = ("parameters", "scene", "accuracy", "provenance")
 
 
 def save(model: Components, path: Path) -> None:
     """Write a model, beside and renamed: the file is whole or absent."""
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:
-        file = Path(beside) / path.name
-        with h5py.File(file, "w", userblock_size=BLOCK, libver="v110") as stored:
-            _write(model, stored)
-        with file.open("r+b") as stream:
-            stream.seek(BLOCK)
-            line = f"{KIND}, format {FORMAT}, sha256 {hashlib.sha256(stream.read()).hexdigest()}\n"
-            stream.seek(0)
-            stream.write(line.encode())
-        file.replace(path)
+    checked_file.save(path, KIND, FORMAT, lambda stored: _write(model, stored))
 
 
 def load(path: Path) -> dict[str, Any]:
@@ -46,28 +31,7 @@ def load(path: Path) -> dict[str, Any]:
     Raises:
         ModelError: no file, no model, a damaged one, or one of another format.
     """
-    try:
-        _check(path)
-        with h5py.File(path, "r") as stored:
-            return _read(stored)
-    except ModelError:
-        raise
-    except FileNotFoundError:
-        raise ModelError(f"{path}: No such file") from None
-    except Exception as error:  # whatever wrote a file whose checksum is right, it was not this project
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
-        raise ModelError(f"{path}: is not a model file ({reason})") from None
-
-
-def _check(path: Path) -> None:
-    contents = path.read_bytes()
-    words = contents[:BLOCK].split(b"\n")[0].decode(errors="replace").split(", ")
-    if len(words) != 3 or words[0] != KIND:
-        raise ModelError(f"{path}: is not a model file")
-    if words[1] != f"format {FORMAT}":
-        raise ModelError(f"{path}: must be a model of format {FORMAT}, got {words[1]}")
-    if words[2] != f"sha256 {hashlib.sha256(contents[BLOCK:]).hexdigest()}":
-        raise ModelError(f"{path}: is damaged: its checksum is not that of its contents")
+    return checked_file.load(path, KIND, FORMAT, _read)
 
 
 def _write(model: Components, file: h5py.File) -> None:
@@ -76,7 +40,7 @@ def _write(model: Components, file: h5py.File) -> None:
         file.attrs[name] = json.dumps(getattr(model, name))
     file.attrs["lead"] = model.lead
     if model.has_field:
-        _dataset(file, "nodes", model.nodes.astype(np.float32), "m")
+        checked_file.dataset(file, "nodes", model.nodes.astype(np.float32), "m")
     tensions = [(parameter["name"], parameter["unit"]) for parameter in model.parameters if parameter["name"] != "d"]
     heights = len(model.free.modes) - 3
     _write_form(file.create_group("free"), model.free, tensions, "m", ["x", "y", "z", *["height"] * heights])
@@ -89,9 +53,9 @@ def _write(model: Components, file: h5py.File) -> None:
         contact = file.create_group("contact")
         contact.attrs["nearest"], contact.attrs["soft"] = model.coordinates
         cells = [round(len(model.regime_lookup) ** (1 / len(model.parameters)))] * len(model.parameters)
-        _dataset(contact, "map", model.regime_lookup.reshape(cells), "-")
-        _dataset(contact, "near", model.possible_regimes.reshape(cells), "-")
-        _dataset(
+        checked_file.dataset(contact, "map", model.regime_lookup.reshape(cells), "-")
+        checked_file.dataset(contact, "near", model.possible_regimes.reshape(cells), "-")
+        checked_file.dataset(
             contact,
             "error",
             _rounded_up(model.errors.contact).reshape(*cells, -1),
@@ -110,10 +74,10 @@ def _write(model: Components, file: h5py.File) -> None:
             _write_form(group, regime.form, aligned, units, regime.layout.names)
     if model.displacements is not None:
         group = file.create_group("displacement")
-        _dataset(group, "free_basis", model.displacements.free_basis, "-")
+        checked_file.dataset(group, "free_basis", model.displacements.free_basis, "-")
         _write_form(group.create_group("free"), model.displacements.free, tensions, "m", [])
         if model.displacements.contact_basis is not None:
-            _dataset(group, "contact_basis", model.displacements.contact_basis, "-")
+            checked_file.dataset(group, "contact_basis", model.displacements.contact_basis, "-")
             for r, (regime, form) in enumerate(zip(model.regimes, model.displacements.regimes, strict=True)):
                 unit = "m/m" if regime.begins else "m"
                 _write_form(group.create_group(f"regime_{r}"), form, aligned, unit, [])
@@ -125,33 +89,20 @@ def _rounded_up(errors: np.ndarray) -> np.ndarray:
     return np.ldexp(np.ceil(mantissa * 128) / 128, exponent)
 
 
-def _dataset(group: h5py.Group, name: str, values: np.ndarray, unit: str) -> None:
-    """Stored in the smallest type that holds every value exactly, compressed if that is worth it."""
-    if values.dtype.kind in "iu":
-        values = values.astype(np.min_scalar_type(values.max(initial=0)))
-    else:
-        with np.errstate(over="ignore"):  # what is too large for single precision differs from it
-            single = values.astype(np.float32)
-        values = single if np.array_equal(single, values) else values
-    worth = {"compression": "gzip", "shuffle": True} if values.nbytes >= COMPRESSED else {}
-    group.create_dataset(name, data=values, **worth)
-    group[name].attrs["unit"] = unit
-
-
 def _write_form(group: h5py.Group, form: Separated, axes: list[tuple[str, str]], unit: str, names: list[str]) -> None:
     """A separated form; `names` are those of its components, if they have names."""
-    _dataset(group, "modes", form.modes, unit)
+    checked_file.dataset(group, "modes", form.modes, unit)
     if names:
         group["modes"].attrs["components"] = ", ".join(names)
-    _dataset(group, "errors", form.errors, "-")
-    _dataset(group, "lost", form.lost, unit)
+    checked_file.dataset(group, "errors", form.errors, "-")
+    checked_file.dataset(group, "lost", form.lost, unit)
     group.attrs["functions"] = HERMITE
     for a, (axis, axis_unit) in enumerate(axes):
         factor = form.factors[a]
-        _dataset(group, f"nodes_{a}", np.linspace(form.lower[a], form.upper[a], len(factor)), axis_unit)
+        checked_file.dataset(group, f"nodes_{a}", np.linspace(form.lower[a], form.upper[a], len(factor)), axis_unit)
         group[f"nodes_{a}"].attrs["axis"] = axis
-        _dataset(group, f"values_{a}", factor, "-")
-        _dataset(group, f"slopes_{a}", form.slopes[a], f"1/{axis_unit}")
+        checked_file.dataset(group, f"values_{a}", factor, "-")
+        checked_file.dataset(group, f"slopes_{a}", form.slopes[a], f"1/{axis_unit}")
 
 
 def _read(file: h5py.File) -> dict[str, Any]:

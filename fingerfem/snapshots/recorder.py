@@ -266,17 +266,15 @@ def _plate_poses(poses: list[Pose], motion: np.ndarray) -> dict[str, np.ndarray]
 
     Motion R^T dc and R^T dtheta by these, shape (p, plates, 6) [m, rad].
     """
-    changes = [np.moveaxis(motion[:, k], 0, -1) for k in range(len(poses))]
+    both = [(at, motion[:, k]) for k, at in enumerate(poses)]
     return {
         "clamp_place": np.array([at.clamp for at in poses]),
         "plate_rotation": np.array([at.quaternion for at in poses]),
-        "clamp_place_jacobian": np.array([_columns(at.clamp_change, by) for at, by in zip(poses, changes, strict=True)]),
-        "plate_rotation_jacobian": np.array(
-            [_columns(at.quaternion_change, by) for at, by in zip(poses, changes, strict=True)]
-        ),
+        "clamp_place_jacobian": np.array([_columns(at.clamp_change, by) for at, by in both]),
+        "plate_rotation_jacobian": np.array([_columns(at.quaternion_change, by) for at, by in both]),
     }
 
 
 def _columns(change: Callable[[np.ndarray], np.ndarray], motions: np.ndarray) -> np.ndarray:
-    """Changes with motions, shape (6, p), by columns."""
-    return np.array([change(motion) for motion in motions.T]).T
+    """Changes with motions, shape (p, 6), by columns."""
+    return np.array([change(motion) for motion in motions]).T

@@ -1,9 +1,9 @@
 """What an object may press on a plate with: wrenches in the plate's frame, drawn for training and for held-out states.
 
 A rigid object touches a plate at the corner that lies deepest in it, or along an edge, or on a face: where the plate's
-own surface is normal to the object's, or a corner of it may be. So every wrench is one force at one point of the plate's
-surface, along the inward normal there or turned from it by friction. A segment that follows passes forces on that act
-elsewhere, as far as it reaches.
+own surface is normal to the object's, or a corner of it may be. So every wrench is one force at one point of the
+plate's surface, along the inward normal there or turned from it by friction. A segment that follows passes forces on
+that act elsewhere, as far as it reaches.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def _turned(normal: np.ndarray, most: float, drawn: np.ndarray) -> np.ndarray:
     """Unit vectors within an angle of normals [rad], shape (n, 3)."""
     if not most:
         return normal
-    across = np.cross(normal, np.roll(normal, 1, axis=1) + [1.0, 0.5, 0.25])
+    across = np.cross(normal, np.roll(normal, 1, axis=1) + np.array([1.0, 0.5, 0.25]))
     across /= np.linalg.norm(across, axis=1)[:, None]
     around = Rotation.from_rotvec(2 * np.pi * drawn[:, :1] * normal).apply(across)
     return Rotation.from_rotvec(most * np.sqrt(drawn[:, 1:]) * around).apply(normal)

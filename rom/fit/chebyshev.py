@@ -71,15 +71,15 @@ class Polynomial:
         """Values, shape (n, m), at points, shape (n, p)."""
         if ((points < self.lower) | (points > self.upper)).any():
             return self.value_and_gradient(points)[0]
-        return _products(self._scaled(points), self.powers) @ self.coefficients
+        return products(self._scaled(points), self.powers) @ self.coefficients
 
     def value_and_gradient(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values, shape (n, m), and derivatives, shape (n, m, p); beyond the box those of its nearest point."""
         inside = np.clip(points, self.lower, self.upper)
         scaled, half = self._scaled(inside), (self.upper - self.lower) / 2
-        slopes = [_products(scaled, self.powers, a) @ self.coefficients / half[a] for a in range(len(half))]
+        slopes = [products(scaled, self.powers, a) @ self.coefficients / half[a] for a in range(len(half))]
         gradient = np.stack(slopes, axis=-1)
-        values = _products(scaled, self.powers) @ self.coefficients
+        values = products(scaled, self.powers) @ self.coefficients
         return values + np.einsum("nmp,np->nm", gradient, points - inside), gradient
 
     @staticmethod
@@ -187,10 +187,10 @@ def _fit(samples: Samples, degree: int) -> Fitted:
     p, powers = samples.points.shape[1], total_degree(samples.points.shape[1], degree)
     blank = Polynomial(lower=samples.lower, upper=samples.upper, powers=powers, coefficients=np.zeros((0, 0)))
     scaled, half = blank._scaled(samples.points), (samples.upper - samples.lower) / 2
-    rows, right = [_products(scaled, powers)], [samples.values]
+    rows, right = [products(scaled, powers)], [samples.values]
     if samples.slopes is not None:
         for a in range(p):
-            rows.append(SLOPES * _products(scaled, powers, a))
+            rows.append(SLOPES * products(scaled, powers, a))
             right.append(SLOPES * half[a] * samples.slopes[..., a])
     weights = np.tile(samples.weights, len(rows))[:, None]
     matrix, wanted = weights * np.concatenate(rows), weights * np.concatenate(right)
@@ -226,7 +226,7 @@ def total_degree(p: int, degree: int) -> np.ndarray:
     return np.array(found, int).reshape(-1, p)
 
 
-def _products(scaled: np.ndarray, powers: np.ndarray, by: int | None = None) -> np.ndarray:
+def products(scaled: np.ndarray, powers: np.ndarray, by: int | None = None) -> np.ndarray:
     """Products at points, shape (n, k); their derivatives by the scaled variable `by`, if one is named."""
     degree = int(powers.max(initial=0))
     found = np.ones((len(scaled), len(powers)))

@@ -23,8 +23,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-# Which states have a quantity: all; those of scenes with an obstacle, or with a load; those of lines that keep the long edges' heights
-# (free, scattered and held-out ones); or those of scenes whose sampling.store names it.
+# Which states have a quantity: all; those of scenes with an obstacle, or with a load; those of lines that keep the long
+# edges' heights (free, scattered and held-out ones); or those of scenes whose sampling.store names it.
 Scope = Literal["state", "obstacle", "load", "edges", "displacement", "pad_pressure", "channel_shortening"]
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from rom import Surrogate
+from rom.checked_file import ModelError
 from rom.held_out import check, split
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
-from rom.surrogate import ModelError
 
 ROOT = Path(__file__).resolve().parents[2]
 FREE, TOUCHING = [40.0, 30.0, 0.025], [60.0, 25.0, 0.012]

@@ -1,0 +1,90 @@
+"""Files of models: HDF5 behind a line of text that says what it is, its format, and the checksum of all that follows.
+
+The line stands in the block that HDF5 leaves to its users. Nothing is read before its checksum agrees: the HDF5 library
+itself can crash on a damaged file.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import h5py
+import numpy as np
+
+T = TypeVar("T")
+BLOCK = 512  # bytes before what is HDF5
+COMPRESSED = 1024  # bytes from which on an array is
+
+
+class ModelError(ValueError):
+    """A model file that cannot be read, or inputs of the wrong shape: one line."""
+
+
+def save(path: Path, kind: str, number: int, write: Callable[[h5py.File], None]) -> None:
+    """Write a file of a kind and format, beside and renamed: it is whole or absent."""
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:
+        file = Path(beside) / path.name
+        with h5py.File(file, "w", userblock_size=BLOCK, libver="v110") as stored:
+            write(stored)
+        with file.open("r+b") as stream:
+            stream.seek(BLOCK)
+            line = f"{kind}, format {number}, sha256 {hashlib.sha256(stream.read()).hexdigest()}\n"
+            stream.seek(0)
+            stream.write(line.encode())
+        file.replace(path)
+
+
+def load(path: Path, kind: str, number: int, read: Callable[[h5py.File], T]) -> T:
+    """What `read` finds in a file of a kind and format.
+
+    Raises:
+        ModelError: no file, none of this kind, a damaged one, or one of another format.
+    """
+    try:
+        _check(path, kind, number)
+        with h5py.File(path, "r") as stored:
+            return read(stored)
+    except ModelError:
+        raise
+    except FileNotFoundError:
+        raise ModelError(f"{path}: No such file") from None
+    except Exception as error:  # whatever wrote a file whose checksum is right, it was not this project
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise ModelError(f"{path}: is not a model file ({reason})") from None
+
+
+def kind_of(path: Path) -> str:
+    """The kind that a file says it is of; empty if it says nothing."""
+    try:
+        with path.open("rb") as stream:
+            return stream.read(BLOCK).split(b",")[0].decode(errors="replace")
+    except OSError:
+        return ""
+
+
+def _check(path: Path, kind: str, number: int) -> None:
+    contents = path.read_bytes()
+    words = contents[:BLOCK].split(b"\n")[0].decode(errors="replace").split(", ")
+    if len(words) != 3 or words[0] != kind:
+        raise ModelError(f"{path}: is not a model file")
+    if words[1] != f"format {number}":
+        raise ModelError(f"{path}: must be a model of format {number}, got {words[1]}")
+    if words[2] != f"sha256 {hashlib.sha256(contents[BLOCK:]).hexdigest()}":
+        raise ModelError(f"{path}: is damaged: its checksum is not that of its contents")
+
+
+def dataset(group: h5py.Group, name: str, values: np.ndarray, unit: str) -> None:
+    """Stored in the smallest type that holds every value exactly, compressed if that is worth it."""
+    if values.dtype.kind in "iu":
+        values = values.astype(np.min_scalar_type(values.max(initial=0)))
+    else:
+        with np.errstate(over="ignore"):  # what is too large for single precision differs from it
+            single = values.astype(np.float32)
+        values = single if np.array_equal(single, values) else values
+    worth = {"compression": "gzip", "shuffle": True} if values.nbytes >= COMPRESSED else {}
+    group.create_dataset(name, data=values, **worth)
+    group[name].attrs["unit"] = unit

@@ -1,0 +1,50 @@
+"""What an error of a pose means: by how much a surface that touches the plate would push too hard.
+
+Every pressed state is a contact: its force stands for a frictionless surface at the point it acts on, whose normal is
+the force's direction. Were the pose known with an error, the surface at the same place would find the plate by dg
+deeper or higher, and its force off by dg / (dg/df), where g(f) is how far the force f moves that point along the fixed
+normal. As the plate turns, the normal turns in its frame, and the wrench with it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rom.segment.rigid_motion import gaps, motions, rotations
+from rom.snapshots.pressed_states import PressedStates
+
+
+def relative_force_errors(states: PressedStates, poses: np.ndarray) -> np.ndarray:
+    """Relative error of the contact force of every state by poses that are predicted instead of its own.
+
+    Args:
+        states: n of them.
+        poses: shape (n, 7).
+
+    Returns:
+        shape (n,) [-]; nan of states without a force.
+    """
+    t, forces = states.tensions, states.forces
+    with np.errstate(invalid="ignore", divide="ignore"):
+        normals = states.inputs[:, t : t + 3] / forces[:, None]
+        points = np.cross(normals, states.inputs[:, t + 3 :] / forces[:, None])
+        there = np.einsum("nij,nj->ni", rotations(states.poses), np.nan_to_num(normals))
+        off = gaps(poses, points, there) - gaps(states.poses, points, there)
+        return np.asarray(np.abs(off / (forces * _gap_by_force(states, points, normals))))
+
+
+def _gap_by_force(states: PressedStates, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """dg/df at a fixed normal in space, shape (n,) [m/N]: the wrench changes by itself and as the plate turns.
+
+    dw = W df + f (n x t, p x (n x t)) with W = (n, p x n), t = C_t dw and dg = W . C dw.
+    """
+    compliance = motions(states.poses, states.jacobians[:, :, states.tensions :])
+    wrench = np.concatenate([normals, np.cross(points, normals)], axis=1)
+    turned = np.cross(normals[:, None], np.eye(3))  # n x e_k as rows
+    following = np.concatenate([turned, np.cross(points[:, None], turned)], axis=2).transpose(0, 2, 1)
+    back = np.eye(6) - states.forces[:, None, None] * following @ compliance[:, 3:]
+    usable = np.isfinite(back).all(axis=(1, 2))
+    found = np.full(len(points), np.nan)
+    change = np.linalg.solve(back[usable], wrench[usable, :, None])
+    found[usable] = np.einsum("ni,nij,njk->n", wrench[usable], compliance[usable], change)
+    return found

@@ -1,0 +1,141 @@
+"""The least-squares fit of poses by tensions and wrench, and the index set that predicts best what is left out.
+
+Values and derivatives are fitted together, in Chebyshev polynomials of the scaled inputs, by the normal equations
+(L L^T, with a step of iterative refinement). Leaving out a line's rows A_g changes their residuals from e_g to
+(1 - A_g (L L^T)^-1 A_g^T)^-1 e_g: no further fit. A line is left out whole, images included, as its states are alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_solve, cholesky, solve_triangular
+
+from rom.fit.chebyshev import Polynomial, products
+from rom.segment.contact_error import relative_force_errors
+from rom.segment.index_set import index_set
+from rom.snapshots.pressed_states import PressedStates
+from rom.terminal import Progress, quiet
+
+DERIVATIVES = 0.3  # weight of a derivative by an input scaled to [-1, 1], beside a value [-]
+ROWS = 1.5  # rows a fit has at least for every coefficient [-]
+RIDGE = 1e-12  # of the normal equations' largest entry, so that they have a factor [-]
+FIRST_WEIGHTS = 1.25, 2.25  # of the force's and the moment's powers where the search begins; a tension's is 1 [-]
+FORCES, MOMENTS = (0.8, 1.0, 1.25, 1.5), (1.5, 1.8, 2.25, 2.75)  # that are tried [-]
+LOWEST, STEP = 4.0, 0.5  # weighted degree a search begins with, and by how much it grows
+SHARE = 0.9  # quantile of the predicted states' errors by which fits are compared [-]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoseFit:
+    """A fit, and how it predicts what it was not fitted to.
+
+    Attributes:
+        polynomial: of the inputs, 7 values.
+        weights: of the powers of tensions, force and moment [-].
+        degree: weighted total degree.
+        left_out: relative error of every state's contact force, predicted without its line, shape (n,) [-]; nan of
+            states without a force.
+    """
+
+    polynomial: Polynomial
+    weights: tuple[float, float, float]
+    degree: float
+    left_out: np.ndarray
+
+    @property
+    def score(self) -> float:
+        """What is compared [-]."""
+        return float(np.nanquantile(self.left_out, SHARE))
+
+
+def best_fit(states: PressedStates, box: np.ndarray, terms: int, progress: Progress = quiet) -> PoseFit:
+    """The fit with the best predictions of all with so many terms at most.
+
+    The weighted degree grows while predictions become better; then other weights are tried, each at the degree that
+    has as many terms.
+
+    Args:
+        states: with their images.
+        box: lowest and highest of every input, shape (t + 6, 2).
+        terms: most of them.
+        progress: is told how many fits were made.
+    """
+    most = min(terms, int(states.inputs.size * (1 + 1 / states.inputs.shape[1]) / ROWS))
+    tried: dict[tuple[float, float], PoseFit] = {}
+    total = len(FORCES) + len(MOMENTS) + 1
+
+    def attempt(force: float, moment: float) -> PoseFit:
+        if (force, moment) not in tried:
+            progress("fitting poses", len(tried), total)
+            tried[force, moment] = _largest(states, box, (1.0, force, moment), most)
+        return tried[force, moment]
+
+    best = attempt(*FIRST_WEIGHTS)
+    for moment in MOMENTS:
+        best = min(best, attempt(best.weights[1], moment), key=lambda one: one.score)
+    for force in FORCES:
+        best = min(best, attempt(force, best.weights[2]), key=lambda one: one.score)
+    progress("fitting poses", total, total)
+    return best
+
+
+def _largest(states: PressedStates, box: np.ndarray, weights: tuple[float, float, float], most: int) -> PoseFit:
+    """The fit of the highest degree with at most so many terms; the one before it if that predicts better."""
+    degrees = np.arange(LOWEST, 40, STEP)
+    sets = [index_set(_each(weights, states.tensions), LOWEST, states.tensions)]
+    for degree in degrees[1:]:
+        grown = index_set(_each(weights, states.tensions), float(degree), states.tensions)
+        if len(grown) > most:
+            break
+        sets.append(grown)
+    last = [
+        fit(states, box, powers, weights, float(degree))
+        for powers, degree in list(zip(sets, degrees, strict=False))[-2:]
+    ]
+    return min(last, key=lambda one: one.score)
+
+
+def _each(weights: tuple[float, float, float], tensions: int) -> np.ndarray:
+    return np.repeat(weights, [tensions, 3, 3])
+
+
+def fit(
+    states: PressedStates, box: np.ndarray, powers: np.ndarray, weights: tuple[float, float, float], degree: float
+) -> PoseFit:
+    """The fit of the products of these powers, shape (k, t + 6)."""
+    lower, half = box[:, 0], (box[:, 1] - box[:, 0]) / 2
+    scaled = (states.inputs - lower) / half - 1
+    lines = [np.flatnonzero(states.lines == line) for line in np.unique(states.lines)]
+
+    def rows(of: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values, then derivatives by every input, of states: rows of the matrix, and right-hand sides."""
+        matrix, wanted = [products(scaled[of], powers)], [states.poses[of]]
+        for a in range(len(half)):
+            matrix.append(DERIVATIVES * products(scaled[of], powers, a))
+            wanted.append(DERIVATIVES * half[a] * states.jacobians[of, :, a])
+        return np.concatenate(matrix), np.concatenate(wanted)
+
+    blocks = [rows(line) for line in lines]
+    matrix, wanted = (np.concatenate(part) for part in zip(*blocks, strict=True))
+    normal = matrix.T @ matrix
+    normal[np.diag_indices_from(normal)] += RIDGE * normal.max()
+    factor = cholesky(normal, lower=True)
+    coefficients = cho_solve((factor, True), matrix.T @ wanted)
+    coefficients += cho_solve((factor, True), matrix.T @ (wanted - matrix @ coefficients))
+    polynomial = Polynomial(lower=lower, upper=box[:, 1], powers=powers, coefficients=coefficients)
+    poses, at = states.poses.copy(), 0
+    errors = wanted - matrix @ coefficients
+    for line in lines:
+        size = len(line) * (1 + len(half))
+        along = solve_triangular(factor, matrix[at : at + size].T, lower=True)
+        left_out = np.linalg.solve(np.eye(size) - along.T @ along, errors[at : at + size])
+        poses[line] -= left_out[: len(line)]
+        at += size
+    return PoseFit(
+        polynomial=polynomial,
+        weights=weights,
+        degree=degree,
+        left_out=relative_force_errors(states, poses),
+    )

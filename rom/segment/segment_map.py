@@ -1,0 +1,145 @@
+"""The map of a segment and its file: tensions and the wrench on the plate -> the plate's pose, and how it changes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rom import checked_file
+from rom.checked_file import ModelError
+from rom.fit.chebyshev import Polynomial
+from rom.segment.rigid_motion import motions, rotations
+
+KIND, FORMAT = "fingerfem segment map", 1
+PLAIN = ("parameters", "scene", "accuracy", "provenance")
+
+
+class Placed(NamedTuple):
+    """Where a plate is, at n inputs; shapes without n at one.
+
+    Attributes:
+        centre: of the plate, shape (n, 3) [m].
+        rotation: of its frame, shape (n, 3, 3) [-].
+        motion: R^T dc and R^T dtheta by the inputs, shape (n, 6, t + 6) [m, rad per N, N m].
+        inside: whether the inputs lie in the trained box, shape (n,).
+    """
+
+    centre: np.ndarray
+    rotation: np.ndarray
+    motion: np.ndarray
+    inside: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True)
+class SegmentMap:
+    """A segment condensed to its plate.
+
+    Attributes:
+        parameters: name, unit, lower and upper of every input: tensions, then force and moment in the plate's frame.
+        pose: the clamp's place seen from the plate [m], then the plate's quaternion [-], by the inputs.
+        force_error: relative error of contact forces, 95th percentile of states predicted without their lines [-].
+        accuracy: measured on held-out states; empty if nobody did.
+        scene: the trained scene as plain data.
+        provenance: what it was made from.
+
+    Example:
+        >>> segment = SegmentMap.load("finger.h5")
+        >>> segment.place([50.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0]).centre
+    """
+
+    parameters: list[dict[str, Any]]
+    pose: Polynomial
+    force_error: float
+    scene: dict[str, Any]
+    provenance: dict[str, Any]
+    accuracy: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def names(self) -> list[str]:
+        """Of the inputs."""
+        return [parameter["name"] for parameter in self.parameters]
+
+    @property
+    def tensions(self) -> int:
+        """Number of tensions."""
+        return len(self.parameters) - 6
+
+    @property
+    def half_lengths(self) -> np.ndarray:
+        """Of the plate along its own axes, shape (3,) [m]."""
+        geometry = self.scene["geometry"]
+        return np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
+
+    def place(self, inputs: ArrayLike) -> Placed:
+        """Where the plate is at inputs, shape (t + 6,) or (n, t + 6) [N, N m].
+
+        Beyond the trained box the map goes on linearly, and says so.
+
+        Raises:
+            ModelError: the wrong number of inputs.
+        """
+        points = np.atleast_2d(np.asarray(inputs, float))
+        if points.shape[-1] != len(self.parameters):
+            raise ModelError(f"inputs must be {', '.join(self.names)} (in that order), got shape {np.shape(inputs)}")
+        poses, jacobians = self.pose.value_and_gradient(points)
+        turned = rotations(poses)
+        found = Placed(
+            centre=-np.einsum("nij,nj->ni", turned, poses[:, :3]),
+            rotation=turned,
+            motion=motions(poses, jacobians),
+            inside=np.all((points >= self.pose.lower) & (points <= self.pose.upper), axis=1),
+        )
+        return found if np.ndim(inputs) > 1 else Placed(*(part[0] for part in found))
+
+    def with_accuracy(self, accuracy: dict[str, Any]) -> SegmentMap:
+        """The same, whose error has been measured."""
+        return replace(self, accuracy=accuracy)
+
+    def save(self, path: str | Path) -> None:
+        """Write the map: the file is whole or absent."""
+        checked_file.save(Path(path), KIND, FORMAT, self._write)
+
+    def _write(self, file: h5py.File) -> None:
+        for name in PLAIN:
+            file.attrs[name] = json.dumps(getattr(self, name))
+        file.attrs["force_error"] = self.force_error
+        checked_file.dataset(file, "box", np.array([self.pose.lower, self.pose.upper]), "N, N m")
+        checked_file.dataset(file, "powers", self.pose.powers, "-")
+        checked_file.dataset(file, "coefficients", self.pose.coefficients, "m, m, m, -, -, -, -")
+
+    @classmethod
+    def load(cls, path: str | Path) -> SegmentMap:
+        """Read a map.
+
+        Raises:
+            ModelError: no file, no map, a damaged one, or one of another format.
+        """
+        return checked_file.load(Path(path), KIND, FORMAT, cls._read)
+
+    @classmethod
+    def _read(cls, file: h5py.File) -> SegmentMap:
+        lower, upper = file["box"][:].astype(float)
+        return cls(
+            **{name: json.loads(file.attrs[name]) for name in PLAIN},
+            pose=Polynomial(
+                lower=lower,
+                upper=upper,
+                powers=file["powers"][:].astype(int),
+                coefficients=file["coefficients"][:].astype(float),
+            ),
+            force_error=float(file.attrs["force_error"]),
+        )
+
+
+def quantiles(errors: Sequence[float] | np.ndarray) -> dict[str, float]:
+    """Median, 95th percentile and largest of relative errors, shape (n,) [-]; those that are nan do not count."""
+    known = np.asarray(errors)[~np.isnan(errors)]
+    half, most, largest = np.quantile(known, [0.5, 0.95, 1.0]) if known.size else (np.nan,) * 3
+    return {"median": float(half), "p95": float(most), "max": float(largest), "count": int(known.size)}
