@@ -1,0 +1,50 @@
+/* The map of a segment in two stages: tensions are contracted once; then the wrench's polynomial is evaluated. */
+#ifndef FINGERFEM_MAP_H
+#define FINGERFEM_MAP_H
+#include <string.h>
+#include "segment.h"
+
+#define MAP_MOST_POWER 32
+#define MAP_MOST_TENSIONS 8
+
+/* Eight numbers that are worked on at once, in as many registers as the processor needs for them. */
+typedef double map_eight __attribute__((vector_size(64), aligned(8)));
+
+static inline map_eight map_load(const double *from)
+{
+    map_eight found;
+    memcpy(&found, from, sizeof found);
+    return found;
+}
+
+static inline void map_store(double *to, map_eight value) { memcpy(to, &value, sizeof value); }
+
+/* Chebyshev polynomials T_0 ... T_most at z, and their derivatives. */
+static inline void map_chebyshev(double z, int most, double *values, double *slopes)
+{
+    values[0] = 1.0;
+    slopes[0] = 0.0;
+    if (most < 1) return;
+    values[1] = z;
+    slopes[1] = 1.0;
+    for (int k = 2; k <= most; k++) {
+        values[k] = 2.0 * z * values[k - 1] - values[k - 2];
+        slopes[k] = 2.0 * values[k - 1] + 2.0 * z * slopes[k - 1] - slopes[k - 2];
+    }
+}
+
+/* Coefficients of the groups at tensions inside their box, (kinds, groups, 8): of the pose, and, for kinds = 1 + tensions,
+ * of its derivatives by these. */
+void map_contract(const fingerfem_segment *segment, int kinds, const double *tensions, double *contracted);
+
+/* Pose, (8), and its derivatives by the wrench, (6, 8), from contracted coefficients; linear beyond the box. Products of
+ * the wrench's polynomials, (groups, 8), are left in `products`: of each its value, then its derivatives. */
+void map_pose(const fingerfem_segment *segment, const double *coefficients, const double *wrench, double *products,
+              double *pose, double *by_wrench);
+
+/* Rotation, (3, 3), of a pose. */
+void map_rotation(const double *pose, double *rotation);
+
+/* Motion v, t, of which column k of `motion`, (6, columns), is to be, by a change of a pose, (8). */
+void map_motion(const double *pose, const double *change, int columns, int k, double *motion);
+#endif

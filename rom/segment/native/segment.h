@@ -1,0 +1,63 @@
+/* A segment's map, a rigid object, and where they touch: what Python sees. Arrays are row by row; nothing is allocated
+ * and no state is kept. */
+#ifndef FINGERFEM_SEGMENT_H
+#define FINGERFEM_SEGMENT_H
+#include <stdint.h>
+
+/* Numbers of a pose, the last one 0: the clamp's place seen from the plate [m], the plate's quaternion [-]. */
+enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12 };
+
+/* Rows of an answer, as of a surrogate: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
+enum { FINGERFEM_ROWS = 5 };
+
+enum { FINGERFEM_PLANE = 0, FINGERFEM_SPHERE = 1, FINGERFEM_CYLINDER = 2 };
+
+/* The pose by tensions and wrench: sum_gm coefficients_gm M_m(tensions) P_g(wrench), products of Chebyshev polynomials of
+ * the scaled inputs. Group g of the wrench's products has the first monomials of the tensions, sorted by their degree, as
+ * many as its own degree leaves; groups are in blocks that have as many. A group without its last variable is its parent. */
+enum { FINGERFEM_BLOCK = 4 };
+typedef struct {
+    int32_t tensions, groups, monomials; /* groups fill whole blocks */
+    const double *lower, *upper;         /* (tensions + 6): the trained box [N, N m] */
+    const int32_t *tension_powers;       /* (monomials, tensions) */
+    const int32_t *block_monomials;      /* (groups / FINGERFEM_BLOCK) */
+    const double *coefficients;          /* (block, block_monomials, FINGERFEM_BLOCK, FINGERFEM_POSE) */
+    const int32_t *parents, *variables, *powers; /* (groups): -1 for the first; which of the wrench's 6; its power */
+    double half_lengths[3];              /* of the plate along its own axes [m] */
+    double rest[3];                      /* the plate's centre in the undeformed finger [m] */
+} fingerfem_segment;
+
+/* A rigid object at d = 0; at d it is moved by d along `direction`, away from the finger. */
+typedef struct {
+    int32_t shape;
+    double centre[3];     /* of it; of a plane any point on it [m] */
+    double direction[3];  /* unit vector */
+    double axis[3];       /* of a plane its normal towards the finger, of a cylinder its axis; unit vectors */
+    double radius;        /* of a sphere or a cylinder [m] */
+    double nearest, farthest; /* of d [m] */
+} fingerfem_object;
+
+/* A segment that an object touches, as a model of tensions and d. */
+typedef struct {
+    const fingerfem_segment *segment;
+    const fingerfem_object *object;
+    double relative_error;  /* of contact forces [-] */
+} fingerfem_touching;
+
+/* Where the plate is: pose, (FINGERFEM_POSE), at tensions and a wrench, (6), and its motion R^T dc, R^T dtheta by both,
+ * (6, tensions + 6). Beyond the box it goes on linearly by the wrench, and stays by the tensions; returns 1 inside. */
+int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *pose,
+                    double *motion);
+
+/* Answer at a point, (tensions + 1), of tensions and d: out, (FINGERFEM_ROWS), and its derivatives, (FINGERFEM_ROWS,
+ * tensions + 1). The wrench, (6), is where the solve begins, and what it ends with; zero begins without contact.
+ * Returns the number of evaluations of the map, negative if it did not converge; inside is 1 if tensions, wrench and d
+ * lie where the map was trained and d may be. */
+int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *wrench, double *out,
+                    double *jacobian, int32_t *inside);
+
+/* Answers at many points, (count, tensions + 1), each without a hint: out, (count, FINGERFEM_ROWS), wrenches, (count, 6),
+ * inside and evaluations, (count); and the time of each [ns]. */
+void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out, double *wrenches,
+                       int32_t *inside, int32_t *evaluations, int64_t *nanoseconds);
+#endif
