@@ -33,8 +33,6 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 # In this order: later ones use the snapshot sets of earlier ones.
 STUDIES = ("solver", "training", "surrogate", "control", "tradeoff", "extremes", "required", "figures")
-# Pages that are still of before there was a runner: to be measured anew next, and then to leave this list.
-OVERDUE = ("tradeoff",)
 OUT = ROOT / "out" / "docs"
 COMMIT = "FINGERFEM_COMMIT"  # the Makefile's word for where the checkout is
 
