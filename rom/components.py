@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -15,30 +15,6 @@ from rom.separation.separated_form import Separated
 from rom.snapshots.contact_regimes import Code
 
 HEIGHTS = 0.01  # share of a tolerance that free tip and heights are kept to
-
-
-@dataclass(frozen=True, kw_only=True)
-class Answer:
-    """What the surrogate says at one point, shapes without n, or at n points.
-
-    Attributes:
-        tip: displacement of the tip plate's centre, shape (3,) or (n, 3) [m].
-        contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle.
-        touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without one.
-        pad_pressure: mean contact pressure on the tactile pad [Pa], as the contact force; None if the model does not
-            know it.
-        error: the estimated one, at most exceeded by 5 % of states, by quantity in its unit, shapes as the quantities
-            without components.
-        inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
-            Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
-    """
-
-    tip: np.ndarray
-    contact_force: Any
-    touch_distance: Any
-    pad_pressure: Any
-    error: Mapping[str, Any]
-    inside: Any
 
 
 @dataclass(frozen=True, kw_only=True)

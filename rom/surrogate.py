@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom import model_file
+from rom.answer import Answer
 from rom.checked_file import ModelError
-from rom.components import HEIGHTS, Answer, Components, Regime
+from rom.components import HEIGHTS, Components, Regime
 from rom.fit import layout
 from rom.native import EVALUATION, answer
 from rom.native.forms import values

@@ -42,6 +42,7 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
         parameters=description.parameters,
         pose=found.polynomial,
         force_error=quantiles(found.left_out)["p95"],
+        place_error=quantiles(found.left_out_places[states.forces == 0])["p95"],
         scene=description.scene,
         provenance={
             "fingerprint": description.fingerprint,

@@ -37,12 +37,14 @@ class PoseFit:
         degree: weighted total degree.
         left_out: relative error of every state's contact force, predicted without its line, shape (n,) [-]; nan of
             states without a force.
+        left_out_places: error of every state's place, predicted likewise, shape (n,) [m].
     """
 
     polynomial: Polynomial
     weights: tuple[float, float, float]
     degree: float
     left_out: np.ndarray
+    left_out_places: np.ndarray
 
     @property
     def score(self) -> float:
@@ -138,4 +140,5 @@ def fit(
         weights=weights,
         degree=degree,
         left_out=relative_force_errors(states, poses),
+        left_out_places=np.linalg.norm(poses[:, :3] - states.poses[:, :3], axis=1),
     )

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,6 +16,7 @@ from numpy.typing import ArrayLike
 from rom import checked_file
 from rom.checked_file import ModelError
 from rom.fit.chebyshev import Polynomial
+from rom.segment import native
 from rom.segment.rigid_motion import motions, rotations
 
 KIND, FORMAT = "fingerfem segment map", 1
@@ -45,6 +47,7 @@ class SegmentMap:
         parameters: name, unit, lower and upper of every input: tensions, then force and moment in the plate's frame.
         pose: the clamp's place seen from the plate [m], then the plate's quaternion [-], by the inputs.
         force_error: relative error of contact forces, 95th percentile of states predicted without their lines [-].
+        place_error: of the free plate, likewise [m].
         accuracy: measured on held-out states; empty if nobody did.
         scene: the trained scene as plain data.
         provenance: what it was made from.
@@ -57,6 +60,7 @@ class SegmentMap:
     parameters: list[dict[str, Any]]
     pose: Polynomial
     force_error: float
+    place_error: float
     scene: dict[str, Any]
     provenance: dict[str, Any]
     accuracy: dict[str, Any] = field(default_factory=dict)
@@ -76,6 +80,21 @@ class SegmentMap:
         """Of the plate along its own axes, shape (3,) [m]."""
         geometry = self.scene["geometry"]
         return np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
+
+    @property
+    def rest(self) -> np.ndarray:
+        """The plate's centre in the undeformed finger, shape (3,) [m]."""
+        geometry = self.scene["geometry"]
+        return np.array([sum(geometry["segments"]) - geometry["plate"] / 2, 0.0, 0.0])
+
+    @cached_property
+    def struct(self) -> Any:
+        """For compiled code, a struct fingerfem_segment."""
+        return native.struct(self.pose, self.half_lengths, self.rest)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: not the numbers for compiled code, which are made again."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def place(self, inputs: ArrayLike) -> Placed:
         """Where the plate is at inputs, shape (t + 6,) or (n, t + 6) [N, N m].
@@ -109,7 +128,7 @@ class SegmentMap:
     def _write(self, file: h5py.File) -> None:
         for name in PLAIN:
             file.attrs[name] = json.dumps(getattr(self, name))
-        file.attrs["force_error"] = self.force_error
+        file.attrs["force_error"], file.attrs["place_error"] = self.force_error, self.place_error
         checked_file.dataset(file, "box", np.array([self.pose.lower, self.pose.upper]), "N, N m")
         checked_file.dataset(file, "powers", self.pose.powers, "-")
         checked_file.dataset(file, "coefficients", self.pose.coefficients, "m, m, m, -, -, -, -")
@@ -135,6 +154,7 @@ class SegmentMap:
                 coefficients=file["coefficients"][:].astype(float),
             ),
             force_error=float(file.attrs["force_error"]),
+            place_error=float(file.attrs["place_error"]),
         )
 
 

@@ -41,7 +41,8 @@ typedef struct {
 typedef struct {
     const fingerfem_segment *segment;
     const fingerfem_object *object;
-    double relative_error;  /* of contact forces [-] */
+    double force_error;  /* of contact forces, relative [-] */
+    double place_error;  /* of the free plate [m] */
 } fingerfem_touching;
 
 /* Where the plate is: pose, (FINGERFEM_POSE), at tensions and a wrench, (6), and its motion R^T dc, R^T dtheta by both,
@@ -56,8 +57,12 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
 int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *wrench, double *out,
                     double *jacobian, int32_t *inside);
 
-/* Answers at many points, (count, tensions + 1), each without a hint: out, (count, FINGERFEM_ROWS), wrenches, (count, 6),
- * inside and evaluations, (count); and the time of each [ns]. */
-void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out, double *wrenches,
-                       int32_t *inside, int32_t *evaluations, int64_t *nanoseconds);
+/* Estimated error of the contact force [N] of an answer. */
+double fingerfem_touch_error(const fingerfem_touching *touching, const double *out, const double *jacobian);
+
+/* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, wrenches,
+ * (count, 6), where they begin and end, inside and evaluations, (count), and the time of each [ns]. */
+void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out,
+                       double *jacobians, double *wrenches, int32_t *inside, int32_t *evaluations,
+                       int64_t *nanoseconds);
 #endif

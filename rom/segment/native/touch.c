@@ -9,12 +9,17 @@
  */
 #define _POSIX_C_SOURCE 199309L
 #include <math.h>
+#include <stdlib.h>
 #include <time.h>
 #include "map.h"
 #include "objects.h"
 #include "small.h"
 
-#define ITERATIONS 60
+#define ITERATIONS 30
+#define DEEP 0.5     /* of a radius: an object that is deeper in the free plate comes to it in steps [-] */
+#define STEPS 4      /* on that way, at first */
+#define HALVINGS 10  /* of such a step until there is no answer */
+#define EVALUATIONS 500 /* most of the map for one answer */
 #define CLOSE 1e-9   /* of the box: a change of the wrench that ends it [-] */
 #define LONGEST 0.5  /* of the box: a step of the wrench [-] */
 #define SOFT 1e-9    /* what a contact yields, for forces that are shared by a stiff plate to be unique [m/N] */
@@ -200,22 +205,62 @@ static double step(const contracted_map *map, contact_state *state)
     return size;
 }
 
-/* Solve from state->wrench; returns the number of evaluations, negative if it did not end. */
-static int solve(const contracted_map *map, double d, contact_state *state)
+/* Solve from a state's wrench and forces; returns the number of evaluations, negative if it did not end. */
+static int solve_from(const contracted_map *map, double d, contact_state *state)
 {
-    memset(state->forces, 0, sizeof state->forces);
-    place(map, state->wrench, d, &state->at);
+    objects_contacts before = state->at.contacts;
     for (int k = 1; k <= ITERATIONS; k++) {
-        const double size = step(map, state);
-        if (size < 0.0) return -k;
-        if (size < CLOSE) return k;
-        objects_contacts before = state->at.contacts;
         double forces[FINGERFEM_MOST_CONTACTS];
         memcpy(forces, state->forces, sizeof forces);
         place(map, state->wrench, d, &state->at);
         carry(&before, forces, &state->at.contacts, state->forces);
+        const double size = step(map, state);
+        if (size < 0.0) return -k;
+        if (size < CLOSE) return k;
+        before = state->at.contacts;
     }
     return -ITERATIONS;
+}
+
+/* Bring the object from where it touches the free plate to d, so that of several answers the one is found that its
+ * approach leads to; returns as `solve_from`. */
+static int approach(const contracted_map *map, double touch, double d, contact_state *state)
+{
+    int evaluations = 0;
+    double at = touch, size = (d - touch) / STEPS;
+    const double least = fabs(size) / (1 << HALVINGS);
+    memset(state->wrench, 0, sizeof state->wrench);
+    state->at.contacts.count = 0;
+    while (at > d) {
+        contact_state last = *state;
+        const double next = at + size > d + least ? at + size : d;
+        const int used = solve_from(map, next, state);
+        evaluations += abs(used);
+        if (used > 0) {
+            at = next;
+            size *= 1.5;
+            continue;
+        }
+        *state = last;
+        size /= 2.0;
+        if (fabs(size) < least || evaluations > EVALUATIONS) return -evaluations;
+    }
+    return evaluations;
+}
+
+/* Solve at d: from a wrench that is known; or at once, where that is near enough; or from where the object touches. */
+static int solve(const contracted_map *map, double touch, double d, contact_state *state)
+{
+    const fingerfem_object *object = map->touching->object;
+    int known = 0, evaluations = 0;
+    for (int i = 0; i < W; i++) known |= state->wrench[i] != 0.0;
+    if (known || object->shape == FINGERFEM_PLANE || touch - d < DEEP * object->radius) {
+        state->at.contacts.count = 0;
+        evaluations = solve_from(map, d, state);
+        if (evaluations > 0) return evaluations;
+    }
+    const int more = approach(map, touch, d, state);
+    return more > 0 ? abs(evaluations) + more : evaluations - abs(more);
 }
 
 /* How wrench and plate move with a tension, or with d: drift is the motion at a fixed wrench, of the plate or relative to
@@ -292,6 +337,12 @@ static void report_touch(const contracted_map *map, const placed *at, double tou
         for (int i = 0; i < W; i++) jacobian[(t + 1) * 4 + k] += normal[i] * at->by_tensions[i][k] / down;
 }
 
+double fingerfem_touch_error(const fingerfem_touching *touching, const double *out, const double *jacobian)
+{
+    const int p = touching->segment->tensions + 1;
+    return touching->force_error * out[3] + touching->place_error * fabs(jacobian[3 * p + p - 1]);
+}
+
 int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *wrench, double *out,
                     double *jacobian, int32_t *inside)
 {
@@ -322,7 +373,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     int evaluations = 1;
     if (touches) {
         memcpy(state.wrench, wrench, sizeof state.wrench);
-        evaluations = solve(&map, d, &state);
+        evaluations = solve(&map, touch, d, &state);
         place_by_tensions(&map, &state.at);
     } else {
         state.at.contacts.count = 0;
@@ -340,17 +391,16 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     return evaluations;
 }
 
-void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out, double *wrenches,
-                       int32_t *inside, int32_t *evaluations, int64_t *nanoseconds)
+void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out,
+                       double *jacobians, double *wrenches, int32_t *inside, int32_t *evaluations, int64_t *nanoseconds)
 {
     const int p = touching->segment->tensions + 1;
-    double jacobian[FINGERFEM_ROWS * p];
     for (int i = 0; i < count; i++) {
         struct timespec begun, ended;
         double *wrench = wrenches + W * i;
         clock_gettime(CLOCK_MONOTONIC, &begun);
-        memset(wrench, 0, W * sizeof *wrench);
-        evaluations[i] = fingerfem_touch(touching, points + p * i, wrench, out + FINGERFEM_ROWS * i, jacobian, inside + i);
+        evaluations[i] = fingerfem_touch(touching, points + p * i, wrench, out + FINGERFEM_ROWS * i,
+                                         jacobians + FINGERFEM_ROWS * p * i, inside + i);
         clock_gettime(CLOCK_MONOTONIC, &ended);
         nanoseconds[i] = (ended.tv_sec - begun.tv_sec) * 1000000000LL + ended.tv_nsec - begun.tv_nsec;
     }

@@ -1,20 +1,20 @@
-"""The compiled map of a segment and what touches it (native/segment.h), called with arrays of NumPy."""
+"""The compiled map of a segment and what touches it (segment.h), called with arrays of NumPy."""
 
 from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from rom.native import Library
-from rom.segment.segment_map import SegmentMap
+from rom.fit.chebyshev import Polynomial
+from rom.native import EVALUATION, Library
 
-HERE = Path(__file__).parent / "native"
+HERE = Path(__file__).parent
 BLOCK, POSE = 4, 8  # as in segment.h
 UNITS = [HERE / name for name in ("map.c", "objects.c", "small.c", "touch.c")]
-SEGMENT = Library("segment", headers=[HERE / "segment.h"], units=UNITS)
+SEGMENT = Library("segment", headers=[HERE / "segment.h"], units=UNITS, includes=EVALUATION)
 
 
 def pointer(array: np.ndarray, kind: str = "double[]") -> Any:
@@ -22,10 +22,16 @@ def pointer(array: np.ndarray, kind: str = "double[]") -> Any:
     return SEGMENT.ffi.from_buffer(kind, array)
 
 
-def struct(segment: SegmentMap) -> Any:
-    """A map as a struct fingerfem_segment."""
-    t, geometry = segment.tensions, segment.scene["geometry"]
-    monomials, groups, coefficients = _arranged(segment.pose.powers, segment.pose.coefficients, t)
+def struct(pose: Polynomial, half_lengths: np.ndarray, rest: np.ndarray) -> Any:
+    """A map as a struct fingerfem_segment.
+
+    Args:
+        pose: 7 values of t + 6 variables.
+        half_lengths: of the plate along its own axes, shape (3,) [m].
+        rest: the plate's centre in the undeformed finger, shape (3,) [m].
+    """
+    t = len(pose.lower) - 6
+    monomials, groups, coefficients = _arranged(pose.powers, pose.coefficients, t)
     variables = np.array([max(np.flatnonzero(group), default=0) for group in groups])
     rows = np.arange(len(groups))
     without = groups.copy()
@@ -37,16 +43,16 @@ def struct(segment: SegmentMap) -> Any:
         tensions=t,
         groups=len(groups),
         monomials=len(monomials),
-        lower=segment.pose.lower,
-        upper=segment.pose.upper,
+        lower=pose.lower,
+        upper=pose.upper,
         tension_powers=monomials,
         block_monomials=np.array(used),
         coefficients=np.concatenate([b[:, :n].swapaxes(0, 1).ravel() for b, n in zip(blocks, used, strict=True)]),
         parents=(groups[None] == without[:, None]).all(axis=2).argmax(axis=1),
         variables=variables,
         powers=groups[rows, variables],
-        half_lengths=segment.half_lengths.tolist(),
-        rest=[sum(geometry["segments"]) - geometry["plate"] / 2, 0.0, 0.0],
+        half_lengths=half_lengths.tolist(),
+        rest=rest.tolist(),
     )
 
 
@@ -81,16 +87,38 @@ def place(compiled: Any, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, bo
     return pose[:7], motion, bool(inside)
 
 
-def touch(touching: Any, point: np.ndarray, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool, int]:
-    """Answer, shape (5,), its derivatives, shape (5, t + 1), whether inside, and evaluations, negative without an answer.
+class Touched(NamedTuple):
+    """Answers at n points.
+
+    Attributes:
+        out: tip displacement x, y, z [m], contact force [N], touch distance [m], shape (n, 5).
+        jacobians: of these by tensions and d, shape (n, 5, t + 1).
+        wrenches: on the plate, in its frame, shape (n, 6) [N, N m].
+        inside: whether tensions, wrench and d lie where the map was trained, and there is an answer, shape (n,).
+        evaluations: of the map, negative where there is no answer, shape (n,).
+        nanoseconds: that each took, shape (n,).
+    """
+
+    out: np.ndarray
+    jacobians: np.ndarray
+    wrenches: np.ndarray
+    inside: np.ndarray
+    evaluations: np.ndarray
+    nanoseconds: np.ndarray
+
+
+def touches(touching: Any, points: np.ndarray, wrenches: np.ndarray | None = None) -> Touched:
+    """Answers at tensions and d, shape (n, t + 1).
 
     Args:
         touching: a struct fingerfem_touching.
-        point: tensions [N] and d [m], contiguous, shape (t + 1,).
-        wrench: where the solve begins and, afterwards, what it ended with, shape (6,) [N, N m].
+        points: [N], [m].
+        wrenches: where each solve begins, shape (n, 6) [N, N m]; without contact if None.
     """
-    out, jacobian, inside = np.empty(5), np.empty((5, len(point))), np.empty(1, np.int32)
-    evaluations = SEGMENT.functions.fingerfem_touch(
-        touching, pointer(point), pointer(wrench), pointer(out), pointer(jacobian), pointer(inside, "int32_t[]")
-    )
-    return out, jacobian, bool(inside[0]), int(evaluations)
+    points, (n, p) = np.ascontiguousarray(points, float), points.shape
+    begun = np.zeros((n, 6)) if wrenches is None else np.array(wrenches, float)
+    counts = np.empty((2, n), np.int32)
+    found = Touched(np.empty((n, 5)), np.empty((n, 5, p)), begun, counts[0], counts[1], np.empty(n, np.int64))
+    kinds = ("double[]",) * 3 + ("int32_t[]",) * 2 + ("int64_t[]",)
+    SEGMENT.functions.fingerfem_touches(touching, n, pointer(points), *map(pointer, found, kinds))
+    return found._replace(inside=found.inside.astype(bool))

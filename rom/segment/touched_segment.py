@@ -1,0 +1,129 @@
+"""A segment that an object touches: a model of tensions and the object's distance, as a surrogate is of a plane's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rom.answer import Answer
+from rom.checked_file import ModelError
+from rom.segment import native
+from rom.segment.native import SEGMENT, Touched
+from rom.segment.objects import Object
+from rom.segment.segment_map import SegmentMap
+
+
+@dataclass(frozen=True, kw_only=True)
+class TouchedSegment:
+    """A segment and a rigid object without friction.
+
+    Attributes:
+        segment: the map.
+        obstacle: what the plate may touch.
+    """
+
+    segment: SegmentMap
+    obstacle: Object
+    has_obstacle: bool = field(default=True, init=False)
+    has_pad: bool = field(default=False, init=False)
+
+    @property
+    def parameters(self) -> list[dict[str, Any]]:
+        """Name, unit, lower and upper of tensions and d."""
+        nearest, farthest = self.obstacle.distances
+        own = self.segment.parameters[: self.segment.tensions]
+        return [*own, {"name": "d", "unit": "m", "lower": nearest, "upper": farthest}]
+
+    @property
+    def names(self) -> list[str]:
+        """Of the parameters."""
+        return [parameter["name"] for parameter in self.parameters]
+
+    @property
+    def limits(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper ends of the parameters, shapes (p,) [N, m]."""
+        ends = np.array([[parameter["lower"], parameter["upper"]] for parameter in self.parameters])
+        return ends[:, 0], ends[:, 1]
+
+    @property
+    def scene(self) -> dict[str, Any]:
+        """The trained scene."""
+        return self.segment.scene
+
+    @property
+    def tip_error(self) -> float:
+        """Estimated error of the free tip [m]."""
+        return self.segment.place_error
+
+    @cached_property
+    def lead(self) -> int:
+        """The tension that pushes most towards the object, in the middle of the others' range."""
+        lower, upper = self.limits
+        middle = np.append((lower + upper)[:-1] / 2, np.inf)
+        return int(np.argmax(native.touches(self.touching, middle[None]).jacobians[0, 4, :-1]))
+
+    @cached_property
+    def touching(self) -> Any:
+        """For compiled code, a struct fingerfem_touching."""
+        return SEGMENT.struct(
+            "fingerfem_touching",
+            segment=self.segment.struct,
+            object=SEGMENT.struct("fingerfem_object", **self.obstacle.numbers()),
+            force_error=self.segment.force_error,
+            place_error=self.segment.place_error,
+        )
+
+    def answers(self, points: ArrayLike) -> Touched:
+        """Answers, with all that is known of them, at points, shape (n, p) [N, m].
+
+        Raises:
+            ModelError: the wrong number of parameters.
+        """
+        found = np.atleast_2d(np.asarray(points, float))
+        if found.shape[-1] != len(self.parameters):
+            raise ModelError(
+                f"parameters must be {', '.join(self.names)} (in that order), got shape {np.shape(points)}"
+            )
+        return native.touches(self.touching, found)
+
+    def evaluate(self, parameters: ArrayLike) -> Answer:
+        """Tip, contact force and touch distance at tensions [N] and d [m], shape (p,) or (n, p).
+
+        Where no equilibrium was found on the object's approach, the answer is not inside, and its error infinite.
+
+        Raises:
+            ModelError: the wrong number of parameters.
+        """
+        found = self.answers(parameters)
+        unknown = np.where(found.evaluations > 0, 0.0, np.inf)
+        force = self.segment.force_error * found.out[:, 3]
+        force = force + self.segment.place_error * np.abs(found.jacobians[:, 3, -1]) + unknown
+        errors = {
+            "tip": self.segment.place_error + unknown,
+            "contact_force": force,
+            "touch_distance": np.full(len(force), self.segment.place_error),
+        }
+        out, inside = found.out, found.inside
+        if np.ndim(parameters) == 1:
+            out, inside, errors = out[0], inside[0], {name: error[0] for name, error in errors.items()}
+        return Answer(
+            tip=out[..., :3],
+            contact_force=out[..., 3],
+            touch_distance=out[..., 4],
+            pad_pressure=None,
+            error=errors,
+            inside=inside,
+        )
+
+    def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and derivatives, shape (5, p)."""
+        found = self.answers(parameters)
+        return found.out[0], found.jacobians[0]
+
+    def jacobian(self, parameters: ArrayLike) -> np.ndarray:
+        """The derivatives alone, shape (5, p)."""
+        return self.answers(parameters).jacobians[0]
