@@ -15,8 +15,12 @@ import numpy as np
 import typer
 
 from control import Finger, Gripper, Object, SimulatedPlant
-from rom import Surrogate
+from control.model import Model
+from rom import SegmentMap, Surrogate, TouchedSegment
+from rom.checked_file import kind_of
 from rom.command_line import NOTHING_USABLE, AsJson, application, run, show
+from rom.segment import segment_map
+from rom.segment.objects import facing_plane
 from rom.terminal import steps
 
 app = application()
@@ -28,6 +32,15 @@ OptionalModelFile = Annotated[
 ContactForce = Annotated[float, typer.Option(help="To hold [N], above 0.")]
 
 
+def model_of(file: Path | None) -> Model:
+    """The model of a file, or the one that comes along; a segment's map stands before the plane y = side/2 + d."""
+    if file is None or kind_of(file) != segment_map.KIND:
+        return Surrogate.load(file)
+    segment = SegmentMap.load(file)
+    geometry = segment.scene["geometry"]
+    return TouchedSegment(segment=segment, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))
+
+
 @app.command(context_settings={"ignore_unknown_options": True})
 def reach(
     model: ModelFile,
@@ -36,7 +49,7 @@ def reach(
     as_json: AsJson = False,
 ) -> None:
     """Tensions that bring the tip plate's centre to a point before contact."""
-    motion = Finger(Surrogate.load(model)).reach(point, distance)
+    motion = Finger(model_of(model)).reach(point, distance)
     show(motion.as_json(), as_json, 0 if motion.converged else NOTHING_USABLE)
 
 
@@ -49,16 +62,16 @@ def hold(
     as_json: AsJson = False,
 ) -> None:
     """Tensions that press on the plane with a contact force, or with a pressure on the pad."""
-    surrogate = Surrogate.load(model)
-    lower, upper = (limits[-1] for limits in surrogate.limits)
-    if surrogate.has_obstacle and not lower <= distance <= upper:
+    known = model_of(model)
+    lower, upper = (limits[-1] for limits in known.limits)
+    if known.has_obstacle and not lower <= distance <= upper:
         raise ValueError(f"distance must lie in [{lower:g}, {upper:g}] m, got {distance:g}")
     if contact_force is None and pad_pressure is None:
         contact_force = 1.0
     for name, value, unit in (("contact_force", contact_force, "N"), ("pad_pressure", pad_pressure, "Pa")):
         if value is not None and not 0 < value < math.inf:
             raise ValueError(f"{name} must be above 0 {unit}, got {value:g}")
-    motion = Finger(surrogate).hold(contact_force, distance, pad_pressure=pad_pressure)
+    motion = Finger(known).hold(contact_force, distance, pad_pressure=pad_pressure)
     show(motion.as_json(), as_json, 0 if motion.converged else NOTHING_USABLE)
 
 
@@ -80,9 +93,9 @@ def grasp(
     as_json: AsJson = False,
 ) -> None:
     """Three simulated fingers close around an object of unknown position and hold it."""
-    surrogate = Surrogate.load(model)
-    gripper = Gripper(surrogate)
-    plants = [SimulatedPlant(surrogate, distance) for distance in gripper.distances(centre, radius)]
+    known = model_of(model)
+    gripper = Gripper(known)
+    plants = [SimulatedPlant(known, distance) for distance in gripper.distances(centre, radius)]
     forces: float | np.ndarray = contact_force
     if held is not None:
         mass, friction, admissible = held
@@ -107,7 +120,7 @@ def campaign(
     from control.campaign import run as hold_all
 
     with steps() as progress:
-        result = hold_all(Surrogate.load(model), starts, contact_force, sweep, progress=progress).as_json()
+        result = hold_all(model_of(model), starts, contact_force, sweep, progress=progress).as_json()
     show(result, as_json, 0 if result["converged"] else NOTHING_USABLE)
 
 

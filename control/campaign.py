@@ -14,8 +14,8 @@ import numpy as np
 
 from control.finger import Finger
 from control.least_squares import CONVERGED, STATIONARY
+from control.model import Model
 from control.problems import hold_many, rules
-from rom import Surrogate
 from rom.terminal import Progress, quiet
 
 CALLS = 2000  # of Python that are timed
@@ -79,7 +79,7 @@ def _quantiles(name: str, times: np.ndarray) -> dict[str, float]:
 
 
 def run(
-    model: Surrogate,
+    model: Model,
     starts: int,
     contact_force: float,
     sweep: bool = False,

@@ -11,8 +11,8 @@ import gymnasium
 import numpy as np
 
 from control.finger import Finger
+from control.model import Model
 from control.plant import Flaws, SimulatedPlant
-from rom import Surrogate
 
 FELT = 10.0  # times the largest target: what a sensor says beyond is not observed
 DRAWS = 1000  # of planes and targets, until one can be held
@@ -41,7 +41,7 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
 
     def __init__(
         self,
-        model: Surrogate,
+        model: Model,
         targets: tuple[float, float] = (0.5, 3.0),
         change: float = 2.0,
         steps: int = 200,

@@ -10,27 +10,28 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control import problems
-from control.least_squares import CONVERGED, LIMIT, STATIONARY
+from control.least_squares import CONVERGED, LIMIT, OUTSIDE, STATIONARY
+from control.model import Model
 from control.motion import Limits, Motion
 from control.problems import known, rules
-from rom import Surrogate
 from rom.native.answer import PAD
 
+STATUSES = {CONVERGED: "converged", LIMIT: "iteration_limit", OUTSIDE: "out_of_domain"}
 NORMAL_95 = 1.96  # standard deviations within which 95 % of a normal distribution are [-]
 
 
 class Finger:
-    """Controls one finger through its surrogate.
+    """Controls one finger through its model.
 
     Args:
-        model: the surrogate.
+        model: a surrogate, or a segment that an object touches.
         limits: of the tensions and of their rate.
 
     Raises:
         ValueError: limits that leave nothing.
     """
 
-    def __init__(self, model: Surrogate, limits: Limits | None = None):
+    def __init__(self, model: Model, limits: Limits | None = None):
         self.model, self.limits = model, limits or Limits()
         lower, upper = model.limits
         self._tensions = len(lower) - model.has_obstacle
@@ -44,7 +45,7 @@ class Finger:
         geometry, tendons = model.scene["geometry"], model.scene["tendons"]
         self.rest = np.array([sum(geometry["segments"]) - geometry["plate"] / 2, 0.0, 0.0])  # tip plate's centre [m]
         self._offsets = np.array([tendon["offset"] for tendon in tendons], float)
-        self._tip_error = float(model.errors.tip)
+        self._tip_error = model.tip_error
 
     def reach(
         self,
@@ -275,7 +276,7 @@ class Finger:
         return Motion(
             tensions=tensions,
             distance=float(distance),
-            status={CONVERGED: "converged", LIMIT: "iteration_limit"}.get(status, "unreachable"),
+            status=STATUSES.get(status, "unreachable"),
             residual=float(residual),
             error=float(error),
             iterations=int(tried),

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 from control.finger import Finger
 from control.grasp_controller import GraspOptions, Grip, Pull
 from control.grasp_forces import Object, Targets, targets
+from control.model import Model
 from control.motion import Limits
 from control.plant import Plant, age_of
-from rom import Surrogate
 from rom.native.answer import FORCE
 
 FIRST = 0.3  # of a contact force that the first touch may have, readings in doubt and late included
@@ -77,7 +77,7 @@ class Gripper:
         limits: of every finger's tensions and of their rate.
     """
 
-    def __init__(self, model: Surrogate, fingers: int = 3, radius: float = 0.025, limits: Limits | None = None):
+    def __init__(self, model: Model, fingers: int = 3, radius: float = 0.025, limits: Limits | None = None):
         if fingers < 1:
             raise ValueError(f"fingers must be at least 1, got {fingers}")
         if not model.has_obstacle:

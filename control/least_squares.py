@@ -21,8 +21,8 @@ import numpy as np
 from control.native import CONTROL
 from rom.native import pointer
 
-GOING, CONVERGED, STATIONARY, LIMIT = range(4)  # as in least_squares.h
-STATUS = ("going", "converged", "stationary", "iteration_limit")
+GOING, CONVERGED, STATIONARY, LIMIT, OUTSIDE = range(5)  # as in least_squares.h
+STATUS = ("going", "converged", "stationary", "iteration_limit", "out_of_domain")
 
 
 class Rules(NamedTuple):

@@ -8,8 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom import Surrogate
-from rom.native.answer import FORCE, answer
+from control.model import Model
 
 
 class Plant(Protocol):
@@ -58,9 +57,9 @@ class SimulatedPlant:
         seed: of the noise.
     """
 
-    def __init__(self, model: Surrogate, distance: float, flaws: Flaws | None = None, seed: int = 0):
+    def __init__(self, model: Model, distance: float, flaws: Flaws | None = None, seed: int = 0):
         self.contact_force, self.age = 0.0, 0.0
-        self._model, self._kernel, self._distance, self._flaws = model, model.kernel, distance, flaws or Flaws()
+        self._model, self._distance, self._flaws = model, distance, flaws or Flaws()
         self._random = np.random.default_rng(seed)
         self._forces: list[float] = []
 
@@ -71,10 +70,10 @@ class SimulatedPlant:
             ValueError: tensions or plane outside the trained box: the model cannot play such a finger.
         """
         flaws, point = self._flaws, np.append(np.asarray(tensions, float), self._distance)
-        out, _, inside = answer(self._kernel, point)
-        if not inside:
+        found = self._model.evaluate(point)
+        if not found.inside:
             raise ValueError(f"tensions and d must lie in the trained box, got {point.tolist()}")
-        self.contact_force = (1 + flaws.force_error) * float(out[FORCE])
+        self.contact_force = (1 + flaws.force_error) * float(found.contact_force)
         self._forces = [*self._forces[-flaws.delay :], self.contact_force] if flaws.delay else [self.contact_force]
         self.age = flaws.period * (len(self._forces) - 1)
         felt = self._forces[0] + flaws.noise * float(self._random.standard_normal())

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from control.least_squares import Rules, struct
+from control.model import Model
 from control.native import CONTROL
-from rom import Surrogate
 from rom.native import KINDS, pointer
-from rom.native.answer import FORCE, TOUCH, answers
+from rom.native.answer import FORCE, TOUCH
 
 ATLAS = 20000  # points, about
 
@@ -38,22 +38,20 @@ class Atlas(NamedTuple):
     stiffness: float
 
 
-def atlas(model: Surrogate, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) -> tuple[Atlas, float]:
+def atlas(model: Model, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) -> tuple[Atlas, float]:
     """The atlas of a model within limits of the tensions [N], and the unit of what it presses with."""
     p = len(model.parameters)
     nodes = max(int(ATLAS ** (1 / p)), 3)
     axes = [np.linspace(low, high, nodes) for low, high in zip(lower, upper, strict=True)]
     tensions = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(lower))
     if not model.has_obstacle:
-        free = answers(model.kernel, tensions)[0]
+        free = model.outputs(tensions)
         nothing = np.zeros(0), np.zeros((0, len(tensions))), 0.0
         return Atlas(tensions, free[:, :3].copy(), free[:, TOUCH].copy(), *nothing), 1.0
-    free = answers(model.kernel, np.column_stack([tensions, np.full(len(tensions), np.inf)]))[0]
+    free = model.outputs(np.column_stack([tensions, np.full(len(tensions), np.inf)]))
     touch = free[:, TOUCH].copy()
     distances = np.linspace(model.limits[0][-1], model.limits[1][-1], nodes)
-    held = np.array(
-        [answers(model.kernel, np.column_stack([tensions, np.full(len(tensions), d)]))[0] for d in distances]
-    )
+    held = np.array([model.outputs(np.column_stack([tensions, np.full(len(tensions), d)])) for d in distances])
     forces, past, unit = held[..., FORCE], touch - distances[:, None], 1.0
     if row != FORCE:
         pressing = (forces > 0) & (held[..., row] > 0)
@@ -65,7 +63,7 @@ def atlas(model: Surrogate, lower: np.ndarray, upper: np.ndarray, row: int = FOR
     return Atlas(tensions, free[:, :3].copy(), touch, distances, forces, stiffness), unit
 
 
-def known(model: Surrogate, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) -> Any:
+def known(model: Model, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) -> Any:
     """What is known of a finger within limits of its tensions [N], shapes (tensions,): a struct control_finger.
 
     Args:
@@ -75,13 +73,14 @@ def known(model: Surrogate, lower: np.ndarray, upper: np.ndarray, row: int = FOR
         row: of the surrogate's answer that it presses with: contact force, or pad pressure.
     """
     pages, unit = atlas(model, lower, upper, row)
-    errors = model.errors
+    ends = [float(end[-1]) for end in model.limits] if model.has_obstacle else [0.0, 0.0]
     return CONTROL.struct(
         "control_finger",
-        kernel=model.kernel,
-        rates=errors.contact,
-        columns=errors.contact.shape[1],
-        margin=errors.margin,
+        parameters=len(model.parameters),
+        has_obstacle=model.has_obstacle,
+        nearest=ends[0],
+        farthest=ends[1],
+        **model.native,
         lower=lower,
         upper=upper,
         row=row,

@@ -4,13 +4,27 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rom.surrogate import Answer, Surrogate
+    from rom.answer import Answer
+    from rom.segment.objects import Cylinder, Plane, Sphere
+    from rom.segment.segment_map import SegmentMap
+    from rom.segment.touched_segment import TouchedSegment
+    from rom.surrogate import Surrogate
 
-__all__ = ["Answer", "Surrogate"]
+# Where each is.
+_HOMES = {
+    "Answer": "rom.answer",
+    "Cylinder": "rom.segment.objects",
+    "Plane": "rom.segment.objects",
+    "SegmentMap": "rom.segment.segment_map",
+    "Sphere": "rom.segment.objects",
+    "Surrogate": "rom.surrogate",
+    "TouchedSegment": "rom.segment.touched_segment",
+}
+__all__ = ["Answer", "Cylinder", "Plane", "SegmentMap", "Sphere", "Surrogate", "TouchedSegment"]
 
 
 def __getattr__(name: str) -> Any:
     """Import on first use: the snapshot format alone needs no compiled code."""
     if name not in __all__:
         raise AttributeError(f"module 'rom' has no attribute {name!r}")
-    return getattr(import_module("rom.surrogate"), name)
+    return getattr(import_module(_HOMES[name]), name)

@@ -63,6 +63,21 @@ class Surrogate(Components):
         """The arrays for the compiled answer, a struct fingerfem_kernel."""
         return EVALUATION.struct("fingerfem_kernel", **self.kernel_numbers())
 
+    @property
+    def native(self) -> dict[str, Any]:
+        """What compiled controllers ask: the arrays, and how its errors in contact grow."""
+        contact = self.errors.contact
+        return {"kernel": self.kernel, "rates": contact, "columns": contact.shape[1], "margin": self.errors.margin}
+
+    @property
+    def tip_error(self) -> float:
+        """Estimated error of the free tip [m]."""
+        return float(self.errors.tip)
+
+    def outputs(self, points: np.ndarray) -> np.ndarray:
+        """Tip [m], contact force [N], touch distance [m], and pad pressure [Pa] if known, shape (n, 5 or 6)."""
+        return answer.answers(self.kernel, points)[0]
+
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: not the arrays for compiled code, which are made again."""
         return {one.name: getattr(self, one.name) for one in fields(self)}

@@ -3,12 +3,13 @@
 from pathlib import Path
 
 from rom.native import EVALUATION, Library
+from rom.segment.native import SEGMENT
 
 _HERE = Path(__file__).parent
 _SOURCES = ("least_squares.c", "step.c", "null_space.c", "hold.c", "reach.c", "locate.c")
 CONTROL = Library(
     "control",
     headers=[_HERE / "least_squares.h", _HERE / "problems.h"],
-    units=[*(_HERE / source for source in _SOURCES), *EVALUATION.units],
-    includes=EVALUATION,
+    units=[*(_HERE / source for source in _SOURCES), *EVALUATION.units, *SEGMENT.units],
+    includes=SEGMENT,
 )

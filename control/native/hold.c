@@ -158,6 +158,7 @@ void control_hold(const control_finger *finger, const double *start, double targ
     control_problem_in(&problem, finger, 1, memory);
     control_hold_problem(&problem, start, target, distance, rules, outcome);
     control_ask(&problem, problem.best, distance);
+    if (!problem.inside) outcome->status = CONTROL_OUTSIDE;
     outcome->error = control_force_error(&problem);
     control_copy(problem.best, tensions, problem.tensions);
 }
@@ -180,6 +181,7 @@ void control_hold_many(const control_finger *finger, int count, const double *st
         const ptrdiff_t row = (ptrdiff_t)problem.tensions * i;
         const int64_t before = now();
         control_hold_problem(&problem, starts + row, target, distances[i], rules, outcomes + i);
+        control_mark(&problem, distances[i], outcomes + i);
         nanoseconds[i] = now() - before;
         control_copy(problem.best, tensions + row, problem.tensions);
     }

@@ -8,7 +8,7 @@
 #define CONTROL_LEAST_SQUARES_H
 #include <stdint.h>
 
-enum { CONTROL_GOING = 0, CONTROL_CONVERGED = 1, CONTROL_STATIONARY = 2, CONTROL_ITERATION_LIMIT = 3 };
+enum { CONTROL_GOING = 0, CONTROL_CONVERGED = 1, CONTROL_STATIONARY = 2, CONTROL_ITERATION_LIMIT = 3, CONTROL_OUTSIDE = 4 };
 
 /* When to stop, see control.least_squares.Rules. */
 typedef struct {

@@ -15,7 +15,7 @@ static void locate(control_problem *problem, int readings, const double *tension
                    const control_rules *rules, double *memory, control_outcome *outcome)
 {
     const int n = problem->tensions;
-    const double nearest = problem->finger->kernel->lower[n], farthest = problem->finger->kernel->upper[n];
+    const double nearest = problem->finger->nearest, farthest = problem->finger->farthest;
     const double starts[] = {-1.0, 0.9, 0.5, 0.1}; /* of the path to where touch begins; first the hint */
     double touched = nearest, least = INFINITY, residual, slope;
     control_workspace w;
@@ -54,6 +54,7 @@ static void locate(control_problem *problem, int readings, const double *tension
         compare(problem, tensions + (ptrdiff_t)n * i, felt[i], outcome->distance, &residual, &slope);
         outcome->squared_slopes += slope * slope;
         outcome->weighted_error += fabs(slope) * control_force_error(problem);
+        if (!problem->inside) outcome->status = CONTROL_OUTSIDE;
     }
 }
 
@@ -82,7 +83,10 @@ void control_grip(const control_finger *finger, const double *then, double felt,
         distance = isfinite(distance) ? distance + gain * (found - distance) : found;
     }
     outcome->status = CONTROL_GOING;
-    if (isfinite(distance)) control_hold_problem(&problem, present, aim, distance, rules, outcome);
+    if (isfinite(distance)) {
+        control_hold_problem(&problem, present, aim, distance, rules, outcome);
+        control_mark(&problem, distance, outcome);
+    }
     outcome->distance = distance;
     outcome->expected = expected;
     control_copy(problem.best, tensions, problem.tensions);

@@ -3,6 +3,7 @@
 #define CONTROL_PROBLEM_H
 #include <math.h>
 #include "../../rom/native/evaluation.h"
+#include "../../rom/segment/native/segment.h"
 #include "problems.h"
 #include "step.h"
 
@@ -14,6 +15,8 @@ typedef struct {
     int tensions, parameters;
     double *point, *jacobian;      /* (parameters), (rows, parameters): asked for last */
     double out[CONTROL_MOST_ROWS];
+    double wrench[FINGERFEM_WRENCH]; /* on the plate of a touched segment, where its next solve begins */
+    int inside;                      /* whether that answer is known: within what was trained */
     double *best, *other, *between; /* (tensions): the answer so far, and two more */
     control_workspace workspace;
 } control_problem;
@@ -21,7 +24,7 @@ typedef struct {
 /* Numbers of memory that a problem with at most so many residuals needs. */
 static inline int control_problem_size(const control_finger *finger, int residuals)
 {
-    const int p = finger->kernel->parameters, n = p - finger->kernel->has_obstacle;
+    const int p = finger->parameters, n = p - finger->has_obstacle;
     return p + CONTROL_MOST_ROWS * p + 3 * n + control_workspace_size(n, residuals);
 }
 
@@ -29,11 +32,13 @@ static inline int control_problem_size(const control_finger *finger, int residua
 static inline void control_problem_in(control_problem *problem, const control_finger *finger, int residuals,
                                       double *memory)
 {
-    const int p = finger->kernel->parameters, n = p - finger->kernel->has_obstacle;
+    const int p = finger->parameters, n = p - finger->has_obstacle;
     memset(memory, 0, (size_t)control_problem_size(finger, residuals) * sizeof *memory);
     problem->finger = finger;
     problem->tensions = n;
     problem->parameters = p;
+    memset(problem->wrench, 0, sizeof problem->wrench);
+    problem->inside = 1;
     problem->point = memory;
     problem->jacobian = memory + p;
     problem->best = problem->jacobian + CONTROL_MOST_ROWS * p;
@@ -44,12 +49,19 @@ static inline void control_problem_in(control_problem *problem, const control_fi
     control_copy(finger->upper, problem->workspace.upper, n);
 }
 
-/* Ask the surrogate for its answer and derivatives at tensions and a plane's distance. */
+/* Ask the model for its answer and derivatives at tensions and an object's distance. */
 static inline void control_ask(control_problem *problem, const double *tensions, double distance)
 {
     control_copy(tensions, problem->point, problem->tensions);
     if (problem->parameters > problem->tensions) problem->point[problem->tensions] = distance;
-    fingerfem_answer(problem->finger->kernel, problem->point, problem->out, problem->jacobian);
+    const control_finger *finger = problem->finger;
+    if (finger->touching) {
+        int32_t inside;
+        fingerfem_touch(finger->touching, problem->point, problem->wrench, problem->out, problem->jacobian, &inside);
+        problem->inside = inside;
+    } else {
+        fingerfem_answer(finger->kernel, problem->point, problem->out, problem->jacobian);
+    }
 }
 
 /* Estimated error of the contact force [N] or pad pressure [Pa] that was asked for last, inside the box. */
@@ -57,9 +69,19 @@ static inline double control_force_error(const control_problem *problem)
 {
     const control_finger *finger = problem->finger;
     double found[CONTROL_MOST_COLUMNS] = {0.0};
+    if (finger->touching) return fingerfem_touch_error(finger->touching, problem->out, problem->jacobian);
     fingerfem_contact_error(finger->kernel, finger->rates, finger->columns, finger->margin, problem->point,
                             problem->out[FINGERFEM_TOUCH], found);
     return found[finger->row == FINGERFEM_FORCE ? 1 : 3];
+}
+
+/* Say of tensions in problem->best that were found at a distance where the model's answer is not known, that they are
+ * outside. */
+static inline void control_mark(control_problem *problem, double distance, control_outcome *outcome)
+{
+    if (!problem->finger->touching) return; /* a surrogate's box is within the limits of tensions and distance */
+    control_ask(problem, problem->best, distance);
+    if (!problem->inside) outcome->status = CONTROL_OUTSIDE;
 }
 
 /* Tensions in problem->best that press with a force; the outcome has status, residual and evaluations. */

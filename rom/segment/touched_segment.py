@@ -77,6 +77,15 @@ class TouchedSegment:
             place_error=self.segment.place_error,
         )
 
+    @property
+    def native(self) -> dict[str, Any]:
+        """What compiled controllers ask."""
+        return {"touching": self.touching}
+
+    def outputs(self, points: np.ndarray) -> np.ndarray:
+        """Tip [m], contact force [N] and touch distance [m], shape (n, 5), at points, shape (n, p)."""
+        return self.answers(points).out
+
     def answers(self, points: ArrayLike) -> Touched:
         """Answers, with all that is known of them, at points, shape (n, p) [N, m].
 
