@@ -38,6 +38,7 @@ def struct(pose: Polynomial, half_lengths: np.ndarray, rest: np.ndarray) -> Any:
     without[rows, variables] = 0
     blocks = coefficients.reshape(-1, BLOCK, len(monomials), POSE)
     used = [int(np.flatnonzero(block.any(axis=(0, 2))).max(initial=0)) + 1 for block in blocks]
+    even = np.flatnonzero((groups % 2 == 0).all(axis=1))
     return SEGMENT.struct(
         "fingerfem_segment",
         tensions=t,
@@ -51,6 +52,9 @@ def struct(pose: Polynomial, half_lengths: np.ndarray, rest: np.ndarray) -> Any:
         parents=(groups[None] == without[:, None]).all(axis=2).argmax(axis=1),
         variables=variables,
         powers=groups[rows, variables],
+        even=len(even),
+        even_groups=even,
+        even_values=(-1.0) ** (groups[even].sum(axis=1) // 2),
         half_lengths=half_lengths.tolist(),
         rest=rest.tolist(),
     )

@@ -116,6 +116,17 @@ void map_pose(const fingerfem_segment *segment, const double *coefficients, cons
     map_store(pose, sums[0]);
 }
 
+void map_free(const fingerfem_segment *segment, const double *contracted, double *pose, double *by_tensions)
+{
+    for (int j = 0; j <= segment->tensions; j++) {
+        const double *from = contracted + FINGERFEM_POSE * segment->groups * j;
+        map_eight sum = {0.0};
+        for (int k = 0; k < segment->even; k++)
+            sum += segment->even_values[k] * map_load(from + FINGERFEM_POSE * segment->even_groups[k]);
+        map_store(j ? by_tensions + FINGERFEM_POSE * (j - 1) : pose, sum);
+    }
+}
+
 void map_rotation(const double *pose, double *rotation)
 {
     const double w = pose[3], x = pose[4], y = pose[5], z = pose[6], s = 2.0 / (w * w + x * x + y * y + z * z);

@@ -42,6 +42,10 @@ void map_contract(const fingerfem_segment *segment, int kinds, const double *ten
 void map_pose(const fingerfem_segment *segment, const double *coefficients, const double *wrench, double *products,
               double *pose, double *by_wrench);
 
+/* Pose, (8), without a wrench, and its derivatives by the tensions, (tensions, 8), from what was contracted with them;
+ * the box is as wide to both sides of that. */
+void map_free(const fingerfem_segment *segment, const double *contracted, double *pose, double *by_tensions);
+
 /* Rotation, (3, 3), of a pose. */
 void map_rotation(const double *pose, double *rotation);
 

@@ -22,7 +22,10 @@ typedef struct {
     const int32_t *tension_powers;       /* (monomials, tensions) */
     const int32_t *block_monomials;      /* (groups / FINGERFEM_BLOCK) */
     const double *coefficients;          /* (block, block_monomials, FINGERFEM_BLOCK, FINGERFEM_POSE) */
-    const int32_t *parents, *variables, *powers; /* (groups): -1 for the first; which of the wrench's 6; its power */
+    const int32_t *parents, *variables, *powers; /* (groups): its parent; which of the wrench's 6 is the last; its power */
+    int32_t even;                        /* groups of even powers alone, the only ones that count without a wrench */
+    const int32_t *even_groups;          /* (even) */
+    const double *even_values;           /* (even): their products there, 1 or -1 */
     double half_lengths[3];              /* of the plate along its own axes [m] */
     double rest[3];                      /* the plate's centre in the undeformed finger [m] */
 } fingerfem_segment;

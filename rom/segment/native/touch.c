@@ -20,7 +20,7 @@
 #define STEPS 4      /* on that way, at first */
 #define HALVINGS 10  /* of such a step until there is no answer */
 #define EVALUATIONS 500 /* most of the map for one answer */
-#define CLOSE 1e-9   /* of the box: a change of the wrench that ends it [-] */
+#define CLOSE 1e-5   /* of the box: a last step of the wrench, about whose square is left [-] */
 #define LONGEST 0.5  /* of the box: a step of the wrench [-] */
 #define SOFT 1e-9    /* what a contact yields, for forces that are shared by a stiff plate to be unique [m/N] */
 #define MARCHES 60   /* towards the touch distance */
@@ -44,6 +44,15 @@ typedef struct {
     double *products;
 } contracted_map;
 
+static void locate(placed *at)
+{
+    map_rotation(at->pose, at->rotation);
+    for (int i = 0; i < 3; i++) {
+        at->centre[i] = 0.0;
+        for (int j = 0; j < 3; j++) at->centre[i] -= at->rotation[3 * i + j] * at->pose[j];
+    }
+}
+
 static void place(const contracted_map *map, const double *wrench, double d, placed *at)
 {
     const fingerfem_segment *segment = map->touching->segment;
@@ -51,12 +60,19 @@ static void place(const contracted_map *map, const double *wrench, double d, pla
     map_pose(segment, map->contracted, wrench, map->products, at->pose, by_wrench);
     for (int k = 0; k < W; k++)
         map_motion(at->pose, by_wrench + FINGERFEM_POSE * k, W, k, &at->compliance[0][0]);
-    map_rotation(at->pose, at->rotation);
-    for (int i = 0; i < 3; i++) {
-        at->centre[i] = 0.0;
-        for (int j = 0; j < 3; j++) at->centre[i] -= at->rotation[3 * i + j] * at->pose[j];
-    }
+    locate(at);
     objects_find(map->touching->object, segment->half_lengths, d, at->centre, at->rotation, &at->contacts);
+}
+
+/* The plate without a wrench: where it is, and its motion by the tensions. */
+static void place_free(const contracted_map *map, placed *at)
+{
+    const int t = map->touching->segment->tensions;
+    double by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
+    map_free(map->touching->segment, map->contracted, at->pose, by_tensions);
+    for (int k = 0; k < t; k++)
+        map_motion(at->pose, by_tensions + FINGERFEM_POSE * k, MAP_MOST_TENSIONS, k, &at->by_tensions[0][0]);
+    locate(at);
 }
 
 /* The plate's motion by the tensions, at the wrench that `place` was asked for last. */
@@ -109,15 +125,18 @@ static double touch_distance(const contracted_map *map, placed *at)
 }
 
 /* W f, and G: how that changes as the plate moves. */
-static void pressed(const objects_contacts *contacts, const double *forces, double *wrench, matrix change)
+static void pressed(const fingerfem_object *object, const objects_contacts *contacts, const double *forces,
+                    double *wrench, matrix change)
 {
     memset(wrench, 0, W * sizeof *wrench);
     memset(change, 0, sizeof(matrix));
     for (int k = 0; k < contacts->count; k++) {
         if (forces[k] == 0.0) continue;
+        matrix own;
+        objects_change(object, contacts, k, own);
         for (int i = 0; i < W; i++) {
             wrench[i] += forces[k] * contacts->wrenches[k][i];
-            for (int j = 0; j < W; j++) change[i][j] += forces[k] * contacts->changes[k][i][j];
+            for (int j = 0; j < W; j++) change[i][j] += forces[k] * own[i][j];
         }
     }
 }
@@ -144,12 +163,20 @@ static int softened(const matrix following, const matrix compliance, matrix out)
     return small_solve(W, &system[0][0], W, &out[0][0]);
 }
 
-static double by(const double *row, const matrix m, const double *column)
+static double dot(const double *a, const double *b)
 {
     double sum = 0.0;
-    for (int i = 0; i < W; i++)
-        for (int j = 0; j < W; j++) sum += row[i] * m[i][j] * column[j];
+    for (int i = 0; i < W; i++) sum += a[i] * b[i];
     return sum;
+}
+
+/* A row times a matrix. */
+static void row_product(const double *row, const matrix m, double *out)
+{
+    for (int j = 0; j < W; j++) {
+        out[j] = 0.0;
+        for (int i = 0; i < W; i++) out[j] += row[i] * m[i][j];
+    }
 }
 
 /* A state of the solve: where the plate is, the forces at its contacts by their names, and S and C S. */
@@ -178,12 +205,14 @@ static double step(const contracted_map *map, contact_state *state)
     const int count = contacts->count;
     double made[W], target[W], change[W], a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
     double b[FINGERFEM_MOST_CONTACTS];
-    pressed(contacts, state->forces, made, state->following);
+    pressed(map->touching->object, contacts, state->forces, made, state->following);
     if (!softened(state->following, state->at.compliance, state->soft)) return -1.0;
     product(state->at.compliance, state->soft, state->yielding);
     for (int i = 0; i < count; i++) {
-        b[i] = contacts->gaps[i] - by(contacts->wrenches[i], state->yielding, state->wrench);
-        for (int j = 0; j < count; j++) a[count * i + j] = by(contacts->wrenches[i], state->yielding, contacts->wrenches[j]);
+        double row[W];
+        row_product(contacts->wrenches[i], state->yielding, row);
+        b[i] = contacts->gaps[i] - dot(row, state->wrench);
+        for (int j = 0; j < count; j++) a[count * i + j] = dot(row, contacts->wrenches[j]);
     }
     double forces[FINGERFEM_MOST_CONTACTS];
     memcpy(forces, state->forces, sizeof forces);
@@ -202,6 +231,10 @@ static double step(const contracted_map *map, contact_state *state)
     const double share = size > LONGEST ? LONGEST / size : 1.0;
     for (int i = 0; i < W; i++) state->wrench[i] += share * change[i];
     for (int k = 0; k < count; k++) state->forces[k] += share * (forces[k] - state->forces[k]);
+    for (int i = 0; i < 3; i++) /* where the next pose would be found */
+        for (int j = 0; j < 3; j++)
+            for (int k = 0; k < W; k++)
+                state->at.centre[i] += state->at.rotation[3 * i + j] * state->at.compliance[j][k] * share * change[k];
     return size;
 }
 
@@ -278,10 +311,11 @@ static int follow(const contact_state *state, const double *drift, double *wrenc
     }
     for (int i = 0; i < count; i++) {
         const double *own = contacts->wrenches[rows[i]];
-        forces[i] = -by(own, state->yielding, turned);
-        for (int j = 0; j < W; j++) forces[i] -= own[j] * drift[j];
+        double row[W];
+        row_product(own, state->yielding, row);
+        forces[i] = -dot(row, turned) - dot(own, drift);
         for (int j = 0; j < count; j++)
-            a[count * i + j] = by(own, state->yielding, contacts->wrenches[rows[j]]) + (i == j ? SOFT : 0.0);
+            a[count * i + j] = dot(row, contacts->wrenches[rows[j]]) + (i == j ? SOFT : 0.0);
     }
     if (!small_solve(count, a, 1, forces)) return 0;
     for (int k = 0; k < count; k++)
@@ -362,8 +396,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     map_contract(segment, 1 + t, held, contracted);
     memset(state.wrench, 0, sizeof state.wrench);
     memset(state.forces, 0, sizeof state.forces);
-    place(&map, state.wrench, 1.0, &state.at);
-    place_by_tensions(&map, &state.at);
+    place_free(&map, &state.at);
     const double touch = touch_distance(&map, &state.at);
     report_touch(&map, &state.at, touch, out, jacobian);
     double d = point[t] > object->nearest ? point[t] : object->nearest;
@@ -377,6 +410,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
         place_by_tensions(&map, &state.at);
     } else {
         state.at.contacts.count = 0;
+        memset(state.at.compliance, 0, sizeof state.at.compliance);
         memset(state.following, 0, sizeof state.following);
         memset(state.yielding, 0, sizeof state.yielding);
         memset(state.soft, 0, sizeof state.soft);
