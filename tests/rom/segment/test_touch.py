@@ -1,0 +1,151 @@
+"""Contact of a plate and rigid objects: forces only where gaps are closed, derivatives, and what has no answer."""
+
+import numpy as np
+import pytest
+from scipy.optimize import nnls
+from scipy.spatial.transform import Rotation
+
+from control import Finger
+from rom import Cylinder, Plane, Sphere, TouchedSegment
+from rom.segment import native
+from rom.segment.objects import facing_plane
+from tests.rom.segment import rod
+
+HALF = np.array([rod.PLATE, rod.SIDE, rod.SIDE]) / 2
+CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * HALF
+
+
+def touched(segment, random: np.random.Generator, shape: str) -> tuple[TouchedSegment, np.ndarray]:
+    """The segment and an object before its plate, turned and placed at random; and a point at which it touches."""
+    tensions = rod.MOST_TENSION * random.random(2)
+    free = segment.place([*tensions, *np.zeros(6)])
+    axis = free.rotation[:, 0]
+    normal = random.standard_normal(3)
+    normal -= max(normal @ axis, 0.0) * 1.2 * axis
+    normal /= np.linalg.norm(normal)
+    places = free.centre + CORNERS @ free.rotation.T
+    place = places[np.argmin(places @ normal)]
+    where = {"direction": tuple(-normal), "distances": (-0.01, 0.01)}
+    radius = 10 ** random.uniform(-2.5, -1.3)
+    if shape == "plane":
+        found = Plane(centre=tuple(place), normal=tuple(normal), **where)
+    elif shape == "sphere":
+        found = Sphere(centre=tuple(place - radius * normal), radius=radius, **where)
+    else:
+        along = np.cross(normal, random.standard_normal(3))
+        found = Cylinder(centre=tuple(place - radius * normal), radius=radius, axis=tuple(along), **where)
+    return TouchedSegment(segment=segment, obstacle=found), np.array([*tensions, -5e-4 * random.random()])
+
+
+def test_corners_that_press_on_a_plane_lie_on_it_and_no_other_is_behind_it(segment):
+    random = np.random.default_rng(1)
+    for _ in range(100):
+        model, point = touched(segment, random, "plane")
+        found = model.answers(point)
+        assert found.evaluations[0] > 0
+        if not found.inside[0]:
+            continue
+        # By another way than the solve: the rod itself under the wrench that was found.
+        pose = rod.poses(np.concatenate([point[:2], found.wrenches[0]])[None])[0]
+        turned = Rotation.from_quat(pose[[4, 5, 6, 3]]).as_matrix()
+        plane: Plane = model.obstacle
+        places = (
+            turned @ (CORNERS - pose[:3]).T
+            - np.array(plane.centre)[:, None]
+            - point[2] * np.array(plane.direction)[:, None]
+        )
+        gaps = np.array(plane.normal) @ places
+        force = turned @ found.wrenches[0, :3]
+        assert np.cross(force, plane.normal) == pytest.approx(np.zeros(3), abs=1e-4 * found.out[0, 3])
+        assert found.out[0, 3] == pytest.approx(force @ plane.normal, rel=1e-5) and found.out[0, 3] > 0
+        assert gaps.min() > -2e-5 and gaps.min() < 2e-5  # as far as the map is the rod
+        arms = np.cross(CORNERS, turned.T @ plane.normal).T  # corners that push alone make this wrench
+        wanted = [rod.SIDE * found.out[0, 3], *found.wrenches[0, 3:]]
+        pushing, left = nnls(np.vstack([np.full(8, rod.SIDE), arms]), np.array(wanted))
+        assert left < 1e-6 * found.out[0, 3] and (pushing >= 0).all()
+
+
+@pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder"])
+def test_derivatives_are_those_of_the_answers(segment, shape):
+    random = np.random.default_rng(2)
+    for _ in range(30):
+        model, point = touched(segment, random, shape)
+        value, jacobian = model.value_and_jacobian(point)
+        if not model.evaluate(point).inside or not value[3] > 0:
+            continue
+        for k, h in enumerate((1e-4, 1e-4, 1e-8)):
+            unit = h * np.eye(3)[k]
+            after, before = model.outputs(point + unit)[0], model.outputs(point - unit)[0]
+            differences = (after - before) / (2 * h)
+            assert jacobian[:, k] == pytest.approx(differences, rel=2e-4, abs=2e-4 * np.abs(differences[:3]).max())
+
+
+@pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder"])
+def test_every_answer_is_known_or_says_that_it_is_not(segment, shape):
+    random = np.random.default_rng(3)
+    unknown = 0
+    for _ in range(300):
+        model, point = touched(segment, random, shape)
+        found, answer = model.answers(point), model.evaluate(point)
+        assert np.isfinite(found.out).all() and abs(found.evaluations[0]) < 1000
+        if found.evaluations[0] < 0:
+            assert not answer.inside and answer.error["contact_force"] == np.inf
+            unknown += 1
+        else:
+            assert found.out[0, 3] >= 0
+    assert unknown <= 15
+
+
+def test_a_warm_start_finds_the_same_sooner(segment):
+    model, point = touched(segment, np.random.default_rng(4), "plane")
+    cold = model.answers(point)
+    moved = point + np.array([0, 0, 1e-5])
+    near = native.touches(model.touching, moved[None], cold.wrenches)
+    assert near.evaluations[0] <= cold.evaluations[0]
+    assert near.out == pytest.approx(model.answers(moved).out, rel=1e-6)
+
+
+def test_a_small_ball_is_a_point_and_a_large_one_a_plane(segment):
+    """Before a plate that stands flush, what a ball of infinite radius does is what a plane through it does."""
+    normal, centre = (0.0, -1.0, 0.0), np.array([rod.LENGTH + rod.PLATE / 2, rod.SIDE / 2, 0.0])
+    pressed = np.array([10.0, 0.0, 1e-3])
+    flat = TouchedSegment(
+        segment=segment,
+        obstacle=Plane(centre=tuple(centre), normal=normal, direction=(0, 1, 0), distances=(0.0, 0.05)),
+    )
+    radius = 100.0
+    ball = TouchedSegment(
+        segment=segment,
+        obstacle=Sphere(
+            centre=(centre[0], centre[1] + radius, 0.0), radius=radius, direction=(0, 1, 0), distances=(0.0, 0.05)
+        ),
+    )
+    assert ball.outputs(pressed)[0, 3] == pytest.approx(flat.outputs(pressed)[0, 3], rel=1e-2)
+
+
+def test_a_finger_holds_and_locates_whatever_it_touches(segment):
+    plane = TouchedSegment(segment=segment, obstacle=facing_plane(rod.SIDE, (0.0, 0.05)))
+    ball = TouchedSegment(
+        segment=segment,
+        obstacle=Sphere(centre=(0.046, 0.015, 0.002), radius=0.008, direction=(0, 1, 0), distances=(-0.01, 0.02)),
+    )
+    for model, distance in ((plane, 0.006), (ball, 0.001)):
+        finger = Finger(model)
+        held = finger.hold(0.5, distance)
+        assert held.converged and model.outputs([*held.tensions, distance])[0, 3] == pytest.approx(0.5, abs=1e-6)
+        assert finger.locate(held.tensions, 0.5).distance == pytest.approx(distance, abs=1e-6)
+    assert Finger(plane).reach(rod.poses(np.zeros((1, 8)))[0, :3] * [-1, 0, 0], tolerance=1e-5).converged
+
+
+def test_forces_beyond_what_was_trained_are_marked(segment):
+    plane = TouchedSegment(segment=segment, obstacle=facing_plane(rod.SIDE, (0.0, 0.05)))
+    hard = plane.evaluate([rod.MOST_TENSION, 0.0, 1e-4])
+    assert hard.contact_force > rod.MOST_FORCE and not hard.inside
+    assert Finger(plane).hold(1.5 * rod.MOST_FORCE, 1e-3).status == "out_of_domain"
+
+
+def test_objects_that_are_none_are_refused():
+    with pytest.raises(ValueError, match="radius must be above 0 m"):
+        Sphere(centre=(0, 0, 0), direction=(0, 1, 0), radius=0.0)
+    with pytest.raises(ValueError, match="normal must be a vector"):
+        Plane(centre=(0, 0, 0), direction=(0, 1, 0), normal=(0, 0, 0))
