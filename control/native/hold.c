@@ -157,8 +157,8 @@ void control_hold(const control_finger *finger, const double *start, double targ
     control_problem problem;
     control_problem_in(&problem, finger, 1, memory);
     control_hold_problem(&problem, start, target, distance, rules, outcome);
+    control_mark(&problem, distance, outcome);
     control_ask(&problem, problem.best, distance);
-    if (!problem.inside) outcome->status = CONTROL_OUTSIDE;
     outcome->error = control_force_error(&problem);
     control_copy(problem.best, tensions, problem.tensions);
 }

@@ -81,7 +81,8 @@ static inline void control_mark(control_problem *problem, double distance, contr
 {
     if (!problem->finger->touching) return; /* a surrogate's box is within the limits of tensions and distance */
     control_ask(problem, problem->best, distance);
-    if (!problem->inside) outcome->status = CONTROL_OUTSIDE;
+    const double gap = fingerfem_rubber_gap(problem->finger->touching, problem->point, problem->wrench);
+    if (!problem->inside || gap < problem->finger->touching->segment->skin_error) outcome->status = CONTROL_OUTSIDE;
 }
 
 /* Tensions in problem->best that press with a force; the outcome has status, residual and evaluations. */

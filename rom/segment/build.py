@@ -7,15 +7,19 @@ from typing import Any
 
 import numpy as np
 
+from rom.fit.chebyshev import Polynomial
 from rom.segment.contact_error import relative_force_errors
+from rom.segment.index_set import index_set
 from rom.segment.mirrors import with_images
 from rom.segment.pose_fit import best_fit
+from rom.segment.regression import Samples, regression
 from rom.segment.segment_map import SegmentMap, quantiles
-from rom.snapshots.pressed_states import read_pressed_states
+from rom.snapshots.pressed_states import PressedStates, read_pressed_states
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.terminal import Progress, quiet
 
 logger = logging.getLogger(__name__)
+SKIN_DEGREE, SKIN_PURE = 6.0, 8  # of the skin's polynomial, weighted, and of tensions alone: some 10 um
 TERMS = 2500  # most products of a map: a query takes as long as it has terms
 
 
@@ -35,14 +39,18 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
         raise SnapshotError(f"{snapshots.path}: must be a training set, got a held-out one")
     for task, inputs, reason in snapshots.failures:
         logger.warning("done without the failed state of %s at %s: %s", task, inputs.tolist(), reason)
-    states = with_images(read_pressed_states(snapshots), description.scene)
+    own = read_pressed_states(snapshots)
+    states = with_images(own, description.scene)
     box = np.array([[one["lower"], one["upper"]] for one in description.parameters])
     found = best_fit(states, box, terms, progress)
+    skin, skin_error = _skin(own, box, found.weights)
     return SegmentMap(
         parameters=description.parameters,
         pose=found.polynomial,
         force_error=quantiles(found.left_out)["p95"],
         place_error=quantiles(found.left_out_places[states.forces == 0])["p95"],
+        skin=skin,
+        skin_error=skin_error,
         scene=description.scene,
         provenance={
             "fingerprint": description.fingerprint,
@@ -54,6 +62,25 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
             "left_out": quantiles(found.left_out),
         },
     )
+
+
+def _skin(
+    states: PressedStates, box: np.ndarray, weights: tuple[float, float, float]
+) -> tuple[Polynomial | None, float]:
+    """The rubber's points by the inputs, of a low degree, and the 95th percentile of their errors [m]."""
+    n, p = states.inputs.shape
+    if not states.skin.shape[1]:
+        return None, np.nan
+    known = Samples(
+        inputs=states.inputs,
+        values=states.skin.reshape(n, -1),
+        jacobians=states.skin_jacobians.reshape(n, -1, p),
+        lines=states.lines,
+    )
+    powers = index_set(np.repeat(weights, [states.tensions, 3, 3]), SKIN_DEGREE, states.tensions, pure=SKIN_PURE)
+    found, predicted = regression(known, box, powers)
+    off = np.linalg.norm(predicted.reshape(states.skin.shape) - states.skin, axis=2)
+    return found, float(np.quantile(off, 0.95))
 
 
 def check(segment: SegmentMap, held_out: SnapshotSet) -> dict[str, Any]:

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rom.segment.rigid_motion import gaps, motions, rotations
 from rom.snapshots.pressed_states import PressedStates
+from rom.snapshots.rigid_motion import gaps, motions, rotations
 
 
 def relative_force_errors(states: PressedStates, poses: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ turns, which are axial vectors, with det(S) S.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from itertools import product
 from typing import Any
 
@@ -29,12 +29,12 @@ class Mirror:
     pose: np.ndarray
 
     def of(self, states: PressedStates) -> PressedStates:
-        """The states' images."""
-        return PressedStates(
+        """The states' images, without their skin."""
+        return replace(
+            states.without_skin(),
             inputs=states.inputs @ self.inputs.T,
             poses=states.poses @ self.pose.T,
             jacobians=self.pose @ states.jacobians @ self.inputs.T,
-            lines=states.lines,
         )
 
 
@@ -65,11 +65,8 @@ def _of_section(S: np.ndarray, tendons: list[dict[str, Any]]) -> Mirror | None:
 
 
 def with_images(states: PressedStates, scene: dict[str, Any]) -> PressedStates:
-    """The states and their images, those of a state in its line."""
-    parts = [states, *(mirror.of(states) for mirror in mirrors(scene))]
+    """The states and their images, those of a state in its line; without their skin."""
+    parts = [states.without_skin(), *(mirror.of(states) for mirror in mirrors(scene))]
     return PressedStates(
-        **{
-            name: np.concatenate([getattr(part, name) for part in parts])
-            for name in ("inputs", "poses", "jacobians", "lines")
-        }
+        **{one.name: np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(PressedStates)}
     )

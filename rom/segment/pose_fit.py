@@ -1,8 +1,6 @@
 """The least-squares fit of poses by tensions and wrench, and the index set that predicts best what is left out.
 
-Values and derivatives are fitted together, in Chebyshev polynomials of the scaled inputs, by the normal equations
-(L L^T, with a step of iterative refinement). Leaving out a line's rows A_g changes their residuals from e_g to
-(1 - A_g (L L^T)^-1 A_g^T)^-1 e_g: no further fit. A line is left out whole, images included, as its states are alike.
+A line is left out whole, images included, as its states are alike (rom.segment.regression).
 """
 
 from __future__ import annotations
@@ -10,17 +8,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_solve, cholesky, solve_triangular
 
-from rom.fit.chebyshev import Polynomial, products
+from rom.fit.chebyshev import Polynomial
 from rom.segment.contact_error import relative_force_errors
 from rom.segment.index_set import index_set
+from rom.segment.regression import Samples, regression
 from rom.snapshots.pressed_states import PressedStates
 from rom.terminal import Progress, quiet
 
-DERIVATIVES = 0.3  # weight of a derivative by an input scaled to [-1, 1], beside a value [-]
 ROWS = 1.5  # rows a fit has at least for every coefficient [-]
-RIDGE = 1e-12  # of the normal equations' largest entry, so that they have a factor [-]
 FIRST_WEIGHTS = 1.25, 2.25  # of the force's and the moment's powers where the search begins; a tension's is 1 [-]
 FORCES, MOMENTS = (0.8, 1.0, 1.25, 1.5), (1.5, 1.8, 2.25, 2.75)  # that are tried [-]
 LOWEST, STEP = 4.0, 0.5  # weighted degree a search begins with, and by how much it grows
@@ -107,34 +103,8 @@ def fit(
     states: PressedStates, box: np.ndarray, powers: np.ndarray, weights: tuple[float, float, float], degree: float
 ) -> PoseFit:
     """The fit of the products of these powers, shape (k, t + 6)."""
-    lower, half = box[:, 0], (box[:, 1] - box[:, 0]) / 2
-    scaled = (states.inputs - lower) / half - 1
-    lines = [np.flatnonzero(states.lines == line) for line in np.unique(states.lines)]
-
-    def rows(of: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values, then derivatives by every input, of states: rows of the matrix, and right-hand sides."""
-        matrix, wanted = [products(scaled[of], powers)], [states.poses[of]]
-        for a in range(len(half)):
-            matrix.append(DERIVATIVES * products(scaled[of], powers, a))
-            wanted.append(DERIVATIVES * half[a] * states.jacobians[of, :, a])
-        return np.concatenate(matrix), np.concatenate(wanted)
-
-    blocks = [rows(line) for line in lines]
-    matrix, wanted = (np.concatenate(part) for part in zip(*blocks, strict=True))
-    normal = matrix.T @ matrix
-    normal[np.diag_indices_from(normal)] += RIDGE * normal.max()
-    factor = cholesky(normal, lower=True)
-    coefficients = cho_solve((factor, True), matrix.T @ wanted)
-    coefficients += cho_solve((factor, True), matrix.T @ (wanted - matrix @ coefficients))
-    polynomial = Polynomial(lower=lower, upper=box[:, 1], powers=powers, coefficients=coefficients)
-    poses, at = states.poses.copy(), 0
-    errors = wanted - matrix @ coefficients
-    for line in lines:
-        size = len(line) * (1 + len(half))
-        along = solve_triangular(factor, matrix[at : at + size].T, lower=True)
-        left_out = np.linalg.solve(np.eye(size) - along.T @ along, errors[at : at + size])
-        poses[line] -= left_out[: len(line)]
-        at += size
+    known = Samples(inputs=states.inputs, values=states.poses, jacobians=states.jacobians, lines=states.lines)
+    polynomial, poses = regression(known, box, powers)
     return PoseFit(
         polynomial=polynomial,
         weights=weights,

@@ -17,7 +17,7 @@ from rom import checked_file
 from rom.checked_file import ModelError
 from rom.fit.chebyshev import Polynomial
 from rom.segment import native
-from rom.segment.rigid_motion import motions, rotations
+from rom.snapshots.rigid_motion import motions, rotations
 
 KIND, FORMAT = "fingerfem segment map", 1
 PLAIN = ("parameters", "scene", "accuracy", "provenance")
@@ -46,6 +46,9 @@ class SegmentMap:
     Attributes:
         parameters: name, unit, lower and upper of every input: tensions, then force and moment in the plate's frame.
         pose: the clamp's place seen from the plate [m], then the plate's quaternion [-], by the inputs.
+        skin: points of the rubber's long edges in the plate's frame by the inputs, 3 values each [m]; None if the set
+            did not store the displacement: then nobody notices rubber that touches.
+        skin_error: of these, 95th percentile [m].
         force_error: relative error of contact forces, 95th percentile of states predicted without their lines [-].
         place_error: of the free plate, likewise [m].
         accuracy: measured on held-out states; empty if nobody did.
@@ -63,6 +66,8 @@ class SegmentMap:
     place_error: float
     scene: dict[str, Any]
     provenance: dict[str, Any]
+    skin: Polynomial | None = None
+    skin_error: float = np.nan
     accuracy: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -90,7 +95,7 @@ class SegmentMap:
     @cached_property
     def struct(self) -> Any:
         """For compiled code, a struct fingerfem_segment."""
-        return native.struct(self.pose, self.half_lengths, self.rest)
+        return native.struct(self.pose, self.skin, self.skin_error, self.half_lengths, self.rest)
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: not the numbers for compiled code, which are made again."""
@@ -129,6 +134,10 @@ class SegmentMap:
         for name in PLAIN:
             file.attrs[name] = json.dumps(getattr(self, name))
         file.attrs["force_error"], file.attrs["place_error"] = self.force_error, self.place_error
+        file.attrs["skin_error"] = self.skin_error
+        if self.skin is not None:
+            checked_file.dataset(file, "skin_powers", self.skin.powers, "-")
+            checked_file.dataset(file, "skin_coefficients", self.skin.coefficients, "m")
         checked_file.dataset(file, "box", np.array([self.pose.lower, self.pose.upper]), "N, N m")
         checked_file.dataset(file, "powers", self.pose.powers, "-")
         checked_file.dataset(file, "coefficients", self.pose.coefficients, "m, m, m, -, -, -, -")
@@ -145,16 +154,20 @@ class SegmentMap:
     @classmethod
     def _read(cls, file: h5py.File) -> SegmentMap:
         lower, upper = file["box"][:].astype(float)
+
+        def polynomial(prefix: str) -> Polynomial:
+            powers, coefficients = (file[f"{prefix}{name}"][:] for name in ("powers", "coefficients"))
+            return Polynomial(
+                lower=lower, upper=upper, powers=powers.astype(int), coefficients=coefficients.astype(float)
+            )
+
         return cls(
             **{name: json.loads(file.attrs[name]) for name in PLAIN},
-            pose=Polynomial(
-                lower=lower,
-                upper=upper,
-                powers=file["powers"][:].astype(int),
-                coefficients=file["coefficients"][:].astype(float),
-            ),
             force_error=float(file.attrs["force_error"]),
             place_error=float(file.attrs["place_error"]),
+            skin_error=float(file.attrs["skin_error"]),
+            pose=polynomial(""),
+            skin=polynomial("skin_") if "skin_powers" in file else None,
         )
 
 

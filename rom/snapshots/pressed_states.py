@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+from rom.snapshots.rigid_motion import motions, rotations
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet, read_task
+
+STATIONS = 8  # of skin points along an edge
+SKIN_FROM = 0.15  # of the rubber's length, where the first one stands [-]: before, the clamp holds it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,12 +24,17 @@ class PressedStates:
         poses: shape (n, 7).
         jacobians: of the poses by the inputs, shape (n, 7, t + 6).
         lines: of states that were solved together, shape (n,).
+        skin: where points of the rubber's long edges are, in the plate's frame, shape (n, m, 3) [m]; m = 0 where the
+            set does not store the displacement.
+        skin_jacobians: by the inputs, shape (n, m, 3, t + 6).
     """
 
     inputs: np.ndarray
     poses: np.ndarray
     jacobians: np.ndarray
     lines: np.ndarray
+    skin: np.ndarray
+    skin_jacobians: np.ndarray
 
     @property
     def tensions(self) -> int:
@@ -36,6 +45,11 @@ class PressedStates:
     def forces(self) -> np.ndarray:
         """Size of the force on the plate, shape (n,) [N]."""
         return np.asarray(np.linalg.norm(self.inputs[:, self.tensions : self.tensions + 3], axis=1))
+
+    def without_skin(self) -> PressedStates:
+        """The same without the rubber's points."""
+        n, p = self.inputs.shape
+        return replace(self, skin=np.zeros((n, 0, 3)), skin_jacobians=np.zeros((n, 0, 3, p)))
 
 
 def read_pressed_states(snapshots: SnapshotSet) -> PressedStates:
@@ -56,10 +70,42 @@ def read_pressed_states(snapshots: SnapshotSet) -> PressedStates:
     def together(name: str) -> np.ndarray:
         return np.concatenate([part[name][part["converged"]] for _, part in parts])
 
-    names = ("clamp_place", "plate_rotation")
+    poses, jacobians = (
+        np.concatenate([together(f"{name}{suffix}")[:, 0] for name in ("clamp_place", "plate_rotation")], axis=1)
+        for suffix in ("", "_jacobian")
+    )
     return PressedStates(
         inputs=together("parameters"),
-        poses=np.concatenate([together(name)[:, 0] for name in names], axis=1),
-        jacobians=np.concatenate([together(f"{name}_jacobian")[:, 0] for name in names], axis=1),
+        poses=poses,
+        jacobians=jacobians,
         lines=np.concatenate([np.full(int(part["converged"].sum()), k) for k, part in parts]),
+        **_skin(snapshots, poses, jacobians),
     )
+
+
+def _skin(snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray) -> dict[str, np.ndarray]:
+    """Points of the edges seen from the plate, R^T (x - c) = R^T x + q, and their derivatives."""
+    n, p = len(poses), jacobians.shape[2]
+    if not snapshots.description.has_field:
+        return {"skin": np.zeros((n, 0, 3)), "skin_jacobians": np.zeros((n, 0, 3, p))}
+    body, names = snapshots.body, list(snapshots.plan.lines)
+    nodes = _stations(body.nodes, body.edge_nodes, float(body.plates[-1, 0]))
+    moved, changes = [], []
+    for name in names:
+        stored = read_task(snapshots.path, name, ("converged", "displacement", "displacement_jacobian"))
+        moved.append(stored["displacement"][stored["converged"]][:, nodes])
+        changes.append(stored["displacement_jacobian"][stored["converged"]][:, :, nodes].astype(float))
+    turned = rotations(poses)
+    places = np.einsum("nji,nmj->nmi", turned, body.nodes[nodes] + np.concatenate(moved)) + poses[:, None, :3]
+    motion = motions(poses, jacobians)
+    seen = np.einsum("nji,npmj->nmip", turned, np.concatenate(changes)) - motion[:, None, :3]
+    seen -= np.cross(motion[:, None, 3:], places[..., None], axis=2)
+    return {"skin": places, "skin_jacobians": seen}
+
+
+def _stations(nodes: np.ndarray, edge_nodes: np.ndarray, plate: float) -> np.ndarray:
+    """Of the nodes on the long edges some along every edge, before a plate that begins at x [m]."""
+    along = np.unique(np.round(nodes[edge_nodes, 0], 9))
+    rubber = along[(along > SKIN_FROM * plate) & (along < plate - 1e-9)]
+    chosen = rubber[np.unique(np.linspace(0, len(rubber) - 1, STATIONS).round().astype(int))]
+    return edge_nodes[np.isclose(nodes[edge_nodes, :1], chosen, atol=1e-8).any(axis=1)]

@@ -13,7 +13,7 @@ from rom.native import EVALUATION, Library
 
 HERE = Path(__file__).parent
 BLOCK, POSE = 4, 8  # as in segment.h
-UNITS = [HERE / name for name in ("map.c", "objects.c", "small.c", "touch.c")]
+UNITS = [HERE / name for name in ("map.c", "objects.c", "small.c", "touch.c", "rubber.c")]
 SEGMENT = Library("segment", headers=[HERE / "segment.h"], units=UNITS, includes=EVALUATION)
 
 
@@ -22,11 +22,15 @@ def pointer(array: np.ndarray, kind: str = "double[]") -> Any:
     return SEGMENT.ffi.from_buffer(kind, array)
 
 
-def struct(pose: Polynomial, half_lengths: np.ndarray, rest: np.ndarray) -> Any:
+def struct(
+    pose: Polynomial, skin: Polynomial | None, skin_error: float, half_lengths: np.ndarray, rest: np.ndarray
+) -> Any:
     """A map as a struct fingerfem_segment.
 
     Args:
         pose: 7 values of t + 6 variables.
+        skin: of the same, 3 values of every point of the rubber [m]; None without any.
+        skin_error: of these [m].
         half_lengths: of the plate along its own axes, shape (3,) [m].
         rest: the plate's centre in the undeformed finger, shape (3,) [m].
     """
@@ -38,6 +42,11 @@ def struct(pose: Polynomial, half_lengths: np.ndarray, rest: np.ndarray) -> Any:
     without[rows, variables] = 0
     blocks = coefficients.reshape(-1, BLOCK, len(monomials), POSE)
     used = [int(np.flatnonzero(block.any(axis=(0, 2))).max(initial=0)) + 1 for block in blocks]
+    skin_powers, skin_coefficients = np.zeros((0, t + 6), int), np.zeros((0, 0))
+    if skin is not None:  # the last point fills the eights up
+        missing = -skin.coefficients.shape[1] % 24 // 3
+        last = np.tile(skin.coefficients[:, -3:], (1, missing))
+        skin_powers, skin_coefficients = skin.powers, np.hstack([skin.coefficients, last])
     even = np.flatnonzero((groups % 2 == 0).all(axis=1))
     return SEGMENT.struct(
         "fingerfem_segment",
@@ -55,6 +64,11 @@ def struct(pose: Polynomial, half_lengths: np.ndarray, rest: np.ndarray) -> Any:
         even=len(even),
         even_groups=even,
         even_values=(-1.0) ** (groups[even].sum(axis=1) // 2),
+        skin_terms=len(skin_powers),
+        skin_numbers=skin_coefficients.shape[1],
+        skin_powers=skin_powers,
+        skin_coefficients=skin_coefficients,
+        skin_error=skin_error,
         half_lengths=half_lengths.tolist(),
         rest=rest.tolist(),
     )
@@ -101,6 +115,7 @@ class Touched(NamedTuple):
         inside: whether tensions, wrench and d lie where the map was trained, and there is an answer, shape (n,).
         evaluations: of the map, negative where there is no answer, shape (n,).
         nanoseconds: that each took, shape (n,).
+        rubber_gaps: least distance of the rubber from the object, shape (n,) [m]; infinite where nothing is known.
     """
 
     out: np.ndarray
@@ -109,6 +124,7 @@ class Touched(NamedTuple):
     inside: np.ndarray
     evaluations: np.ndarray
     nanoseconds: np.ndarray
+    rubber_gaps: np.ndarray
 
 
 def touches(touching: Any, points: np.ndarray, wrenches: np.ndarray | None = None) -> Touched:
@@ -122,7 +138,9 @@ def touches(touching: Any, points: np.ndarray, wrenches: np.ndarray | None = Non
     points, (n, p) = np.ascontiguousarray(points, float), points.shape
     begun = np.zeros((n, 6)) if wrenches is None else np.array(wrenches, float)
     counts = np.empty((2, n), np.int32)
-    found = Touched(np.empty((n, 5)), np.empty((n, 5, p)), begun, counts[0], counts[1], np.empty(n, np.int64))
-    kinds = ("double[]",) * 3 + ("int32_t[]",) * 2 + ("int64_t[]",)
+    found = Touched(
+        np.empty((n, 5)), np.empty((n, 5, p)), begun, counts[0], counts[1], np.empty(n, np.int64), np.empty(n)
+    )
+    kinds = ("double[]",) * 3 + ("int32_t[]",) * 2 + ("int64_t[]", "double[]")
     SEGMENT.functions.fingerfem_touches(touching, n, pointer(points), *map(pointer, found, kinds))
     return found._replace(inside=found.inside.astype(bool))

@@ -194,3 +194,14 @@ void objects_change(const fingerfem_object *object, const objects_contacts *cont
         }
     }
 }
+
+double objects_distance(const fingerfem_object *object, double d, const double *place)
+{
+    vector r;
+    for (int i = 0; i < 3; i++) r[i] = place[i] - object->centre[i] - d * object->direction[i];
+    const double along = dot(object->axis, r);
+    if (object->shape == FINGERFEM_PLANE) return along;
+    if (object->shape == FINGERFEM_CYLINDER)
+        for (int i = 0; i < 3; i++) r[i] -= along * object->axis[i];
+    return sqrt(dot(r, r)) - object->radius;
+}

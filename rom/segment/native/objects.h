@@ -22,4 +22,6 @@ void objects_find(const fingerfem_object *object, const double *half_lengths, do
 /* How the wrench of contact k changes as the plate moves by v, t: (6, 6). */
 void objects_change(const fingerfem_object *object, const objects_contacts *contacts, int k,
                     double (*change)[FINGERFEM_WRENCH]);
+/* Distance of a point of space, (3) [m], from an object moved by d [m]; negative inside. */
+double objects_distance(const fingerfem_object *object, double d, const double *place);
 #endif

@@ -26,6 +26,10 @@ typedef struct {
     int32_t even;                        /* groups of even powers alone, the only ones that count without a wrench */
     const int32_t *even_groups;          /* (even) */
     const double *even_values;           /* (even): their products there, 1 or -1 */
+    int32_t skin_terms, skin_numbers;    /* of points of the rubber, 3 numbers each, filled up to eights; 0 without */
+    const int32_t *skin_powers;          /* (skin_terms, tensions + 6) */
+    const double *skin_coefficients;     /* (skin_terms, skin_numbers) */
+    double skin_error;                   /* [m] */
     double half_lengths[3];              /* of the plate along its own axes [m] */
     double rest[3];                      /* the plate's centre in the undeformed finger [m] */
 } fingerfem_segment;
@@ -63,9 +67,14 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
 /* Estimated error of the contact force [N] of an answer. */
 double fingerfem_touch_error(const fingerfem_touching *touching, const double *out, const double *jacobian);
 
+/* Least distance of the rubber's points from the object, at an answer [m]; infinite where nothing is known of them. The
+ * map knows nothing of rubber that touches: what may touch, below skin_error, is no answer. */
+double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench);
+
 /* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, wrenches,
- * (count, 6), where they begin and end, inside and evaluations, (count), and the time of each [ns]. */
+ * (count, 6), where they begin and end, inside and evaluations, (count), the time of each [ns], without that of the
+ * rubber's gaps, (count), where what touches is not inside. */
 void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out,
                        double *jacobians, double *wrenches, int32_t *inside, int32_t *evaluations,
-                       int64_t *nanoseconds);
+                       int64_t *nanoseconds, double *rubber_gaps);
 #endif

@@ -426,7 +426,8 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
 }
 
 void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out,
-                       double *jacobians, double *wrenches, int32_t *inside, int32_t *evaluations, int64_t *nanoseconds)
+                       double *jacobians, double *wrenches, int32_t *inside, int32_t *evaluations,
+                       int64_t *nanoseconds, double *rubber_gaps)
 {
     const int p = touching->segment->tensions + 1;
     for (int i = 0; i < count; i++) {
@@ -437,5 +438,7 @@ void fingerfem_touches(const fingerfem_touching *touching, int count, const doub
                                          jacobians + FINGERFEM_ROWS * p * i, inside + i);
         clock_gettime(CLOCK_MONOTONIC, &ended);
         nanoseconds[i] = (ended.tv_sec - begun.tv_sec) * 1000000000LL + ended.tv_nsec - begun.tv_nsec;
+        rubber_gaps[i] = fingerfem_rubber_gap(touching, points + p * i, wrench);
+        inside[i] &= !(rubber_gaps[i] < touching->segment->skin_error);
     }
 }

@@ -6,7 +6,7 @@ import pytest
 from rom.segment.contact_error import relative_force_errors
 from rom.segment.index_set import index_set
 from rom.segment.mirrors import mirrors, with_images
-from rom.segment.rigid_motion import motions, rotations
+from rom.snapshots.rigid_motion import motions, rotations
 from tests.rom.segment import rod
 
 

@@ -1,0 +1,51 @@
+/* How near the rubber comes to an object that the plate touches. */
+#include <math.h>
+#include "map.h"
+#include "objects.h"
+
+/* Points of the rubber in the plate's frame, (skin_numbers) [m]. */
+static void skin(const fingerfem_segment *segment, const double *inputs, double *found)
+{
+    const int p = segment->tensions + FINGERFEM_WRENCH, numbers = segment->skin_numbers;
+    double values[MAP_MOST_TENSIONS + FINGERFEM_WRENCH][MAP_MOST_POWER], slopes[MAP_MOST_POWER];
+    for (int i = 0; i < p; i++) {
+        const double scaled = 2.0 * (inputs[i] - segment->lower[i]) / (segment->upper[i] - segment->lower[i]) - 1.0;
+        map_chebyshev(fmax(-1.0, fmin(1.0, scaled)), MAP_MOST_POWER - 1, values[i], slopes);
+    }
+    memset(found, 0, (size_t)numbers * sizeof *found);
+    for (int k = 0; k < segment->skin_terms; k++) {
+        const int32_t *powers = segment->skin_powers + p * k;
+        const double *from = segment->skin_coefficients + (size_t)numbers * k;
+        double product = 1.0;
+        for (int i = 0; i < p; i++)
+            if (powers[i]) product *= values[i][powers[i]];
+        for (int j = 0; j < numbers; j += FINGERFEM_POSE)
+            map_store(found + j, map_load(found + j) + product * map_load(from + j));
+    }
+}
+
+double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench)
+{
+    const fingerfem_segment *segment = touching->segment;
+    const fingerfem_object *object = touching->object;
+    const int t = segment->tensions, p = t + FINGERFEM_WRENCH;
+    const double d = fmax(object->nearest, fmin(object->farthest, point[t]));
+    if (!segment->skin_terms) return INFINITY;
+    double inputs[MAP_MOST_TENSIONS + FINGERFEM_WRENCH], points[segment->skin_numbers], pose[FINGERFEM_POSE];
+    double motion[FINGERFEM_WRENCH * p], rotation[9], least = INFINITY;
+    memcpy(inputs, point, (size_t)t * sizeof *inputs);
+    memcpy(inputs + t, wrench, FINGERFEM_WRENCH * sizeof *inputs);
+    fingerfem_place(segment, point, wrench, pose, motion);
+    map_rotation(pose, rotation);
+    skin(segment, inputs, points);
+    for (int k = 0; 3 * k + 2 < segment->skin_numbers; k++) {
+        const double *seen = points + 3 * k;
+        double place[3];
+        for (int i = 0; i < 3; i++) {
+            place[i] = 0.0;
+            for (int j = 0; j < 3; j++) place[i] += rotation[3 * i + j] * (seen[j] - pose[j]);
+        }
+        least = fmin(least, objects_distance(object, d, place));
+    }
+    return least;
+}
