@@ -19,7 +19,7 @@ from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.terminal import Progress, quiet
 
 logger = logging.getLogger(__name__)
-SKIN_DEGREE, SKIN_PURE = 6.0, 8  # of the skin's polynomial, weighted, and of tensions alone: some 10 um
+SKIN_TERMS, SKIN_PURE = 500, 8  # most products of the skin, and the degree of tensions alone: it errs by some 10 um
 TERMS = 2500  # most products of a map: a query takes as long as it has terms
 
 
@@ -43,7 +43,7 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
     states = with_images(own, description.scene)
     box = np.array([[one["lower"], one["upper"]] for one in description.parameters])
     found = best_fit(states, box, terms, progress)
-    skin, skin_error = _skin(own, box, found.weights)
+    skin, skin_error = skin_fit(own, box, found.weights)
     return SegmentMap(
         parameters=description.parameters,
         pose=found.polynomial,
@@ -64,7 +64,7 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
     )
 
 
-def _skin(
+def skin_fit(
     states: PressedStates, box: np.ndarray, weights: tuple[float, float, float]
 ) -> tuple[Polynomial | None, float]:
     """The rubber's points by the inputs, of a low degree, and the 95th percentile of their errors [m]."""
@@ -77,7 +77,9 @@ def _skin(
         jacobians=states.skin_jacobians.reshape(n, -1, p),
         lines=states.lines,
     )
-    powers = index_set(np.repeat(weights, [states.tensions, 3, 3]), SKIN_DEGREE, states.tensions, pure=SKIN_PURE)
+    each = np.repeat(weights, [states.tensions, 3, 3])
+    sets = [index_set(each, degree, states.tensions, pure=SKIN_PURE) for degree in np.arange(2.0, 12.0, 0.5)]
+    powers = max((powers for powers in sets if len(powers) <= SKIN_TERMS), key=len)
     found, predicted = regression(known, box, powers)
     off = np.linalg.norm(predicted.reshape(states.skin.shape) - states.skin, axis=2)
     return found, float(np.quantile(off, 0.95))

@@ -137,7 +137,7 @@ class SegmentMap:
         file.attrs["skin_error"] = self.skin_error
         if self.skin is not None:
             checked_file.dataset(file, "skin_powers", self.skin.powers, "-")
-            checked_file.dataset(file, "skin_coefficients", self.skin.coefficients, "m")
+            checked_file.dataset(file, "skin_coefficients", self.skin.coefficients.astype(np.float32), "m")
         checked_file.dataset(file, "box", np.array([self.pose.lower, self.pose.upper]), "N, N m")
         checked_file.dataset(file, "powers", self.pose.powers, "-")
         checked_file.dataset(file, "coefficients", self.pose.coefficients, "m, m, m, -, -, -, -")

@@ -9,7 +9,7 @@ import numpy as np
 from rom.snapshots.rigid_motion import motions, rotations
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet, read_task
 
-STATIONS = 8  # of skin points along an edge
+STATIONS = 6  # of skin points along an edge
 SKIN_FROM = 0.15  # of the rubber's length, where the first one stands [-]: before, the clamp holds it
 
 

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from rom.fit.chebyshev import Polynomial
 from rom.segment import pose_fit
+from rom.segment.build import skin_fit
 from rom.segment.mirrors import with_images
 from rom.segment.segment_map import SegmentMap, quantiles
 from rom.snapshots.pressed_states import PressedStates
@@ -16,6 +17,8 @@ from rom.snapshots.pressed_states import PressedStates
 LENGTH, PLATE, SIDE, YOUNG, OFFSET = 0.049, 0.001, 0.010, 1.1e7, 0.004
 AXIAL, BENDING, TORSION = YOUNG * SIDE**2, YOUNG * SIDE**4 / 12, YOUNG / 3 * 0.141 * SIDE**4
 STEPS, MOST_TENSION, MOST_FORCE = 30, 40.0, 2.0
+SKIN = 6  # steps from one point of an edge to the next
+EDGES = np.array([[0.0, y, z] for y in (-1, 1) for z in (-1, 1)]) * SIDE / 2
 OFFSETS = np.array([[0.0, OFFSET, 0.0], [0.0, 0.0, OFFSET]])
 SCENE = {
     "name": "rod",
@@ -42,6 +45,11 @@ PARAMETERS = [
 
 def poses(inputs: np.ndarray) -> np.ndarray:
     """Where the clamp is, seen from the plate: place and the plate's quaternion, shape (n, 7)."""
+    return shape(inputs)[0]
+
+
+def shape(inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The pose, and points of the rod's four edges in the plate's frame, shapes (n, 7), (n, m, 3)."""
     pulled, force, moment = inputs[:, :2], inputs[:, 2:5], inputs[:, 5:]
     axis = np.array([1.0, 0.0, 0.0])
     tendon_force, tendon_moment = -pulled.sum(axis=1)[:, None] * axis, pulled @ np.cross(OFFSETS, -axis)
@@ -55,8 +63,10 @@ def poses(inputs: np.ndarray) -> np.ndarray:
         return -(1 + inner[:, :1] / AXIAL) * turned[:, :, 0], -turned @ spin
 
     place, turned = np.tile([-PLATE / 2, 0.0, 0.0], (len(inputs), 1)), np.tile(np.eye(3), (len(inputs), 1, 1))
-    h = LENGTH / STEPS
-    for _ in range(STEPS):  # the classical method of Runge and Kutta
+    h, skin = LENGTH / STEPS, []
+    for k in range(STEPS):  # the classical method of Runge and Kutta
+        if k % SKIN == SKIN - 1:
+            skin.append(place[:, None] + np.einsum("nij,ej->nei", turned, EDGES))
         one = slope(place, turned)
         two = slope(place + h / 2 * one[0], turned + h / 2 * one[1])
         three = slope(place + h / 2 * two[0], turned + h / 2 * two[1])
@@ -66,7 +76,7 @@ def poses(inputs: np.ndarray) -> np.ndarray:
             for now, a, b, c, d in zip((place, turned), one, two, three, four, strict=True)
         )
     quaternion = Rotation.from_matrix(turned.transpose(0, 2, 1)).as_quat(canonical=True)[:, [3, 0, 1, 2]]
-    return np.concatenate([place, quaternion], axis=1)
+    return np.concatenate([place, quaternion], axis=1), np.concatenate(skin, axis=1)
 
 
 def states(count: int, seed: int) -> PressedStates:
@@ -80,23 +90,36 @@ def states(count: int, seed: int) -> PressedStates:
     points = np.array([PLATE, SIDE, SIDE]) / 2 * random.choice([-1, 1], (5 * count, 3))
     inputs = np.concatenate([tensions, force, np.cross(points, force)], axis=1)
     h = 1e-5 * (BOX[:, 1] - BOX[:, 0])
-    changes = [
-        (poses(inputs + h[k] * unit) - poses(inputs - h[k] * unit)) / (2 * h[k]) for k, unit in enumerate(np.eye(8))
-    ]
+    ways = np.diag(h)
+    after, before = ([shape(inputs + sign * way) for way in ways] for sign in (1, -1))
+    jacobians, skin_jacobians = (
+        np.stack([(a[i] - b[i]) / (2 * step) for a, b, step in zip(after, before, h, strict=True)], axis=-1)
+        for i in (0, 1)
+    )
+    places, skin = shape(inputs)
     return PressedStates(
-        inputs=inputs, poses=poses(inputs), jacobians=np.stack(changes, axis=-1), lines=np.repeat(np.arange(count), 5)
+        inputs=inputs,
+        poses=places,
+        jacobians=jacobians,
+        lines=np.repeat(np.arange(count), 5),
+        skin=skin,
+        skin_jacobians=skin_jacobians,
     )
 
 
 def fitted(count: int = 60, terms: int = 500) -> tuple[SegmentMap, pose_fit.PoseFit]:
     """The map of a rod, and its fit."""
-    found = pose_fit.best_fit(with_images(states(count, 0), SCENE), BOX, terms)
+    known = states(count, 0)
+    found = pose_fit.best_fit(with_images(known, SCENE), BOX, terms)
+    skin, skin_error = skin_fit(known, BOX, found.weights)
     own: Polynomial = found.polynomial
     segment = SegmentMap(
         parameters=PARAMETERS,
         pose=own,
         force_error=quantiles(found.left_out)["p95"],
         place_error=float(np.quantile(found.left_out_places, 0.95)),
+        skin=skin,
+        skin_error=skin_error,
         scene=SCENE,
         provenance={"fingerprint": "rod"},
     )

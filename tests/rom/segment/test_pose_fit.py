@@ -21,7 +21,7 @@ def test_the_rod_obeys_the_identity_of_every_elastic_segment_in_its_plate_s_fram
         stiffness, zero = np.linalg.inv(motion[:, 2:]), np.zeros((3, 3))
         turned = np.block([[zero, cross(wrench[:3])], [cross(wrench[:3]), cross(wrench[3:])]])
         rounding = 1e-8 * np.abs(stiffness).max()  # of the derivatives, which are differences
-        assert np.abs(stiffness - stiffness.T - turned).max() < 2e-3 * np.abs(wrench).max() + rounding
+        assert np.abs(stiffness - stiffness.T - turned).max() < 5e-3 * np.abs(wrench).max() + rounding
 
 
 def test_held_out_states_are_predicted_as_well_as_lines_that_were_left_out(rod_fit):

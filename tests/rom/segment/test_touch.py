@@ -137,6 +137,30 @@ def test_a_finger_holds_and_locates_whatever_it_touches(segment):
     assert Finger(plane).reach(rod.poses(np.zeros((1, 8)))[0, :3] * [-1, 0, 0], tolerance=1e-5).converged
 
 
+def test_rubber_that_touches_is_noticed_and_marked(segment):
+    """A plane on the rod's belly: what the rod itself says decides."""
+    random = np.random.default_rng(5)
+    noticed = missed = 0
+    for _ in range(200):
+        tensions, height = rod.MOST_TENSION * random.random(2), random.uniform(-0.002, 0.01)
+        plane = Plane(
+            centre=(0.0, height, 0.0), normal=(0.0, -1.0, 0.0), direction=(0.0, 1.0, 0.0), distances=(0.0, 0.1)
+        )
+        model = TouchedSegment(segment=segment, obstacle=plane)
+        point = np.array([*tensions, 0.005])
+        found = model.answers(point)
+        if found.evaluations[0] < 0 or np.abs(found.wrenches[0] / segment.pose.upper[2:]).max() > 1:
+            continue
+        pose, skin = (part[0] for part in rod.shape(np.concatenate([tensions, found.wrenches[0]])[None]))
+        turned = Rotation.from_quat(pose[[4, 5, 6, 3]]).as_matrix()
+        gap = float((height + 0.005 - ((skin - pose[:3]) @ turned.T)[:, 1]).min())
+        assert found.rubber_gaps[0] == pytest.approx(gap, abs=5 * segment.skin_error)
+        inside = bool(model.evaluate(point).inside)
+        noticed += gap < 0 and not inside
+        missed += gap < 0 and inside
+    assert noticed > 5 and missed == 0
+
+
 def test_forces_beyond_what_was_trained_are_marked(segment):
     plane = TouchedSegment(segment=segment, obstacle=facing_plane(rod.SIDE, (0.0, 0.05)))
     hard = plane.evaluate([rod.MOST_TENSION, 0.0, 1e-4])
