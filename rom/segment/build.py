@@ -19,7 +19,7 @@ from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.terminal import Progress, quiet
 
 logger = logging.getLogger(__name__)
-SKIN_TERMS, SKIN_PURE = 500, 8  # most products of the skin, and the degree of tensions alone: it errs by some 10 um
+SKIN_TERMS, SKIN_PURE = 400, 8  # most products of the skin, and the degree of tensions alone: it errs by some 10 um
 TERMS = 2500  # most products of a map: a query takes as long as it has terms
 
 

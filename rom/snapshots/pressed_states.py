@@ -9,7 +9,7 @@ import numpy as np
 from rom.snapshots.rigid_motion import motions, rotations
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet, read_task
 
-STATIONS = 6  # of skin points along an edge
+STATIONS = 8  # of skin points along an edge
 SKIN_FROM = 0.15  # of the rubber's length, where the first one stands [-]: before, the clamp holds it
 
 
@@ -104,8 +104,9 @@ def _skin(snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray) -> d
 
 
 def _stations(nodes: np.ndarray, edge_nodes: np.ndarray, plate: float) -> np.ndarray:
-    """Of the nodes on the long edges some along every edge, before a plate that begins at x [m]."""
+    """Of the nodes on the long edges some at even stations of the rubber, before a plate that begins at x [m]."""
     along = np.unique(np.round(nodes[edge_nodes, 0], 9))
     rubber = along[(along > SKIN_FROM * plate) & (along < plate - 1e-9)]
-    chosen = rubber[np.unique(np.linspace(0, len(rubber) - 1, STATIONS).round().astype(int))]
+    step = max((len(rubber) - 1) // (STATIONS - 1), 1)
+    chosen = rubber[::-1][: STATIONS * step : step]
     return edge_nodes[np.isclose(nodes[edge_nodes, :1], chosen, atol=1e-8).any(axis=1)]

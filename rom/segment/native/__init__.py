@@ -12,7 +12,8 @@ from rom.fit.chebyshev import Polynomial
 from rom.native import EVALUATION, Library
 
 HERE = Path(__file__).parent
-BLOCK, POSE = 4, 8  # as in segment.h
+BLOCK, POSE, EDGES = 4, 8, 4  # as in segment.h
+BETWEEN, NEAREST = 4, 4  # places for every station of the rubber's edges; stations that say where one is
 UNITS = [HERE / name for name in ("map.c", "objects.c", "small.c", "touch.c", "rubber.c")]
 SEGMENT = Library("segment", headers=[HERE / "segment.h"], units=UNITS, includes=EVALUATION)
 
@@ -42,11 +43,10 @@ def struct(
     without[rows, variables] = 0
     blocks = coefficients.reshape(-1, BLOCK, len(monomials), POSE)
     used = [int(np.flatnonzero(block.any(axis=(0, 2))).max(initial=0)) + 1 for block in blocks]
-    skin_powers, skin_coefficients = np.zeros((0, t + 6), int), np.zeros((0, 0))
-    if skin is not None:  # the last point fills the eights up
-        missing = -skin.coefficients.shape[1] % 24 // 3
-        last = np.tile(skin.coefficients[:, -3:], (1, missing))
-        skin_powers, skin_coefficients = skin.powers, np.hstack([skin.coefficients, last])
+    skin_powers, skin_coefficients, between = np.zeros((0, t + 6), int), np.zeros((0, 0)), np.zeros((0, 0))
+    if skin is not None:
+        skin_powers, skin_coefficients = skin.powers, skin.coefficients
+        between = _between(skin_coefficients.shape[1] // (3 * EDGES))
     even = np.flatnonzero((groups % 2 == 0).all(axis=1))
     return SEGMENT.struct(
         "fingerfem_segment",
@@ -68,10 +68,25 @@ def struct(
         skin_numbers=skin_coefficients.shape[1],
         skin_powers=skin_powers,
         skin_coefficients=skin_coefficients,
+        stations=skin_coefficients.shape[1] // (3 * EDGES),
+        places=len(between),
+        between=between,
         skin_error=skin_error,
         half_lengths=half_lengths.tolist(),
         rest=rest.tolist(),
     )
+
+
+def _between(stations: int) -> np.ndarray:
+    """Weights, shape (places, stations), of even stations at places between them: polynomials through the nearest."""
+    places, near = np.linspace(0, stations - 1, BETWEEN * (stations - 1) + 1), min(stations, NEAREST)
+    found = np.zeros((len(places), stations))
+    for row, place in zip(found, places, strict=True):
+        first = int(np.clip(np.floor(place) - (near - 1) // 2, 0, stations - near))
+        for k in range(first, first + near):
+            others = [j for j in range(first, first + near) if j != k]
+            row[k] = np.prod([(place - j) / (k - j) for j in others])
+    return found
 
 
 def _arranged(powers: np.ndarray, values: np.ndarray, t: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

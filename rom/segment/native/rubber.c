@@ -3,6 +3,8 @@
 #include "map.h"
 #include "objects.h"
 
+#define EDGES 4
+
 /* Points of the rubber in the plate's frame, (skin_numbers) [m]. */
 static void skin(const fingerfem_segment *segment, const double *inputs, double *found)
 {
@@ -19,8 +21,7 @@ static void skin(const fingerfem_segment *segment, const double *inputs, double 
         double product = 1.0;
         for (int i = 0; i < p; i++)
             if (powers[i]) product *= values[i][powers[i]];
-        for (int j = 0; j < numbers; j += FINGERFEM_POSE)
-            map_store(found + j, map_load(found + j) + product * map_load(from + j));
+        for (int j = 0; j < numbers; j++) found[j] += product * from[j];
     }
 }
 
@@ -38,14 +39,15 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     fingerfem_place(segment, point, wrench, pose, motion);
     map_rotation(pose, rotation);
     skin(segment, inputs, points);
-    for (int k = 0; 3 * k + 2 < segment->skin_numbers; k++) {
-        const double *seen = points + 3 * k;
-        double place[3];
-        for (int i = 0; i < 3; i++) {
-            place[i] = 0.0;
-            for (int j = 0; j < 3; j++) place[i] += rotation[3 * i + j] * (seen[j] - pose[j]);
+    for (int k = 0; k < segment->places; k++)
+        for (int edge = 0; edge < EDGES; edge++) {
+            double seen[3] = {-pose[0], -pose[1], -pose[2]}, place[3];
+            for (int station = 0; station < segment->stations; station++)
+                for (int i = 0; i < 3; i++)
+                    seen[i] += segment->between[segment->stations * k + station] * points[3 * (EDGES * station + edge) + i];
+            for (int i = 0; i < 3; i++)
+                place[i] = rotation[3 * i] * seen[0] + rotation[3 * i + 1] * seen[1] + rotation[3 * i + 2] * seen[2];
+            least = fmin(least, objects_distance(object, d, place));
         }
-        least = fmin(least, objects_distance(object, d, place));
-    }
     return least;
 }

@@ -26,9 +26,11 @@ typedef struct {
     int32_t even;                        /* groups of even powers alone, the only ones that count without a wrench */
     const int32_t *even_groups;          /* (even) */
     const double *even_values;           /* (even): their products there, 1 or -1 */
-    int32_t skin_terms, skin_numbers;    /* of points of the rubber, 3 numbers each, filled up to eights; 0 without */
+    int32_t skin_terms, skin_numbers;    /* of points of the rubber, by stations and edges; 0 without */
     const int32_t *skin_powers;          /* (skin_terms, tensions + 6) */
     const double *skin_coefficients;     /* (skin_terms, skin_numbers) */
+    int32_t stations, places;            /* of these points along every edge; and of places between them */
+    const double *between;               /* (places, stations): weights of the stations there */
     double skin_error;                   /* [m] */
     double half_lengths[3];              /* of the plate along its own axes [m] */
     double rest[3];                      /* the plate's centre in the undeformed finger [m] */

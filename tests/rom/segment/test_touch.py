@@ -154,7 +154,7 @@ def test_rubber_that_touches_is_noticed_and_marked(segment):
         pose, skin = (part[0] for part in rod.shape(np.concatenate([tensions, found.wrenches[0]])[None]))
         turned = Rotation.from_quat(pose[[4, 5, 6, 3]]).as_matrix()
         gap = float((height + 0.005 - ((skin - pose[:3]) @ turned.T)[:, 1]).min())
-        assert found.rubber_gaps[0] == pytest.approx(gap, abs=5 * segment.skin_error)
+        assert gap - 1e-4 < found.rubber_gaps[0] < gap + 5 * segment.skin_error  # it looks between the points too
         inside = bool(model.evaluate(point).inside)
         noticed += gap < 0 and not inside
         missed += gap < 0 and inside
