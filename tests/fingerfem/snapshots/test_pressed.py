@@ -1,0 +1,127 @@
+"""Sets of pressed states: what is drawn, the same numbers whoever solves them, and the map that comes of it."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from farm import ROOT, assert_same, run
+
+from fingerfem import FingerModel, load_scene
+from fingerfem.scene.scene import SceneError
+from fingerfem.snapshots import wrenches
+from fingerfem.snapshots.design import HeldOut, describe
+from rom import SegmentMap
+from rom.snapshots.pressed_states import read_pressed_states
+from rom.snapshots.rigid_motion import motions, rotations
+from rom.snapshots.snapshot_set import SnapshotSet, read_task, task_file
+
+FORCE = 4.0
+
+
+@pytest.fixture(scope="module")
+def pressed_scene(tmp_path_factory) -> Path:
+    """The draft finger on few cells, that something may press on instead of a plane."""
+    text = (ROOT / "scenes" / "draft.toml").read_text()
+    head, rest = text.split("[obstacle]")
+    mesh = rest[rest.index("[mesh]") :].split("[sampling]")[0].replace("cells = [20, 5]", "cells = [10, 5]")
+    file = tmp_path_factory.mktemp("pressed") / "pressed.toml"
+    load = f"[load]\nforce = {FORCE}\nfriction_angle = 0.2\n\n"
+    file.write_text(f"{head}{load}{mesh}[sampling]\nlines = 15\nwrenches = 3\n")
+    return file
+
+
+@pytest.fixture(scope="module")
+def pressed_set(pressed_scene, tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("pressed-set") / "set"
+    report = run(2, pressed_scene, folder)
+    assert report["states"] == 60 and report["failed"] == 0
+    return folder
+
+
+def test_wrenches_are_forces_on_the_plate_s_surface(pressed_scene):
+    scene = load_scene(pressed_scene)
+    drawn = wrenches.on_plates(scene, np.random.default_rng(0).random((2000, wrenches.draws(scene))))
+    force, moment = drawn[:, :3], drawn[:, 3:]
+    size = np.linalg.norm(force, axis=1)
+    assert size.max() <= FORCE and np.quantile(size, 0.5) > 0.5 * FORCE
+    assert np.abs(np.sum(force * moment, axis=1)).max() < 1e-12  # a single force has no moment along itself
+    upper = np.array([one["upper"] for one in scene.parameters])[2:]
+    assert (np.abs(drawn) <= upper * (1 + 1e-12)).all() and (np.abs(drawn).max(axis=0) > 0.7 * upper).all()
+    half = scene.geometry.half_lengths
+    arm = np.cross(force, moment) / size[:, None] ** 2  # the point of the line of action nearest to the centre
+    assert (np.linalg.norm(arm, axis=1) <= np.linalg.norm(half) * (1 + 1e-9)).all()
+
+
+def test_a_set_holds_free_states_and_pressed_ones_with_exact_derivatives(pressed_scene, pressed_set):
+    snapshots = SnapshotSet(pressed_set)
+    states = read_pressed_states(snapshots)
+    assert states.inputs.shape == (60, 8) and (states.forces.reshape(15, 4)[:, 0] == 0).all()
+    assert snapshots.description.tensions == 2 and not snapshots.description.has_obstacle
+    model = FingerModel(load_scene(pressed_scene))
+    k = int(np.argmax(states.forces))
+    solved = model.solve(states.inputs[k, :2], wrenches=states.inputs[k, 2:].reshape(1, 6))
+    turned = rotations(states.poses[k : k + 1])[0]
+    assert turned == pytest.approx(solved.plate_rotations[0], abs=1e-9)
+    assert -turned @ states.poses[k, :3] == pytest.approx(solved.plate_centres[0], abs=1e-10)
+    assert pytest.approx(solved.plate_motion[:, 0], rel=1e-6, abs=1e-9) == motions(states.poses, states.jacobians)[k].T
+    assert solved.parameters["fx"] == states.inputs[k, 2]
+
+
+def test_every_state_obeys_the_identity_of_a_potential(pressed_set):
+    """K - K^T = ad(w), K the inverse of the compliance in the plate's frame: no fit and no tolerance is in it."""
+    states = read_pressed_states(SnapshotSet(pressed_set))
+    for motion, wrench in zip(motions(states.poses, states.jacobians), states.inputs[:, 2:], strict=True):
+        (a, b, c), (d, e, f) = wrench.reshape(2, 3)
+        force, moment = (np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) for x, y, z in ((a, b, c), (d, e, f)))
+        turned = np.block([[np.zeros((3, 3)), force], [force, moment]])
+        stiffness = np.linalg.inv(motion[:, 2:])
+        assert np.abs(stiffness - stiffness.T - turned).max() < 1e-4 * max(np.abs(wrench).max(), 1e-3)
+
+
+def test_one_rank_solves_the_same_numbers(pressed_scene, pressed_set, tmp_path):
+    run(1, pressed_scene, tmp_path / "set")
+    assert_same(tmp_path / "set", pressed_set)
+
+
+def test_a_line_that_is_lost_is_solved_again_and_is_the_same(pressed_scene, pressed_set, tmp_path):
+    before = read_task(pressed_set, "pressed-13")
+    task_file(pressed_set, "pressed-13").unlink()
+    assert run(1, pressed_scene, pressed_set)["this_rank"]["lines"] == 1
+    assert np.array_equal(read_task(pressed_set, "pressed-13")["clamp_place"], before["clamp_place"])
+
+
+def test_held_out_states_measure_the_map_that_is_built(pressed_scene, pressed_set, tmp_path):
+    run(2, pressed_scene, tmp_path / "held-out", "--random", "8", "--seed", "3")
+
+    def rom(*words: str) -> dict:
+        done = subprocess.run([sys.executable, "-m", "rom", *words, "--json"], cwd=ROOT, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
+
+    file = tmp_path / "segment.h5"
+    built = rom("build", str(pressed_set), "-o", str(file), "--terms", "300", "--held-out", str(tmp_path / "held-out"))
+    assert built["accuracy"]["contact_force"]["count"] == 8
+    assert built["accuracy"]["contact_force"]["median"] < built["contact_force_error"]  # what it expects of itself
+    assert rom("check", str(file), str(tmp_path / "held-out")) == built["accuracy"]
+    assert rom("info", str(file)) == built
+    segment = SegmentMap.load(file)
+    assert segment.skin is not None and segment.skin_error < 5e-4
+    other = subprocess.run(
+        [sys.executable, "-m", "rom", "check", str(file), str(pressed_set)], cwd=ROOT, capture_output=True, text=True
+    )
+    assert other.returncode == 2 and "must be a held-out set" in other.stderr
+
+
+def test_what_a_load_does_not_go_with_is_refused(pressed_scene):
+    scene = load_scene(pressed_scene)
+    with pytest.raises(SceneError, match="load must be left out of a scene whose grid is refined"):
+        describe(scene, {}, refines=True)
+    with pytest.raises(SceneError, match="distances must be 1"):
+        describe(scene, {}, HeldOut(count=2, distances=2))
+    table = scene.model_dump()
+    table["tendons"][0]["name"] = "fx"
+    with pytest.raises(ValueError, match=r"tendons.0.name must be unique and no other parameter's, got fx"):
+        type(scene).model_validate(table)
