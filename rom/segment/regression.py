@@ -64,6 +64,7 @@ def regression(samples: Samples, box: np.ndarray, powers: np.ndarray) -> tuple[P
     factor = cholesky(normal, lower=True)
     coefficients = cho_solve((factor, True), matrix.T @ wanted)
     coefficients += cho_solve((factor, True), matrix.T @ (wanted - matrix @ coefficients))
+    coefficients = np.ascontiguousarray(coefficients)  # as a file holds them: the same sums
     predicted, errors, at = samples.values.copy(), wanted - matrix @ coefficients, 0
     for line in lines:
         size = len(line) * (1 + len(half))
