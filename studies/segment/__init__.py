@@ -1,0 +1,1 @@
+"""docs/segment.md: the map of a segment, and contact solved about it."""

@@ -1,0 +1,78 @@
+"""Contact with random objects of all kinds: each has an answer or a reason, and forces do not jump along lines."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from rom import TouchedSegment
+from rom.segment.objects import facing_plane
+from studies.runner import Run
+from studies.segment import maps
+from studies.segment.scattered_objects import DISTANCE, SHAPES, placed, tensions
+
+DEEPEST = 0.003  # [m]: how far objects come beyond the free plate
+POINTS, REFINED = 64, 60  # of a line; bisections of its largest step
+JUMP = 1e-6  # [N]
+
+
+def verdicts(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
+    """What comes of random objects of a shape."""
+    segment, random = maps.segment(run, plan), np.random.default_rng(7)
+    found: Counter[str] = Counter()
+    evaluations = []
+    for _ in range(count):
+        pulled = tensions(segment, random)
+        model = TouchedSegment(segment=segment, obstacle=placed(segment, pulled, random, shape))
+        answer = model.answers(np.array([*pulled, DISTANCE - DEEPEST * random.random()]))
+        evaluations.append(abs(int(answer.evaluations[0])))
+        if answer.evaluations[0] < 0:
+            found["slips"] += 1
+        elif answer.inside[0]:
+            found["answered"] += 1
+        elif answer.rubber_gaps[0] < segment.skin_error:
+            found["rubber"] += 1
+        else:
+            found["beyond"] += 1
+    assert sum(found.values()) == count
+    ends = np.percentile(evaluations, [50, 99, 100])
+    return {
+        "shape": shape,
+        "objects": count,
+        **{name: found[name] for name in ("answered", "rubber", "beyond", "slips")},
+        **{f"evaluations_{name}": float(end) for name, end in zip(("median", "p99", "max"), ends, strict=True)},
+    }
+
+
+def jumps(run: Run, plan: maps.Plan, count: int) -> dict:
+    """Largest jump of the contact force along random lines of tensions and distance, before the paper's plane."""
+    segment, random = maps.segment(run, plan), np.random.default_rng(8)
+    model = TouchedSegment(segment=segment, obstacle=facing_plane(2 * segment.half_lengths[1], (0.001, 0.031)))
+    lower, upper = model.limits
+    largest, over = 0.0, 0
+    share = np.linspace(0.0, 1.0, POINTS)[:, None]
+    for _ in range(count):
+        ends = lower + random.random((2, len(lower))) * (upper - lower)
+        points = ends[0] + share * (ends[1] - ends[0])
+        answer = model.answers(points)
+        known = answer.inside[1:] & answer.inside[:-1]
+        steps = np.where(known, np.abs(np.diff(answer.out[:, 3])), 0.0)
+        k = int(np.argmax(steps))
+        left, right = points[k], points[k + 1]
+        for _ in range(REFINED):  # towards what is not smooth, if there is anything
+            middle = (left + right) / 2
+            forces = model.outputs(np.array([left, middle, right]))[:, 3]
+            left, right = (left, middle) if abs(forces[1] - forces[0]) > abs(forces[2] - forces[1]) else (middle, right)
+        jump = float(np.ptp(model.outputs(np.array([left, right]))[:, 3]))
+        largest, over = max(largest, jump), over + (jump > JUMP)
+    return {"lines": count, "largest_n": largest, "over": over, "limit_n": JUMP}
+
+
+def measure(run: Run) -> dict:
+    """All shapes, then lines."""
+    plan, count = (maps.QUICK, 100) if run.quick else (maps.SMALL, 4000)
+    return {
+        "verdicts": [run.once(shape, verdicts, run, plan, shape, count) for shape in SHAPES],
+        "jumps": run.once("lines", jumps, run, plan, 50 if run.quick else 2000),
+    }

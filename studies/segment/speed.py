@@ -1,0 +1,81 @@
+"""The map and contact about it beside the surrogate of the paper's plane, on the same points, one core, one run."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from control import Finger, problems
+from control.model import Model
+from rom import Surrogate, TouchedSegment
+from rom.native import EVALUATION
+from rom.native import pointer as numbers
+from rom.segment import native
+from rom.segment.objects import facing_plane
+from studies.runner import Run
+from studies.segment import maps
+
+MOVED = 1e-4  # [m]: of the plane, for warm starts
+FORCE = 0.5  # to hold [N]
+
+
+def us(nanoseconds: Sequence[int] | np.ndarray) -> dict[str, float]:
+    """Median and 99th percentile [us]."""
+    half, most = np.percentile(nanoseconds, [50, 99]) / 1e3
+    return {"p50_us": float(half), "p99_us": float(most)}
+
+
+def each(call, arguments: list) -> list[int]:
+    """Time of every call [ns]."""
+    found = []
+    for given in arguments:
+        begun = time.perf_counter_ns()
+        call(*given)
+        found.append(time.perf_counter_ns() - begun)
+    return found
+
+
+def row(run: Run, plan: maps.Plan, count: int) -> dict:
+    """Everything, one after the other on the same points."""
+    surrogate, segment = Surrogate.load(), maps.segment(run, plan)
+    model = TouchedSegment(segment=segment, obstacle=facing_plane(2 * segment.half_lengths[1], (0.001, 0.031)))
+    lower, upper = model.limits
+    points = lower + np.random.default_rng(0).random((count, len(lower))) * (upper - lower)
+    known = model.answers(points)
+    touched = known.inside & (known.out[:, 3] > 0) & surrogate.evaluate(points).inside
+    points, wrenches = np.ascontiguousarray(points[touched]), known.wrenches[touched]
+    out, jacobian, pose, motion = (np.empty(size) for size in (8, 64, 8, 6 * (len(lower) + 5)))
+    theirs = [(surrogate.kernel, numbers(p), numbers(out), numbers(jacobian)) for p in points]
+    parts = [(np.ascontiguousarray(p[:-1]), np.ascontiguousarray(w)) for p, w in zip(points, wrenches, strict=True)]
+    ours = [(segment.struct, *map(native.pointer, (*part, pose, motion))) for part in parts]
+    query = each(EVALUATION.functions.fingerfem_answer, theirs)
+    place = each(native.SEGMENT.functions.fingerfem_place, ours)
+    cold = native.touches(model.touching, points)
+    warm = native.touches(model.touching, points + MOVED * np.eye(len(lower))[-1], wrenches)
+    holds = {}
+    kinds: dict[str, Model] = {"surrogate": surrogate, "segment": model}
+    for name, one in kinds.items():
+        finger = Finger(one)
+        starts = points[:, :-1]
+        _, outcomes, taken = problems.hold_many(finger.known, starts, FORCE, points[:, -1], problems.rules(1e-6))
+        holds[name] = us(taken) | {"converged": int(np.sum(outcomes["status"] == 1)), "of": len(points)}
+    return {
+        "points": len(points),
+        "terms": len(segment.pose.powers),
+        "query": us(query),
+        "map": us(place),
+        "contact_cold": us(cold.nanoseconds) | {"evaluations": float(np.median(cold.evaluations))},
+        "contact_warm": us(warm.nanoseconds) | {"evaluations": float(np.median(warm.evaluations))},
+        "hold": holds,
+        "map_over_query": float(np.median(place) / np.median(query)),
+        "warm_over_query": float(np.median(warm.nanoseconds) / np.median(query)),
+        "hold_over_hold": holds["segment"]["p50_us"] / holds["surrogate"]["p50_us"],
+    }
+
+
+def measure(run: Run) -> dict:
+    """The small map, and the large one."""
+    plans = [maps.QUICK] if run.quick else [maps.SMALL, maps.LARGE]
+    return {"rows": [run.once(plan.name, row, run, plan, 1000 if run.quick else 6000) for plan in plans]}
