@@ -55,6 +55,7 @@ def struct(
         monomials=len(monomials),
         lower=pose.lower,
         upper=pose.upper,
+        most_powers=np.concatenate([monomials.max(axis=0), groups.max(axis=0)]),
         tension_powers=monomials,
         block_monomials=np.array(used),
         coefficients=np.concatenate([b[:, :n].swapaxes(0, 1).ravel() for b, n in zip(blocks, used, strict=True)]),

@@ -4,11 +4,7 @@
 static void tension_tables(const fingerfem_segment *segment, const double *tensions, double (*values)[MAP_MOST_POWER],
                            double (*slopes)[MAP_MOST_POWER])
 {
-    int most[MAP_MOST_TENSIONS] = {0};
-    for (int m = 0; m < segment->monomials; m++)
-        for (int k = 0; k < segment->tensions; k++)
-            if (segment->tension_powers[m * segment->tensions + k] > most[k])
-                most[k] = segment->tension_powers[m * segment->tensions + k];
+    const int32_t *most = segment->most_powers;
     for (int k = 0; k < segment->tensions; k++) {
         const double scale = 2.0 / (segment->upper[k] - segment->lower[k]);
         map_chebyshev(scale * (tensions[k] - segment->lower[k]) - 1.0, most[k], values[k], slopes[k]);
@@ -74,9 +70,7 @@ static void wrench_products(const fingerfem_segment *segment, const double *wren
 {
     const double *lower = segment->lower + segment->tensions, *upper = segment->upper + segment->tensions;
     double values[FINGERFEM_WRENCH][MAP_MOST_POWER], slopes[FINGERFEM_WRENCH][MAP_MOST_POWER];
-    int most[FINGERFEM_WRENCH] = {0};
-    for (int g = 1; g < segment->groups; g++)
-        if (segment->powers[g] > most[segment->variables[g]]) most[segment->variables[g]] = segment->powers[g];
+    const int32_t *most = segment->most_powers + segment->tensions;
     for (int i = 0; i < FINGERFEM_WRENCH; i++) {
         const double scale = 2.0 / (upper[i] - lower[i]);
         map_chebyshev(scale * (wrench[i] - lower[i]) - 1.0, most[i], values[i], slopes[i]);
@@ -107,8 +101,10 @@ void map_pose(const fingerfem_segment *segment, const double *coefficients, cons
     for (int g = 0; g < segment->groups; g++) {
         const map_eight own = map_load(coefficients + FINGERFEM_POSE * g);
         const double *product = products + FINGERFEM_POSE * g;
+#pragma GCC unroll 7
         for (int i = 0; i <= FINGERFEM_WRENCH; i++) sums[i] += product[i] * own;
     }
+#pragma GCC unroll 6
     for (int i = 0; i < FINGERFEM_WRENCH; i++) {
         sums[0] += (wrench[i] - held[i]) * sums[1 + i];
         map_store(by_wrench + FINGERFEM_POSE * i, sums[1 + i]);

@@ -19,6 +19,7 @@ enum { FINGERFEM_BLOCK = 4 };
 typedef struct {
     int32_t tensions, groups, monomials; /* groups fill whole blocks */
     const double *lower, *upper;         /* (tensions + 6): the trained box [N, N m] */
+    const int32_t *most_powers;          /* (tensions + 6): highest of every input */
     const int32_t *tension_powers;       /* (monomials, tensions) */
     const int32_t *block_monomials;      /* (groups / FINGERFEM_BLOCK) */
     const double *coefficients;          /* (block, block_monomials, FINGERFEM_BLOCK, FINGERFEM_POSE) */
