@@ -57,6 +57,9 @@ class Request:
             raise ValueError(f"until must lie in (0, 1), got {self.until}")
         if self.held_out is not None and (self.refines or self.reuse is not None):
             raise ValueError(f"random must not be given with until, budget or reuse, got {self.held_out.count}")
+        if self.scene.load is not None and (self.near is not None or self.reuse is not None):
+            name = "reuse" if self.near is None else "near"
+            raise ValueError(f"{name} must be left out for a scene with a load, got {self.reuse or self.near}")
         if self.near is not None and self.held_out is None:
             raise ValueError(f"near must be given with random, got {self.near}")
 

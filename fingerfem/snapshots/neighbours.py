@@ -36,8 +36,6 @@ class Neighbours:
     def __init__(self, path: str | Path, description: Description):
         snapshots = SnapshotSet(path)
         own = snapshots.description
-        if description.has_load:
-            raise SnapshotError(f"{path}: near must be left out of a scene with a load")
         if own.random:
             raise SnapshotError(f"{path}: must be a training set to begin at, got a held-out set")
         if own.fingerprint != description.fingerprint:
