@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from rom.native import EVALUATION, Library
-from rom.segment.native import SEGMENT
+from rom.native import EVALUATION, SEGMENT, Library
 
 _HERE = Path(__file__).parent
 _SOURCES = ("least_squares.c", "step.c", "null_space.c", "hold.c", "reach.c", "locate.c")

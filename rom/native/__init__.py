@@ -192,3 +192,11 @@ def _cache() -> Path:
 
 
 EVALUATION = Library("evaluation", [HERE / "kernel.h", HERE / "evaluation.h"], [HERE / "batches.c"])
+_SEGMENT = HERE.parent / "segment" / "native"
+_SOURCES = ("map.c", "objects.c", "small.c", "placed.c", "contact.c", "touch.c", "rubber.c")
+SEGMENT = Library(
+    "segment",
+    headers=[_SEGMENT / "segment.h"],
+    units=[_SEGMENT / source for source in _SOURCES],
+    includes=EVALUATION,
+)

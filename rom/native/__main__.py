@@ -5,7 +5,6 @@ A library is named by its module and name there, such as rom.native:EVALUATION. 
 
 import sys
 from importlib import import_module
-from pathlib import Path
 
 from rom.native import Library, NoCompiler, levels
 
@@ -15,7 +14,7 @@ def main(names: list[str]) -> None:
     for name in names:
         module, _, attribute = name.partition(":")
         library: Library = getattr(import_module(module), attribute)
-        folder = Path(import_module(module).__file__ or "").parent
+        folder = library.units[0].parent
         for level in levels():
             print(library.build(folder, level))
 

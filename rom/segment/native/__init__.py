@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from rom.fit.chebyshev import Polynomial
-from rom.native import EVALUATION, Library
+from rom.native import SEGMENT
 
-HERE = Path(__file__).parent
 BLOCK, POSE, EDGES = 4, 8, 4  # as in segment.h
 BETWEEN, NEAREST = 4, 4  # places for every station of the rubber's edges; stations that say where one is
-UNITS = [HERE / name for name in ("map.c", "objects.c", "small.c", "touch.c", "rubber.c")]
-SEGMENT = Library("segment", headers=[HERE / "segment.h"], units=UNITS, includes=EVALUATION)
 
 
 def pointer(array: np.ndarray, kind: str = "double[]") -> Any:
