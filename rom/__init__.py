@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rom.answer import Answer
+    from rom.segment.chain import Chain
     from rom.segment.objects import Cylinder, Plane, Sphere
     from rom.segment.segment_map import SegmentMap
     from rom.segment.touched_segment import TouchedSegment
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 # Where each is.
 _HOMES = {
     "Answer": "rom.answer",
+    "Chain": "rom.segment.chain",
     "Cylinder": "rom.segment.objects",
     "Plane": "rom.segment.objects",
     "SegmentMap": "rom.segment.segment_map",
@@ -20,7 +22,7 @@ _HOMES = {
     "Surrogate": "rom.surrogate",
     "TouchedSegment": "rom.segment.touched_segment",
 }
-__all__ = ["Answer", "Cylinder", "Plane", "SegmentMap", "Sphere", "Surrogate", "TouchedSegment"]
+__all__ = ["Answer", "Chain", "Cylinder", "Plane", "SegmentMap", "Sphere", "Surrogate", "TouchedSegment"]
 
 
 def __getattr__(name: str) -> Any:
