@@ -9,6 +9,7 @@
 
 #define EVALUATIONS 12 /* from one start: an answer is near, or the start is no good */
 #define CROSSING 12 /* bisections */
+#define PASSING 1.0 /* gap of an object that the free finger passes by [m] */
 #define NEARLY 0.8 /* of a target's force in the atlas, above which more than one of its nodes is tried [-] */
 #define ATTEMPTS 5 /* from other nodes of the atlas */
 
@@ -18,7 +19,8 @@ static double signed_force(control_problem *problem, const double *tensions, dou
 {
     control_ask(problem, tensions, distance);
     const control_finger *finger = problem->finger;
-    const double gap = distance - problem->out[FINGERFEM_TOUCH];
+    double gap = distance - problem->out[FINGERFEM_TOUCH];
+    if (!isfinite(gap)) gap = PASSING; /* nothing tells where to go: it is looked for in the atlas */
     return gap < 0.0 ? problem->out[finger->row] / finger->unit : -finger->stiffness * gap;
 }
 

@@ -137,6 +137,15 @@ def test_a_finger_holds_and_locates_whatever_it_touches(segment):
     assert Finger(plane).reach(rod.poses(np.zeros((1, 8)))[0, :3] * [-1, 0, 0], tolerance=1e-5).converged
 
 
+def test_an_object_beside_the_finger_is_found_where_it_can_be_pressed(segment):
+    """The free finger passes it by where it is at rest: no slope tells where to go, but the atlas does."""
+    ball = Sphere(centre=(0.043, 0.012, 0.016), radius=0.005, direction=(0, 1, 0), distances=(-0.01, 0.02))
+    model = TouchedSegment(segment=segment, obstacle=ball)
+    assert model.outputs([0.0, 0.0, 0.0])[0, 4] == -np.inf
+    held = Finger(model).hold(0.2, 0.0, start=[0.0, 0.0])
+    assert held.converged and model.outputs([*held.tensions, 0.0])[0, 3] == pytest.approx(0.2, abs=1e-6)
+
+
 def test_rubber_that_touches_is_noticed_and_marked(segment):
     """A plane on the rod's belly: what the rod itself says decides."""
     random = np.random.default_rng(5)
