@@ -102,7 +102,8 @@ class TouchedSegment:
     def evaluate(self, parameters: ArrayLike) -> Answer:
         """Tip, contact force and touch distance at tensions [N] and d [m], shape (p,) or (n, p).
 
-        Where no equilibrium was found on the object's approach, the answer is not inside, and its error infinite.
+        Where no equilibrium was found on the object's approach, the answer is not inside, and its error infinite. It is
+        not inside either where the equilibrium is not stable, or rubber may touch.
 
         Raises:
             ModelError: the wrong number of parameters.

@@ -124,7 +124,8 @@ class Touched(NamedTuple):
         out: tip displacement x, y, z [m], contact force [N], touch distance [m], shape (n, 5).
         jacobians: of these by tensions and d, shape (n, 5, t + 1).
         wrenches: on the plate, in its frame, shape (n, 6) [N, N m].
-        inside: whether tensions, wrench and d lie where the map was trained, and there is an answer, shape (n,).
+        inside: whether tensions, wrench and d lie where the map was trained, and there is an answer that is stable and
+            in which no rubber touches, shape (n,).
         evaluations: of the map, negative where there is no answer, shape (n,).
         nanoseconds: that each took, shape (n,).
         rubber_gaps: least distance of the rubber from the object, shape (n,) [m]; infinite where nothing is known.

@@ -215,3 +215,23 @@ int contact_follow(const contact_state *state, const double *drift, double *wren
     }
     return 1;
 }
+
+int contact_stable(const contact_state *state)
+{
+    const objects_contacts *contacts = &state->at.contacts;
+    matrix compliance, stiffness = {{0.0}};
+    int rows[FINGERFEM_MOST_CONTACTS], count = 0;
+    double a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
+    memcpy(compliance, state->yielding, sizeof compliance);
+    for (int i = 0; i < W; i++) stiffness[i][i] = 1.0;
+    if (!small_solve(W, &compliance[0][0], W, &stiffness[0][0])) return 0;
+    for (int k = 0; k < contacts->count; k++)
+        if (state->forces[k] > 0.0) rows[count++] = k;
+    for (int i = 0; i < count; i++) {
+        double row[W];
+        row_product(contacts->wrenches[rows[i]], state->yielding, row);
+        for (int j = 0; j < count; j++)
+            a[count * i + j] = dot(row, contacts->wrenches[rows[j]]) + (i == j ? SOFT : 0.0);
+    }
+    return small_negative(W, &stiffness[0][0]) == small_negative(count, a);
+}

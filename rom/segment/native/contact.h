@@ -56,4 +56,7 @@ int contact_solve(const contracted_map *map, double touch, double d, contact_sta
 /* How wrench and plate move with a tension, or with d: drift is the motion at a fixed wrench, of the plate or relative to
  * the object. Contacts that press stay closed. Returns 0 if nothing is known of it. */
 int contact_follow(const contact_state *state, const double *drift, double *wrench_change);
+/* Whether the plate rests there: the stiffness K = 1/C - G is positive along all motions that keep the pressing contacts
+ * closed. With A = W^T 1/K W over these, that is so where K and A have as many negative eigenvalues (Haynsworth 1968). */
+int contact_stable(const contact_state *state);
 #endif

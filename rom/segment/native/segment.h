@@ -62,8 +62,8 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
 
 /* Answer at a point, (tensions + 1), of tensions and d: out, (FINGERFEM_ROWS), and its derivatives, (FINGERFEM_ROWS,
  * tensions + 1). The wrench, (6), is where the solve begins, and what it ends with; zero begins without contact.
- * Returns the number of evaluations of the map, negative if it did not converge; inside is 1 if tensions, wrench and d
- * lie where the map was trained and d may be. */
+ * Returns the number of evaluations of the map, negative without an equilibrium on the object's approach; inside is 1 if
+ * tensions, wrench and d lie where the map was trained and d may be, and the plate would rest there. */
 int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *wrench, double *out,
                     double *jacobian, int32_t *inside);
 

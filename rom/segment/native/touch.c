@@ -95,7 +95,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     for (int i = 0; i < W; i++)
         *inside &= segment->lower[t + i] <= state.wrench[i] && state.wrench[i] <= segment->upper[t + i];
     if (!report(&map, &state, touches && d_moves, out, jacobian) && evaluations > 0) evaluations = -evaluations;
-    *inside &= evaluations > 0;
+    *inside &= evaluations > 0 && (!touches || contact_stable(&state));
     for (int k = 0; k < t; k++)
         for (int i = 0; i < FINGERFEM_ROWS && held[k] != point[k]; i++) jacobian[p * i + k] = 0.0;
     memcpy(wrench, state.wrench, sizeof state.wrench);

@@ -177,6 +177,19 @@ def test_forces_beyond_what_was_trained_are_marked(segment):
     assert Finger(plane).hold(1.5 * rod.MOST_FORCE, 1e-3).status == "out_of_domain"
 
 
+def test_a_plate_that_would_slip_off_a_ball_is_marked(segment):
+    """Its corner rests on a large ball, and beside the tip of a small one no longer."""
+    slanted = np.array([1.0, 0.2, 0.2]) / np.linalg.norm([1.0, 0.2, 0.2])
+    found = []
+    for radius, depth in ((0.02, 3e-4), (3e-4, 1e-3)):
+        centre = segment.rest + HALF + radius * slanted
+        ball = Sphere(centre=tuple(centre), radius=radius, direction=tuple(slanted), distances=(-0.01, 0.0))
+        answer = TouchedSegment(segment=segment, obstacle=ball).answers(np.array([0.0, 0.0, -depth]))
+        assert answer.evaluations[0] > 0 and 0 < answer.out[0, 3] < rod.MOST_FORCE
+        found.append(bool(answer.inside[0]))
+    assert found == [True, False]
+
+
 def test_objects_that_are_none_are_refused():
     with pytest.raises(ValueError, match="radius must be above 0 m"):
         Sphere(centre=(0, 0, 0), direction=(0, 1, 0), radius=0.0)
