@@ -7,8 +7,6 @@
 #define MAP_MOST_POWER 32
 #define MAP_MOST_TENSIONS 8
 
-#pragma GCC diagnostic ignored "-Wpsabi" /* vectors are passed between functions of this library alone */
-
 /* Eight numbers that are worked on at once, in as many registers as the processor needs for them. */
 typedef double map_eight __attribute__((vector_size(64), aligned(8)));
 
