@@ -113,12 +113,13 @@ class SegmentMap:
         if points.shape[-1] != len(self.parameters):
             raise ModelError(f"inputs must be {', '.join(self.names)} (in that order), got shape {np.shape(inputs)}")
         poses, jacobians = self.pose.value_and_gradient(points)
-        turned = rotations(poses)
+        turned, most = rotations(poses), self.pose.upper[self.tensions]  # [N], of a force in any direction
         found = Placed(
             centre=-np.einsum("nij,nj->ni", turned, poses[:, :3]),
             rotation=turned,
             motion=motions(poses, jacobians),
-            inside=np.all((points >= self.pose.lower) & (points <= self.pose.upper), axis=1),
+            inside=np.all((points >= self.pose.lower) & (points <= self.pose.upper), axis=1)
+            & (np.linalg.norm(points[:, self.tensions : self.tensions + 3], axis=1) <= most * (1 + 1e-12)),
         )
         return found if np.ndim(inputs) > 1 else Placed(*(part[0] for part in found))
 

@@ -135,7 +135,8 @@ def papers_plane(run: Run, plan: maps.Plan) -> dict:
     points, force = held_out.random("parameters"), held_out.random("contact_force")
     rubber, felt = rubber_touches(held_out), force > FELT
     answer = model.answers(points)
-    within = (np.abs(answer.wrenches) <= segment.pose.upper[segment.tensions :]).all(axis=1) & (answer.evaluations > 0)
+    borne = segment.place(np.column_stack([points[:, :-1], answer.wrenches])).inside
+    within = borne & (answer.evaluations > 0)
     near = answer.rubber_gaps < segment.skin_error
     compared = felt & within & ~rubber & ~near
 

@@ -123,6 +123,15 @@ void map_free(const fingerfem_segment *segment, const double *contracted, double
     }
 }
 
+int map_inside(const fingerfem_segment *segment, const double *wrench)
+{
+    const double *lower = segment->lower + segment->tensions, *upper = segment->upper + segment->tensions;
+    const double square = wrench[0] * wrench[0] + wrench[1] * wrench[1] + wrench[2] * wrench[2];
+    int inside = square <= upper[0] * upper[0] * (1.0 + 1e-12);
+    for (int i = 0; i < FINGERFEM_WRENCH; i++) inside &= lower[i] <= wrench[i] && wrench[i] <= upper[i];
+    return inside;
+}
+
 void map_rotation(const double *pose, double *rotation)
 {
     const double w = pose[3], x = pose[4], y = pose[5], z = pose[6], s = 2.0 / (w * w + x * x + y * y + z * z);
@@ -162,8 +171,7 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
         held[k] = held[k] > segment->upper[k] ? segment->upper[k] : held[k];
         inside &= held[k] == tensions[k];
     }
-    for (int i = 0; i < FINGERFEM_WRENCH; i++)
-        inside &= segment->lower[t + i] <= wrench[i] && wrench[i] <= segment->upper[t + i];
+    inside &= map_inside(segment, wrench);
     map_contract(segment, 1 + t, held, contracted);
     map_pose(segment, contracted, wrench, products, pose, by_wrench);
     for (int k = 0; k < t; k++) {

@@ -46,6 +46,9 @@ void map_pose(const fingerfem_segment *segment, const double *coefficients, cons
  * the box is as wide to both sides of that. */
 void map_free(const fingerfem_segment *segment, const double *contracted, double *pose, double *by_tensions);
 
+/* Whether a wrench, (6), lies in the trained box, and its force is none larger than was trained. */
+int map_inside(const fingerfem_segment *segment, const double *wrench);
+
 /* Rotation, (3, 3), of a pose. */
 void map_rotation(const double *pose, double *rotation);
 

@@ -92,8 +92,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
         memset(state.yielding, 0, sizeof state.yielding);
         memset(state.soft, 0, sizeof state.soft);
     }
-    for (int i = 0; i < W; i++)
-        *inside &= segment->lower[t + i] <= state.wrench[i] && state.wrench[i] <= segment->upper[t + i];
+    *inside &= map_inside(segment, state.wrench);
     if (!report(&map, &state, touches && d_moves, out, jacobian) && evaluations > 0) evaluations = -evaluations;
     *inside &= evaluations > 0 && (!touches || contact_stable(&state));
     for (int k = 0; k < t; k++)

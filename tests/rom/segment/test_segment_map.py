@@ -23,7 +23,7 @@ def test_the_compiled_map_is_that_of_python(segment):
     for inputs in lower + np.random.default_rng(0).random((50, 8)) * (upper - lower):
         pose, motion, inside = compiled(segment, inputs)
         placed = segment.place(inputs)
-        assert inside and placed.inside
+        assert inside == placed.inside == (np.linalg.norm(inputs[2:5]) <= rod.MOST_FORCE)
         assert pose == pytest.approx(segment.pose.value(inputs[None])[0], abs=1e-12)
         assert motion == pytest.approx(placed.motion, abs=1e-10)
 
