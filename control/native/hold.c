@@ -46,7 +46,7 @@ static int hold_from(control_problem *problem, const double *start, const double
     control_ask(problem, w->x, distance);
     outcome->residual = fabs(problem->out[finger->row] / finger->unit - target);
     outcome->evaluations += w->evaluations;
-    return status;
+    return outcome->residual <= rules->residual ? CONTROL_CONVERGED : status; /* as of a kink that it ended at */
 }
 
 /* Try from elsewhere, and keep what was best. */

@@ -15,6 +15,7 @@ from studies.runner import DOCS
 from studies.segment import maps
 
 BALL, HEIGHT, MOUNTED, FORCE = 0.014, 0.048, 0.024, 1.0  # its radius, height, the fingers' circle [m]; to hold [N]
+START = 25.0, 0.0  # tensions to hold from [N]
 FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))  # of a plate's corners
 
 
@@ -35,7 +36,7 @@ def draw(segment: SegmentMap, picture: Path) -> dict:
         centre=(HEIGHT, side / 2 + MOUNTED, 0.0), radius=BALL, direction=(0.0, 1.0, 0.0), distances=(-0.02, 0.02)
     )
     model = TouchedSegment(segment=segment, obstacle=ball)
-    motion = Finger(model).hold(FORCE, 0.0)
+    motion = Finger(model).hold(FORCE, 0.0, start=START)
     answer = model.answers(np.array([*motion.tensions, 0.0]))
     inputs = np.concatenate([motion.tensions, answer.wrenches[0]])
     for k in range(3):

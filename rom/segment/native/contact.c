@@ -17,7 +17,7 @@
 #define STEPS 4      /* on that way, at first */
 #define HALVINGS 10  /* of such a step until there is no answer */
 #define EVALUATIONS 500 /* most of the map for one answer */
-#define CLOSE 1e-5   /* of the box: a last step of the wrench, about whose square is left [-] */
+#define CLOSE 1e-7   /* of the box: a last step of the wrench, a small part of which is left [-] */
 #define LONGEST 0.5  /* of the box: a step of the wrench [-] */
 
 /* W f, and G: how that changes as the plate moves. */
