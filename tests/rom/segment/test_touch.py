@@ -38,13 +38,13 @@ def touched(segment, random: np.random.Generator, shape: str) -> tuple[TouchedSe
 
 
 def test_corners_that_press_on_a_plane_lie_on_it_and_no_other_is_behind_it(segment):
-    random = np.random.default_rng(1)
+    random, known = np.random.default_rng(1), 0
     for _ in range(100):
         model, point = touched(segment, random, "plane")
         found = model.answers(point)
-        assert found.evaluations[0] > 0
-        if not found.inside[0]:
+        if not found.inside[0]:  # forces beyond what was trained
             continue
+        known += 1
         # By another way than the solve: the rod itself under the wrench that was found.
         pose = rod.poses(np.concatenate([point[:2], found.wrenches[0]])[None])[0]
         turned = Rotation.from_quat(pose[[4, 5, 6, 3]]).as_matrix()
@@ -63,6 +63,7 @@ def test_corners_that_press_on_a_plane_lie_on_it_and_no_other_is_behind_it(segme
         wanted = [rod.SIDE * found.out[0, 3], *found.wrenches[0, 3:]]
         pushing, left = nnls(np.vstack([np.full(8, rod.SIDE), arms]), np.array(wanted))
         assert left < 1e-6 * found.out[0, 3] and (pushing >= 0).all()
+    assert known > 70
 
 
 @pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder"])
