@@ -174,6 +174,7 @@ def test_the_cheapest_says_what_it_expects_and_check_what_was_got(open_table, de
     got = found["chosen"]
     assert got["asked"] == "preset draft" and got["quantity"] == "contact_force"
     assert got["got_of_surrogate"] == found["contact_force"]["p95"]
-    # The same finger as the front's: other held-out states err alike, the cost in states is the same.
-    assert got["got_of_surrogate"] < 3 * expected.error_of_surrogate
+    # The same finger as the front's: other held-out states err alike, the cost in states is the same. The front's 95th
+    # percentile is of 16 states with force, one of which decides it.
+    assert got["got_of_surrogate"] < 5 * expected.error_of_surrogate
     assert SnapshotSet(folder).states == pytest.approx(expected.states, rel=0.02)
