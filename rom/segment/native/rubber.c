@@ -49,5 +49,10 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
                 place[i] = rotation[3 * i] * seen[0] + rotation[3 * i + 1] * seen[1] + rotation[3 * i + 2] * seen[2];
             least = fmin(least, objects_distance(object, d, place));
         }
+    for (int edge = 0; edge < EDGES; edge++) { /* and where the rubber begins */
+        const double half = segment->half_lengths[1];
+        const double clamp[3] = {0.0, edge & 2 ? half : -half, edge & 1 ? half : -half};
+        least = fmin(least, objects_distance(object, d, clamp));
+    }
     return least;
 }

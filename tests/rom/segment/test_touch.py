@@ -147,6 +147,16 @@ def test_an_object_beside_the_finger_is_found_where_it_can_be_pressed(segment):
     assert held.converged and model.outputs([*held.tensions, 0.0])[0, 3] == pytest.approx(0.2, abs=1e-6)
 
 
+def test_an_object_in_the_clamp_is_noticed(segment):
+    """A plane that the tip touches, and that the clamp stands behind: nothing could be held so."""
+    normal = np.array([-0.3, -1.0, 0.0]) / np.linalg.norm([-0.3, -1.0, 0.0])
+    corner = segment.rest + HALF
+    for turned, inside in ((normal, True), (normal * [-1, 1, 1], False)):
+        plane = Plane(centre=tuple(corner), normal=tuple(turned), direction=tuple(-turned), distances=(-0.01, 0.01))
+        model = TouchedSegment(segment=segment, obstacle=plane)
+        assert bool(model.evaluate([0.0, 0.0, -1e-5]).inside) == inside
+
+
 def test_a_finger_that_ends_at_a_kink_has_converged_if_it_holds_the_force(segment):
     """A ball rolls from the plate's face over its edge: the force has a kink there, and steps along it end."""
     for height in np.linspace(0.044, 0.049, 11):
