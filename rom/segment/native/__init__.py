@@ -11,7 +11,7 @@ from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
 
 BLOCK, POSE, EDGES = 4, 8, 4  # as in segment.h
-BETWEEN, NEAREST = 4, 4  # places for every station of the rubber's edges; stations that say where one is
+BETWEEN, NEAREST = 8, 4  # places for every station of the rubber's edges; stations that say where one is
 
 
 def pointer(array: np.ndarray, kind: str = "double[]") -> Any:

@@ -147,6 +147,21 @@ def test_an_object_beside_the_finger_is_found_where_it_can_be_pressed(segment):
     assert held.converged and model.outputs([*held.tensions, 0.0])[0, 3] == pytest.approx(0.2, abs=1e-6)
 
 
+def test_a_ball_on_a_face_of_the_rubber_is_noticed(segment):
+    """Between the edges, which it does not touch: before the middle of the rod at rest, a hair in it or off it."""
+    for gap, inside in ((2e-4, True), (-2e-4, False)):
+        radius = 4e-3
+        ball = Sphere(
+            centre=(0.025, rod.SIDE / 2 + radius + gap, 0.0),
+            radius=radius,
+            direction=(0, 1, 0),
+            distances=(0.0, 0.01),
+        )
+        answer = TouchedSegment(segment=segment, obstacle=ball).answers(np.array([0.0, 0.0, 0.0]))
+        assert answer.rubber_gaps[0] == pytest.approx(gap, abs=1e-4)
+        assert bool(answer.inside[0]) == inside
+
+
 def test_an_object_in_the_clamp_is_noticed(segment):
     """A plane that the tip touches, and that the clamp stands behind: nothing could be held so."""
     normal = np.array([-0.3, -1.0, 0.0]) / np.linalg.norm([-0.3, -1.0, 0.0])
