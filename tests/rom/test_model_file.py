@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from rom import Surrogate
-from rom.checked_file import ModelError
-from rom.model_file import BLOCK, FORMAT, KIND
+from rom.checked_file import BLOCK, ModelError
+from rom.model_file import FORMAT, KIND
 
 ROOT = Path(__file__).resolve().parents[2]
 
