@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rom.answer import Answer
+    from rom.native.answer import Answer
     from rom.segment.chain import Chain
     from rom.segment.objects import Cylinder, Plane, Sphere
     from rom.segment.segment_map import SegmentMap
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 # Where each is.
 _HOMES = {
-    "Answer": "rom.answer",
+    "Answer": "rom.native.answer",
     "Chain": "rom.segment.chain",
     "Cylinder": "rom.segment.objects",
     "Plane": "rom.segment.objects",

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom import model_file
-from rom.answer import Answer
 from rom.checked_file import ModelError
 from rom.components import HEIGHTS, Components, Regime
 from rom.fit import layout
 from rom.native import EVALUATION, answer
+from rom.native.answer import Answer
 from rom.native.forms import values
 from rom.separation.separated_form import tables
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom.answer import Answer
 from rom.checked_file import ModelError
+from rom.native.answer import Answer
 from rom.segment import native
 from rom.segment.native import SEGMENT, Touched
 from rom.segment.objects import Object
