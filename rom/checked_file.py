@@ -69,8 +69,10 @@ def kind_of(path: Path) -> str:
 def _check(path: Path, kind: str, number: int) -> None:
     contents = path.read_bytes()
     words = contents[:BLOCK].split(b"\n")[0].decode(errors="replace").split(", ")
-    if len(words) != 3 or words[0] != kind:
+    if len(words) != 3 or not words[0].startswith("fingerfem "):
         raise ModelError(f"{path}: is not a model file")
+    if words[0] != kind:
+        raise ModelError(f"{path}: must be a {kind}, got a {words[0]}")
     if words[1] != f"format {number}":
         raise ModelError(f"{path}: must be a model of format {number}, got {words[1]}")
     if words[2] != f"sha256 {hashlib.sha256(contents[BLOCK:]).hexdigest()}":

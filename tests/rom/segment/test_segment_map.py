@@ -5,7 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
-from rom import SegmentMap
+from rom import SegmentMap, Surrogate
 from rom.checked_file import ModelError
 from rom.segment import native
 from tests.rom.segment import rod
@@ -60,6 +60,8 @@ def test_its_file_holds_it_whole(segment, tmp_path):
     assert pickle.loads(pickle.dumps(again)).place(inputs).centre == pytest.approx(
         segment.place(inputs).centre, abs=1e-15
     )
+    with pytest.raises(ModelError, match="must be a fingerfem surrogate, got a fingerfem segment map"):
+        Surrogate.load(file)
     damaged = bytearray(file.read_bytes())
     damaged[-100] ^= 1
     file.write_bytes(damaged)
