@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from control import campaign
-from control.least_squares import CONVERGED, STATIONARY
+from control.least_squares import STATIONARY
 from rom import Surrogate
 from studies.control.models import PAPER_US, TARGET, model, names
 from studies.runner import Run
@@ -56,7 +56,6 @@ def solves(run: Run, name: str) -> dict:
     found: dict = {"paper_us": PAPER_US[name]}
     for kind, sweep in (("random", False), ("sweep", True)):
         result = campaign.run(surrogate, starts, TARGET, sweep)
-        assert np.all((result.status == CONVERGED) | (result.status == STATIONARY)), "neither converged nor unreachable"
         found[kind] = result.as_json() | {"dense_search": dense_search(surrogate, result)}
     return found
 

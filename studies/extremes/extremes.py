@@ -5,34 +5,50 @@ There is no third outcome: a row that is neither ends the study with code 3.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
-from pathlib import Path
+from functools import partial
+from multiprocessing import get_context
 
 from studies.extremes import bodies, data, loads, queries
 from studies.extremes.verdicts import INACCURATE, Row
 from studies.runner import Run
 
+Part = Callable[[], Iterator[Row]]
+CORES = 2
 
-def rows(folder: Path, quick: bool) -> Iterator[Row]:
-    """Every extreme of every part."""
-    yield from data.rows(folder)
-    yield from queries.rows(folder, 10_000 if quick else 1_000_000)
-    yield from loads.rows(quick)
-    yield from bodies.rows()
+
+def parts(run: Run) -> list[Part]:
+    """What yields rows, in the page's order."""
+    points = 10_000 if run.quick else 1_000_000
+    fingers = [bodies.rubbers, bodies.sizes, bodies.meshes, bodies.contact_stiffness]
+    return [
+        partial(data.rows, run.sets),
+        partial(queries.rows, run.sets, points),
+        partial(loads.rows, run.quick),
+        *fingers,
+    ]
+
+
+def tried(part: Part) -> list[Row]:
+    """The rows of one part, printed one by one."""
+    found = []
+    for row in part():
+        found.append(row)
+        error = "" if row.error is None else f"{row.error:.1e}"
+        print(f"  {row.outcome:8s} {row.part}: {row.extreme}, {row.case}: {error} {row.reference}", flush=True)
+    return found
 
 
 def measure(run: Run) -> list[dict]:
-    """Try them all.
+    """Try them all, a part a process.
 
     Raises:
         SystemExit: a row is neither accurate nor refused.
     """
-    found = []
-    for row in rows(run.sets, run.quick):
-        found.append(row)
-        error = "" if row.error is None else f"{row.error:.1e}"
-        print(f"  {row.outcome:8s} {row.part}: {row.extreme}, {row.case}: {error} {row.reference}", flush=True)
+    with ProcessPoolExecutor(CORES, mp_context=get_context("spawn")) as pool:
+        found = [row for rows in pool.map(tried, parts(run)) for row in rows]
     inaccurate = sum(row.outcome == INACCURATE for row in found)
     print(f"  {len(found)} extremes, {inaccurate} of them neither accurate nor refused")
     if inaccurate:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 from studies.runner import ROOT, Run
 
@@ -13,6 +15,9 @@ PICTURES = {
     "contact": ("one_segment", ("F1=50 d=0.005", "F1=100 d=0.005", "F1=50 F2=50 d=0.005", "F1=100 F2=50 d=0.015")),
     "two_segments": ("two_segments", ("F_l=40", "F_s=40", "F_s=20 F_l=20 d=0.03", "F_s=40 F_l=40 d=0.03")),
 }
+
+
+CORES = 2
 
 
 def picture(run: Run, name: str) -> dict:
@@ -28,4 +33,5 @@ def picture(run: Run, name: str) -> dict:
 def measure(run: Run) -> dict[str, dict]:
     """By picture; the first in the short form."""
     names = list(PICTURES)[: 1 if run.quick else None]
-    return {name: run.once(name, picture, run, name) for name in names}
+    with ThreadPoolExecutor(CORES) as pool:
+        return dict(zip(names, pool.map(partial(picture, run), names), strict=True))

@@ -5,6 +5,7 @@
 
 #define EDGES 4
 #define FACE 8 /* parts of a face of the rubber, from edge to edge, that a round object is looked for at */
+#define LAST 8 /* parts of the rubber between the last place that is known and the plate, straight lines */
 
 /* Points of the rubber in the plate's frame, (skin_numbers) [m]. */
 static void skin(const fingerfem_segment *segment, const double *inputs, double *found)
@@ -26,12 +27,19 @@ static void skin(const fingerfem_segment *segment, const double *inputs, double 
     }
 }
 
-/* Least distance of a section of the rubber from an object, by its corners; before a round one also between them. */
-static double section_gap(const fingerfem_object *object, double d, double (*corners)[3])
+/* Least distance of a section of the rubber from an object, by its corners, seen from the plate; before a round one also
+ * between them. */
+static double section_gap(const fingerfem_object *object, double d, const double *pose, const double *rotation,
+                          double (*seen)[3])
 {
     static const int around[EDGES + 1] = {0, 1, 3, 2, 0};
     const int parts = object->shape == FINGERFEM_PLANE ? 1 : FACE;
-    double least = INFINITY;
+    double corners[EDGES][3], least = INFINITY;
+    for (int edge = 0; edge < EDGES; edge++)
+        for (int i = 0; i < 3; i++) {
+            const double *row = rotation + 3 * i, *at = seen[edge];
+            corners[edge][i] = row[0] * (at[0] - pose[0]) + row[1] * (at[1] - pose[1]) + row[2] * (at[2] - pose[2]);
+        }
     for (int k = 0; k < EDGES; k++)
         for (int j = 0; j < parts; j++) {
             const double *one = corners[around[k]], *other = corners[around[k + 1]], share = (double)j / parts;
@@ -50,23 +58,27 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     const double d = fmax(object->nearest, fmin(object->farthest, point[t]));
     if (!segment->skin_terms) return INFINITY;
     double inputs[MAP_MOST_TENSIONS + FINGERFEM_WRENCH], points[segment->skin_numbers], pose[FINGERFEM_POSE];
-    double motion[FINGERFEM_WRENCH * p], rotation[9], least = INFINITY;
+    double motion[FINGERFEM_WRENCH * p], rotation[9], seen[EDGES][3], least = INFINITY;
     memcpy(inputs, point, (size_t)t * sizeof *inputs);
     memcpy(inputs + t, wrench, FINGERFEM_WRENCH * sizeof *inputs);
     fingerfem_place(segment, point, wrench, pose, motion);
     map_rotation(pose, rotation);
     skin(segment, inputs, points);
     for (int k = 0; k < segment->places; k++) {
-        double edges[EDGES][3];
+        memset(seen, 0, sizeof seen);
+        for (int station = 0; station < segment->stations; station++)
+            for (int j = 0; j < 3 * EDGES; j++)
+                seen[j / 3][j % 3] += segment->between[segment->stations * k + station] * points[3 * EDGES * station + j];
+        least = fmin(least, section_gap(object, d, pose, rotation, seen));
+    }
+    for (int k = 1; k < LAST; k++) { /* the plate itself may touch */
+        double section[EDGES][3];
         for (int edge = 0; edge < EDGES; edge++) {
-            double seen[3] = {-pose[0], -pose[1], -pose[2]};
-            for (int station = 0; station < segment->stations; station++)
-                for (int i = 0; i < 3; i++)
-                    seen[i] += segment->between[segment->stations * k + station] * points[3 * (EDGES * station + edge) + i];
-            for (int i = 0; i < 3; i++)
-                edges[edge][i] = rotation[3 * i] * seen[0] + rotation[3 * i + 1] * seen[1] + rotation[3 * i + 2] * seen[2];
+            const double *half = segment->half_lengths;
+            const double end[3] = {-half[0], edge & 2 ? half[1] : -half[1], edge & 1 ? half[2] : -half[2]};
+            for (int i = 0; i < 3; i++) section[edge][i] = seen[edge][i] + (end[i] - seen[edge][i]) * k / LAST;
         }
-        least = fmin(least, section_gap(object, d, edges));
+        least = fmin(least, section_gap(object, d, pose, rotation, section));
     }
     for (int edge = 0; edge < EDGES; edge++) { /* and where the rubber begins */
         const double half = segment->half_lengths[1];

@@ -76,7 +76,7 @@ def shape(inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             for now, a, b, c, d in zip((place, turned), one, two, three, four, strict=True)
         )
     quaternion = Rotation.from_matrix(turned.transpose(0, 2, 1)).as_quat(canonical=True)[:, [3, 0, 1, 2]]
-    return np.concatenate([place, quaternion], axis=1), np.concatenate(skin, axis=1)
+    return np.concatenate([place, quaternion], axis=1), np.concatenate(skin[::-1], axis=1)  # from the clamp on
 
 
 def states(count: int, seed: int) -> PressedStates:

@@ -162,6 +162,17 @@ def test_a_ball_on_a_face_of_the_rubber_is_noticed(segment):
         assert bool(answer.inside[0]) == inside
 
 
+def test_a_ball_on_the_rubber_right_before_the_plate_is_noticed(segment):
+    """Nearer to the plate than any point of the rubber that the map knows, and not on the plate."""
+    plate, radius = segment.rest[0] - HALF[0], 3e-3
+    for gap, inside in ((2e-4, True), (-2e-4, False)):
+        centre = (plate - 1.3e-3, rod.SIDE / 2 + radius + gap, 0.001)
+        ball = Sphere(centre=centre, radius=radius, direction=(0, 1, 0), distances=(0.0, 0.01))
+        answer = TouchedSegment(segment=segment, obstacle=ball).answers(np.array([0.0, 0.0, 0.0]))
+        assert answer.out[0, 4] < 0 and answer.rubber_gaps[0] == pytest.approx(gap, abs=1e-4)
+        assert bool(answer.inside[0]) == inside
+
+
 def test_an_object_in_the_clamp_is_noticed(segment):
     """A plane that the tip touches, and that the clamp stands behind: nothing could be held so."""
     normal = np.array([-0.3, -1.0, 0.0]) / np.linalg.norm([-0.3, -1.0, 0.0])
@@ -174,7 +185,7 @@ def test_an_object_in_the_clamp_is_noticed(segment):
 
 def test_a_finger_that_ends_at_a_kink_has_converged_if_it_holds_the_force(segment):
     """A ball rolls from the plate's face over its edge: the force has a kink there, and steps along it end."""
-    for height in np.linspace(0.044, 0.049, 11):
+    for height in np.linspace(0.0495, 0.055, 11):
         ball = Sphere(centre=(height, 0.021, 0.0), radius=0.012, direction=(0, 1, 0), distances=(-0.01, 0.02))
         model = TouchedSegment(segment=segment, obstacle=ball)
         held = Finger(model).hold(0.5, 0.0)
@@ -197,6 +208,8 @@ def test_rubber_that_touches_is_noticed_and_marked(segment):
             continue
         pose, skin = (part[0] for part in rod.shape(np.concatenate([tensions, found.wrenches[0]])[None]))
         turned = Rotation.from_quat(pose[[4, 5, 6, 3]]).as_matrix()
+        last = (np.linspace(0, 0.875, 8)[:, None, None] * (rod.EDGES - [rod.PLATE / 2, 0, 0] - skin[-4:])) + skin[-4:]
+        skin = np.concatenate([skin, *last])
         gap = float((height + 0.005 - ((skin - pose[:3]) @ turned.T)[:, 1]).min())
         assert gap - 1e-4 < found.rubber_gaps[0] < gap + 5 * segment.skin_error  # it looks between the points too
         inside = bool(model.evaluate(point).inside)
