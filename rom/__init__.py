@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rom.native.answer import Answer
     from rom.segment.chain import Chain
-    from rom.segment.objects import Cylinder, Plane, Sphere
+    from rom.segment.objects import Cylinder, Hull, Plane, Sphere, box
     from rom.segment.segment_map import SegmentMap
     from rom.segment.touched_segment import TouchedSegment
     from rom.surrogate import Surrogate
@@ -16,13 +16,15 @@ _HOMES = {
     "Answer": "rom.native.answer",
     "Chain": "rom.segment.chain",
     "Cylinder": "rom.segment.objects",
+    "Hull": "rom.segment.objects",
     "Plane": "rom.segment.objects",
     "SegmentMap": "rom.segment.segment_map",
     "Sphere": "rom.segment.objects",
     "Surrogate": "rom.surrogate",
     "TouchedSegment": "rom.segment.touched_segment",
+    "box": "rom.segment.objects",
 }
-__all__ = ["Answer", "Chain", "Cylinder", "Plane", "SegmentMap", "Sphere", "Surrogate", "TouchedSegment"]
+__all__ = ["Answer", "Chain", "Cylinder", "Hull", "Plane", "SegmentMap", "Sphere", "Surrogate", "TouchedSegment", "box"]
 
 
 def __getattr__(name: str) -> Any:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy.spatial.transform import Rotation
+
+from rom.segment.polyhedron import polyhedron
 
 Vector = tuple[float, float, float]
 
@@ -72,6 +76,66 @@ class Cylinder(Object):
     shape = 2
     radius: float
     axis: Vector = field(default=(0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hull(Object):
+    """The convex hull of `vertices`, given from its centre, shape (n, 3) [m], rounded by a radius [m] all around.
+
+    A small radius keeps contact at sharp edges smooth; the body is larger by it than the hull.
+    """
+
+    shape = 3
+    vertices: Sequence[Vector]
+    rounding: float = 1e-4
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if np.ndim(self.vertices) != 2 or np.shape(self.vertices)[1] != 3:
+            raise ValueError(f"vertices must have shape (n, 3), got {np.shape(self.vertices)}")
+        if not self.rounding > 0:
+            raise ValueError(f"rounding must be above 0 m, got {self.rounding}")
+        self.numbers()
+
+    def numbers(self) -> dict[str, Any]:
+        """The fields of fingerfem_object."""
+        return super().numbers() | {"radius": float(self.rounding)} | polyhedron(np.asarray(self.vertices, float))
+
+
+def box(
+    *,
+    centre: Vector,
+    sides: Vector,
+    direction: Vector,
+    rotation: Vector = (0.0, 0.0, 0.0),
+    rounding: float = 1e-4,
+    distances: tuple[float, float] = (-1.0, 1.0),
+) -> Hull:
+    """A box with rounded edges.
+
+    Args:
+        centre: of it at d = 0 [m].
+        sides: its lengths, the rounded edges included [m].
+        direction: along which d moves it away from the finger [-].
+        rotation: about its centre, axis times angle [rad].
+        rounding: radius of its edges [m].
+        distances: nearest and farthest d [m].
+
+    Raises:
+        ValueError: rounding is not below half the shortest side.
+    """
+    inner = np.asarray(sides, float) / 2 - rounding
+    if not (inner > 0).all():
+        raise ValueError(f"rounding must be below half the shortest side, {min(sides) / 2:g} m, got {rounding}")
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    vertices = (signs * inner) @ Rotation.from_rotvec(rotation).as_matrix().T
+    return Hull(
+        centre=centre,
+        direction=direction,
+        distances=distances,
+        vertices=[tuple(vertex) for vertex in vertices.tolist()],
+        rounding=rounding,
+    )
 
 
 def facing_plane(side: float, distances: tuple[float, float]) -> Plane:

@@ -13,7 +13,6 @@
 #include "small.h"
 
 #define ITERATIONS 30
-#define DEEP 0.5     /* of a radius: an object that is deeper in the free plate comes to it in steps [-] */
 #define STEPS 4      /* on that way, at first */
 #define HALVINGS 10  /* of such a step until there is no answer */
 #define EVALUATIONS 500 /* most of the map for one answer */
@@ -173,10 +172,10 @@ static int approach(const contracted_map *map, double touch, double d, contact_s
 /* Solve at d: from a wrench that is known; or at once, where that is near enough; or from where the object touches. */
 int contact_solve(const contracted_map *map, double touch, double d, contact_state *state)
 {
-    const fingerfem_object *object = map->touching->object;
+    const double shallow = objects_shallow(map->touching->object, map->touching->segment->half_lengths);
     int known = 0, evaluations = 0;
     for (int i = 0; i < W; i++) known |= state->wrench[i] != 0.0;
-    if (known || object->shape == FINGERFEM_PLANE || touch - d < DEEP * object->radius) {
+    if (known || touch - d < shallow) {
         state->at.contacts.count = 0;
         evaluations = solve_from(map, d, state);
         if (evaluations > 0) return evaluations;

@@ -10,7 +10,7 @@ enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12 };
 /* Rows of an answer, as of a surrogate: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
 enum { FINGERFEM_ROWS = 5 };
 
-enum { FINGERFEM_PLANE = 0, FINGERFEM_SPHERE = 1, FINGERFEM_CYLINDER = 2 };
+enum { FINGERFEM_PLANE = 0, FINGERFEM_SPHERE = 1, FINGERFEM_CYLINDER = 2, FINGERFEM_HULL = 3 };
 
 /* The pose by tensions and wrench: sum_gm coefficients_gm M_m(tensions) P_g(wrench), products of Chebyshev polynomials of
  * the scaled inputs. Group g of the wrench's products has the first monomials of the tensions, sorted by their degree, as
@@ -43,8 +43,21 @@ typedef struct {
     double centre[3];     /* of it; of a plane any point on it [m] */
     double direction[3];  /* unit vector */
     double axis[3];       /* of a plane its normal towards the finger, of a cylinder its axis; unit vectors */
-    double radius;        /* of a sphere or a cylinder [m] */
+    double radius;        /* of a sphere, a cylinder, or of what rounds a hull [m] */
     double nearest, farthest; /* of d [m] */
+    /* A hull, seen from its centre: corners; edges with their ends, unit vectors along them, lengths and the faces at
+     * their sides, of which the second is counterclockwise of the first about the edge; faces n . x = height, and the
+     * triangles that they are made of, counterclockwise from outside. */
+    int32_t corners, edges, faces, triangles;
+    const double *vertices;          /* (corners, 3) [m] */
+    const int32_t *ends;             /* (edges, 2) */
+    const double *along;             /* (edges, 3) */
+    const double *lengths;           /* (edges) [m] */
+    const int32_t *sides;            /* (edges, 2) */
+    const double *normals;           /* (faces, 3), outward */
+    const double *heights;           /* (faces) [m] */
+    const int32_t *triangle_corners; /* (triangles, 3) */
+    const int32_t *triangle_faces;   /* (triangles) */
 } fingerfem_object;
 
 /* A segment that an object touches, as a model of tensions and d. */

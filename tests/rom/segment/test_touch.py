@@ -6,7 +6,7 @@ from scipy.optimize import nnls
 from scipy.spatial.transform import Rotation
 
 from control import Finger
-from rom import Cylinder, Plane, Sphere, TouchedSegment
+from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment, box
 from rom.segment import native
 from rom.segment.objects import facing_plane
 from tests.rom.segment import rod
@@ -31,6 +31,14 @@ def touched(segment, random: np.random.Generator, shape: str) -> tuple[TouchedSe
         found = Plane(centre=tuple(place), normal=tuple(normal), **where)
     elif shape == "sphere":
         found = Sphere(centre=tuple(place - radius * normal), radius=radius, **where)
+    elif shape == "hull":
+        vertices = random.standard_normal((12, 3))
+        vertices *= radius / np.linalg.norm(vertices, axis=1)[:, None]
+        found = Hull(centre=tuple(place - radius * normal), vertices=vertices, **where)
+        touch = TouchedSegment(segment=segment, obstacle=found).outputs([*tensions, 0.0])[0, 4]
+        if not touch > -0.009:  # its corners pass the plate by
+            return touched(segment, random, shape)
+        return TouchedSegment(segment=segment, obstacle=found), np.array([*tensions, touch - 5e-4 * random.random()])
     else:
         along = np.cross(normal, random.standard_normal(3))
         found = Cylinder(centre=tuple(place - radius * normal), radius=radius, axis=tuple(along), **where)
@@ -66,7 +74,61 @@ def test_corners_that_press_on_a_plane_lie_on_it_and_no_other_is_behind_it(segme
     assert known > 70
 
 
-@pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder"])
+def separation(one: np.ndarray, other: np.ndarray) -> float:
+    """Distance of two convex hulls, corners of shapes (n, 3) and (m, 3), by non-negative least squares."""
+    heavy = 1e4 * np.abs(one - other[0]).max()
+    rows = [np.hstack([one.T, -other.T]), np.repeat([[heavy, 0.0], [0.0, heavy]], [len(one), len(other)], axis=1)]
+    return nnls(np.vstack(rows), np.array([0.0, 0.0, 0.0, heavy, heavy]))[1]
+
+
+def test_a_hull_that_presses_touches_the_plate_and_does_not_cut_it(segment):
+    """By another way than the solve: the distance of the two bodies, and where the force's line of action passes."""
+    random, known = np.random.default_rng(6), 0
+    for _ in range(150):
+        model, point = touched(segment, random, "hull")
+        found, hull = model.answers(point), model.obstacle
+        if not found.inside[0]:
+            continue
+        known += 1
+        placed = segment.place(np.concatenate([point[:2], found.wrenches[0]]))
+        moved = np.array(hull.centre) + point[2] * np.array(hull.direction)
+        free = segment.place([*point[:2], *np.zeros(6)])
+        at_touch = np.array(hull.centre) + found.out[0, 4] * np.array(hull.direction)
+        for plate, place in ((placed, moved), (free, at_touch)):
+            distance = separation(plate.centre + CORNERS @ plate.rotation.T, np.array(hull.vertices) + place)
+            assert distance == pytest.approx(hull.rounding, abs=1e-7)
+        assert found.out[0, 3] > 0
+        point_of_action = np.cross(found.wrenches[0, :3], found.wrenches[0, 3:]) / np.sum(found.wrenches[0, :3] ** 2)
+        assert np.linalg.norm(point_of_action) <= np.linalg.norm(HALF) * (1 + 1e-6)
+    assert known > 80
+
+
+def test_a_box_that_lies_flush_is_the_plane_of_its_face(segment):
+    """Larger than the plate, and turned about the plane's normal, so that no edges are along each other."""
+    plane = facing_plane(rod.SIDE, (0.0, 0.05))
+    cube = box(
+        centre=(0.03, rod.SIDE / 2 + 0.05, 0.0),
+        sides=(0.1, 0.1, 0.1),
+        direction=(0, 1, 0),
+        rotation=(0.0, 0.3, 0.0),
+        distances=(0.0, 0.05),
+    )
+    points = np.array([[6.0, 1.0, 0.01], [10.0, 0.0, 0.01], [10.0, 3.0, 0.01]])
+    points[:, 2] = TouchedSegment(segment=segment, obstacle=plane).outputs(points)[:, 4] - 8e-4
+    flat, boxed = (TouchedSegment(segment=segment, obstacle=one).outputs(points) for one in (plane, cube))
+    assert boxed == pytest.approx(flat, rel=1e-6, abs=1e-9) and (flat[:, 3] > 0.1).all()
+
+
+def test_a_hull_says_what_it_cannot_be():
+    for wrong in ({"vertices": [(0, 0, 0), (1, 0, 0), (0, 1, 0)]}, {"rounding": 0.0}, {"vertices": [(0, 0)]}):
+        cube = {"vertices": list(map(tuple, CORNERS)), "centre": (0, 0, 0), "direction": (0, 1, 0)} | wrong
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            Hull(**cube)
+    with pytest.raises(ValueError, match="rounding"):
+        box(centre=(0, 0, 0), sides=(0.01, 0.01, 1e-4), direction=(0, 1, 0))
+
+
+@pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder", "hull"])
 def test_derivatives_are_those_of_the_answers(segment, shape):
     random = np.random.default_rng(2)
     for _ in range(30):
@@ -81,7 +143,7 @@ def test_derivatives_are_those_of_the_answers(segment, shape):
             assert jacobian[:, k] == pytest.approx(differences, rel=2e-4, abs=2e-4 * np.abs(differences[:3]).max())
 
 
-@pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder"])
+@pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder", "hull"])
 def test_every_answer_is_known_or_says_that_it_is_not(segment, shape):
     random = np.random.default_rng(3)
     unknown = 0
