@@ -16,10 +16,10 @@ import typer
 
 from control import Finger, Gripper, Object, SimulatedPlant
 from control.model import Model
-from rom import SegmentMap, Surrogate, TouchedSegment
+from rom import Chain, Surrogate, TouchedSegment
 from rom.checked_file import kind_of
 from rom.command_line import NOTHING_USABLE, AsJson, application, run, show
-from rom.segment import segment_map
+from rom.segment import chain
 from rom.segment.objects import facing_plane
 from rom.terminal import steps
 
@@ -33,12 +33,12 @@ ContactForce = Annotated[float, typer.Option(help="To hold [N], above 0.")]
 
 
 def model_of(file: Path | None) -> Model:
-    """The model of a file, or the one that comes along; a segment's map stands before the plane y = side/2 + d."""
-    if file is None or kind_of(file) != segment_map.KIND:
+    """The model of a file, or the one that comes along; segments' maps stand before the plane y = side/2 + d."""
+    if file is None or kind_of(file) not in chain.KINDS:
         return Surrogate.load(file)
-    segment = SegmentMap.load(file)
-    geometry = segment.scene["geometry"]
-    return TouchedSegment(segment=segment, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))
+    segments = Chain.load(file)
+    geometry = segments.scene["geometry"]
+    return TouchedSegment(segment=segments, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))
 
 
 @app.command(context_settings={"ignore_unknown_options": True})

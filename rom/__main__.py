@@ -1,4 +1,4 @@
-"""python3 -m rom build | check | info | export."""
+"""python3 -m rom build | chain | check | info | export."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ import typer
 
 from rom.checked_file import kind_of
 from rom.command_line import AsJson, application, run, show
-from rom.segment import segment_map
+from rom.segment import chain, segment_map
+from rom.segment.chain import Chain
 from rom.segment.segment_map import SegmentMap
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
@@ -91,6 +92,21 @@ def build_segment(snapshots: SnapshotSet, terms: int | None, held_out: Path | No
     return segment.with_accuracy(build.check(segment, SnapshotSet(held_out)))
 
 
+@app.command("chain")
+def chain_models(
+    models: Annotated[list[Path], typer.Argument(metavar="BASE.h5 ... TIP.h5", help="Maps, from clamp to tip.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FINGER.h5")],
+    as_json: AsJson = False,
+) -> None:
+    """Put the maps of segments one after another into one model: the next one's clamp is the plate of the one before.
+
+    A tendon that ends at a later plate is one of every segment before, by its name and with its tensions.
+    """
+    made = Chain([SegmentMap.load(model) for model in models])
+    made.save(output)
+    show(chain_summary(made), as_json)
+
+
 @app.command("check")
 def check_model(
     model: ModelFile,
@@ -116,8 +132,8 @@ def check_model(
 @app.command()
 def info(model: ModelFile, as_json: AsJson = False) -> None:
     """What a model file holds: parameters with units and ranges, terms, accuracy, versions."""
-    if kind_of(model) == segment_map.KIND:
-        show(segment_summary(SegmentMap.load(model)), as_json)
+    if kind_of(model) in chain.KINDS:
+        show(chain_summary(Chain.load(model)), as_json)
         return
     show(summary(Surrogate.load(model)), as_json)
 
@@ -134,6 +150,20 @@ def export_model(
     from rom.c_header import export
 
     export(Surrogate.load(model, tolerance=tolerance), output)
+
+
+def chain_summary(made: Chain) -> dict:
+    """A chain in plain data; a chain of one is its segment."""
+    parts = [segment_summary(one) for one in made.segments]
+    if len(parts) == 1:
+        return parts[0]
+    return {
+        "scene": made.scene["name"],
+        "tensions": made.tension_parameters,
+        "contact_force_error": made.force_error,
+        "place_error_m": made.place_error,
+        "segments": parts,
+    }
 
 
 def segment_summary(segment: SegmentMap) -> dict:

@@ -15,7 +15,7 @@ typedef struct {
     int tensions, parameters;
     double *point, *jacobian;      /* (parameters), (rows, parameters): asked for last */
     double out[CONTROL_MOST_ROWS];
-    double wrench[FINGERFEM_WRENCH]; /* on the plate of a touched segment, where its next solve begins */
+    double wrench[FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES]; /* on a touched chain's plates, where its next solve begins */
     int inside;                      /* whether that answer is known: within what was trained */
     double *best, *other, *between; /* (tensions): the answer so far, and two more */
     control_workspace workspace;
@@ -82,7 +82,7 @@ static inline void control_mark(control_problem *problem, double distance, contr
     if (!problem->finger->touching) return; /* a surrogate's box is within the limits of tensions and distance */
     control_ask(problem, problem->best, distance);
     const double gap = fingerfem_rubber_gap(problem->finger->touching, problem->point, problem->wrench);
-    if (!problem->inside || gap < problem->finger->touching->segment->skin_error) outcome->status = CONTROL_OUTSIDE;
+    if (!problem->inside || gap < problem->finger->touching->chain->skin_error) outcome->status = CONTROL_OUTSIDE;
 }
 
 /* Tensions in problem->best that press with a force; the outcome has status, residual and evaluations. */

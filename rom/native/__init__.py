@@ -156,6 +156,12 @@ class Library:
             found.update(file.name.encode() + file.read_bytes())
         return found.hexdigest()[:16]
 
+    def pointers(self, kind: str, structs: Sequence[Any]) -> Any:
+        """An array of pointers to C structs of a kind, which live as long as it does."""
+        found = self.ffi.new(f"{kind} *[]", list(structs))
+        _kept[found] = list(structs)
+        return found
+
     def struct(self, kind: str, **values: Any) -> Any:
         """A C struct; what its fields point to lives as long as it does.
 
@@ -193,7 +199,7 @@ def _cache() -> Path:
 
 EVALUATION = Library("evaluation", [HERE / "kernel.h", HERE / "evaluation.h"], [HERE / "batches.c"])
 _SEGMENT = HERE.parent / "segment" / "native"
-_SOURCES = ("map.c", "objects.c", "hull.c", "small.c", "placed.c", "contact.c", "touch.c", "rubber.c")
+_SOURCES = ("map.c", "chain.c", "objects.c", "hull.c", "small.c", "placed.c", "contact.c", "touch.c", "rubber.c")
 SEGMENT = Library(
     "segment",
     headers=[_SEGMENT / "segment.h"],

@@ -1,22 +1,28 @@
 """Fingers of several segments from the maps of one each: plates are rigid, so that one segment's plate clamps the next.
 
-From tip to base: a map says where its plate is, seen from the plate before. What that plate bears is its own wrench and
-the one that the next plate bears, moved there, and nothing else: a long tendon slides through a plate, and enters the
-maps of the segments it passes as if it ended at their plates. From base to tip the poses follow each other. (Such a
-march is a nonlinear transfer-matrix method.)
+native/chain.c marches through them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
 
+import h5py
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rom import checked_file
 from rom.checked_file import ModelError
-from rom.segment.segment_map import Placed, SegmentMap
+from rom.segment import native, segment_map
+from rom.segment.segment_map import SegmentMap
+
+KIND, FORMAT = "fingerfem chain", 1
+KINDS = (segment_map.KIND, KIND)  # of files that `Chain.load` reads
+MOST_PLATES = 3  # as in native/segment.h
 
 
 class ChainPlaced(NamedTuple):
@@ -43,26 +49,89 @@ class Chain:
         segments: their maps. A tendon that ends at a later segment's plate is one of every segment before, by its name.
 
     Raises:
-        ModelError: a segment does not know a tendon that passes it, or they differ in section or range of tensions.
+        ModelError: a segment does not know a tendon that passes it, they differ in section or range of tensions, or are
+            too many.
+
+    Example:
+        >>> finger = Chain([SegmentMap.load("base.h5"), SegmentMap.load("tip.h5")])
+        >>> finger.place([20.0, 0.0, 10.0, 0.0]).centres[-1]
     """
 
     segments: Sequence[SegmentMap]
 
     def __post_init__(self) -> None:
-        if not self.segments:
-            raise ModelError("segments must be at least one, got none")
+        if not 1 <= len(self.segments) <= MOST_PLATES:
+            raise ModelError(f"segments must be at least one and at most {MOST_PLATES}, got {len(self.segments)}")
         for before, after in zip(self.segments, self.segments[1:], strict=False):
-            known = {one["name"]: one for one in _tensions(before)}
-            for one in _tensions(after):
+            known = {one["name"]: one for one in before.tension_parameters}
+            for one in after.tension_parameters:
                 if known.get(one["name"]) != one:
                     raise ModelError(f"segments must know every tendon that passes them, alike, got none {one['name']}")
             if not np.allclose(before.half_lengths, after.half_lengths):
                 raise ModelError("segments must have plates of one size, got others")
 
     @property
+    def tension_parameters(self) -> list[dict[str, Any]]:
+        """Name, unit, lower and upper of the tensions: those of the first segment."""
+        return self.segments[0].tension_parameters
+
+    @property
     def tensions(self) -> list[str]:
-        """Names of the tensions: those of the first segment."""
-        return [one["name"] for one in _tensions(self.segments[0])]
+        """Their names."""
+        return [one["name"] for one in self.tension_parameters]
+
+    @property
+    def half_lengths(self) -> np.ndarray:
+        """Of every plate along its own axes, shape (3,) [m]."""
+        return self.segments[0].half_lengths
+
+    @property
+    def rest(self) -> np.ndarray:
+        """The tip plate's centre in the undeformed finger, shape (3,) [m]."""
+        lengths = sum(self.scene["geometry"]["segments"])
+        return np.array([lengths - self.half_lengths[0], 0.0, 0.0])
+
+    @property
+    def force_error(self) -> float:
+        """Relative error of contact forces: of the segment that is worst [-]."""
+        return max(one.force_error for one in self.segments)
+
+    @property
+    def place_error(self) -> float:
+        """Of the free tip plate [m]: each segment's, and as that one bends besides, by what stands on it."""
+        lengths = self.scene["geometry"]["segments"]
+        shares = [1 + 2 * sum(lengths[k + 1 :]) / length for k, length in enumerate(lengths)]  # a rod of one curvature
+        return float(sum(share * one.place_error for share, one in zip(shares, self.segments, strict=True)))
+
+    @property
+    def skin_error(self) -> float:
+        """Of what is known of the rubber's surface [m]; nan if nothing is."""
+        return float(np.fmax.reduce([one.skin_error for one in self.segments]))
+
+    @property
+    def scene(self) -> dict[str, Any]:
+        """The first segment's, with all segments, and tendons as far as they go."""
+        scene = self.segments[0].scene
+        last = {
+            name: k + 1 for k, one in enumerate(self.segments) for name in (p["name"] for p in one.tension_parameters)
+        }
+        lengths = [length for one in self.segments for length in one.scene["geometry"]["segments"]]
+        tendons = [tendon | {"segment": last[tendon["name"]]} for tendon in scene["tendons"]]
+        return scene | {"geometry": scene["geometry"] | {"segments": lengths}, "tendons": tendons}
+
+    @cached_property
+    def struct(self) -> Any:
+        """For compiled code, a struct fingerfem_chain."""
+        own = np.zeros((len(self.segments), len(self.tensions)), int)
+        for k, one in enumerate(self.segments):
+            own[k, : one.tensions] = [self.tensions.index(name) for name in one.names[: one.tensions]]
+        return native.chain_struct(
+            [one.struct for one in self.segments], own, self.rest, self.skin_error, self.force_error, self.place_error
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: not the numbers for compiled code, which are made again."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def place(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> ChainPlaced:
         """Where the plates are.
@@ -74,75 +143,32 @@ class Chain:
         Raises:
             ModelError: the wrong number of tensions or wrenches.
         """
-        names, n = self.tensions, len(self.segments)
-        pulled, t = np.asarray(tensions, float), len(names)
-        pressed = np.zeros((n, 6)) if wrenches is None else np.asarray(wrenches, float)
+        t, n = len(self.tensions), len(self.segments)
+        pulled = np.array(tensions, float)
+        pressed = np.zeros((n, 6)) if wrenches is None else np.array(wrenches, float)
         if pulled.shape != (t,) or pressed.shape != (n, 6):
             raise ModelError(f"inputs must be {t} tensions and wrenches of shape ({n}, 6), got {pulled.shape}")
-        steps, borne, by_inputs = [], np.zeros(6), np.zeros((6, t + 6 * n))
-        for k in reversed(range(n)):
-            borne, by_inputs = borne + pressed[k], by_inputs.copy()
-            by_inputs[:, t + 6 * k : t + 6 * k + 6] += np.eye(6)
-            step = self._step(k, pulled, borne, by_inputs)
-            steps.append(step)
-            borne, by_inputs = step.passed_on, step.passed_on_by_inputs
-        return self._poses(steps[::-1])
+        return ChainPlaced(*native.place_chain(self.struct, pulled, pressed))
 
-    def _step(self, k: int, pulled: np.ndarray, borne: np.ndarray, by_inputs: np.ndarray) -> _Step:
-        """Segment k under what its plate bears, shape (6,), which changes by the inputs, shape (6, inputs)."""
-        segment = self.segments[k]
-        own = [self.tensions.index(one["name"]) for one in _tensions(segment)]
-        placed = segment.place(np.concatenate([pulled[own], borne]))
-        motion = placed.motion[:, len(own) :] @ by_inputs
-        motion[:, own] += placed.motion[:, : len(own)]
-        arm = placed.centre.copy()  # from the plate before, whose centre lies half a plate before the clamp
-        arm[0] += segment.half_lengths[0] if k else 0.0
-        force, moment = placed.rotation @ borne[:3], placed.rotation @ borne[3:]
-        turned, moved = placed.rotation @ motion[3:], placed.rotation @ motion[:3]
-        force_by = placed.rotation @ by_inputs[:3] + np.cross(turned.T, force).T
-        moment_by = placed.rotation @ by_inputs[3:] + np.cross(turned.T, moment).T
-        moment_by += np.cross(moved.T, force).T + np.cross(arm, force_by.T).T
-        return _Step(
-            placed=placed,
-            arm=arm,
-            motion=motion,
-            passed_on=np.concatenate([force, moment + np.cross(arm, force)]),
-            passed_on_by_inputs=np.concatenate([force_by, moment_by]),
-        )
+    def save(self, path: str | Path) -> None:
+        """Write all maps into one file: it is whole or absent."""
+        checked_file.save(Path(path), KIND, FORMAT, self._write)
 
-    @staticmethod
-    def _poses(steps: list[_Step]) -> ChainPlaced:
-        """Poses in space, from those of every plate seen from the one before."""
-        centre, rotation, motion = np.zeros(3), np.eye(3), np.zeros_like(steps[0].motion)
-        found = []
-        for step in steps:
-            relative = step.placed.rotation.T
-            carried = motion[:3] + np.cross(motion[3:].T, step.arm).T
-            motion = np.concatenate([relative @ carried, relative @ motion[3:]]) + step.motion
-            centre, rotation = centre + rotation @ step.arm, rotation @ step.placed.rotation
-            found.append((centre, rotation, motion))
-        centres, rotations, motions = (np.array(part) for part in zip(*found, strict=True))
-        return ChainPlaced(centres, rotations, motions, all(bool(step.placed.inside) for step in steps))
+    def _write(self, file: h5py.File) -> None:
+        for k, one in enumerate(self.segments):
+            one.write(file.create_group(str(k)))
 
+    @classmethod
+    def load(cls, path: str | Path) -> Chain:
+        """Read a chain, or a map as a chain of one.
 
-class _Step(NamedTuple):
-    """One segment of a chain, seen from the plate before.
+        Raises:
+            ModelError: no file, neither of these, a damaged one, or one of another format.
+        """
+        if checked_file.kind_of(Path(path)) != KIND:
+            return cls([SegmentMap.load(path)])
+        return checked_file.load(Path(path), KIND, FORMAT, cls._read)
 
-    Attributes:
-        placed: its plate from its own clamp.
-        arm: its plate's centre from the centre of the plate before, or from the clamp, shape (3,) [m].
-        motion: of its plate relative to the plate before, by the inputs, shape (6, inputs).
-        passed_on: the wrench that the plate before bears of it, in that one's frame, shape (6,).
-        passed_on_by_inputs: shape (6, inputs).
-    """
-
-    placed: Placed
-    arm: np.ndarray
-    motion: np.ndarray
-    passed_on: np.ndarray
-    passed_on_by_inputs: np.ndarray
-
-
-def _tensions(segment: SegmentMap) -> list[dict]:
-    """Name, unit, lower and upper of its tensions."""
-    return segment.parameters[: segment.tensions]
+    @classmethod
+    def _read(cls, file: h5py.File) -> Chain:
+        return cls([SegmentMap.read(file[str(k)]) for k in range(len(file))])

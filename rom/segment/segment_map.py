@@ -81,6 +81,11 @@ class SegmentMap:
         return len(self.parameters) - 6
 
     @property
+    def tension_parameters(self) -> list[dict[str, Any]]:
+        """Name, unit, lower and upper of the tensions."""
+        return self.parameters[: self.tensions]
+
+    @property
     def half_lengths(self) -> np.ndarray:
         """Of the plate along its own axes, shape (3,) [m]."""
         geometry = self.scene["geometry"]
@@ -95,7 +100,7 @@ class SegmentMap:
     @cached_property
     def struct(self) -> Any:
         """For compiled code, a struct fingerfem_segment."""
-        return native.struct(self.pose, self.skin, self.skin_error, self.half_lengths, self.rest)
+        return native.struct(self.pose, self.skin, self.skin_error, self.half_lengths)
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: not the numbers for compiled code, which are made again."""
@@ -129,9 +134,10 @@ class SegmentMap:
 
     def save(self, path: str | Path) -> None:
         """Write the map: the file is whole or absent."""
-        checked_file.save(Path(path), KIND, FORMAT, self._write)
+        checked_file.save(Path(path), KIND, FORMAT, self.write)
 
-    def _write(self, file: h5py.File) -> None:
+    def write(self, file: h5py.Group) -> None:
+        """Write the map into an open file."""
         for name in PLAIN:
             file.attrs[name] = json.dumps(getattr(self, name))
         file.attrs["force_error"], file.attrs["place_error"] = self.force_error, self.place_error
@@ -150,10 +156,11 @@ class SegmentMap:
         Raises:
             ModelError: no file, no map, a damaged one, or one of another format.
         """
-        return checked_file.load(Path(path), KIND, FORMAT, cls._read)
+        return checked_file.load(Path(path), KIND, FORMAT, cls.read)
 
     @classmethod
-    def _read(cls, file: h5py.File) -> SegmentMap:
+    def read(cls, file: h5py.Group) -> SegmentMap:
+        """The map in an open file."""
         lower, upper = file["box"][:].astype(float)
 
         def polynomial(prefix: str) -> Polynomial:

@@ -1,4 +1,4 @@
-"""A segment that an object touches: a model of tensions and the object's distance, as a surrogate is of a plane's."""
+"""Segments that an object touches: a model of tensions and the object's distance, as a surrogate is of a plane's."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from rom.checked_file import ModelError
 from rom.native.answer import Answer
 from rom.segment import native
+from rom.segment.chain import Chain
 from rom.segment.native import SEGMENT, Touched
 from rom.segment.objects import Object
 from rom.segment.segment_map import SegmentMap
@@ -19,24 +20,28 @@ from rom.segment.segment_map import SegmentMap
 
 @dataclass(frozen=True, kw_only=True)
 class TouchedSegment:
-    """A segment and a rigid object without friction.
+    """A segment or several, and a rigid object without friction that any of their plates may touch.
 
     Attributes:
-        segment: the map.
-        obstacle: what the plate may touch.
+        segment: the map, or a chain of maps.
+        obstacle: what touches.
     """
 
-    segment: SegmentMap
+    segment: SegmentMap | Chain
     obstacle: Object
     has_obstacle: bool = field(default=True, init=False)
     has_pad: bool = field(default=False, init=False)
+
+    @cached_property
+    def chain(self) -> Chain:
+        """The segments, one or several."""
+        return self.segment if isinstance(self.segment, Chain) else Chain([self.segment])
 
     @property
     def parameters(self) -> list[dict[str, Any]]:
         """Name, unit, lower and upper of tensions and d."""
         nearest, farthest = self.obstacle.distances
-        own = self.segment.parameters[: self.segment.tensions]
-        return [*own, {"name": "d", "unit": "m", "lower": nearest, "upper": farthest}]
+        return [*self.chain.tension_parameters, {"name": "d", "unit": "m", "lower": nearest, "upper": farthest}]
 
     @property
     def names(self) -> list[str]:
@@ -52,12 +57,12 @@ class TouchedSegment:
     @property
     def scene(self) -> dict[str, Any]:
         """The trained scene."""
-        return self.segment.scene
+        return self.chain.scene
 
     @property
     def tip_error(self) -> float:
         """Estimated error of the free tip [m]."""
-        return self.segment.place_error
+        return self.chain.place_error
 
     @cached_property
     def lead(self) -> int:
@@ -71,10 +76,8 @@ class TouchedSegment:
         """For compiled code, a struct fingerfem_touching."""
         return SEGMENT.struct(
             "fingerfem_touching",
-            segment=self.segment.struct,
+            chain=self.chain.struct,
             object=SEGMENT.struct("fingerfem_object", **self.obstacle.numbers()),
-            force_error=self.segment.force_error,
-            place_error=self.segment.place_error,
         )
 
     @property
@@ -110,12 +113,12 @@ class TouchedSegment:
         """
         found = self.answers(parameters)
         unknown = np.where(found.evaluations > 0, 0.0, np.inf)
-        force = self.segment.force_error * found.out[:, 3]
-        force = force + self.segment.place_error * np.abs(found.jacobians[:, 3, -1]) + unknown
+        force = self.chain.force_error * found.out[:, 3]
+        force = force + self.chain.place_error * np.abs(found.jacobians[:, 3, -1]) + unknown
         errors = {
-            "tip": self.segment.place_error + unknown,
+            "tip": self.chain.place_error + unknown,
             "contact_force": force,
-            "touch_distance": np.full(len(force), self.segment.place_error),
+            "touch_distance": np.full(len(force), self.chain.place_error),
         }
         out, inside = found.out, found.inside
         if np.ndim(parameters) == 1:

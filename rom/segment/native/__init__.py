@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,9 +20,7 @@ def pointer(array: np.ndarray, kind: str = "double[]") -> Any:
     return SEGMENT.ffi.from_buffer(kind, array)
 
 
-def struct(
-    pose: Polynomial, skin: Polynomial | None, skin_error: float, half_lengths: np.ndarray, rest: np.ndarray
-) -> Any:
+def struct(pose: Polynomial, skin: Polynomial | None, skin_error: float, half_lengths: np.ndarray) -> Any:
     """A map as a struct fingerfem_segment.
 
     Args:
@@ -29,7 +28,6 @@ def struct(
         skin: of the same, 3 values of every point of the rubber [m]; None without any.
         skin_error: of these [m].
         half_lengths: of the plate along its own axes, shape (3,) [m].
-        rest: the plate's centre in the undeformed finger, shape (3,) [m].
     """
     t = len(pose.lower) - 6
     monomials, groups, coefficients = _arranged(pose.powers, pose.coefficients, t)
@@ -70,7 +68,6 @@ def struct(
         between=between,
         skin_error=skin_error,
         half_lengths=half_lengths.tolist(),
-        rest=rest.tolist(),
     )
 
 
@@ -117,13 +114,56 @@ def place(compiled: Any, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, bo
     return pose[:7], motion, bool(inside)
 
 
+def chain_struct(
+    segments: Sequence[Any],
+    own: np.ndarray,
+    rest: np.ndarray,
+    skin_error: float,
+    force_error: float,
+    place_error: float,
+) -> Any:
+    """Segments as a struct fingerfem_chain.
+
+    Args:
+        segments: structs, from clamp to tip.
+        own: which of the t tensions are a segment's, shape (segments, t).
+        rest: the tip plate's centre in the undeformed finger, shape (3,) [m].
+        skin_error: of what is known of the rubber's surface [m].
+        force_error: of contact forces, relative [-].
+        place_error: of the free tip plate [m].
+    """
+    return SEGMENT.struct(
+        "fingerfem_chain",
+        plates=len(segments),
+        tensions=own.shape[1],
+        segments=SEGMENT.pointers("fingerfem_segment", segments),
+        own=own,
+        rest=rest.tolist(),
+        skin_error=skin_error,
+        force_error=force_error,
+        place_error=place_error,
+    )
+
+
+def place_chain(
+    compiled: Any, tensions: np.ndarray, wrenches: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
+    """Centres, rotations and motions of n plates, shapes (n, 3), (n, 3, 3), (n, 6, t + 6 n); whether all is inside."""
+    (n, _), t = wrenches.shape, len(tensions)
+    centres, rotations, motions = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((n, 6, t + 6 * n))
+    inside = SEGMENT.functions.fingerfem_chain_place(
+        compiled, *map(pointer, (tensions, wrenches, centres, rotations, motions))
+    )
+    return centres, rotations, motions, bool(inside)
+
+
 class Touched(NamedTuple):
     """Answers at n points.
 
     Attributes:
         out: tip displacement x, y, z [m], contact force [N], touch distance [m], shape (n, 5).
         jacobians: of these by tensions and d, shape (n, 5, t + 1).
-        wrenches: on the plate, in its frame, shape (n, 6) [N, N m].
+        wrenches: on every plate, in its frame, shape (n, 6 plates) [N, N m].
         inside: whether tensions, wrench and d lie where the map was trained, and there is an answer that is stable and
             in which no rubber touches, shape (n,).
         evaluations: of the map, negative where there is no answer, shape (n,).
@@ -146,10 +186,10 @@ def touches(touching: Any, points: np.ndarray, wrenches: np.ndarray | None = Non
     Args:
         touching: a struct fingerfem_touching.
         points: [N], [m].
-        wrenches: where each solve begins, shape (n, 6) [N, N m]; without contact if None.
+        wrenches: where each solve begins, shape (n, 6 plates) [N, N m]; without contact if None.
     """
     points, (n, p) = np.ascontiguousarray(points, float), points.shape
-    begun = np.zeros((n, 6)) if wrenches is None else np.array(wrenches, float)
+    begun = np.zeros((n, 6 * touching.chain.plates)) if wrenches is None else np.array(wrenches, float)
     counts = np.empty((2, n), np.int32)
     found = Touched(
         np.empty((n, 5)), np.empty((n, 5, p)), begun, counts[0], counts[1], np.empty(n, np.int64), np.empty(n)

@@ -96,7 +96,7 @@ static void seen(const double *place, const double *rotation, objects_feature *f
 }
 
 /* An edge of the hull and that edge of the plate along its axis j which it may cross: the normals of the two faces at the
- * hull's edge, and of those at the plate's, hold the contact's normal between them; both pass nearest between their ends. */
+ * hull's edge, and of those at the plate's, hold the contact's normal between them; both are nearest between their ends. */
 static void crossing(const fingerfem_object *object, int edge, int j, const double *place, const double *rotation,
                      objects_contacts *found)
 {
@@ -121,9 +121,11 @@ static void crossing(const fingerfem_object *object, int edge, int j, const doub
     p[j] = -(r[j] - feature.a[j] * along) / below;
     const double share = along + feature.a[j] * p[j];
     if (fabs(p[j]) >= half[j] || share <= 0.0 || share >= object->lengths[edge]) return;
+    const double gap = objects_dot(normal, r) - object->radius;
+    if (gap < -objects_shallow(object, half)) return; /* they pass each other on the hull's other side */
     const int name = OBJECTS_POINTS + object->corners + 12 * edge + 4 * j;
     const int sign = 2 * (p[(j + 1) % 3] > 0.0) + (p[(j + 2) % 3] > 0.0);
-    objects_note(found, name + sign, &feature, objects_dot(normal, r) - object->radius, p, normal);
+    objects_note(found, name + sign, &feature, gap, p, normal);
 }
 
 void hull_find(const fingerfem_object *object, const double *place, const double *rotation, objects_contacts *found)

@@ -167,8 +167,7 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
     double by_wrench[FINGERFEM_WRENCH * FINGERFEM_POSE];
     int inside = 1;
     for (int k = 0; k < t; k++) {
-        held[k] = tensions[k] < segment->lower[k] ? segment->lower[k] : tensions[k];
-        held[k] = held[k] > segment->upper[k] ? segment->upper[k] : held[k];
+        held[k] = map_held(segment, k, tensions[k]);
         inside &= held[k] == tensions[k];
     }
     inside &= map_inside(segment, wrench);

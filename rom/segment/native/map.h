@@ -33,6 +33,13 @@ static inline void map_chebyshev(double z, int most, double *values, double *slo
     }
 }
 
+/* Tension k within its box; NaN is the lowest. */
+static inline double map_held(const fingerfem_segment *segment, int k, double tension)
+{
+    const double held = tension > segment->lower[k] ? tension : segment->lower[k];
+    return held < segment->upper[k] ? held : segment->upper[k];
+}
+
 /* Coefficients of the groups at tensions inside their box, (kinds, groups, 8): of the pose, and, for kinds = 1 + tensions,
  * of its derivatives by these. */
 void map_contract(const fingerfem_segment *segment, int kinds, const double *tensions, double *contracted);

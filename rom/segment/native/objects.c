@@ -33,6 +33,7 @@ void objects_note(objects_contacts *all, int name, const objects_feature *featur
     } else {
         all->count++;
     }
+    all->plates[at] = all->plate;
     all->names[at] = name;
     all->features[at] = *feature;
     all->gaps[at] = gap;
@@ -58,7 +59,7 @@ static void edge_middle(int name, const double *half, double *p)
 }
 
 /* A face: the corners. */
-static void plane(const objects_feature *face, objects_contacts *found)
+static void before_face(const objects_feature *face, objects_contacts *found)
 {
     for (int k = 0; k < OBJECTS_CORNERS; k++) {
         vector p;
@@ -121,13 +122,13 @@ static void cylinder(const objects_feature *line, double radius, objects_contact
     }
 }
 
-void objects_find(const fingerfem_object *object, const double *half_lengths, double d, const double *centre,
+void objects_find(const fingerfem_object *object, const double *half_lengths, double d, int plate, const double *centre,
                   const double *rotation, objects_contacts *found)
 {
     vector place;
     objects_feature own = {OBJECTS_FACE, {0.0}, {0.0}};
     memcpy(found->half_lengths, half_lengths, sizeof found->half_lengths);
-    found->count = 0;
+    found->plate = plate;
     for (int i = 0; i < 3; i++) place[i] = object->centre[i] + d * object->direction[i] - centre[i];
     if (object->shape == FINGERFEM_HULL) {
         hull_find(object, place, rotation, found);
@@ -136,7 +137,7 @@ void objects_find(const fingerfem_object *object, const double *half_lengths, do
     objects_turned_back(rotation, place, own.s);
     objects_turned_back(rotation, object->axis, own.a);
     own.kind = object->shape == FINGERFEM_PLANE ? OBJECTS_FACE : OBJECTS_LINE;
-    if (object->shape == FINGERFEM_PLANE) plane(&own, found);
+    if (object->shape == FINGERFEM_PLANE) before_face(&own, found);
     else if (object->shape == FINGERFEM_SPHERE) objects_note_point(found, OBJECTS_POINTS, own.s, object->radius);
     else cylinder(&own, object->radius, found);
 }

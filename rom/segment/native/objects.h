@@ -18,8 +18,9 @@ typedef struct {
 
 /* Contacts that may be. */
 typedef struct {
-    int count;
+    int count, plate; /* contacts are being found of this plate */
     double half_lengths[3];
+    int plates[FINGERFEM_MOST_CONTACTS];                        /* of which plate */
     int names[FINGERFEM_MOST_CONTACTS];                         /* the same wherever the plate is */
     objects_feature features[FINGERFEM_MOST_CONTACTS];
     double gaps[FINGERFEM_MOST_CONTACTS];                       /* [m], negative inside the object */
@@ -27,9 +28,9 @@ typedef struct {
     double wrenches[FINGERFEM_MOST_CONTACTS][FINGERFEM_WRENCH]; /* n and p x n, of a unit force along the normal n */
 } objects_contacts;
 
-/* The contacts of an object moved by d [m] with a plate whose centre, (3) [m], and rotation, (3, 3), are given; those
- * with the least gaps if there are more. */
-void objects_find(const fingerfem_object *object, const double *half_lengths, double d, const double *centre,
+/* Add the contacts of an object moved by d [m] with a plate whose centre, (3) [m], and rotation, (3, 3), are given. Those
+ * with the least gaps are kept if there are too many. */
+void objects_find(const fingerfem_object *object, const double *half_lengths, double d, int plate, const double *centre,
                   const double *rotation, objects_contacts *found);
 
 /* How the wrench of contact k changes as the plate moves by v, t: (6, 6). */

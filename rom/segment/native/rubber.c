@@ -1,6 +1,6 @@
 /* How near the rubber comes to an object that the plate touches. */
 #include <math.h>
-#include "map.h"
+#include "chain.h"
 #include "objects.h"
 
 #define EDGES 4
@@ -29,7 +29,7 @@ static void skin(const fingerfem_segment *segment, const double *inputs, double 
 
 /* Least distance of a section of the rubber from an object, by its corners, seen from the plate; before a round one also
  * between them. */
-static double section_gap(const fingerfem_object *object, double d, const double *pose, const double *rotation,
+static double section_gap(const fingerfem_object *object, double d, const double *centre, const double *rotation,
                           double (*seen)[3])
 {
     static const int around[EDGES + 1] = {0, 1, 3, 2, 0};
@@ -38,7 +38,7 @@ static double section_gap(const fingerfem_object *object, double d, const double
     for (int edge = 0; edge < EDGES; edge++)
         for (int i = 0; i < 3; i++) {
             const double *row = rotation + 3 * i, *at = seen[edge];
-            corners[edge][i] = row[0] * (at[0] - pose[0]) + row[1] * (at[1] - pose[1]) + row[2] * (at[2] - pose[2]);
+            corners[edge][i] = centre[i] + row[0] * at[0] + row[1] * at[1] + row[2] * at[2];
         }
     for (int k = 0; k < EDGES; k++)
         for (int j = 0; j < parts; j++) {
@@ -50,26 +50,18 @@ static double section_gap(const fingerfem_object *object, double d, const double
     return least;
 }
 
-double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench)
+/* Least distance of a segment's rubber, whose plate is somewhere, by its own tensions and what its plate bears, (t + 6). */
+static double segment_gap(const fingerfem_segment *segment, const fingerfem_object *object, double d, const double *inputs,
+                          const double *centre, const double *rotation)
 {
-    const fingerfem_segment *segment = touching->segment;
-    const fingerfem_object *object = touching->object;
-    const int t = segment->tensions, p = t + FINGERFEM_WRENCH;
-    const double d = fmax(object->nearest, fmin(object->farthest, point[t]));
-    if (!segment->skin_terms) return INFINITY;
-    double inputs[MAP_MOST_TENSIONS + FINGERFEM_WRENCH], points[segment->skin_numbers], pose[FINGERFEM_POSE];
-    double motion[FINGERFEM_WRENCH * p], rotation[9], seen[EDGES][3], least = INFINITY;
-    memcpy(inputs, point, (size_t)t * sizeof *inputs);
-    memcpy(inputs + t, wrench, FINGERFEM_WRENCH * sizeof *inputs);
-    fingerfem_place(segment, point, wrench, pose, motion);
-    map_rotation(pose, rotation);
+    double points[segment->skin_numbers], seen[EDGES][3], least = INFINITY;
     skin(segment, inputs, points);
     for (int k = 0; k < segment->places; k++) {
         memset(seen, 0, sizeof seen);
         for (int station = 0; station < segment->stations; station++)
             for (int j = 0; j < 3 * EDGES; j++)
                 seen[j / 3][j % 3] += segment->between[segment->stations * k + station] * points[3 * EDGES * station + j];
-        least = fmin(least, section_gap(object, d, pose, rotation, seen));
+        least = fmin(least, section_gap(object, d, centre, rotation, seen));
     }
     for (int k = 1; k < LAST; k++) { /* the plate itself may touch */
         double section[EDGES][3];
@@ -78,10 +70,37 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
             const double end[3] = {-half[0], edge & 2 ? half[1] : -half[1], edge & 1 ? half[2] : -half[2]};
             for (int i = 0; i < 3; i++) section[edge][i] = seen[edge][i] + (end[i] - seen[edge][i]) * k / LAST;
         }
-        least = fmin(least, section_gap(object, d, pose, rotation, section));
+        least = fmin(least, section_gap(object, d, centre, rotation, section));
+    }
+    return least;
+}
+
+double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench)
+{
+    const fingerfem_chain *chain = touching->chain;
+    const fingerfem_object *object = touching->object;
+    const int t = chain->tensions;
+    const double d = fmax(object->nearest, fmin(object->farthest, point[t]));
+    double contracted[chain_contracted_size(chain)], products[chain_products_size(chain)], held[MAP_MOST_TENSIONS];
+    double least = INFINITY;
+    chain_contracted map;
+    chain_state state;
+    int known = 0;
+    for (int k = 0; k < chain->plates; k++) known |= chain->segments[k]->skin_terms;
+    if (!known) return INFINITY;
+    for (int k = 0; k < t; k++) held[k] = map_held(chain->segments[0], k, point[k]);
+    chain_contract(chain, held, contracted, products, &map);
+    chain_under(&map, wrench, &state);
+    for (int k = 0; k < chain->plates; k++) {
+        const fingerfem_segment *segment = chain->segments[k];
+        const chain_plate *plate = state.plates + k;
+        double inputs[MAP_MOST_TENSIONS + W];
+        for (int i = 0; i < segment->tensions; i++) inputs[i] = held[chain->own[t * k + i]];
+        memcpy(inputs + segment->tensions, plate->borne, sizeof plate->borne);
+        if (segment->skin_terms) least = fmin(least, segment_gap(segment, object, d, inputs, plate->centre, plate->rotation));
     }
     for (int edge = 0; edge < EDGES; edge++) { /* and where the rubber begins */
-        const double half = segment->half_lengths[1];
+        const double half = chain->segments[0]->half_lengths[1];
         const double clamp[3] = {0.0, edge & 2 ? half : -half, edge & 1 ? half : -half};
         least = fmin(least, objects_distance(object, d, clamp));
     }

@@ -5,7 +5,7 @@
 #include <stdint.h>
 
 /* Numbers of a pose, the last one 0: the clamp's place seen from the plate [m], the plate's quaternion [-]. */
-enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12 };
+enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12, FINGERFEM_MOST_PLATES = 3 };
 
 /* Rows of an answer, as of a surrogate: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
 enum { FINGERFEM_ROWS = 5 };
@@ -34,7 +34,6 @@ typedef struct {
     const double *between;               /* (places, stations): weights of the stations there */
     double skin_error;                   /* [m] */
     double half_lengths[3];              /* of the plate along its own axes [m] */
-    double rest[3];                      /* the plate's centre in the undeformed finger [m] */
 } fingerfem_segment;
 
 /* A rigid object at d = 0; at d it is moved by d along `direction`, away from the finger. */
@@ -60,12 +59,21 @@ typedef struct {
     const int32_t *triangle_faces;   /* (triangles) */
 } fingerfem_object;
 
-/* A segment that an object touches, as a model of tensions and d. */
+/* Segments one after another, from clamp to tip. */
 typedef struct {
-    const fingerfem_segment *segment;
-    const fingerfem_object *object;
+    int32_t plates, tensions;
+    const fingerfem_segment *const *segments;
+    const int32_t *own;  /* (plates, tensions): which of the tensions are a segment's; the first has all */
+    double rest[3];      /* the tip plate's centre in the undeformed finger [m] */
+    double skin_error;   /* [m] */
     double force_error;  /* of contact forces, relative [-] */
-    double place_error;  /* of the free plate [m] */
+    double place_error;  /* of the free tip plate [m] */
+} fingerfem_chain;
+
+/* A chain that an object touches, as a model of tensions and d. */
+typedef struct {
+    const fingerfem_chain *chain;
+    const fingerfem_object *object;
 } fingerfem_touching;
 
 /* Where the plate is: pose, (FINGERFEM_POSE), at tensions and a wrench, (6), and its motion R^T dc, R^T dtheta by both,
@@ -73,8 +81,13 @@ typedef struct {
 int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *pose,
                     double *motion);
 
+/* Where all plates of a chain are: centres, (plates, 3) [m], rotations, (plates, 3, 3), and motions by tensions and
+ * wrenches, (plates, 6, tensions + 6 plates); returns 1 if every segment's inputs lie in its box. */
+int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *centres,
+                          double *rotations, double *motions);
+
 /* Answer at a point, (tensions + 1), of tensions and d: out, (FINGERFEM_ROWS), and its derivatives, (FINGERFEM_ROWS,
- * tensions + 1). The wrench, (6), is where the solve begins, and what it ends with; zero begins without contact.
+ * tensions + 1). The wrench, (6 plates), is where the solve begins, and what it ends with; zero begins without contact.
  * Returns the number of evaluations of the map, negative without an equilibrium on the object's approach; inside is 1 if
  * tensions, wrench and d lie where the map was trained and d may be, and the plate would rest there. */
 int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *wrench, double *out,
@@ -88,7 +101,7 @@ double fingerfem_touch_error(const fingerfem_touching *touching, const double *o
 double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench);
 
 /* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, wrenches,
- * (count, 6), where they begin and end, inside and evaluations, (count), the time of each [ns], without that of the
+ * (count, 6 plates), where they begin and end, inside and evaluations, (count), the time of each [ns], without that of the
  * rubber's gaps, (count), where what touches is not inside. */
 void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out,
                        double *jacobians, double *wrenches, int32_t *inside, int32_t *evaluations,

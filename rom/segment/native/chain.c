@@ -1,0 +1,240 @@
+/* From tip to base: a map says where its plate is, seen from the plate before. What that plate bears is its own wrench and
+ * the one that the next plate bears, moved there, and nothing else: a long tendon slides through a plate, and enters the
+ * maps of the segments it passes as if it ended at their plates. From base to tip the poses follow each other. (Such a
+ * march is a nonlinear transfer-matrix method.) */
+#include "chain.h"
+
+int chain_products_size(const fingerfem_chain *chain)
+{
+    int size = 0;
+    for (int k = 0; k < chain->plates; k++) size += FINGERFEM_POSE * chain->segments[k]->groups;
+    return size;
+}
+
+int chain_contracted_size(const fingerfem_chain *chain)
+{
+    int size = 0;
+    for (int k = 0; k < chain->plates; k++)
+        size += (1 + chain->segments[k]->tensions) * FINGERFEM_POSE * chain->segments[k]->groups;
+    return size;
+}
+
+/* The tensions of segment k. */
+static void own_tensions(const fingerfem_chain *chain, int k, const double *all, double *found)
+{
+    for (int i = 0; i < chain->segments[k]->tensions; i++) found[i] = all[chain->own[chain->tensions * k + i]];
+}
+
+void chain_contract(const fingerfem_chain *chain, const double *tensions, double *contracted, double *products,
+                    chain_contracted *found)
+{
+    found->chain = chain;
+    for (int k = 0; k < chain->plates; k++) {
+        const fingerfem_segment *segment = chain->segments[k];
+        double own[MAP_MOST_TENSIONS];
+        own_tensions(chain, k, tensions, own);
+        map_contract(segment, 1 + segment->tensions, own, contracted);
+        found->contracted[k] = contracted;
+        found->products[k] = products;
+        contracted += (1 + segment->tensions) * FINGERFEM_POSE * segment->groups;
+        products += FINGERFEM_POSE * segment->groups;
+    }
+}
+
+static void cross(const double *a, const double *b, double *out)
+{
+    for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+static void turned(const double *rotation, const double *v, double *out)
+{
+    for (int i = 0; i < 3; i++) out[i] = rotation[3 * i] * v[0] + rotation[3 * i + 1] * v[1] + rotation[3 * i + 2] * v[2];
+}
+
+static void turned_back(const double *rotation, const double *v, double *out)
+{
+    for (int i = 0; i < 3; i++) out[i] = rotation[i] * v[0] + rotation[3 + i] * v[1] + rotation[6 + i] * v[2];
+}
+
+/* Where a plate is, seen from its segment's clamp; the arm is from the plate before, whose centre lies half a plate before
+ * the clamp. */
+static void locate(const fingerfem_chain *chain, int k, chain_plate *plate)
+{
+    map_rotation(plate->pose, plate->relative);
+    turned(plate->relative, plate->pose, plate->arm);
+    for (int i = 0; i < 3; i++) plate->arm[i] = -plate->arm[i];
+    if (k) plate->arm[0] += chain->segments[k]->half_lengths[0];
+}
+
+/* What a plate passes on to the one before, and how that changes by inputs first ... last - 1, (6) and (6, inputs); in
+ * place. */
+static void pass_on(const chain_plate *plate, int first, int last, double *borne, double (*by)[CHAIN_INPUTS])
+{
+    double force[3], moment[3], found[W];
+    turned(plate->relative, borne, force);
+    turned(plate->relative, borne + 3, moment);
+    for (int c = first; c < last; c++) {
+        double v[3], t[3], moved[3], spun[3], column[W], by_force[3], by_moment[3], one[3], two[3], three[3];
+        for (int i = 0; i < 3; i++) {
+            v[i] = plate->motion[i][c];
+            t[i] = plate->motion[3 + i][c];
+            column[i] = by[i][c];
+            column[3 + i] = by[3 + i][c];
+        }
+        turned(plate->relative, v, moved);
+        turned(plate->relative, t, spun);
+        turned(plate->relative, column, by_force);
+        turned(plate->relative, column + 3, by_moment);
+        cross(spun, force, one);
+        for (int i = 0; i < 3; i++) by_force[i] += one[i];
+        cross(spun, moment, one);
+        cross(moved, force, two);
+        cross(plate->arm, by_force, three);
+        for (int i = 0; i < 3; i++) {
+            by[i][c] = by_force[i];
+            by[3 + i][c] = by_moment[i] + one[i] + two[i] + three[i];
+        }
+    }
+    cross(plate->arm, force, found);
+    for (int i = 0; i < 3; i++) {
+        borne[i] = force[i];
+        borne[3 + i] = moment[i] + found[i];
+    }
+}
+
+/* A plate's motion relative to its clamp by inputs first ... last - 1, of which what it bears changes by `by`. */
+static void relative_motion(const fingerfem_chain *chain, int k, int first, int last, double (*by)[CHAIN_INPUTS],
+                            chain_plate *plate)
+{
+    const int w = W * chain->plates;
+    for (int i = 0; i < W; i++) {
+        for (int c = first; c < last; c++) plate->motion[i][c] = 0.0;
+        for (int j = 0; j < W; j++)
+            for (int c = first; c < last; c++) plate->motion[i][c] += plate->by_wrench[i][j] * by[j][c];
+        for (int j = 0; last > w && j < chain->segments[k]->tensions; j++)
+            plate->motion[i][w + chain->own[chain->tensions * k + j]] += plate->by_tensions[i][j];
+    }
+}
+
+/* Poses in space and motions by inputs first ... last - 1, from those relative to the plate before. */
+static void compose(const fingerfem_chain *chain, int first, int last, chain_state *state)
+{
+    for (int k = 0; k < chain->plates; k++) {
+        chain_plate *plate = state->plates + k, *before = plate - 1;
+        if (!k) {
+            memcpy(plate->centre, plate->arm, sizeof plate->centre);
+            memcpy(plate->rotation, plate->relative, sizeof plate->rotation);
+            continue;
+        }
+        double moved[3], carried[3], spun[3];
+        turned(before->rotation, plate->arm, moved);
+        for (int i = 0; i < 3; i++) {
+            plate->centre[i] = before->centre[i] + moved[i];
+            turned_back(plate->relative, before->rotation + 3 * i, plate->rotation + 3 * i); /* row of R times relative */
+        }
+        for (int c = first; c < last; c++) {
+            double t[3];
+            for (int i = 0; i < 3; i++) t[i] = before->motion[3 + i][c];
+            cross(t, plate->arm, moved);
+            for (int i = 0; i < 3; i++) moved[i] += before->motion[i][c];
+            turned_back(plate->relative, moved, carried);
+            turned_back(plate->relative, t, spun);
+            for (int i = 0; i < 3; i++) {
+                plate->motion[i][c] += carried[i];
+                plate->motion[3 + i][c] += spun[i];
+            }
+        }
+    }
+}
+
+void chain_under(const chain_contracted *map, const double *wrench, chain_state *state)
+{
+    const fingerfem_chain *chain = map->chain;
+    const int w = W * chain->plates;
+    double borne[W] = {0.0}, by[W][CHAIN_INPUTS] = {{0.0}}, by_wrench[W * FINGERFEM_POSE];
+    for (int k = chain->plates - 1; k >= 0; k--) {
+        chain_plate *plate = state->plates + k;
+        for (int i = 0; i < W; i++) {
+            borne[i] += wrench[W * k + i];
+            by[i][W * k + i] += 1.0;
+            plate->borne[i] = borne[i];
+        }
+        map_pose(chain->segments[k], map->contracted[k], borne, map->products[k], plate->pose, by_wrench);
+        for (int i = 0; i < W; i++)
+            map_motion(plate->pose, by_wrench + FINGERFEM_POSE * i, W, i, &plate->by_wrench[0][0]);
+        locate(chain, k, plate);
+        relative_motion(chain, k, 0, w, by, plate);
+        if (k) pass_on(plate, 0, w, borne, by);
+    }
+    compose(chain, 0, w, state);
+}
+
+void chain_free(const chain_contracted *map, chain_state *state)
+{
+    const fingerfem_chain *chain = map->chain;
+    const int w = W * chain->plates, inputs = w + chain->tensions;
+    double by[W][CHAIN_INPUTS] = {{0.0}}, by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
+    for (int k = 0; k < chain->plates; k++) {
+        chain_plate *plate = state->plates + k;
+        map_free(chain->segments[k], map->contracted[k], plate->pose, by_tensions);
+        for (int j = 0; j < chain->segments[k]->tensions; j++)
+            map_motion(plate->pose, by_tensions + FINGERFEM_POSE * j, MAP_MOST_TENSIONS, j, &plate->by_tensions[0][0]);
+        memset(plate->borne, 0, sizeof plate->borne);
+        memset(plate->by_wrench, 0, sizeof plate->by_wrench); /* nothing is borne, whatever the tensions */
+        locate(chain, k, plate);
+        relative_motion(chain, k, w, inputs, by, plate);
+    }
+    compose(chain, w, inputs, state);
+}
+
+void chain_by_tensions(const chain_contracted *map, chain_state *state)
+{
+    const fingerfem_chain *chain = map->chain;
+    const int w = W * chain->plates, inputs = w + chain->tensions;
+    double by[W][CHAIN_INPUTS] = {{0.0}};
+    for (int k = chain->plates - 1; k >= 0; k--) {
+        chain_plate *plate = state->plates + k;
+        const int groups = chain->segments[k]->groups, stride = FINGERFEM_POSE * groups;
+        for (int j = 0; j < chain->segments[k]->tensions; j++) {
+            map_eight sum = {0.0};
+            for (int g = 0; g < groups; g++)
+                sum += map->products[k][FINGERFEM_POSE * g] *
+                       map_load(map->contracted[k] + stride * (1 + j) + FINGERFEM_POSE * g);
+            double change[FINGERFEM_POSE];
+            map_store(change, sum);
+            map_motion(plate->pose, change, MAP_MOST_TENSIONS, j, &plate->by_tensions[0][0]);
+        }
+        double borne[W];
+        memcpy(borne, plate->borne, sizeof borne);
+        relative_motion(chain, k, w, inputs, by, plate);
+        if (k) pass_on(plate, w, inputs, borne, by);
+    }
+    compose(chain, w, inputs, state);
+}
+
+int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *centres,
+                          double *rotations, double *motions)
+{
+    const int n = chain->plates, w = W * n, t = chain->tensions;
+    double contracted[chain_contracted_size(chain)], products[chain_products_size(chain)], held[MAP_MOST_TENSIONS];
+    chain_contracted map;
+    chain_state state;
+    int inside = 1;
+    for (int k = 0; k < t; k++) {
+        held[k] = map_held(chain->segments[0], k, tensions[k]);
+        inside &= held[k] == tensions[k];
+    }
+    chain_contract(chain, held, contracted, products, &map);
+    chain_under(&map, wrenches, &state);
+    chain_by_tensions(&map, &state);
+    for (int k = 0; k < n; k++) {
+        const chain_plate *plate = state.plates + k;
+        inside &= map_inside(chain->segments[k], plate->borne);
+        memcpy(centres + 3 * k, plate->centre, sizeof plate->centre);
+        memcpy(rotations + 9 * k, plate->rotation, sizeof plate->rotation);
+        for (int i = 0; i < W; i++)
+            for (int c = 0; c < t + w; c++)
+                motions[(t + w) * (W * k + i) + c] = plate->motion[i][c < t ? w + c : c - t] * (c >= t || held[c] == tensions[c]);
+    }
+    return inside;
+}
