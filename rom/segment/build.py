@@ -9,7 +9,7 @@ import numpy as np
 
 from rom.fit.chebyshev import Polynomial
 from rom.segment.contact_error import relative_force_errors
-from rom.segment.index_set import index_set
+from rom.segment.index_set import index_set, pure_degree
 from rom.segment.mirrors import with_images
 from rom.segment.pose_fit import best_fit
 from rom.segment.regression import Samples, regression
@@ -20,6 +20,7 @@ from rom.terminal import Progress, quiet
 
 logger = logging.getLogger(__name__)
 SKIN_TERMS, SKIN_PURE = 400, 8  # most products of the skin, and the degree of tensions alone: it errs by some 10 um
+SKIN_PURE_TERMS = 100  # most products of tensions alone in it
 TERMS = 2500  # most products of a map: a query takes as long as it has terms
 
 
@@ -78,7 +79,8 @@ def skin_fit(
         lines=states.lines,
     )
     each = np.repeat(weights, [states.tensions, 3, 3])
-    sets = [index_set(each, degree, states.tensions, pure=SKIN_PURE) for degree in np.arange(2.0, 12.0, 0.5)]
+    pure = pure_degree(states.tensions, SKIN_PURE, SKIN_PURE_TERMS)
+    sets = [index_set(each, degree, states.tensions, pure) for degree in np.arange(2.0, 12.0, 0.5)]
     powers = max((powers for powers in sets if len(powers) <= SKIN_TERMS), key=len)
     found, predicted = regression(known, box, powers)
     off = np.linalg.norm(predicted.reshape(states.skin.shape) - states.skin, axis=2)

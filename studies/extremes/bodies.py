@@ -39,7 +39,7 @@ def rubber(poisson: float) -> Table:
 def rubbers() -> Iterator[Row]:
     """Poisson's ratio, stiffness, plates against rubber."""
     one = planar(draft())
-    for poisson in (-0.1, 0.0, 0.3, 0.45, 0.49, 0.499, 0.4999):
+    for poisson in (-0.1, 0.3, 0.49, 0.4999):
         table = changed(one, material=rubber(poisson))
         yield judged(
             PART,
@@ -57,7 +57,7 @@ def rubbers() -> Iterator[Row]:
 
     yield judged(PART, "Poisson's ratio", "0.499999", "0.4999 on the same mesh", 1e-4, limit)
     usual = solved(model(one), [50.0], 0.010)
-    for young in (1e3, 1e5, 1e7, 1e9):
+    for young in (1e3, 1e9):
         share = young / 9.88e6
         law = {"law": "neo-hookean"} | neo_hookean_from(young, 0.3).model_dump(include={"C1", "D1"})
         pulled = [tendon | {"tension": [0.0, 1e4]} for tendon in one["tendons"]]
@@ -84,7 +84,7 @@ def rubbers() -> Iterator[Row]:
         MESH,
         lambda: against_finer(changed(one, material=soft), [100.0]),
     )
-    for ratio in (1.0, 1e2, 1e4, 1e6):
+    for ratio in (1.0, 1e3, 1e6):
         young = STEEL.young_modulus / ratio
         law = {"law": "neo-hookean"} | neo_hookean_from(young, 0.3).model_dump(include={"C1", "D1"})
         pulled = [tendon | {"tension": [0.0, 1e4]} for tendon in one["tendons"]]
@@ -103,7 +103,7 @@ def rubbers() -> Iterator[Row]:
 def sizes() -> Iterator[Row]:
     """Slender, stubby, tiny and huge fingers."""
     one = planar(changed(draft(), obstacle=None))
-    for slenderness in (2, 5, 20, 100):
+    for slenderness in (2, 20, 100):
         length = slenderness * 0.010
         cells = [max(4 * slenderness, 12), 5]
         # The same turn of the tip, F e L / EI, as a finger of five sides at 50 N.
@@ -118,7 +118,7 @@ def sizes() -> Iterator[Row]:
             partial(against_finer, table, [50.0 * 0.05 / length]),
         )
     usual = solved(model(planar(draft())), [50.0], 0.010)
-    for side in (1e-4, 1e-3, 1e-1, 1.0):
+    for side in (1e-4, 1.0):
         scale = side / 0.010
         table = planar(draft())
         geometry = {"side": side, "segments": [0.05 * scale], "plate": 0.001 * scale}
@@ -184,7 +184,7 @@ def contact_stiffness() -> Iterator[Row]:
     usual = solved(model(changed(one, obstacle={"method": "nitsche"})), [50.0], 0.010).contact_force
     assert usual is not None
     for method in ("penalty", "nitsche"):
-        for factor in (1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6):
+        for factor in (1.0, 1e2, 1e4, 1e6):
             table = changed(one, obstacle={"method": method, "stiffness": factor})
 
             def off(table: Table = table) -> float:

@@ -17,7 +17,7 @@ def rows(quick: bool) -> Iterator[Row]:
     """All of them."""
     yield from loads()
     yield from planes()
-    yield from paths(3 if quick else 12)
+    yield from paths(3 if quick else 6)
 
 
 def loads() -> Iterator[Row]:

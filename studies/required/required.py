@@ -19,7 +19,7 @@ from studies.runner import Run
 
 NOT_HERE = ("straight", "incompressible", "Nitsche")  # other physics, not other requirements
 CELLS = [12, 9]  # of each segment; four channels need nine across
-LINES, QUICK_LINES = 5, 5  # of states, per tension
+LINES = 4  # of states, per tension
 
 
 def scenes() -> dict[str, dict[str, Any]]:
@@ -37,8 +37,7 @@ def scenes() -> dict[str, dict[str, Any]]:
 
 def row(name: str, table: dict[str, Any], run: Run) -> dict:
     """What one scene costs."""
-    lines = QUICK_LINES if run.quick else LINES
-    table = table | {"sampling": table.get("sampling", {}) | {"lines": lines * len(table["tendons"])}}
+    table = table | {"sampling": table.get("sampling", {}) | {"lines": LINES * len(table["tendons"])}}
     scene = Scene.model_validate(table)
     model = FingerModel(scene)
     file = sets.written(run.folder, name.replace(",", ""), sets.as_toml(scene.model_dump(mode="json")))

@@ -1,91 +1,38 @@
-"""Contact about the map against the full-order model: random planes, round objects, and the paper's plane.
-
-A full-order state in contact begins at the pressed state of the wrench that the map's contact ends with: what is left
-to solve is what the two differ by. It converges to the solver's tolerance, or counts as failed.
-"""
+"""Contact about the map against the full-order model: random planes, round objects, boxes, and the paper's plane."""
 
 from __future__ import annotations
 
 import tomllib
-from typing import Any
 
 import numpy as np
 
 from control.model import Model
 from rom import TouchedSegment
 from rom.build import train
-from rom.segment.objects import Cylinder, Object, Plane, Sphere, facing_plane
+from rom.segment.objects import facing_plane
 from rom.segment.segment_map import quantiles
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotSet, read_task
 from studies import sets
 from studies.runner import Run
 from studies.segment import maps
-from studies.segment.scattered_objects import DISTANCE, HIGHEST, SHAPES, placed, tensions
+from studies.segment.full_order import FullOrder
+from studies.segment.scattered_objects import DISTANCE, SHAPES, placed, tensions
 
 DEEPEST = 0.004  # [m]: how far objects come beyond the free plate
 FELT = 0.05  # contact force that relative errors are of, at least [N]
 
 
-def obstacle(found: Object) -> dict[str, Any]:
-    """An object as the table of a scene."""
-    table: dict[str, Any] = {"method": "penalty", "distance": [1e-4, DISTANCE + HIGHEST]}
-    table |= {"centre": list(found.centre), "direction": list(found.direction)}
-    if isinstance(found, Cylinder):
-        return table | {"shape": "cylinder", "radius": found.radius, "axis": list(found.axis)}
-    if isinstance(found, Sphere):
-        return table | {"shape": "sphere", "radius": found.radius}
-    assert isinstance(found, Plane)
-    return table | {"shape": "plane", "normal": list(found.normal)}
-
-
-class FullOrder:
-    """The full-order finger, pressed by wrenches or by an object."""
-
-    def __init__(self, run: Run, plan: maps.Plan):
-        from fingerfem import FingerModel
-        from fingerfem.scene.scene import Scene
-
-        self._table = tomllib.loads(maps.scene(run, plan).read_text())
-        self._model, self._scene = FingerModel, Scene
-        self._pressed = FingerModel(Scene.model_validate(self._table))
-
-    def force(self, found: Object, pulled: np.ndarray, d: float, wrench: np.ndarray) -> tuple[float, bool] | None:
-        """Contact force [N], and whether rubber touches; None without a converged state."""
-        from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
-
-        try:
-            begun = self._pressed.solve(pulled, wrenches=wrench.reshape(1, 6), sensitivities=False)
-        except LoadNotReached:
-            return None
-        table = {key: value for key, value in self._table.items() if key != "load"} | {"obstacle": obstacle(found)}
-        model = self._model(self._scene.model_validate(table))
-        for strategy in ("plain", "line search"):
-            model.continuation.start(pulled, d, begun.displacement)
-            try:
-                model.continuation.newton.solve(strategy)
-                break
-            except NotConverged:
-                continue
-        else:
-            return None
-        forms, problem = model.problem.forms.contact, model.problem
-        assert forms is not None
-        x = problem.space.tabulate_dof_coordinates()[:, 0]
-        pushed = np.linalg.norm(problem.nodal(forms.nodal_force), axis=1)
-        rubber = pushed[x < x.max() - 1.01 * problem.scene.geometry.plate].sum()
-        return problem.scalar(forms.force), bool(rubber > 1e-6 * pushed.sum())
-
-
 def scattered(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
     """Random objects of one shape."""
-    segment, full, random = maps.segment(run, plan), FullOrder(run, plan), np.random.default_rng(9)
+    segment, random = maps.segment(run, plan), np.random.default_rng(9)
+    full = FullOrder(tomllib.loads(maps.scene(run, plan).read_text()))
     errors: list[float] = []
     expected: list[float] = []
     counts = dict.fromkeys(("no answer", "marked", "weak", "failed", "rubber"), 0)
     while len(errors) < count:
         pulled = tensions(segment, random)
-        found = placed(segment, pulled, random, shape)
+        found, table = placed(segment, pulled, random, shape)
         d = DISTANCE - DEEPEST * random.random()
         model = TouchedSegment(segment=segment, obstacle=found)
         answer = model.answers(np.array([*pulled, d]))
@@ -99,7 +46,7 @@ def scattered(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
         if force < FELT:
             counts["weak"] += 1
             continue
-        true = full.force(found, pulled, d, answer.wrenches[0])
+        true = full.force(table, pulled, d, answer.wrenches[0])
         if true is None:
             counts["failed"] += 1
             continue
@@ -160,7 +107,7 @@ def papers_plane(run: Run, plan: maps.Plan) -> dict:
 def measure(run: Run) -> dict:
     """All of it."""
     plans = [maps.QUICK] if run.quick else [maps.SMALL, maps.LARGE]
-    count = {"plane": 4, "sphere": 2, "cylinder": 2} if run.quick else {"plane": 120, "sphere": 40, "cylinder": 40}
+    count = dict.fromkeys(SHAPES, 2) if run.quick else {"plane": 150, "sphere": 40, "cylinder": 40, "box": 40}
     return {
         "scattered": [run.once(shape, scattered, run, plans[0], shape, count[shape]) for shape in SHAPES],
         "paper": [run.once(f"the paper's plane, {plan.name}", papers_plane, run, plan) for plan in plans],

@@ -24,7 +24,7 @@ def verdicts(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
     evaluations = []
     for _ in range(count):
         pulled = tensions(segment, random)
-        model = TouchedSegment(segment=segment, obstacle=placed(segment, pulled, random, shape))
+        model = TouchedSegment(segment=segment, obstacle=placed(segment, pulled, random, shape)[0])
         answer = model.answers(np.array([*pulled, DISTANCE - DEEPEST * random.random()]))
         evaluations.append(abs(int(answer.evaluations[0])))
         if answer.evaluations[0] < 0:
@@ -71,8 +71,8 @@ def jumps(run: Run, plan: maps.Plan, count: int) -> dict:
 
 def measure(run: Run) -> dict:
     """All shapes, then lines."""
-    plan, count = (maps.QUICK, 100) if run.quick else (maps.SMALL, 4000)
+    plan, count = (maps.QUICK, 100) if run.quick else (maps.SMALL, 2500)
     return {
         "verdicts": [run.once(shape, verdicts, run, plan, shape, count) for shape in SHAPES],
-        "jumps": run.once("lines", jumps, run, plan, 50 if run.quick else 2000),
+        "jumps": run.once("lines", jumps, run, plan, 50 if run.quick else 10_000),
     }

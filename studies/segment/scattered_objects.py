@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from rom import Cylinder, Plane, SegmentMap, Sphere
+from rom import Cylinder, Plane, SegmentMap, Sphere, TouchedSegment
 from rom.segment.objects import Object
+from studies.segment.full_order import Table, obstacle, random_box
 
 LEANING = 0.1  # most of a normal's component along the plate's axis: beyond, the rubber touches first [-]
 DISTANCE = 0.1  # of every object from where it touches the free plate at d = 0 [m]
 HIGHEST = 0.05  # of d, over that [m]
 RADII = 0.002, 0.05  # [m]
-SHAPES = ("plane", "sphere", "cylinder")
+SHAPES = ("plane", "sphere", "cylinder", "box")
 
 
 def tensions(segment: SegmentMap, random: np.random.Generator) -> np.ndarray:
@@ -21,8 +22,11 @@ def tensions(segment: SegmentMap, random: np.random.Generator) -> np.ndarray:
     return np.asarray(lower + random.random(t) * (upper - lower))
 
 
-def placed(segment: SegmentMap, pulled: np.ndarray, random: np.random.Generator, shape: str) -> Object:
-    """An object that touches the free plate's corner where d is DISTANCE, whichever way it lies there."""
+def placed(segment: SegmentMap, pulled: np.ndarray, random: np.random.Generator, shape: str) -> tuple[Object, Table]:
+    """An object that touches the free plate where d is DISTANCE, whichever way it lies there, and its scene's table.
+
+    It touches a corner of the plate, or as a box happens to be turned.
+    """
     free = segment.place([*pulled, *np.zeros(6)])
     axis, normal = free.rotation[:, 0], random.standard_normal(3)
     while not normal @ axis < LEANING * np.linalg.norm(normal):
@@ -30,12 +34,30 @@ def placed(segment: SegmentMap, pulled: np.ndarray, random: np.random.Generator,
     normal /= np.linalg.norm(normal)
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     places = free.centre + (signs * segment.half_lengths) @ free.rotation.T
-    surface = places[np.argmin(places @ normal)] + DISTANCE * normal
+    corner = places[np.argmin(places @ normal)]
+    surface = corner + DISTANCE * normal
     radius = float(np.exp(random.uniform(*np.log(RADII))))
-    where = {"direction": tuple(-normal), "distances": (0.0, DISTANCE + HIGHEST)}
+    where: Table = {"direction": tuple(-normal), "distances": (0.0, DISTANCE + HIGHEST)}
+    if shape == "box":
+        return _box(segment, pulled, random, corner, where)
+    found: Object
     if shape == "plane":
-        return Plane(centre=tuple(surface), normal=tuple(normal), **where)
-    centre = tuple(surface - radius * normal)
-    if shape == "sphere":
-        return Sphere(centre=centre, radius=radius, **where)
-    return Cylinder(centre=centre, radius=radius, axis=tuple(np.cross(normal, random.standard_normal(3))), **where)
+        found = Plane(centre=tuple(surface), normal=tuple(normal), **where)
+    elif shape == "sphere":
+        found = Sphere(centre=tuple(surface - radius * normal), radius=radius, **where)
+    else:
+        along = tuple(np.cross(normal, random.standard_normal(3)))
+        found = Cylinder(centre=tuple(surface - radius * normal), radius=radius, axis=along, **where)
+    return found, obstacle(found)
+
+
+def _box(
+    segment: SegmentMap, pulled: np.ndarray, random: np.random.Generator, corner: np.ndarray, where: Table
+) -> tuple:
+    """A box that would hold the plate's corner in its middle at d = 0, moved back to touch it at DISTANCE."""
+    state = random.bit_generator.state
+    found, _ = random_box(random, tuple(corner), where | {"distances": (-1.0, 1.0)})
+    touch = TouchedSegment(segment=segment, obstacle=found).outputs(np.array([*pulled, 0.5]))[0, 4]
+    random.bit_generator.state = state
+    found, own = random_box(random, tuple(corner + (touch - DISTANCE) * np.array(where["direction"])), where)
+    return found, obstacle(found, own)

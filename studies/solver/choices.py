@@ -204,7 +204,7 @@ def measure(run: Run) -> dict:
     """All of it."""
     file = SCENES / ("draft.toml" if run.quick else "one_segment.toml")
     scene = load_scene(file)
-    cells = {1: [20, 5] if run.quick else [50, 8], 2: [10, 5] if run.quick else [25, 6]}
+    cells = {1: [20, 5], 2: [10, 5]}
     return {
         "scene": scene.name,
         "factorisations": run.once("factorisation of the tangent", factorisations, scene),

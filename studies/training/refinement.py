@@ -61,12 +61,12 @@ def _nodes(row: dict) -> str:
 
 
 def refined(folder: Path, until: float, held_out: SnapshotSet) -> list[dict]:
-    """A refined set after every second of its rounds, and after the last."""
+    """A refined set after every third of its rounds, and after the last."""
     path, rows = folder / "refined", []
     shutil.rmtree(path, ignore_errors=True)
     farm(2, sets.scene(folder, "draft"), path, "--until", str(until))
     rounds = SnapshotSet(path).plan.rounds
-    for count in sorted({*range(0, len(rounds), 2), len(rounds) - 1}):
+    for count in sorted({*range(0, len(rounds), 3), len(rounds) - 1}):
         found = rounds[count]
         snapshots = SnapshotSet(path)
         solved = set(snapshots.description.lines).union(*(one.lines for one in rounds[:count]))
@@ -98,7 +98,7 @@ def measure(run: Run) -> dict:
         for coarse in rows
         if nested(coarse, fine)
     ]
-    curve = run.once("refined, round by round", refined, folder, 0.1 if run.quick else 0.05, held_out)
+    curve = run.once("refined, round by round", refined, folder, 0.1 if run.quick else 0.06, held_out)
     for row in rows:
         row["as_good_in_95_percent"] = as_good(row, curve, tuple(name for name in MEASURES if name.endswith("p95")))
         row["as_good_in_all"] = as_good(row, curve, MEASURES)

@@ -5,6 +5,9 @@
 
 #define ALIKE 1e-9 /* of a distance: a point before a face is not before its edge besides [-] */
 
+#define PARALLEL 1e-6 /* sine between edges below which corners alone count [-] */
+#define BESIDE 0.3   /* of a normal's component along a face of the plate whose edge it still is that of [-] */
+
 typedef double vector[3];
 
 static void minus(const double *a, const double *b, double *out)
@@ -95,37 +98,51 @@ static void seen(const double *place, const double *rotation, objects_feature *f
     objects_turned_back(rotation, s, feature->a);
 }
 
-/* An edge of the hull and that edge of the plate along its axis j which it may cross: the normals of the two faces at the
- * hull's edge, and of those at the plate's, hold the contact's normal between them; both are nearest between their ends. */
+/* An edge of the hull, seen from the plate, and the edge of the plate along its axis j on given sides, whose common
+ * perpendicular is `normal`, out of the hull; `between` says whether it lies between the faces' normals at both. */
+static void across(const fingerfem_object *object, int edge, int j, const objects_feature *feature, const double *normal,
+                   const double *sides, int between, objects_contacts *found)
+{
+    const double *half = found->half_lengths, *a = feature->a;
+    vector p, r;
+    for (int i = 0; i < 3; i++) p[i] = i == j ? 0.0 : sides[i] * half[i];
+    minus(p, feature->s, r);
+    const double below = 1.0 - a[j] * a[j], along = objects_dot(a, r), height = objects_dot(normal, r);
+    p[j] = -(r[j] - a[j] * along) / below;
+    const double share = along + a[j] * p[j];
+    if (fabs(p[j]) >= half[j] || share <= 0.0 || share >= object->lengths[edge]) return;
+    if (height < (between ? object->radius - objects_shallow(object, half) : 0.0)) return; /* on the hull's other side */
+    const int side = 2 * (sides[(j + 1) % 3] > 0.0) + (sides[(j + 2) % 3] > 0.0);
+    const int name = OBJECTS_POINTS + object->corners + 12 * edge + 4 * j + side;
+    objects_note(found, name, feature, height - object->radius, p, normal);
+}
+
+/* An edge of the hull and the edges of the plate along its axis j that it may cross, where both are nearest between their
+ * ends. Where the plate lies along a face, their common perpendicular is that face's normal or a little beside it. */
 static void crossing(const fingerfem_object *object, int edge, int j, const double *place, const double *rotation,
                      objects_contacts *found)
 {
     objects_feature feature = {OBJECTS_EDGES, {0.0}, {0.0}, j};
-    const double *a = object->along + 3 * edge, *half = found->half_lengths;
+    const double *a = object->along + 3 * edge;
     const double e[3] = {rotation[j], rotation[3 + j], rotation[6 + j]};
     const double one = objects_dot(object->normals + 3 * object->sides[2 * edge], e);
     const double other = objects_dot(object->normals + 3 * object->sides[2 * edge + 1], e);
-    if (one * other >= 0.0) return;
-    vector n, normal, p;
+    vector n, normal, sides;
     objects_cross(a, e, n);
-    const double size = copysign(sqrt(objects_dot(n, n)), one);
+    const double sine = sqrt(objects_dot(n, n)), size = copysign(sine, one - other);
+    if (sine < PARALLEL) return;
     for (int i = 0; i < 3; i++) n[i] /= size;
+    objects_turned_back(rotation, n, normal);
     memcpy(feature.s, object->vertices + 3 * object->ends[2 * edge], sizeof(vector));
     memcpy(feature.a, a, sizeof(vector));
     seen(place, rotation, &feature);
-    objects_turned_back(rotation, n, normal);
-    for (int i = 0; i < 3; i++) p[i] = i == j ? 0.0 : -copysign(half[i], normal[i]);
-    vector r;
-    minus(p, feature.s, r);
-    const double below = 1.0 - feature.a[j] * feature.a[j], along = objects_dot(feature.a, r);
-    p[j] = -(r[j] - feature.a[j] * along) / below;
-    const double share = along + feature.a[j] * p[j];
-    if (fabs(p[j]) >= half[j] || share <= 0.0 || share >= object->lengths[edge]) return;
-    const double gap = objects_dot(normal, r) - object->radius;
-    if (gap < -objects_shallow(object, half)) return; /* they pass each other on the hull's other side */
-    const int name = OBJECTS_POINTS + object->corners + 12 * edge + 4 * j;
-    const int sign = 2 * (p[(j + 1) % 3] > 0.0) + (p[(j + 2) % 3] > 0.0);
-    objects_note(found, name + sign, &feature, gap, p, normal);
+    const int i = (j + 1) % 3, k = (j + 2) % 3;
+    for (sides[i] = -1.0; sides[i] < 2.0; sides[i] += 2.0)
+        for (sides[k] = -1.0; sides[k] < 2.0; sides[k] += 2.0) {
+            if (sides[i] * normal[i] > BESIDE || sides[k] * normal[k] > BESIDE) continue;
+            const int between = one * other < 0.0 && sides[i] * normal[i] < 0.0 && sides[k] * normal[k] < 0.0;
+            across(object, edge, j, &feature, normal, sides, between, found);
+        }
 }
 
 void hull_find(const fingerfem_object *object, const double *place, const double *rotation, objects_contacts *found)

@@ -1,0 +1,92 @@
+"""The full-order finger, pressed by objects: the truth that contact about maps is compared with.
+
+A state in contact begins at the pressed state of the wrenches that the maps' contact ends with: what is left to
+solve is what the two differ by. It converges to the solver's tolerance, or counts as failed.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from rom.segment.objects import Cylinder, Hull, Object, Plane, Sphere, box
+
+Table = dict[str, Any]
+
+
+def obstacle(found: Object, sides: dict | None = None) -> Table:
+    """An object as the table of a scene; of a box also what it was made from."""
+    table: Table = {"method": "penalty", "distance": [1e-4, found.distances[1]]}
+    table |= {"centre": list(found.centre), "direction": list(found.direction)}
+    if isinstance(found, Hull):
+        assert sides is not None, "of boxes alone"
+        return table | {"shape": "box"} | sides
+    if isinstance(found, Cylinder):
+        return table | {"shape": "cylinder", "radius": found.radius, "axis": list(found.axis)}
+    if isinstance(found, Sphere):
+        return table | {"shape": "sphere", "radius": found.radius}
+    assert isinstance(found, Plane)
+    return table | {"shape": "plane", "normal": list(found.normal)}
+
+
+def random_box(random: np.random.Generator, centre: tuple, where: Table) -> tuple[Hull, Table]:
+    """A box turned at random, and what a scene says of it."""
+    sides, rounding = random.uniform(0.008, 0.03, 3).tolist(), float(random.uniform(0.0005, 0.002))
+    rotation = Rotation.random(random_state=random).as_rotvec().tolist()
+    table = {"sides": sides, "rotation": rotation, "rounding": rounding}
+    return box(centre=centre, sides=tuple(sides), rotation=tuple(rotation), rounding=rounding, **where), table
+
+
+class FullOrder:
+    """A finger of a scene with a load, given as plain data."""
+
+    def __init__(self, table: Table):
+        from fingerfem import FingerModel
+        from fingerfem.scene.scene import Scene
+
+        self._table, self._model, self._scene = table, FingerModel, Scene
+        self._pressed = FingerModel(Scene.model_validate(table))
+
+    def centres(self, pulled: np.ndarray) -> np.ndarray:
+        """Of all plates of the free finger, shape (plates, 3) [m]."""
+        plates = len(self._table["geometry"]["segments"])
+        found = self._pressed.solve(pulled, wrenches=np.zeros((plates, 6)), sensitivities=False)
+        assert found.plate_centres is not None
+        return found.plate_centres
+
+    def force(self, touched: Table, pulled: np.ndarray, d: float, wrenches: np.ndarray) -> tuple[float, bool] | None:
+        """Contact force [N], and whether rubber touches; None without a converged state.
+
+        Args:
+            touched: a scene's obstacle.
+            pulled: tensions [N].
+            d: of the obstacle [m].
+            wrenches: that the maps found, on all plates, shape (6 plates,) [N, N m].
+        """
+        from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
+
+        try:
+            begun = self._pressed.solve(pulled, wrenches=wrenches.reshape(-1, 6), sensitivities=False)
+        except LoadNotReached:
+            return None
+        table = {key: value for key, value in self._table.items() if key != "load"} | {"obstacle": touched}
+        model = self._model(self._scene.model_validate(table))
+        for strategy in ("plain", "line search"):
+            model.continuation.start(pulled, d, begun.displacement)
+            try:
+                model.continuation.newton.solve(strategy)
+                break
+            except NotConverged:
+                continue
+        else:
+            return None
+        forms, problem = model.problem.forms.contact, model.problem
+        assert forms is not None
+        x = problem.space.tabulate_dof_coordinates()[:, 0]
+        pushed = np.linalg.norm(problem.nodal(forms.nodal_force), axis=1)
+        rubber = np.ones(len(x), bool)
+        for first, last in problem.scene.outline.plates:
+            rubber &= (x < first - 1e-6) | (x > last + 1e-6)
+        return problem.scalar(forms.force), bool(pushed[rubber].sum() > 1e-6 * pushed.sum())
