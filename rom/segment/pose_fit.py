@@ -19,7 +19,7 @@ from rom.terminal import Progress, quiet
 ROWS = 1.5  # rows a fit has at least for every coefficient [-]
 FIRST_WEIGHTS = 1.25, 2.25  # of the force's and the moment's powers where the search begins; a tension's is 1 [-]
 FORCES, MOMENTS = (0.8, 1.0, 1.25, 1.5), (1.5, 1.8, 2.25, 2.75)  # that are tried [-]
-LOWEST, STEP = 4.0, 0.5  # weighted degree a search begins with, and by how much it grows
+LOWEST, STEP = 2.0, 0.5  # weighted degree a search begins with, and by how much it grows
 SHARE = 0.9  # quantile of the predicted states' errors by which fits are compared [-]
 
 

@@ -29,7 +29,7 @@ LINES = {"base": 80, "tip": 40}  # of 5 states each
 TERMS = {"base": 2500, "tip": 1500}
 FELT = 0.02  # contact force that relative errors are of, at least [N]
 DEEPEST = 0.004  # [m]: how far the plane comes beyond the free finger
-FREE, PRESSED = 20, 50  # full-order states
+FREE, PRESSED = 10, 40  # full-order states
 
 
 def scene(run: Run, name: str) -> Path:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import tomllib
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 
 import numpy as np
 
@@ -19,6 +21,7 @@ from studies.segment import maps
 from studies.segment.full_order import FullOrder
 from studies.segment.scattered_objects import DISTANCE, SHAPES, placed, tensions
 
+CORES = 2
 DEEPEST = 0.004  # [m]: how far objects come beyond the free plate
 FELT = 0.05  # contact force that relative errors are of, at least [N]
 
@@ -57,6 +60,12 @@ def scattered(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
         expected.append(float(model.evaluate([*pulled, d]).error["contact_force"]) / true[0])
     covered = np.array(errors) <= np.array(expected)
     return {"shape": shape, **counts, "error": quantiles(np.array(errors)), "covered": float(covered.mean())}
+
+
+def by_shape(run: Run, plan: maps.Plan, count: dict[str, int]) -> list[dict]:
+    """Random objects of every shape, a shape a process."""
+    with ProcessPoolExecutor(CORES, mp_context=get_context("spawn")) as pool:
+        return [one.result() for one in [pool.submit(scattered, run, plan, shape, count[shape]) for shape in SHAPES]]
 
 
 def rubber_touches(states: SnapshotSet) -> np.ndarray:
@@ -108,7 +117,8 @@ def measure(run: Run) -> dict:
     """All of it."""
     plans = [maps.QUICK] if run.quick else [maps.SMALL, maps.LARGE]
     count = dict.fromkeys(SHAPES, 2) if run.quick else {"plane": 150, "sphere": 40, "cylinder": 40, "box": 40}
+    maps.segment(run, plans[0])
     return {
-        "scattered": [run.once(shape, scattered, run, plans[0], shape, count[shape]) for shape in SHAPES],
+        "scattered": run.once("random objects", by_shape, run, plans[0], count),
         "paper": [run.once(f"the paper's plane, {plan.name}", papers_plane, run, plan) for plan in plans],
     }
