@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rom.native.answer import Answer
     from rom.segment.chain import Chain
+    from rom.segment.object_search import find_object
     from rom.segment.objects import Cylinder, Hull, Plane, Sphere, box
     from rom.segment.segment_map import SegmentMap
     from rom.segment.touched_segment import TouchedSegment
@@ -23,8 +24,21 @@ _HOMES = {
     "Surrogate": "rom.surrogate",
     "TouchedSegment": "rom.segment.touched_segment",
     "box": "rom.segment.objects",
+    "find_object": "rom.segment.object_search",
 }
-__all__ = ["Answer", "Chain", "Cylinder", "Hull", "Plane", "SegmentMap", "Sphere", "Surrogate", "TouchedSegment", "box"]
+__all__ = [
+    "Answer",
+    "Chain",
+    "Cylinder",
+    "Hull",
+    "Plane",
+    "SegmentMap",
+    "Sphere",
+    "Surrogate",
+    "TouchedSegment",
+    "box",
+    "find_object",
+]
 
 
 def __getattr__(name: str) -> Any:

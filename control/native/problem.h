@@ -57,7 +57,8 @@ static inline void control_ask(control_problem *problem, const double *tensions,
     const control_finger *finger = problem->finger;
     if (finger->touching) {
         int32_t inside;
-        fingerfem_touch(finger->touching, problem->point, problem->wrench, problem->out, problem->jacobian, &inside);
+        fingerfem_touch(finger->touching, problem->point, problem->wrench, problem->out, problem->jacobian, NULL,
+                        &inside);
         problem->inside = inside;
     } else {
         fingerfem_answer(finger->kernel, problem->point, problem->out, problem->jacobian);

@@ -89,8 +89,10 @@ class TouchedSegment:
         """Tip [m], contact force [N] and touch distance [m], shape (n, 5), at points, shape (n, p)."""
         return self.answers(points).out
 
-    def answers(self, points: ArrayLike) -> Touched:
+    def answers(self, points: ArrayLike, by_object: bool = False) -> Touched:
         """Answers, with all that is known of them, at points, shape (n, p) [N, m].
+
+        Derivatives by the object's place, if wanted, are those with a motion of it along x, y, z.
 
         Raises:
             ModelError: the wrong number of parameters.
@@ -100,7 +102,7 @@ class TouchedSegment:
             raise ModelError(
                 f"parameters must be {', '.join(self.names)} (in that order), got shape {np.shape(points)}"
             )
-        return native.touches(self.touching, found)
+        return native.touches(self.touching, found, by_object=by_object)
 
     def evaluate(self, parameters: ArrayLike) -> Answer:
         """Tip, contact force and touch distance at tensions [N] and d [m], shape (p,) or (n, p).

@@ -163,6 +163,7 @@ class Touched(NamedTuple):
     Attributes:
         out: tip displacement x, y, z [m], contact force [N], touch distance [m], shape (n, 5).
         jacobians: of these by tensions and d, shape (n, 5, t + 1).
+        by_object: of these by the object's place, shape (n, 5, 3) [m, N, m per m]; None if not asked for.
         wrenches: on every plate, in its frame, shape (n, 6 plates) [N, N m].
         inside: whether tensions, wrench and d lie where the map was trained, and there is an answer that is stable and
             in which no rubber touches, shape (n,).
@@ -173,6 +174,7 @@ class Touched(NamedTuple):
 
     out: np.ndarray
     jacobians: np.ndarray
+    by_object: np.ndarray | None
     wrenches: np.ndarray
     inside: np.ndarray
     evaluations: np.ndarray
@@ -180,20 +182,22 @@ class Touched(NamedTuple):
     rubber_gaps: np.ndarray
 
 
-def touches(touching: Any, points: np.ndarray, wrenches: np.ndarray | None = None) -> Touched:
+def touches(touching: Any, points: np.ndarray, wrenches: np.ndarray | None = None, by_object: bool = False) -> Touched:
     """Answers at tensions and d, shape (n, t + 1).
 
     Args:
         touching: a struct fingerfem_touching.
         points: [N], [m].
         wrenches: where each solve begins, shape (n, 6 plates) [N, N m]; without contact if None.
+        by_object: whether derivatives by the object's place are wanted too.
     """
     points, (n, p) = np.ascontiguousarray(points, float), points.shape
     begun = np.zeros((n, 6 * touching.chain.plates)) if wrenches is None else np.array(wrenches, float)
-    counts = np.empty((2, n), np.int32)
+    counts, moved = np.empty((2, n), np.int32), np.empty((n, 5, 3)) if by_object else None
     found = Touched(
-        np.empty((n, 5)), np.empty((n, 5, p)), begun, counts[0], counts[1], np.empty(n, np.int64), np.empty(n)
+        np.empty((n, 5)), np.empty((n, 5, p)), moved, begun, counts[0], counts[1], np.empty(n, np.int64), np.empty(n)
     )
-    kinds = ("double[]",) * 3 + ("int32_t[]",) * 2 + ("int64_t[]", "double[]")
-    SEGMENT.functions.fingerfem_touches(touching, n, pointer(points), *map(pointer, found, kinds))
+    kinds = ("double[]",) * 4 + ("int32_t[]",) * 2 + ("int64_t[]", "double[]")
+    given = [SEGMENT.ffi.NULL if part is None else pointer(part, kind) for part, kind in zip(found, kinds, strict=True)]
+    SEGMENT.functions.fingerfem_touches(touching, n, pointer(points), *given)
     return found._replace(inside=found.inside.astype(bool))

@@ -86,12 +86,13 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
 int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *centres,
                           double *rotations, double *motions);
 
-/* Answer at a point, (tensions + 1), of tensions and d: out, (FINGERFEM_ROWS), and its derivatives, (FINGERFEM_ROWS,
- * tensions + 1). The wrench, (6 plates), is where the solve begins, and what it ends with; zero begins without contact.
- * Returns the number of evaluations of the map, negative without an equilibrium on the object's approach; inside is 1 if
- * tensions, wrench and d lie where the map was trained and d may be, and the plate would rest there. */
+/* Answer at a point, (tensions + 1), of tensions and d: out, (FINGERFEM_ROWS), its derivatives, (FINGERFEM_ROWS,
+ * tensions + 1), and, unless it is NULL, by_object, (FINGERFEM_ROWS, 3), by the object's place. The wrench, (6 plates), is
+ * where the solve begins, and what it ends with; zero begins without contact. Returns the number of evaluations of the map,
+ * negative without an equilibrium on the object's approach; inside is 1 if tensions, wrench and d lie where the map was
+ * trained and d may be, and the plate would rest there. */
 int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *wrench, double *out,
-                    double *jacobian, int32_t *inside);
+                    double *jacobian, double *by_object, int32_t *inside);
 
 /* Estimated error of the contact force [N] of an answer. */
 double fingerfem_touch_error(const fingerfem_touching *touching, const double *out, const double *jacobian);
@@ -100,10 +101,11 @@ double fingerfem_touch_error(const fingerfem_touching *touching, const double *o
  * map knows nothing of rubber that touches: what may touch, below skin_error, is no answer. */
 double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench);
 
-/* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, wrenches,
+/* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, of which by_objects
+ * may be NULL, wrenches,
  * (count, 6 plates), where they begin and end, inside and evaluations, (count), the time of each [ns], without that of the
  * rubber's gaps, (count), where what touches is not inside. */
 void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out,
-                       double *jacobians, double *wrenches, int32_t *inside, int32_t *evaluations,
-                       int64_t *nanoseconds, double *rubber_gaps);
+                       double *jacobians, double *by_objects, double *wrenches, int32_t *inside,
+                       int32_t *evaluations, int64_t *nanoseconds, double *rubber_gaps);
 #endif

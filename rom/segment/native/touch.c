@@ -4,44 +4,94 @@
 #include <time.h>
 #include "contact.h"
 
-/* Tip and contact force, and their derivatives, at a state that has been solved. */
-static int report(const contact_problem *problem, const contact_state *state, int d_moves, double *out, double *jacobian)
+/* A vector of space as a plate sees it. */
+static void seen_by(const chain_plate *plate, const double *v, double *found)
+{
+    const double *r = plate->rotation;
+    for (int i = 0; i < 3; i++) found[i] = r[i] * v[0] + r[3 + i] * v[1] + r[6 + i] * v[2];
+}
+
+/* Tip displacement and contact force, (4), at a state that has been solved. */
+static void report(const contact_problem *problem, const contact_state *state, double *out)
 {
     const fingerfem_chain *chain = problem->touching->chain;
-    const int t = chain->tensions, p = t + 1, w = problem->size;
     const chain_plate *plates = state->at.chain.plates, *tip = plates + chain->plates - 1;
-    const double *r = tip->rotation;
-    double e[FINGERFEM_MOST_PLATES][3];
-    for (int i = 0; i < 3; i++) out[i] = tip->centre[i] - chain->rest[i];
     out[3] = 0.0;
+    for (int i = 0; i < 3; i++) out[i] = tip->centre[i] - chain->rest[i];
     for (int q = 0; q < chain->plates; q++) {
-        placed_leaving(problem, plates + q, e[q]);
-        for (int i = 0; i < 3; i++) out[3] -= e[q][i] * state->wrench[W * q + i];
+        double e[3];
+        placed_leaving(problem, plates + q, e);
+        for (int i = 0; i < 3; i++) out[3] -= e[i] * state->wrench[W * q + i];
     }
-    for (int k = 0; k < (d_moves ? p : t); k++) {
-        double drift[CHAIN_WRENCH], change[CHAIN_WRENCH];
-        for (int i = 0; i < w; i++) drift[i] = k < t ? plates[i / W].motion[i % W][w + k] : i % W < 3 ? -e[i / W][i % W] : 0.0;
-        if (!contact_follow(problem, state, drift, change)) return 0;
-        for (int q = 0; q < chain->plates; q++) {
-            double motion[W];
-            for (int i = 0; i < W; i++) {
-                motion[i] = k < t ? drift[W * q + i] : 0.0;
-                for (int j = 0; j < w; j++) motion[i] += plates[q].motion[i][j] * change[j];
-            }
-            for (int i = 0; i < 3; i++) {
-                const int j = (i + 1) % 3, l = (i + 2) % 3;
-                const double turned = e[q][j] * motion[3 + l] - e[q][l] * motion[3 + j];
-                jacobian[p * 3 + k] -= e[q][i] * change[W * q + i] + turned * state->wrench[W * q + i];
-                if (plates + q == tip)
-                    jacobian[p * i + k] = r[3 * i] * motion[0] + r[3 * i + 1] * motion[1] + r[3 * i + 2] * motion[2];
-            }
+}
+
+/* How these change, (4), with what moves the plates by `drift` at fixed wrenches, or, if they do not move, relative to the
+ * object. Returns 0 if nothing is known of it. */
+static int report_change(const contact_problem *problem, const contact_state *state, const double *drift, int they_move,
+                         double *found)
+{
+    const fingerfem_chain *chain = problem->touching->chain;
+    const chain_plate *plates = state->at.chain.plates;
+    double change[CHAIN_WRENCH];
+    if (!contact_follow(problem, state, drift, change)) return 0;
+    found[3] = 0.0;
+    for (int q = 0; q < chain->plates; q++) {
+        double motion[W], e[3];
+        const double *r = plates[q].rotation;
+        placed_leaving(problem, plates + q, e);
+        for (int i = 0; i < W; i++) {
+            motion[i] = they_move ? drift[W * q + i] : 0.0;
+            for (int j = 0; j < problem->size; j++) motion[i] += plates[q].motion[i][j] * change[j];
+        }
+        for (int i = 0; i < 3; i++) {
+            const int j = (i + 1) % 3, l = (i + 2) % 3;
+            const double turned = e[j] * motion[3 + l] - e[l] * motion[3 + j];
+            found[3] -= e[i] * change[W * q + i] + turned * state->wrench[W * q + i];
+            found[i] = r[3 * i] * motion[0] + r[3 * i + 1] * motion[1] + r[3 * i + 2] * motion[2]; /* of the tip, at last */
         }
     }
     return 1;
 }
 
-/* Touch distance and its derivatives by the tensions, of the free plates. */
-static void report_touch(const contact_problem *problem, const placed *at, double touch, double *out, double *jacobian)
+/* The same with a motion v of the object, (3). */
+static int report_object(const contact_problem *problem, const contact_state *state, const double *v, double *found)
+{
+    double drift[CHAIN_WRENCH] = {0.0}, seen[3];
+    for (int q = 0; q < problem->touching->chain->plates; q++) {
+        seen_by(state->at.chain.plates + q, v, seen);
+        for (int i = 0; i < 3; i++) drift[W * q + i] = -seen[i];
+    }
+    return report_change(problem, state, drift, 0, found);
+}
+
+/* Derivatives of tip and contact force by the tensions and, where it matters, by d and by the object's place. */
+static int report_derivatives(const contact_problem *problem, const contact_state *state, int d_moves, double *jacobian,
+                              double *by_object)
+{
+    const int t = problem->touching->chain->tensions, p = t + 1;
+    double drift[CHAIN_WRENCH], found[4];
+    for (int k = 0; k < t; k++) {
+        for (int i = 0; i < problem->size; i++)
+            drift[i] = state->at.chain.plates[i / W].motion[i % W][problem->size + k];
+        if (!report_change(problem, state, drift, 1, found)) return 0;
+        for (int i = 0; i < 4; i++) jacobian[p * i + k] = found[i];
+    }
+    if (d_moves) {
+        if (!report_object(problem, state, problem->touching->object->direction, found)) return 0;
+        for (int i = 0; i < 4; i++) jacobian[p * i + t] = found[i];
+    }
+    for (int k = 0; k < 3 && by_object; k++) {
+        double unit[3] = {0.0};
+        unit[k] = 1.0;
+        if (!report_object(problem, state, unit, found)) return 0;
+        for (int i = 0; i < 4; i++) by_object[3 * i + k] = found[i];
+    }
+    return 1;
+}
+
+/* Touch distance and its derivatives by the tensions and by the object's place, of the free plates. */
+static void report_touch(const contact_problem *problem, const placed *at, double touch, double *out, double *jacobian,
+                         double *by_object)
 {
     const int t = problem->touching->chain->tensions;
     out[4] = touch;
@@ -54,6 +104,8 @@ static void report_touch(const contact_problem *problem, const placed *at, doubl
     for (int i = 0; i < 3; i++) down += normal[i] * e[i];
     for (int k = 0; k < t; k++)
         for (int i = 0; i < W; i++) jacobian[(t + 1) * 4 + k] += normal[i] * plate->motion[i][problem->size + k] / down;
+    for (int k = 0; k < 3 && by_object; k++)
+        for (int i = 0; i < 3; i++) by_object[3 * 4 + k] -= normal[i] * plate->rotation[3 * k + i] / down;
 }
 
 double fingerfem_touch_error(const fingerfem_touching *touching, const double *out, const double *jacobian)
@@ -75,7 +127,7 @@ static void leave_free(const contact_problem *problem, contact_state *state)
 }
 
 int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *wrench, double *out,
-                    double *jacobian, int32_t *inside)
+                    double *jacobian, double *by_object, int32_t *inside)
 {
     const fingerfem_chain *chain = touching->chain;
     const fingerfem_object *object = touching->object;
@@ -86,6 +138,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     const contact_problem problem = {touching, &map, W * chain->plates};
     const size_t size = (size_t)problem.size * sizeof *wrench;
     memset(jacobian, 0, (size_t)(FINGERFEM_ROWS * p) * sizeof *jacobian);
+    if (by_object) memset(by_object, 0, 3 * FINGERFEM_ROWS * sizeof *by_object);
     *inside = 1;
     for (int k = 0; k < t; k++) {
         held[k] = map_held(chain->segments[0], k, point[k]);
@@ -96,7 +149,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     memset(state.forces, 0, sizeof state.forces);
     chain_free(&map, &state.at.chain);
     const double touch = placed_touch_distance(&problem, &state.at);
-    report_touch(&problem, &state.at, touch, out, jacobian);
+    report_touch(&problem, &state.at, touch, out, jacobian, by_object);
     double d = point[t] > object->nearest ? point[t] : object->nearest;
     d = d < object->farthest ? d : object->farthest;
     const int touches = d < touch, d_moves = d == point[t];
@@ -110,7 +163,9 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
         leave_free(&problem, &state);
     }
     for (int k = 0; k < chain->plates; k++) *inside &= map_inside(chain->segments[k], state.at.chain.plates[k].borne);
-    if (!report(&problem, &state, touches && d_moves, out, jacobian) && evaluations > 0) evaluations = -evaluations;
+    report(&problem, &state, out);
+    if (!report_derivatives(&problem, &state, touches && d_moves, jacobian, touches ? by_object : NULL) && evaluations > 0)
+        evaluations = -evaluations;
     *inside &= evaluations > 0 && (!touches || contact_stable(&problem, &state));
     for (int k = 0; k < t; k++)
         for (int i = 0; i < FINGERFEM_ROWS && held[k] != point[k]; i++) jacobian[p * i + k] = 0.0;
@@ -119,8 +174,8 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
 }
 
 void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out,
-                       double *jacobians, double *wrenches, int32_t *inside, int32_t *evaluations,
-                       int64_t *nanoseconds, double *rubber_gaps)
+                       double *jacobians, double *by_objects, double *wrenches, int32_t *inside,
+                       int32_t *evaluations, int64_t *nanoseconds, double *rubber_gaps)
 {
     const int p = touching->chain->tensions + 1;
     for (int i = 0; i < count; i++) {
@@ -128,7 +183,8 @@ void fingerfem_touches(const fingerfem_touching *touching, int count, const doub
         double *wrench = wrenches + W * touching->chain->plates * i;
         clock_gettime(CLOCK_MONOTONIC, &begun);
         evaluations[i] = fingerfem_touch(touching, points + p * i, wrench, out + FINGERFEM_ROWS * i,
-                                         jacobians + FINGERFEM_ROWS * p * i, inside + i);
+                                         jacobians + FINGERFEM_ROWS * p * i,
+                                         by_objects ? by_objects + 3 * FINGERFEM_ROWS * i : NULL, inside + i);
         clock_gettime(CLOCK_MONOTONIC, &ended);
         nanoseconds[i] = (ended.tv_sec - begun.tv_sec) * 1000000000LL + ended.tv_nsec - begun.tv_nsec;
         rubber_gaps[i] = fingerfem_rubber_gap(touching, points + p * i, wrench);

@@ -1,5 +1,7 @@
 """Contact of a plate and rigid objects: forces only where gaps are closed, derivatives, and what has no answer."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import nnls
@@ -128,12 +130,22 @@ def test_a_hull_says_what_it_cannot_be():
         box(centre=(0, 0, 0), sides=(0.01, 0.01, 1e-4), direction=(0, 1, 0))
 
 
+def moved(model: TouchedSegment, way: np.ndarray) -> TouchedSegment:
+    """The same before the object moved."""
+    return replace(model, obstacle=replace(model.obstacle, centre=tuple(np.array(model.obstacle.centre) + way)))
+
+
+def _direction(model: TouchedSegment) -> np.ndarray:
+    return np.array(model.obstacle.numbers()["direction"])
+
+
 @pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder", "hull"])
 def test_derivatives_are_those_of_the_answers(segment, shape):
     random = np.random.default_rng(2)
     for _ in range(30):
         model, point = touched(segment, random, shape)
         value, jacobian = model.value_and_jacobian(point)
+        by_object = model.answers(point, by_object=True).by_object[0]
         if not model.evaluate(point).inside or not value[3] > 1e-3:  # solved to 1e-7 of the largest force
             continue
         for k, h in enumerate((5e-4, 5e-4, 2e-8)):
@@ -141,6 +153,12 @@ def test_derivatives_are_those_of_the_answers(segment, shape):
             after, before = model.outputs(point + unit)[0], model.outputs(point - unit)[0]
             differences = (after - before) / (2 * h)
             assert jacobian[:, k] == pytest.approx(differences, rel=2e-4, abs=2e-4 * np.abs(differences[:3]).max())
+        assert by_object[:4] @ _direction(model) == pytest.approx(jacobian[:4, 2], rel=1e-9)
+        assert by_object[4] @ _direction(model) == pytest.approx(-1.0)
+        for k, h in enumerate((2e-8, 2e-8, 2e-8)):
+            after, before = (moved(model, step * np.eye(3)[k]).outputs(point)[0] for step in (h, -h))
+            differences = (after - before) / (2 * h)
+            assert by_object[:, k] == pytest.approx(differences, rel=5e-4, abs=5e-4 * np.abs(by_object[:3]).max())
 
 
 @pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder", "hull"])

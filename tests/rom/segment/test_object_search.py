@@ -1,0 +1,60 @@
+"""An object is found by what touches of it felt; where they cannot tell, that is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rom import Sphere, TouchedSegment, find_object
+from rom.segment.objects import facing_plane
+from tests.rom.segment import rod
+
+# Which bend the finger so far to the side that the ball meets its plate's front edge, its face and its sides.
+TENSIONS = np.array([[8, 0], [12, 2], [10, 6], [16, 1], [14, 8], [15, 4], [12, 10], [8, 8]], float)
+BALL = Sphere(centre=(0.0495, 0.016, 0.003), radius=0.01, direction=(0, 1, 0), distances=(-0.02, 0.02))
+
+
+@pytest.fixture
+def ball(segment) -> TouchedSegment:
+    return TouchedSegment(segment=segment, obstacle=BALL)
+
+
+def felt(model: TouchedSegment, distance: float = 0.0) -> np.ndarray:
+    found = model.answers(np.column_stack([TENSIONS, np.full(len(TENSIONS), distance)]))
+    assert found.inside.all() and (found.out[:, 3] > 0).all()
+    return found.out[:, 3]
+
+
+def away(model: TouchedSegment, way: tuple) -> TouchedSegment:
+    return replace(model, obstacle=replace(BALL, centre=tuple(np.add(BALL.centre, way))))
+
+
+@pytest.mark.parametrize("way", [(1e-3, -1e-3, 2e-3), (-2e-3, 2e-3, -1e-3), (0.0, 4e-3, 0.0)])
+def test_a_ball_is_found_where_it_is(ball, way):
+    """From a guess millimetres off, some of whose touches it does not even reach."""
+    found = find_object(away(ball, way), TENSIONS, felt(ball))
+    assert found.converged and found.centre == pytest.approx(BALL.centre, abs=1e-7)
+    assert found.as_json()["status"] == "converged"
+
+
+def test_noise_moves_it_by_what_the_deviations_say(ball):
+    random, noise, forces = np.random.default_rng(0), 2e-3, felt(ball)
+    off = []
+    for _ in range(40):
+        found = find_object(away(ball, (5e-4, 0, 0)), TENSIONS, forces + noise * random.standard_normal(8), noise=noise)
+        off.append((found.centre - BALL.centre) / found.deviations)
+    assert 0.6 < np.std(off) < 1.5 and np.mean(np.abs(np.mean(off, axis=0))) < 0.5
+
+
+def test_what_touches_cannot_tell_is_said(segment, ball):
+    plane = TouchedSegment(segment=segment, obstacle=facing_plane(rod.SIDE, (0.0, 0.05)))
+    forces = plane.outputs(np.column_stack([TENSIONS, np.full(8, 2e-3)]))[:, 3]
+    found = find_object(plane, TENSIONS, forces, 2e-3)
+    assert found.status == "undetermined" and not np.isfinite(found.deviations).any()  # along it, it may be anywhere
+    assert find_object(ball, TENSIONS, 50 * felt(ball), within=1e-3).status == "unreachable"
+
+
+def test_touches_that_are_none_are_refused(ball):
+    for tensions, forces in ((TENSIONS[:2], [0.1, 0.1]), (TENSIONS, -felt(ball)), (TENSIONS[:, :1], felt(ball))):
+        with pytest.raises(ValueError, match="must be"):
+            find_object(ball, tensions, forces)
