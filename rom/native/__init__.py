@@ -199,7 +199,18 @@ def _cache() -> Path:
 
 EVALUATION = Library("evaluation", [HERE / "kernel.h", HERE / "evaluation.h"], [HERE / "batches.c"])
 _SEGMENT = HERE.parent / "segment" / "native"
-_SOURCES = ("map.c", "chain.c", "objects.c", "hull.c", "small.c", "placed.c", "contact.c", "touch.c", "rubber.c")
+_SOURCES = (
+    "map.c",
+    "chain.c",
+    "objects.c",
+    "hull.c",
+    "small.c",
+    "placed.c",
+    "response.c",
+    "contact.c",
+    "touch.c",
+    "rubber.c",
+)
 SEGMENT = Library(
     "segment",
     headers=[_SEGMENT / "segment.h"],

@@ -163,7 +163,8 @@ void chain_under(const chain_contracted *map, const double *wrench, chain_state 
         for (int i = 0; i < W; i++)
             map_motion(plate->pose, by_wrench + FINGERFEM_POSE * i, W, i, &plate->by_wrench[0][0]);
         locate(chain, k, plate);
-        relative_motion(chain, k, 0, w, by, plate);
+        if (chain->plates > 1) relative_motion(chain, k, 0, w, by, plate);
+        else for (int i = 0; i < W; i++) memcpy(plate->motion[i], plate->by_wrench[i], sizeof plate->by_wrench[i]);
         if (k) pass_on(plate, 0, w, borne, by);
     }
     compose(chain, 0, w, state);

@@ -10,93 +10,14 @@
 #include <math.h>
 #include <stdlib.h>
 #include "contact.h"
-#include "small.h"
+#include "response.h"
 
-#define INLINE __attribute__((always_inline)) static inline
 #define ITERATIONS 30
-#define STEPS 4      /* on that way, at first */
+#define STEPS 4      /* of an object that is brought to where it is, at first */
 #define HALVINGS 10  /* of such a step until there is no answer */
 #define EVALUATIONS 500 /* most of the map for one answer */
 #define CLOSE 1e-7   /* of the box: a last step of the wrench, a small part of which is left [-] */
 #define LONGEST 0.5  /* of the box: a step of the wrench [-] */
-
-/* W f, and G: how that changes as the plates move. */
-static void pressed(const contact_problem *problem, const objects_contacts *contacts, const double *forces,
-                    double *wrench, chain_matrix change)
-{
-    memset(wrench, 0, (size_t)problem->size * sizeof *wrench);
-    for (int i = 0; i < problem->size; i++) memset(change[i], 0, (size_t)problem->size * sizeof *change[i]);
-    for (int k = 0; k < contacts->count; k++) {
-        if (forces[k] == 0.0) continue;
-        const int first = W * contacts->plates[k];
-        double own[W][W];
-        objects_change(problem->touching->object, contacts, k, own);
-        for (int i = 0; i < W; i++) {
-            wrench[first + i] += forces[k] * contacts->wrenches[k][i];
-            for (int j = 0; j < W; j++) change[first + i][first + j] += forces[k] * own[i][j];
-        }
-    }
-}
-
-/* C, of all plates. */
-static void compliance(const contact_state *state, int size, chain_matrix out)
-{
-    for (int i = 0; i < size; i++) memcpy(out[i], state->at.chain.plates[i / W].motion[i % W], (size_t)size * sizeof **out);
-}
-
-INLINE void product(int size, const chain_matrix a, const chain_matrix b, chain_matrix out)
-{
-    for (int i = 0; i < size; i++) {
-        for (int j = 0; j < size; j++) out[i][j] = 0.0;
-        for (int k = 0; k < size; k++)
-            for (int j = 0; j < size; j++) out[i][j] += a[i][k] * b[k][j];
-    }
-}
-
-/* S = (1 - G C)^-1 and C S; returns 0 if there is none. */
-INLINE int softened_of(int size, contact_state *state)
-{
-    chain_matrix moved, made;
-    double system[size * size], inverse[size * size];
-    compliance(state, size, moved);
-    product(size, state->following, moved, made);
-    for (int i = 0; i < size; i++)
-        for (int j = 0; j < size; j++) {
-            inverse[size * i + j] = i == j;
-            system[size * i + j] = (i == j) - made[i][j];
-        }
-    if (!small_solve(size, system, size, inverse)) return 0;
-    for (int i = 0; i < size; i++) memcpy(state->soft[i], inverse + size * i, (size_t)size * sizeof *inverse);
-    product(size, moved, state->soft, state->yielding);
-    return 1;
-}
-
-/* The loops of one plate are unrolled. */
-static int softened(int size, contact_state *state) { return size == W ? softened_of(W, state) : softened_of(size, state); }
-
-static double dot(int size, const double *a, const double *b)
-{
-    double sum = 0.0;
-    for (int i = 0; i < size; i++) sum += a[i] * b[i];
-    return sum;
-}
-
-/* The wrench of a contact, as a row, times a matrix. */
-static void row_product(const contact_problem *problem, const objects_contacts *contacts, int k, const chain_matrix m,
-                        double *out)
-{
-    const double *row = contacts->wrenches[k];
-    const int first = W * contacts->plates[k];
-    for (int j = 0; j < problem->size; j++) out[j] = 0.0;
-    for (int i = 0; i < W; i++)
-        for (int j = 0; j < problem->size; j++) out[j] += row[i] * m[first + i][j];
-}
-
-/* A row of all wrenches times the wrench of a contact. */
-static double along(const double *row, const objects_contacts *contacts, int k)
-{
-    return dot(W, row + W * contacts->plates[k], contacts->wrenches[k]);
-}
 
 /* Forces that the contacts had before, found again by their names. */
 static void carry(const objects_contacts *before, const double *forces, const objects_contacts *now, double *found)
@@ -112,39 +33,31 @@ static void carry(const objects_contacts *before, const double *forces, const ob
 static double step(const contact_problem *problem, contact_state *state)
 {
     const fingerfem_chain *chain = problem->touching->chain;
-    objects_contacts *contacts = &state->at.contacts;
-    const int count = contacts->count, w = problem->size;
-    double made[CHAIN_WRENCH], target[CHAIN_WRENCH], change[CHAIN_WRENCH];
-    double a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], b[FINGERFEM_MOST_CONTACTS];
-    pressed(problem, contacts, state->forces, made, state->following);
-    if (!softened(w, state)) return -1.0;
-    for (int i = 0; i < count; i++) {
-        double row[CHAIN_WRENCH];
-        row_product(problem, contacts, i, state->yielding, row);
-        b[i] = contacts->gaps[i] - dot(w, row, state->wrench);
-        for (int j = 0; j < count; j++) a[count * i + j] = along(row, contacts, j);
-    }
-    double forces[FINGERFEM_MOST_CONTACTS];
+    const objects_contacts *contacts = &state->at.contacts;
+    const int w = problem->size;
+    double forces[FINGERFEM_MOST_CONTACTS], target[CHAIN_WRENCH], change[CHAIN_WRENCH], size = 0.0;
+    if (!response_find(problem, state)) return -1.0;
     memcpy(forces, state->forces, sizeof forces);
-    if (!small_complementarity(count, a, b, SOFT, forces)) return -1.0;
+    if (!response_balance(problem, state, forces)) return -1.0;
     for (int i = 0; i < w; i++) target[i] = -state->wrench[i];
-    for (int k = 0; k < count; k++)
-        for (int i = 0; i < W; i++) target[W * contacts->plates[k] + i] += forces[k] * contacts->wrenches[k][i];
-    double size = 0.0;
+    for (int k = 0; k < contacts->count; k++)
+        for (int i = 0; i < W && forces[k] > 0.0; i++)
+            target[W * contacts->plates[k] + i] += forces[k] * contacts->wrenches[k][i];
+    response_product(w, state->soft, target, change);
     for (int i = 0; i < w; i++) {
         const fingerfem_segment *segment = chain->segments[i / W];
-        change[i] = dot(w, state->soft[i], target);
         const double own = fabs(change[i]) / segment->upper[segment->tensions + i % W];
         if (own > size || isnan(own)) size = own;
     }
     if (isnan(size)) return -1.0;
     const double share = size > LONGEST ? LONGEST / size : 1.0;
     for (int i = 0; i < w; i++) state->wrench[i] += share * change[i];
-    for (int k = 0; k < count; k++) state->forces[k] += share * (forces[k] - state->forces[k]);
+    for (int k = 0; k < contacts->count; k++) state->forces[k] += share * (forces[k] - state->forces[k]);
     for (int k = 0; k < chain->plates; k++) { /* where the next pose would be found */
         chain_plate *plate = state->at.chain.plates + k;
         for (int j = 0; j < 3; j++) {
-            const double moved = share * dot(w, plate->motion[j], change);
+            double moved = 0.0;
+            for (int i = 0; i < w; i++) moved += share * plate->motion[j][i] * change[i];
             for (int i = 0; i < 3; i++) plate->centre[i] += plate->rotation[3 * i + j] * moved;
         }
     }
@@ -207,56 +120,4 @@ int contact_solve(const contact_problem *problem, double touch, double d, contac
     }
     const int more = approach(problem, touch, d, state);
     return more > 0 ? abs(evaluations) + more : evaluations - abs(more);
-}
-
-/* W^T C S W of the contacts that press, and a little more on its diagonal: (pressing, pressing); their number. */
-static int pressing(const contact_problem *problem, const contact_state *state, int *rows, double *found)
-{
-    const objects_contacts *contacts = &state->at.contacts;
-    int count = 0;
-    for (int k = 0; k < contacts->count; k++)
-        if (state->forces[k] > 0.0) rows[count++] = k;
-    for (int i = 0; i < count; i++) {
-        double row[CHAIN_WRENCH];
-        row_product(problem, contacts, rows[i], state->yielding, row);
-        for (int j = 0; j < count; j++) found[count * i + j] = along(row, contacts, rows[j]) + (i == j ? SOFT : 0.0);
-    }
-    return count;
-}
-
-int contact_follow(const contact_problem *problem, const contact_state *state, const double *drift,
-                   double *wrench_change)
-{
-    const objects_contacts *contacts = &state->at.contacts;
-    const int w = problem->size;
-    int rows[FINGERFEM_MOST_CONTACTS];
-    double turned[CHAIN_WRENCH], a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], forces[FINGERFEM_MOST_CONTACTS];
-    const int count = pressing(problem, state, rows, a);
-    for (int i = 0; i < w; i++) turned[i] = dot(w, state->following[i], drift);
-    for (int i = 0; i < count; i++) {
-        double row[CHAIN_WRENCH];
-        row_product(problem, contacts, rows[i], state->yielding, row);
-        forces[i] = -dot(w, row, turned) - along(drift, contacts, rows[i]);
-    }
-    if (!small_solve(count, a, 1, forces)) return 0;
-    for (int k = 0; k < count; k++)
-        for (int i = 0; i < W; i++)
-            turned[W * contacts->plates[rows[k]] + i] += forces[k] * contacts->wrenches[rows[k]][i];
-    for (int i = 0; i < w; i++) wrench_change[i] = dot(w, state->soft[i], turned);
-    return 1;
-}
-
-int contact_stable(const contact_problem *problem, const contact_state *state)
-{
-    const int w = problem->size;
-    int rows[FINGERFEM_MOST_CONTACTS];
-    double yielding[w * w], stiffness[w * w], a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
-    for (int i = 0; i < w; i++)
-        for (int j = 0; j < w; j++) {
-            yielding[w * i + j] = state->yielding[i][j];
-            stiffness[w * i + j] = i == j;
-        }
-    if (!small_solve(w, yielding, w, stiffness)) return 0;
-    const int count = pressing(problem, state, rows, a);
-    return small_negative(w, stiffness) == small_negative(count, a);
 }

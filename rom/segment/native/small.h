@@ -1,16 +1,41 @@
-/* Small dense systems, and linear complementarity: no allocation, a bounded number of steps. */
+/* Small dense systems: no allocation. */
 #ifndef FINGERFEM_SMALL_H
 #define FINGERFEM_SMALL_H
 
+#include <math.h>
+
 /* Solve for `columns` right-hand sides, (size, columns), in place, by elimination with pivots; returns 0 if singular. The
- * matrix, (size, size), is spoilt. */
+ * matrix, (size, size), is spoilt. Where sizes are known its loops are unrolled. */
+__attribute__((always_inline)) static inline int small_solve_of(int size, double *matrix, int columns, double *right)
+{
+    for (int k = 0; k < size; k++) {
+        int pivot = k;
+        for (int i = k + 1; i < size; i++)
+            if (fabs(matrix[size * i + k]) > fabs(matrix[size * pivot + k])) pivot = i;
+        if (!(fabs(matrix[size * pivot + k]) > 0.0)) return 0;
+        for (int j = 0; pivot != k && j < size; j++) {
+            const double swap = matrix[size * k + j];
+            matrix[size * k + j] = matrix[size * pivot + j];
+            matrix[size * pivot + j] = swap;
+        }
+        for (int j = 0; pivot != k && j < columns; j++) {
+            const double swap = right[columns * k + j];
+            right[columns * k + j] = right[columns * pivot + j];
+            right[columns * pivot + j] = swap;
+        }
+        for (int i = 0; i < size; i++) {
+            if (i == k) continue;
+            const double factor = matrix[size * i + k] / matrix[size * k + k];
+            for (int j = 0; j < size; j++) matrix[size * i + j] -= factor * matrix[size * k + j];
+            for (int j = 0; j < columns; j++) right[columns * i + j] -= factor * right[columns * k + j];
+        }
+    }
+    for (int k = 0; k < size; k++)
+        for (int j = 0; j < columns; j++) right[columns * k + j] /= matrix[size * k + k];
+    return 1;
+}
 int small_solve(int size, double *matrix, int columns, double *right);
 
 /* Number of negative eigenvalues of a matrix's symmetric part, by the signs of its pivots (Sylvester); it is spoilt. */
 int small_negative(int size, double *matrix);
-
-/* Forces x >= 0, (size), with gaps A x + b >= 0 and one of both zero everywhere, by principal pivoting (Murty 1974, least
- * index): it ends for every positive definite A. Begins with those active that have x > 0; `soft` is added to A's
- * diagonal. Returns 0 if it found none. */
-int small_complementarity(int size, const double *matrix, const double *b, double soft, double *x);
 #endif

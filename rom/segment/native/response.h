@@ -1,0 +1,15 @@
+/* How plates yield to forces at their contacts: C S, and what follows from it. */
+#ifndef FINGERFEM_RESPONSE_H
+#define FINGERFEM_RESPONSE_H
+#include "contact.h"
+
+/* G by the state's forces, S and C S; returns 0 if there are none. */
+int response_find(const contact_problem *problem, contact_state *state);
+
+/* A matrix times a vector, of all wrenches. */
+void response_product(int size, const chain_matrix m, const double *vector, double *out);
+
+/* Forces f >= 0, with gaps >= 0 and one of both zero at every contact, by principal pivoting (Murty 1974, least index): it
+ * ends for every positive definite W^T C S W. Begins with those that press. Returns 0 if it found none. */
+int response_balance(const contact_problem *problem, const contact_state *state, double *forces);
+#endif
