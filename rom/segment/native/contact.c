@@ -17,6 +17,9 @@
 #define HALVINGS 10  /* of such a step until there is no answer */
 #define EVALUATIONS 500 /* most of the map for one answer */
 #define CLOSE 1e-7   /* of the box: a last step of the wrench, a small part of which is left [-] */
+#define NEAR 2e-6    /* likewise, if steps become shorter by FASTER at least: the next would be some 1e-12, and derivatives,
+                        which are those of the last pose, are good to 1e-4 or so */
+#define FASTER 1e-2
 #define LONGEST 0.5  /* of the box: a step of the wrench [-] */
 
 /* Forces that the contacts had before, found again by their names. */
@@ -29,6 +32,13 @@ static void carry(const objects_contacts *before, const double *forces, const ob
     }
 }
 
+static int any(int count, const double *values)
+{
+    int found = 0;
+    for (int k = 0; k < count; k++) found |= values[k] != 0.0;
+    return found;
+}
+
 /* One step; returns the largest change of what a plate bears over its box, negative if there is none. */
 static double step(const contact_problem *problem, contact_state *state)
 {
@@ -39,6 +49,10 @@ static double step(const contact_problem *problem, contact_state *state)
     if (!response_find(problem, state)) return -1.0;
     memcpy(forces, state->forces, sizeof forces);
     if (!response_balance(problem, state, forces)) return -1.0;
+    if (any(w, state->wrench) && !any(contacts->count, state->forces)) { /* a known wrench, of forces that are not: so is G */
+        memcpy(state->forces, forces, sizeof forces);
+        if (!response_find(problem, state) || !response_balance(problem, state, forces)) return -1.0;
+    }
     for (int i = 0; i < w; i++) target[i] = -state->wrench[i];
     for (int k = 0; k < contacts->count; k++)
         for (int i = 0; i < W && forces[k] > 0.0; i++)
@@ -68,6 +82,7 @@ static double step(const contact_problem *problem, contact_state *state)
 static int solve_from(const contact_problem *problem, double d, contact_state *state)
 {
     objects_contacts before = state->at.contacts;
+    double last = INFINITY;
     for (int k = 1; k <= ITERATIONS; k++) {
         double forces[FINGERFEM_MOST_CONTACTS];
         memcpy(forces, state->forces, sizeof forces);
@@ -75,7 +90,8 @@ static int solve_from(const contact_problem *problem, double d, contact_state *s
         carry(&before, forces, &state->at.contacts, state->forces);
         const double size = step(problem, state);
         if (size < 0.0) return -k;
-        if (size < CLOSE) return k;
+        if (size < CLOSE || (size < NEAR && size < FASTER * last)) return k;
+        last = size;
         before = state->at.contacts;
     }
     return -ITERATIONS;
@@ -111,9 +127,8 @@ static int approach(const contact_problem *problem, double touch, double d, cont
 int contact_solve(const contact_problem *problem, double touch, double d, contact_state *state)
 {
     const double shallow = objects_shallow(problem->touching->object, problem->touching->chain->segments[0]->half_lengths);
-    int known = 0, evaluations = 0;
-    for (int i = 0; i < problem->size; i++) known |= state->wrench[i] != 0.0;
-    if (known || touch - d < shallow) {
+    int evaluations = 0;
+    if (any(problem->size, state->wrench) || touch - d < shallow) {
         state->at.contacts.count = 0;
         evaluations = solve_from(problem, d, state);
         if (evaluations > 0) return evaluations;
