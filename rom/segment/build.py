@@ -9,6 +9,7 @@ import numpy as np
 
 from rom.fit.chebyshev import Polynomial
 from rom.segment.contact_error import relative_force_errors
+from rom.segment.field import field_fit
 from rom.segment.index_set import index_set, pure_degree
 from rom.segment.mirrors import with_images
 from rom.segment.pose_fit import best_fit
@@ -19,8 +20,9 @@ from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.terminal import Progress, quiet
 
 logger = logging.getLogger(__name__)
-SKIN_TERMS, SKIN_PURE = 400, 8  # most products of the skin, and the degree of tensions alone: it errs by some 10 um
-SKIN_PURE_TERMS = 100  # most products of tensions alone in it
+# Of the rubber's points and of displacements: most products, the degree of tensions alone and most of their
+# products. They err by some 10 um.
+FEW_TERMS, FEW_PURE, FEW_PURE_TERMS = 400, 8, 100
 TERMS = 2500  # most products of a map: a query takes as long as it has terms
 
 
@@ -44,7 +46,8 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
     states = with_images(own, description.scene)
     box = np.array([[one["lower"], one["upper"]] for one in description.parameters])
     found = best_fit(states, box, terms, progress)
-    skin, skin_error = skin_fit(own, box, found.weights)
+    few = few_products(found.weights, own.tensions)
+    skin, skin_error = skin_fit(own, box, few)
     return SegmentMap(
         parameters=description.parameters,
         pose=found.polynomial,
@@ -52,6 +55,7 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
         place_error=quantiles(found.left_out_places[states.forces == 0])["p95"],
         skin=skin,
         skin_error=skin_error,
+        displacements=field_fit(snapshots, own, box, few),
         scene=description.scene,
         provenance={
             "fingerprint": description.fingerprint,
@@ -65,10 +69,16 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
     )
 
 
-def skin_fit(
-    states: PressedStates, box: np.ndarray, weights: tuple[float, float, float]
-) -> tuple[Polynomial | None, float]:
-    """The rubber's points by the inputs, of a low degree, and the 95th percentile of their errors [m]."""
+def few_products(weights: tuple[float, float, float], tensions: int) -> np.ndarray:
+    """The index set of what need not be as accurate as poses, shape (k, t + 6): as many products as FEW_TERMS."""
+    each = np.repeat(weights, [tensions, 3, 3])
+    pure = pure_degree(tensions, FEW_PURE, FEW_PURE_TERMS)
+    sets = [index_set(each, degree, tensions, pure) for degree in np.arange(2.0, 12.0, 0.5)]
+    return max((powers for powers in sets if len(powers) <= FEW_TERMS), key=len)
+
+
+def skin_fit(states: PressedStates, box: np.ndarray, powers: np.ndarray) -> tuple[Polynomial | None, float]:
+    """The rubber's points by products of the inputs, and the 95th percentile of their errors [m]."""
     n, p = states.inputs.shape
     if not states.skin.shape[1]:
         return None, np.nan
@@ -78,10 +88,6 @@ def skin_fit(
         jacobians=states.skin_jacobians.reshape(n, -1, p),
         lines=states.lines,
     )
-    each = np.repeat(weights, [states.tensions, 3, 3])
-    pure = pure_degree(states.tensions, SKIN_PURE, SKIN_PURE_TERMS)
-    sets = [index_set(each, degree, states.tensions, pure) for degree in np.arange(2.0, 12.0, 0.5)]
-    powers = max((powers for powers in sets if len(powers) <= SKIN_TERMS), key=len)
     found, predicted = regression(known, box, powers)
     off = np.linalg.norm(predicted.reshape(states.skin.shape) - states.skin, axis=2)
     return found, float(np.quantile(off, 0.95))
@@ -101,7 +107,12 @@ def check(segment: SegmentMap, held_out: SnapshotSet) -> dict[str, Any]:
     placed = segment.place(states.inputs)
     true = np.einsum("nij,nj->ni", placed.rotation, states.poses[:, :3])
     errors = relative_force_errors(states, poses)
-    return {
+    found: dict[str, Any] = {}
+    if segment.displacements is not None and description.has_field:
+        true_fields, fields = held_out.random("displacement"), segment.displacement(states.inputs)
+        off = np.linalg.norm(fields - true_fields, axis=(1, 2)) / np.linalg.norm(true_fields, axis=(1, 2))
+        found["displacement"] = quantiles(off)
+    return found | {
         "states": len(states.inputs),
         "failed": len(held_out.failures),
         "place_m": quantiles(np.linalg.norm(placed.centre + true, axis=1)),

@@ -17,6 +17,7 @@ from rom import checked_file
 from rom.checked_file import ModelError
 from rom.fit.chebyshev import Polynomial
 from rom.segment import native
+from rom.segment.field import Field
 from rom.snapshots.rigid_motion import motions, rotations
 
 KIND, FORMAT = "fingerfem segment map", 1
@@ -49,6 +50,7 @@ class SegmentMap:
         skin: points of the rubber's long edges in the plate's frame by the inputs, 3 values each [m]; None if the set
             did not store the displacement: then nobody notices rubber that touches.
         skin_error: of these, 95th percentile [m].
+        displacements: where nodes are, seen from the plate; None if the set did not store them.
         force_error: relative error of contact forces, 95th percentile of states predicted without their lines [-].
         place_error: of the free plate, likewise [m].
         accuracy: measured on held-out states; empty if nobody did.
@@ -68,6 +70,7 @@ class SegmentMap:
     provenance: dict[str, Any]
     skin: Polynomial | None = None
     skin_error: float = np.nan
+    displacements: Field | None = None
     accuracy: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -128,6 +131,24 @@ class SegmentMap:
         )
         return found if np.ndim(inputs) > 1 else Placed(*(part[0] for part in found))
 
+    def displacement(self, inputs: ArrayLike) -> np.ndarray:
+        """Of the nodes at inputs, shape (t + 6,) or (n, t + 6) [N, N m]; shape (nodes, 3) or (n, nodes, 3) [m].
+
+        Raises:
+            ModelError: the wrong number of inputs, or a set that did not store displacements.
+        """
+        if self.displacements is None:
+            raise ModelError(
+                "sampling.store must have named displacement when the states were solved, got a set without"
+            )
+        points = np.atleast_2d(np.asarray(inputs, float))
+        if points.shape[-1] != len(self.parameters):
+            raise ModelError(f"inputs must be {', '.join(self.names)} (in that order), got shape {np.shape(inputs)}")
+        placed = self.place(points)
+        turned = np.einsum("nij,nmj->nmi", placed.rotation, self.displacements.places(points))
+        found = placed.centre[:, None] + turned - self.displacements.nodes
+        return found if np.ndim(inputs) > 1 else np.asarray(found[0])
+
     def with_accuracy(self, accuracy: dict[str, Any]) -> SegmentMap:
         """The same, whose error has been measured."""
         return replace(self, accuracy=accuracy)
@@ -145,6 +166,15 @@ class SegmentMap:
         if self.skin is not None:
             checked_file.dataset(file, "skin_powers", self.skin.powers, "-")
             checked_file.dataset(file, "skin_coefficients", self.skin.coefficients.astype(np.float32), "m")
+        if self.displacements is not None:
+            file.attrs["field_error"] = self.displacements.error
+            checked_file.dataset(file, "nodes", self.displacements.nodes, "m")
+            checked_file.dataset(file, "field_mean", self.displacements.mean.astype(np.float32), "m")
+            checked_file.dataset(file, "field_modes", self.displacements.modes.astype(np.float32), "-")
+            checked_file.dataset(file, "field_powers", self.displacements.amounts.powers, "-")
+            checked_file.dataset(
+                file, "field_coefficients", self.displacements.amounts.coefficients.astype(np.float32), "m"
+            )
         checked_file.dataset(file, "box", np.array([self.pose.lower, self.pose.upper]), "N, N m")
         checked_file.dataset(file, "powers", self.pose.powers, "-")
         checked_file.dataset(file, "coefficients", self.pose.coefficients, "m, m, m, -, -, -, -")
@@ -176,7 +206,16 @@ class SegmentMap:
             skin_error=float(file.attrs["skin_error"]),
             pose=polynomial(""),
             skin=polynomial("skin_") if "skin_powers" in file else None,
+            displacements=_field(file, polynomial("field_")) if "field_powers" in file else None,
         )
+
+
+def _field(file: h5py.Group, amounts: Polynomial) -> Field:
+    modes = file["field_modes"][:].astype(float)
+    mean = file["field_mean"][:].astype(float)
+    return Field(
+        nodes=file["nodes"][:], mean=mean, modes=modes, amounts=amounts, error=float(file.attrs["field_error"])
+    )
 
 
 def quantiles(errors: Sequence[float] | np.ndarray) -> dict[str, float]:

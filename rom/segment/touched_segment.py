@@ -134,6 +134,17 @@ class TouchedSegment:
             inside=inside,
         )
 
+    def displacement(self, parameters: ArrayLike) -> np.ndarray:
+        """Of the nodes at one point, shape (p,); shape (nodes, 3) [m].
+
+        Raises:
+            ModelError: several segments, or a set that did not store displacements.
+        """
+        if len(self.chain.segments) > 1:
+            raise ModelError("segment must be one map for displacements, got several")
+        wrench = self.answers(parameters).wrenches[0]
+        return self.chain.segments[0].displacement([*np.asarray(parameters, float)[:-1], *wrench])
+
     def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and derivatives, shape (5, p)."""
         found = self.answers(parameters)

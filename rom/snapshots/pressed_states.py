@@ -84,23 +84,41 @@ def read_pressed_states(snapshots: SnapshotSet) -> PressedStates:
 
 
 def _skin(snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray) -> dict[str, np.ndarray]:
-    """Points of the edges seen from the plate, R^T (x - c) = R^T x + q, and their derivatives."""
+    """Points of the long edges seen from the plate, and their derivatives."""
     n, p = len(poses), jacobians.shape[2]
     if not snapshots.description.has_field:
         return {"skin": np.zeros((n, 0, 3)), "skin_jacobians": np.zeros((n, 0, 3, p))}
-    body, names = snapshots.body, list(snapshots.plan.lines)
+    body = snapshots.body
     nodes = _stations(body.nodes, body.edge_nodes, float(body.plates[-1, 0]))
+    places, changes = seen_from_plate(snapshots, poses, jacobians, nodes)
+    return {"skin": places, "skin_jacobians": changes}
+
+
+def seen_from_plate(
+    snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray, nodes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Places of nodes seen from the plate, R^T (x - c) = R^T x + q, and their derivatives by the inputs.
+
+    Args:
+        snapshots: a set that stores displacements.
+        poses: of its states that have an answer, shape (n, 7).
+        jacobians: shape (n, 7, p).
+        nodes: which, shape (m,).
+
+    Returns:
+        shapes (n, m, 3) and (n, m, 3, p) [m, per N and N m].
+    """
     moved, changes = [], []
-    for name in names:
+    for name in snapshots.plan.lines:
         stored = read_task(snapshots.path, name, ("converged", "displacement", "displacement_jacobian"))
         moved.append(stored["displacement"][stored["converged"]][:, nodes])
         changes.append(stored["displacement_jacobian"][stored["converged"]][:, :, nodes].astype(float))
     turned = rotations(poses)
-    places = np.einsum("nji,nmj->nmi", turned, body.nodes[nodes] + np.concatenate(moved)) + poses[:, None, :3]
+    places = np.einsum("nji,nmj->nmi", turned, snapshots.nodes[nodes] + np.concatenate(moved)) + poses[:, None, :3]
     motion = motions(poses, jacobians)
     seen = np.einsum("nji,npmj->nmip", turned, np.concatenate(changes)) - motion[:, None, :3]
     seen -= np.cross(motion[:, None, 3:], places[..., None], axis=2)
-    return {"skin": places, "skin_jacobians": seen}
+    return places, seen
 
 
 def _stations(nodes: np.ndarray, edge_nodes: np.ndarray, plate: float) -> np.ndarray:

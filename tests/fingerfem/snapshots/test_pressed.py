@@ -109,6 +109,11 @@ def test_held_out_states_measure_the_map_that_is_built(pressed_scene, pressed_se
     assert rom("info", str(file)) == built
     segment = SegmentMap.load(file)
     assert segment.skin is not None and segment.skin_error < 5e-4
+    held_out = SnapshotSet(tmp_path / "held-out")
+    moved = segment.displacement(read_pressed_states(held_out).inputs)
+    off = np.linalg.norm(moved - held_out.random("displacement"), axis=2).max(axis=1)
+    assert np.median(off) < 2 * segment.displacements.error < 1e-3  # 75 states, of which half a degree less is known
+    assert built["accuracy"]["displacement"]["median"] < 0.02
     other = subprocess.run(
         [sys.executable, "-m", "rom", "check", str(file), str(pressed_set)], cwd=ROOT, capture_output=True, text=True
     )

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from rom.fit.chebyshev import Polynomial
 from rom.segment import pose_fit
-from rom.segment.build import skin_fit
+from rom.segment.build import few_products, skin_fit
 from rom.segment.mirrors import with_images
 from rom.segment.segment_map import SegmentMap, quantiles
 from rom.snapshots.pressed_states import PressedStates
@@ -111,7 +111,7 @@ def fitted(count: int = 60, terms: int = 500) -> tuple[SegmentMap, pose_fit.Pose
     """The map of a rod, and its fit."""
     known = states(count, 0)
     found = pose_fit.best_fit(with_images(known, SCENE), BOX, terms)
-    skin, skin_error = skin_fit(known, BOX, found.weights)
+    skin, skin_error = skin_fit(known, BOX, few_products(found.weights, 2))
     own: Polynomial = found.polynomial
     segment = SegmentMap(
         parameters=PARAMETERS,

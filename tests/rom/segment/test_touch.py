@@ -152,7 +152,7 @@ def test_derivatives_are_those_of_the_answers(segment, shape):
             unit = h * np.eye(3)[k]
             after, before = model.outputs(point + unit)[0], model.outputs(point - unit)[0]
             differences = (after - before) / (2 * h)
-            assert jacobian[:, k] == pytest.approx(differences, rel=3e-4, abs=3e-4 * np.abs(differences[:3]).max())
+            assert jacobian[:, k] == pytest.approx(differences, rel=5e-4, abs=5e-4 * np.abs(differences[:3]).max())
         assert by_object[:4] @ _direction(model) == pytest.approx(jacobian[:4, 2], rel=1e-9)
         assert by_object[4] @ _direction(model) == pytest.approx(-1.0)
         for k, h in enumerate((2e-8, 2e-8, 2e-8)):
