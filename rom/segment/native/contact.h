@@ -43,13 +43,4 @@ double placed_touch_distance(const contact_problem *problem, placed *at);
 /* Solve at d: from wrenches that are known, if they are not zero; or at once, where d is near the touch distance; or from
  * where the object touches. Returns the number of evaluations of the map, negative without an answer. */
 int contact_solve(const contact_problem *problem, double touch, double d, contact_state *state);
-
-/* How wrenches and plates move with a tension, or with d: drift is the motion at fixed wrenches, of the plates or relative
- * to the object. Contacts that press stay closed. Returns 0 if nothing is known of it. */
-int contact_follow(const contact_problem *problem, const contact_state *state, const double *drift,
-                   double *wrench_change);
-
-/* Whether the plates rest there: the stiffness K = 1/C - G is positive along all motions that keep the pressing contacts
- * closed. With A = W^T 1/K W over these, that is so where K and A have as many negative eigenvalues (Haynsworth 1968). */
-int contact_stable(const contact_problem *problem, const contact_state *state);
 #endif

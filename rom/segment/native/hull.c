@@ -122,7 +122,7 @@ static void across(const fingerfem_object *object, int edge, int j, const object
 static void crossing(const fingerfem_object *object, int edge, int j, const double *place, const double *rotation,
                      objects_contacts *found)
 {
-    objects_feature feature = {OBJECTS_EDGES, {0.0}, {0.0}, j};
+    objects_feature feature = {.kind = OBJECTS_EDGES, .edge = j};
     const double *a = object->along + 3 * edge;
     const double e[3] = {rotation[j], rotation[3 + j], rotation[6 + j]};
     const double one = objects_dot(object->normals + 3 * object->sides[2 * edge], e);
@@ -149,7 +149,7 @@ void hull_find(const fingerfem_object *object, const double *place, const double
 {
     const double *half = found->half_lengths;
     for (int k = 0; k < OBJECTS_CORNERS; k++) {
-        objects_feature feature = {OBJECTS_FACE, {0.0}, {0.0}};
+        objects_feature feature = {.kind = OBJECTS_FACE};
         vector p, point, n, normal;
         objects_corner(k, half, p);
         for (int i = 0; i < 3; i++) point[i] = objects_dot(rotation + 3 * i, p) - place[i];
@@ -159,7 +159,7 @@ void hull_find(const fingerfem_object *object, const double *place, const double
         objects_note(found, k, &feature, distance - object->radius, p, normal);
     }
     for (int k = 0; k < object->corners; k++) {
-        objects_feature feature = {OBJECTS_POINT, {0.0}, {0.0}};
+        objects_feature feature = {.kind = OBJECTS_POINT};
         memcpy(feature.s, object->vertices + 3 * k, sizeof(vector));
         seen(place, rotation, &feature);
         int beyond = 0;

@@ -71,7 +71,7 @@ static void before_face(const objects_feature *face, objects_contacts *found)
 void objects_note_point(objects_contacts *all, int name, const double *s, double radius)
 {
     const double *half = all->half_lengths;
-    objects_feature point = {OBJECTS_POINT, {s[0], s[1], s[2]}, {0.0}};
+    objects_feature point = {.kind = OBJECTS_POINT, .s = {s[0], s[1], s[2]}};
     vector p, n;
     int nearest = 0;
     for (int i = 0; i < 3; i++) {
@@ -126,7 +126,7 @@ void objects_find(const fingerfem_object *object, const double *half_lengths, do
                   const double *rotation, objects_contacts *found)
 {
     vector place;
-    objects_feature own = {OBJECTS_FACE, {0.0}, {0.0}};
+    objects_feature own = {.kind = OBJECTS_FACE};
     memcpy(found->half_lengths, half_lengths, sizeof found->half_lengths);
     found->plate = plate;
     for (int i = 0; i < 3; i++) place[i] = object->centre[i] + d * object->direction[i] - centre[i];

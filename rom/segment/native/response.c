@@ -142,7 +142,7 @@ static int pressing(const contact_problem *problem, const contact_state *state, 
     return count;
 }
 
-int contact_follow(const contact_problem *problem, const contact_state *state, const double *drift,
+int response_follow(const contact_problem *problem, const contact_state *state, const double *drift,
                    double *wrench_change)
 {
     const objects_contacts *contacts = &state->at.contacts;
@@ -163,7 +163,7 @@ int contact_follow(const contact_problem *problem, const contact_state *state, c
     return 1;
 }
 
-int contact_stable(const contact_problem *problem, const contact_state *state)
+int response_stable(const contact_problem *problem, const contact_state *state)
 {
     const int w = problem->size;
     int rows[FINGERFEM_MOST_CONTACTS];

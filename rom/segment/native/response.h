@@ -12,4 +12,13 @@ void response_product(int size, const chain_matrix m, const double *vector, doub
 /* Forces f >= 0, with gaps >= 0 and one of both zero at every contact, by principal pivoting (Murty 1974, least index): it
  * ends for every positive definite W^T C S W. Begins with those that press. Returns 0 if it found none. */
 int response_balance(const contact_problem *problem, const contact_state *state, double *forces);
+
+/* How wrenches and plates move with a tension, or with d: drift is the motion at fixed wrenches, of the plates or relative
+ * to the object. Contacts that press stay closed. Returns 0 if nothing is known of it. */
+int response_follow(const contact_problem *problem, const contact_state *state, const double *drift,
+                   double *wrench_change);
+
+/* Whether the plates rest there: the stiffness K = 1/C - G is positive along all motions that keep the pressing contacts
+ * closed. With A = W^T 1/K W over these, that is so where K and A have as many negative eigenvalues (Haynsworth 1968). */
+int response_stable(const contact_problem *problem, const contact_state *state);
 #endif

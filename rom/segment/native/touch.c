@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 199309L
 #include <math.h>
 #include <time.h>
-#include "contact.h"
+#include "response.h"
 
 /* A vector of space as a plate sees it. */
 static void seen_by(const chain_plate *plate, const double *v, double *found)
@@ -33,7 +33,7 @@ static int report_change(const contact_problem *problem, const contact_state *st
     const fingerfem_chain *chain = problem->touching->chain;
     const chain_plate *plates = state->at.chain.plates;
     double change[CHAIN_WRENCH];
-    if (!contact_follow(problem, state, drift, change)) return 0;
+    if (!response_follow(problem, state, drift, change)) return 0;
     found[3] = 0.0;
     for (int q = 0; q < chain->plates; q++) {
         double motion[W], e[3];
@@ -166,7 +166,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     report(&problem, &state, out);
     if (!report_derivatives(&problem, &state, touches && d_moves, jacobian, touches ? by_object : NULL) && evaluations > 0)
         evaluations = -evaluations;
-    *inside &= evaluations > 0 && (!touches || contact_stable(&problem, &state));
+    *inside &= evaluations > 0 && (!touches || response_stable(&problem, &state));
     for (int k = 0; k < t; k++)
         for (int i = 0; i < FINGERFEM_ROWS && held[k] != point[k]; i++) jacobian[p * i + k] = 0.0;
     memcpy(wrench, state.wrench, size);
