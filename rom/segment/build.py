@@ -23,6 +23,7 @@ logger = logging.getLogger(__name__)
 # Of the rubber's points and of displacements: most products, the degree of tensions alone and most of their
 # products. They err by some 10 um.
 FEW_TERMS, FEW_PURE, FEW_PURE_TERMS = 400, 8, 100
+FEW_ROWS = 1.5  # rows for every coefficient of these, at least [-]
 TERMS = 2500  # most products of a map: a query takes as long as it has terms
 
 
@@ -46,7 +47,7 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
     states = with_images(own, description.scene)
     box = np.array([[one["lower"], one["upper"]] for one in description.parameters])
     found = best_fit(states, box, terms, progress)
-    few = few_products(found.weights, own.tensions)
+    few = few_products(found.weights, own)
     skin, skin_error = skin_fit(own, box, few)
     return SegmentMap(
         parameters=description.parameters,
@@ -69,12 +70,14 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
     )
 
 
-def few_products(weights: tuple[float, float, float], tensions: int) -> np.ndarray:
-    """The index set of what need not be as accurate as poses, shape (k, t + 6): as many products as FEW_TERMS."""
+def few_products(weights: tuple[float, float, float], states: PressedStates) -> np.ndarray:
+    """The index set of what need not be as accurate as poses, shape (k, t + 6)."""
+    tensions, (n, p) = states.tensions, states.inputs.shape
+    most = min(FEW_TERMS, int(n * (1 + p) / FEW_ROWS))
     each = np.repeat(weights, [tensions, 3, 3])
-    pure = pure_degree(tensions, FEW_PURE, FEW_PURE_TERMS)
-    sets = [index_set(each, degree, tensions, pure) for degree in np.arange(2.0, 12.0, 0.5)]
-    return max((powers for powers in sets if len(powers) <= FEW_TERMS), key=len)
+    pure = pure_degree(tensions, FEW_PURE, min(FEW_PURE_TERMS, most // 3))
+    sets = [index_set(each, degree, tensions, pure) for degree in np.arange(1.0, 12.0, 0.5)]
+    return max((powers for powers in sets if len(powers) <= most), key=len)
 
 
 def skin_fit(states: PressedStates, box: np.ndarray, powers: np.ndarray) -> tuple[Polynomial | None, float]:

@@ -5,7 +5,7 @@ Seen from there a rod under a wrench is marched from tip to base, and smooth in 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,9 +47,9 @@ def field_fit(snapshots: SnapshotSet, states: PressedStates, box: np.ndarray, po
         return None
     nodes = snapshots.nodes
     places, changes = seen_from_plate(snapshots, states.poses, states.jacobians, np.arange(len(nodes)))
-    (n, p), mean = states.inputs.shape, places.mean(axis=0)
+    (n, p), mean = states.inputs.shape, single(places.mean(axis=0))
     fields = (places - mean).reshape(n, -1)
-    modes = pod_modes(fields)
+    modes = single(pod_modes(fields))
     known = Samples(
         inputs=states.inputs,
         values=fields @ modes.T,
@@ -57,8 +57,14 @@ def field_fit(snapshots: SnapshotSet, states: PressedStates, box: np.ndarray, po
         lines=states.lines,
     )
     polynomial, predicted = regression(known, box, powers)
+    amounts = replace(polynomial, coefficients=single(polynomial.coefficients))
     off = np.linalg.norm((predicted @ modes - fields).reshape(n, -1, 3), axis=2).max(axis=1)
-    return Field(nodes=nodes, mean=mean, modes=modes, amounts=polynomial, error=float(np.quantile(off, 0.95)))
+    return Field(nodes=nodes, mean=mean, modes=modes, amounts=amounts, error=float(np.quantile(off, 0.95)))
+
+
+def single(values: np.ndarray) -> np.ndarray:
+    """As a file holds them."""
+    return np.asarray(values, np.float32).astype(float)
 
 
 def pod_modes(fields: np.ndarray) -> np.ndarray:

@@ -111,7 +111,7 @@ def fitted(count: int = 60, terms: int = 500) -> tuple[SegmentMap, pose_fit.Pose
     """The map of a rod, and its fit."""
     known = states(count, 0)
     found = pose_fit.best_fit(with_images(known, SCENE), BOX, terms)
-    skin, skin_error = skin_fit(known, BOX, few_products(found.weights, 2))
+    skin, skin_error = skin_fit(known, BOX, few_products(found.weights, known))
     own: Polynomial = found.polynomial
     segment = SegmentMap(
         parameters=PARAMETERS,
