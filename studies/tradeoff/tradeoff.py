@@ -84,6 +84,7 @@ SAMPLINGS = {
     "4 x 4": "tension_nodes = 4\ncontact_nodes = 4",  # the paper's four nodes a direction
     "10 lines": "lines = 10",
     "20 lines": "lines = 20",
+    "30 lines": "lines = 30",
     "40 lines": "lines = 40",
     "80 lines": "lines = 80",
 }
@@ -93,24 +94,24 @@ SHORT, SQUARE, SQUARES = Mesh((6, 5), 2), Mesh((10, 5), 2), Mesh((20, 5), 2)
 PRESETS = {
     "draft": Training(DRAFT, "40 lines"),
     "standard": Training(SQUARE, "40 lines"),
-    "fine": Training(SQUARES, "20 lines"),
+    "fine": Training(SQUARES, "30 lines"),
 }
 
 
 def full() -> Plan:
     """The whole study."""
-    tensions = 5
+    tensions = 7
     meshes = dict.fromkeys([DRAFT, MIDDLE, PAPER, SHORT, SQUARE, SQUARES], tensions)
     methods = [Mesh((20, 5), 1, "nitsche"), Mesh((20, 5), 1, "penalty", 100.0)]
     models = [Training(DRAFT, sampling) for sampling in SAMPLINGS]
-    models += [Training(SQUARE, f"{lines} lines") for lines in (20, 40)]
-    models += [PRESETS["fine"]]
+    models += [Training(SQUARE, f"{lines} lines") for lines in (20, 30, 40)]
+    models += [Training(SQUARES, "20 lines"), PRESETS["fine"]]
     models += [Training(SQUARES, "10 lines", coarse=(SQUARE, "40 lines"))]
-    models += [Training(DRAFT, "80 lines", tolerance=tolerance) for tolerance in (1e-1, 1e-2)]
+    models += [Training(DRAFT, "80 lines", tolerance=tolerance) for tolerance in (1e-1, 1e-2, 1e-3)]
     models += [Training(SQUARE, "40 lines", tolerance=1e-2)]
     # What takes longest has fewer states.
-    meshes |= dict.fromkeys(methods, tensions) | {PAPER: 2}
-    return Plan(Mesh(sets.REFERENCE[:2], sets.REFERENCE[2]), meshes, (tensions, 4), models, 2000)
+    meshes |= dict.fromkeys(methods, tensions) | {PAPER: 3}
+    return Plan(Mesh(sets.REFERENCE[:2], sets.REFERENCE[2]), meshes, (tensions, 3), models, 2000)
 
 
 def quick() -> Plan:
