@@ -31,7 +31,8 @@ class FoundObject:
             it open.
         others: places that explain the touches too, shape (k, 3) [m].
         status: converged; undetermined, where there are others, or a direction is open as wide as was searched; or
-            unreachable, where no place was found that explains the touches.
+            unreachable, where no place was found that explains the touches; or out_of_domain, where the model does not
+            know what it answers for a touch of what is there (not trained, not stable, or rubber may touch).
         residual: largest difference from a felt force [N].
         iterations: evaluations of all touches.
     """
@@ -146,7 +147,12 @@ def find_object(
     apart = 10 * np.sqrt(np.trace(covariance)) if known else np.inf
     others = [guess + STEP * one[0] for one, well in zip(valleys, explains, strict=True) if well]
     others = [one for one in others if np.linalg.norm(one - guess - STEP * place) > apart]
-    status = "unreachable" if not explains[0] else "converged" if known and not others else "undetermined"
+    if not explains[0]:
+        status = "unreachable"
+    elif not moved(place).answers(points).inside.all():
+        status = "out_of_domain"
+    else:
+        status = "converged" if known and not others else "undetermined"
     return FoundObject(
         centre=guess + STEP * place,
         covariance=covariance,

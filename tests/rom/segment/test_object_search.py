@@ -54,6 +54,14 @@ def test_what_touches_cannot_tell_is_said(segment, ball):
     assert find_object(ball, TENSIONS, 50 * felt(ball), within=1e-3).status == "unreachable"
 
 
+def test_a_touch_that_the_model_does_not_know_is_said(ball):
+    """Forces beyond what was trained: the map goes on linearly, and what it finds is not to be relied on."""
+    hard = 1.5 * TENSIONS
+    found = ball.answers(np.column_stack([hard, np.zeros(len(hard))]))
+    assert not found.inside.all()
+    assert find_object(ball, hard, found.out[:, 3]).status == "out_of_domain"
+
+
 def test_touches_that_are_none_are_refused(ball):
     for tensions, forces in ((TENSIONS[:2], [0.1, 0.1]), (TENSIONS, -felt(ball)), (TENSIONS[:, :1], felt(ball))):
         with pytest.raises(ValueError, match="must be"):
