@@ -51,8 +51,7 @@ def build(
 ) -> None:
     """Separate a snapshot set and write the model file; of a scene with a load, fit the map of its segment."""
     log_lines()
-    if not output.parent.is_dir():
-        raise ValueError(f"output must be in a folder that exists, got {output}")
+    check_folder(output)
     snapshots = SnapshotSet(folder)
     if snapshots.description.has_load:
         if tolerance is not None or coarse is not None:
@@ -81,6 +80,12 @@ def build(
     show(summary(model), as_json)
 
 
+def check_folder(output: Path) -> None:
+    """Refuse a file that could not be written, before there is anything to write."""
+    if not output.parent.is_dir():
+        raise ValueError(f"output must be in a folder that exists, got {output}")
+
+
 def build_segment(snapshots: SnapshotSet, terms: int | None, held_out: Path | None) -> SegmentMap:
     """The map of a set of pressed states, measured on held-out ones if there are any."""
     from rom.segment import build
@@ -102,6 +107,7 @@ def chain_models(
 
     A tendon that ends at a later plate is one of every segment before, by its name and with its tensions.
     """
+    check_folder(output)
     made = Chain([SegmentMap.load(model) for model in models])
     made.save(output)
     show(chain_summary(made), as_json)

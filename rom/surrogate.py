@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from rom import model_file
 from rom.checked_file import ModelError
 from rom.components import HEIGHTS, Components, Regime
 from rom.fit import layout
-from rom.native import EVALUATION, answer
+from rom.native import EVALUATION, PickledByFields, answer
 from rom.native.answer import Answer
 from rom.native.forms import values
 from rom.separation.separated_form import tables
@@ -26,7 +26,7 @@ SHIPPED = Path(__file__).with_name("finger.h5")  # made by `make model`
 
 
 @dataclass(frozen=True, kw_only=True)
-class Surrogate(Components):
+class Surrogate(PickledByFields, Components):
     """A trained model of one scene.
 
     Example:
@@ -77,10 +77,6 @@ class Surrogate(Components):
     def outputs(self, points: np.ndarray) -> np.ndarray:
         """Tip [m], contact force [N], touch distance [m], and pad pressure [Pa] if known, shape (n, 5 or 6)."""
         return answer.answers(self.kernel, points)[0]
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: not the arrays for compiled code, which are made again."""
-        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def _point(self, parameters: ArrayLike, most: int = 1) -> np.ndarray:
         try:

@@ -15,6 +15,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Sequence
+from dataclasses import fields
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,13 @@ FEATURES = {
 }
 KINDS = {"double": "f8", "int32_t": "i4", "int64_t": "i8", "uint8_t": "u1", "uint64_t": "u8"}
 _kept: WeakKeyDictionary[Any, list[Any]] = WeakKeyDictionary()
+
+
+class PickledByFields:
+    """A dataclass of which only the fields are pickled: what compiled code needs is made again."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {one.name: getattr(self, one.name) for one in fields(self)}  # type: ignore[arg-type]
 
 
 def levels() -> list[str]:

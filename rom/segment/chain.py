@@ -6,7 +6,7 @@ native/chain.c marches through them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from rom import checked_file
 from rom.checked_file import ModelError
+from rom.native import PickledByFields
 from rom.segment import native, segment_map
 from rom.segment.segment_map import SegmentMap
 
@@ -42,7 +43,7 @@ class ChainPlaced(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Chain:
+class Chain(PickledByFields):
     """Segments from clamp to tip.
 
     Args:
@@ -128,10 +129,6 @@ class Chain:
         return native.chain_struct(
             [one.struct for one in self.segments], own, self.rest, self.skin_error, self.force_error, self.place_error
         )
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: not the numbers for compiled code, which are made again."""
-        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def place(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> ChainPlaced:
         """Where the plates are.

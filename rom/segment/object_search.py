@@ -100,6 +100,8 @@ def find_object(
     if not (np.isfinite(pulled).all() and ((felt > 0) & (felt < np.inf)).all() and noise >= 0 and within > 0):
         raise ValueError("tensions must be finite, contact forces and within above 0, noise at least 0")
     points = np.column_stack([pulled, np.broadcast_to(np.asarray(distances, float), felt.shape)])
+    if not np.isfinite(points).all():
+        raise ValueError(f"distances must be finite, got {distances!r}")
     guess = np.asarray(model.obstacle.centre, float)
 
     def moved(way: np.ndarray) -> TouchedSegment:

@@ -122,8 +122,11 @@ def box(
         distances: nearest and farthest d [m].
 
     Raises:
-        ValueError: rounding is not below half the shortest side.
+        ValueError: numbers that are not finite, or rounding that is not below half the shortest side.
     """
+    for name, value in (("sides", sides), ("rotation", rotation)):
+        if np.shape(value) != (3,) or not np.isfinite(value).all():
+            raise ValueError(f"{name} must be three finite numbers, got {value}")
     inner = np.asarray(sides, float) / 2 - rounding
     if not (inner > 0).all():
         raise ValueError(f"rounding must be below half the shortest side, {min(sides) / 2:g} m, got {rounding}")

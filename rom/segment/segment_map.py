@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from rom import checked_file
 from rom.checked_file import ModelError
 from rom.fit.chebyshev import Polynomial
+from rom.native import PickledByFields
 from rom.segment import native
 from rom.segment.field import Field
 from rom.snapshots.rigid_motion import motions, rotations
@@ -41,7 +42,7 @@ class Placed(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SegmentMap:
+class SegmentMap(PickledByFields):
     """A segment condensed to its plate.
 
     Attributes:
@@ -104,10 +105,6 @@ class SegmentMap:
     def struct(self) -> Any:
         """For compiled code, a struct fingerfem_segment."""
         return native.struct(self.pose, self.skin, self.skin_error, self.half_lengths)
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: not the numbers for compiled code, which are made again."""
-        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def place(self, inputs: ArrayLike) -> Placed:
         """Where the plate is at inputs, shape (t + 6,) or (n, t + 6) [N, N m].

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.checked_file import ModelError
+from rom.native import PickledByFields
 from rom.native.answer import Answer
 from rom.segment import native
 from rom.segment.chain import Chain
@@ -19,7 +20,7 @@ from rom.segment.segment_map import SegmentMap
 
 
 @dataclass(frozen=True, kw_only=True)
-class TouchedSegment:
+class TouchedSegment(PickledByFields):
     """A segment or several, and a rigid object without friction that any of their plates may touch.
 
     Attributes:

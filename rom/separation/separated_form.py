@@ -6,20 +6,20 @@ Chenevier et al., PLoS ONE 13(2): e0192052 (2018), eq. 2. rom.native.forms evalu
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom.native import EVALUATION
+from rom.native import EVALUATION, PickledByFields
 from rom.native.forms import AXES, COMPONENTS, MODES, ROW, TERMS, values, values_and_gradients
 from rom.separation import hermite
 
 
 @dataclass(frozen=True, kw_only=True)
-class Separated:
+class Separated(PickledByFields):
     """A sum of products of nodal functions on evenly spaced nodes.
 
     Attributes:
@@ -93,10 +93,6 @@ class Separated:
         """Value at a point, shape (m,), and gradient by the axes, shape (m, axes)."""
         value, gradient = values_and_gradients(self.tables, 0, np.atleast_2d(np.asarray(x, float)))
         return value[0], gradient[0]
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: not the arrays for compiled code, which are made again."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
 def tables(forms: Sequence[Separated]) -> dict[str, Any]:

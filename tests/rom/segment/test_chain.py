@@ -150,6 +150,8 @@ def test_a_chain_is_kept_in_one_file(segment, tmp_path):
     words = [sys.executable, "-m", "rom", "chain", *[str(tmp_path / "one.h5")] * 2, "-o", str(tmp_path / "two.h5")]
     made = json.loads(subprocess.run([*words, "--json"], capture_output=True, text=True, check=True).stdout)
     assert len(made["segments"]) == 2 and Chain.load(tmp_path / "two.h5").scene["geometry"]["segments"] == [0.05, 0.05]
+    nowhere = subprocess.run([*words[:-1], str(tmp_path / "none" / "two.h5")], capture_output=True, text=True)
+    assert nowhere.returncode == 2 and "output must be in a folder that exists" in nowhere.stderr
     held = [sys.executable, "-m", "control", "hold", str(tmp_path / "two.h5"), "--distance", "0.01", "--contact-force"]
     motion = json.loads(subprocess.run([*held, "0.05", "--json"], capture_output=True, text=True, check=True).stdout)
     assert motion["status"] == "converged"

@@ -66,3 +66,5 @@ def test_touches_that_are_none_are_refused(ball):
     for tensions, forces in ((TENSIONS[:2], [0.1, 0.1]), (TENSIONS, -felt(ball)), (TENSIONS[:, :1], felt(ball))):
         with pytest.raises(ValueError, match="must be"):
             find_object(ball, tensions, forces)
+    with pytest.raises(ValueError, match="distances must be finite"):
+        find_object(ball, TENSIONS, felt(ball), distances=np.nan)

@@ -1,10 +1,11 @@
 """Contact of a plate and rigid objects: forces only where gaps are closed, derivatives, and what has no answer."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import nnls
+from scipy.optimize import lsq_linear, nnls
 from scipy.spatial.transform import Rotation
 
 from control import Finger
@@ -77,10 +78,16 @@ def test_corners_that_press_on_a_plane_lie_on_it_and_no_other_is_behind_it(segme
 
 
 def separation(one: np.ndarray, other: np.ndarray) -> float:
-    """Distance of two convex hulls, corners of shapes (n, 3) and (m, 3), by non-negative least squares."""
-    heavy = 1e4 * np.abs(one - other[0]).max()
-    rows = [np.hstack([one.T, -other.T]), np.repeat([[heavy, 0.0], [0.0, heavy]], [len(one), len(other)], axis=1)]
-    return nnls(np.vstack(rows), np.array([0.0, 0.0, 0.0, heavy, heavy]))[1]
+    """Distance of two convex hulls, corners of shapes (n, 3) and (m, 3): of the hull of all differences from 0.
+
+    Of all weights t w with sum(w) = 1, the ones nearest to |t P w|^2 + (t - 1)^2 = 0 have the least |P w|.
+    (nnls of SciPy 1.15 stops too early here.)
+    """
+    differences = (one[:, None] - other).reshape(-1, 3).T
+    size = np.abs(differences).min(axis=1).max() + 1e-4
+    sums = np.vstack([differences / size, np.ones(differences.shape[1])])
+    weights = lsq_linear(sums, np.eye(4)[3], (0.0, np.inf), method="bvls", tol=1e-14, max_iter=1000).x
+    return float(np.linalg.norm(differences @ weights) / weights.sum())
 
 
 def test_a_hull_that_presses_touches_the_plate_and_does_not_cut_it(segment):
@@ -128,6 +135,16 @@ def test_a_hull_says_what_it_cannot_be():
             Hull(**cube)
     with pytest.raises(ValueError, match="rounding"):
         box(centre=(0, 0, 0), sides=(0.01, 0.01, 1e-4), direction=(0, 1, 0))
+    for name in ("sides", "rotation"):
+        with pytest.raises(ValueError, match=f"{name} must be three finite numbers"):
+            box(**{"centre": (0, 0, 0), "sides": [0.01] * 3, "direction": (0, 1, 0), name: (0.01, np.nan, 0.01)})
+
+
+def test_a_model_that_has_answered_can_be_pickled(segment):
+    model = TouchedSegment(segment=segment, obstacle=facing_plane(rod.SIDE, (0.0, 0.05)))
+    point = [10.0, 0.0, 0.01]
+    before = model.outputs([point])
+    assert np.array_equal(pickle.loads(pickle.dumps(model)).outputs([point]), before)
 
 
 def moved(model: TouchedSegment, way: np.ndarray) -> TouchedSegment:
