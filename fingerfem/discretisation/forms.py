@@ -1,20 +1,6 @@
-"""The compiled forms of a scene: one density per energy, one place that derives residual and tangent from them.
+"""The compiled forms of a scene: what `volume_energies` and contact say, one form for all of it.
 
-Total potential P(u; F, d) = rubber + plates + tendons + contact. Every volume energy but that of straight tendons is a
-density W(C):
-
-    residual   R(u; v)    = sum of  S : dE(v)                        S = 2 dW/dC
-    tangent    K(u; v, w) = sum of  dS(w) : dE(v) + S* : d2E(v, w)
-
-With S* = S(u) this is Newton's tangent. The mixed-integration-point form (Magisano, Leonetti, Garcea, Int. J. Numer.
-Meth. Eng. 109, 2017, doi:10.1002/nme.5228) takes the stress for an unknown of its own at every quadrature point and
-eliminates it there, which leaves S* = S(u0) + dS(u0)(u - u0), the stress that the last iterate u0 predicted. Both are
-one form here: with u0 = u and a zero step it is Newton's.
-
-Nearly incompressible rubber, W(C) + U(J), has a pressure p = U'(J) for an unknown of its own, discontinuous from cell
-to cell and given by its values at the points of a reduced Gauss rule, one point for order 1 and eight for order 2. The
-constraint on p couples no two points, so p is eliminated where it stands, which leaves U integrated by that rule:
-Malkus, Hughes, Comput. Methods Appl. Mech. Eng. 15, 1978, doi:10.1016/0045-7825(78)90005-1.
+Total potential P(u; F, d) = rubber + plates + tendons + contact.
 """
 
 from __future__ import annotations
@@ -29,8 +15,19 @@ from dolfinx import fem
 
 from fingerfem.discretisation import form_cache, regions
 from fingerfem.discretisation.mesh import FingerMesh
+from fingerfem.discretisation.tangent import Moduli, gauss
+from fingerfem.discretisation.volume_energies import (
+    Term,
+    by_region,
+    constants,
+    moduli_of,
+    residual_of,
+    rubber_terms,
+    total,
+    volume_measure,
+)
 from fingerfem.mechanics import contact, kinematics, obstacles, strain_energy, tendons
-from fingerfem.scene.laws import Law, plate_law
+from fingerfem.scene.laws import plate_law
 from fingerfem.scene.scene import Scene
 
 
@@ -40,7 +37,6 @@ class Fields:
 
     u: fem.Function  # displacement [m]
     previous: fem.Function  # the last iterate u0 [m]
-    step: fem.Function  # u - u0 [m]
     tension_density: fem.Function  # of the tendons in a cell, per area [Pa] or, in a hole, volume [N/m^3]
     probe_density: fem.Function  # the same of tensions that energy, lengths and gradients are asked for
     distance: fem.Constant  # d of the obstacle [m]
@@ -68,63 +64,14 @@ class Forms:
     """The compiled forms of a scene."""
 
     residual: fem.Form
-    tangent: fem.Form
+    moduli: list[Moduli]  # of the volume energies but the straight tendons'
+    other_tangent: fem.Form | None  # the tangent of what else there is [N/m]
     strain_energy: fem.Form  # of rubber and plates [J]
     tendon_energy: fem.Form  # [J]; at unit tension a tendon's length [m]
     tendon_force: fem.Form  # its gradient [N]; at unit tension that of a tendon's length [-]
     tip: list[fem.Form]  # integral of the displacement over the tip plate, three components [m^4]
     tip_gradient: list[fem.Form]  # [m^3]
     contact: ContactForms | None
-
-
-Term = tuple[strain_energy.Energy, Any]  # an energy density of C and the measure it is integrated with
-
-
-def constants(domain: Any) -> strain_energy.Number:
-    """Numbers as constants of a mesh or its domain: what is compiled is then the same for all their values."""
-    return lambda value: fem.Constant(domain, value)
-
-
-def rubber_terms(law: Law, dx: ufl.Measure, regions: Sequence[int], order: int) -> list[Term]:
-    """The rubber's energy, split where its pressure is an unknown of its own."""
-    number = constants(dx.ufl_domain())
-    if not law.is_mixed:
-        return [(strain_energy.energy(law, number), dx(tuple(regions)))]
-    distortional, volumetric = strain_energy.parts(law, number)
-    assert volumetric is not None  # a law without one stays below where mixed begins
-    terms = []
-    for k, region in enumerate(regions):
-        # DOLFINx 0.9 assembles the first of two integrals over one region twice and drops the second. UFL makes them
-        # two where it sees the same integrand in other regions too; written differently, it does not.
-        whole, reduced = dx(region), dx(region, metadata={"quadrature_degree": 2 * order - 1})
-        terms += [(_written(distortional, k), whole), (_written(volumetric, k), reduced)]
-    return terms
-
-
-def _written(energy: strain_energy.Energy, k: int) -> strain_energy.Energy:
-    """The same energy, in a way of writing it that depends on k."""
-    return lambda C: 2.0**k * (0.5**k * energy(C))
-
-
-def residual_and_tangent(terms: Sequence[Term], fields: Fields) -> tuple[Any, Any]:
-    """Residual and mixed-integration-point tangent of energies W(C)."""
-    u, space = fields.u, fields.u.function_space
-    v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
-    C, C0 = kinematics.right_cauchy_green(u), kinematics.right_cauchy_green(fields.previous)
-    dE, d2E = kinematics.strain_variation(u, v), kinematics.strain_second_variation(v, w)
-    residual, tangent = 0, 0
-    for energy, where in terms:
-        S, S0 = strain_energy.stress(energy, C), strain_energy.stress(energy, C0)
-        predicted = S0 + ufl.derivative(S0, fields.previous, fields.step)
-        residual += ufl.inner(S, dE) * where
-        tangent += (ufl.inner(ufl.derivative(S, u, w), dE) + ufl.inner(predicted, d2E)) * where
-    return residual, tangent
-
-
-def total(terms: Sequence[Term], u: fem.Function) -> Any:
-    """The energy itself [J]."""
-    C = kinematics.right_cauchy_green(u)
-    return sum(energy(C) * where for energy, where in terms)
 
 
 def quadrature_degree(order: int) -> int:
@@ -136,26 +83,25 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
     """Derive and compile what the scene names (collective: FFCx compiles once and caches)."""
     space, u = fields.u.function_space, fields.u
     v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
-    metadata = {"quadrature_degree": quadrature_degree(scene.mesh.order)}
-    dx = ufl.Measure("dx", mesh.mesh, subdomain_data=mesh.cells, metadata=metadata)
-    x = ufl.SpatialCoordinate(mesh.mesh)
-
-    bodies = [
-        *rubber_terms(scene.law, dx, regions.RUBBERS, scene.mesh.order),
-        (strain_energy.energy(plate_law(scene.law), constants(mesh.mesh)), dx(regions.PLATES)),
-    ]
+    x, number, degree = ufl.SpatialCoordinate(mesh.mesh), constants(mesh.mesh), quadrature_degree(scene.mesh.order)
+    rubber = rubber_terms(scene.law, number, degree)
+    plates = Term(strain_energy.energy(plate_law(scene.law), number), regions.PLATES, degree)
     paths = {tendon.path for tendon in scene.tendons}
     pulled, probed = (
-        [(tendons.channelled(density), dx(regions.CHANNELS))] if "channel" in paths else []
+        [Term(tendons.channelled(density), regions.CHANNELS, degree)] if "channel" in paths else []
         for density in (fields.tension_density, fields.probe_density)
     )
-    residual, tangent = residual_and_tangent([*bodies, *pulled], fields)
-    tendon_energy = total(probed, u)
+
+    def integrals(terms: Sequence[Term]) -> list[tuple[strain_energy.Energy, Any]]:
+        return [(term.energy, volume_measure(mesh, term.degree)(term.regions)) for term in terms]
+
+    bodies = integrals([*by_region(rubber), plates])
+    residual, other_tangent = residual_of([*bodies, *integrals(pulled)], u), None
+    tendon_energy = total(integrals(probed), u)
     if "straight" in paths:
-        holes = dx((regions.PLATE_HOLE, regions.TIP_HOLE))
-        cables = tendons.straight(fields.tension_density, x, u) * holes
-        residual += ufl.derivative(cables, u, v)
-        tangent += ufl.derivative(ufl.derivative(cables, u, v), u, w)
+        holes = volume_measure(mesh, degree)((regions.PLATE_HOLE, regions.TIP_HOLE))
+        cables = ufl.derivative(tendons.straight(fields.tension_density, x, u) * holes, u, v)
+        residual, other_tangent = residual + cables, ufl.derivative(cables, u, w)
         tendon_energy += tendons.straight(fields.probe_density, x, u) * holes
 
     on_contact = None
@@ -163,12 +109,13 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
         ds = surface_measure(scene, mesh)
         on_contact = _contact(scene, ds, fields)
         pushing, stiffening = _contact_residual_and_tangent(scene, ds, fields)
-        residual, tangent = residual + pushing, tangent + stiffening
+        residual = residual + pushing
+        other_tangent = stiffening if other_tangent is None else other_tangent + stiffening
 
-    tip = [u[i] * dx(regions.TIP) for i in range(3)]
+    tip = [u[i] * volume_measure(mesh, degree)(regions.TIP) for i in range(3)]
     wanted = {
         "residual": residual,
-        "tangent": tangent,
+        "other_tangent": other_tangent,
         "strain_energy": total(bodies, u),
         "tendon_energy": tendon_energy,
         "tendon_force": ufl.derivative(tendon_energy, u, v),
@@ -177,7 +124,13 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
         "contact": on_contact,
     }
     made = form_cache.forms(wanted)
-    return Forms(**made | {"contact": made["contact"] and ContactForms(**made["contact"])})
+    points = {term.degree: gauss(term.degree)[0] for term in rubber}
+    moduli = [
+        Moduli(form_cache.expression(moduli, points[term.degree]), term.regions, term.degree)
+        for term in [*rubber, plates, *pulled]
+        for moduli in [moduli_of(term.energy, u, fields.previous)]
+    ]
+    return Forms(**made | {"moduli": moduli, "contact": made["contact"] and ContactForms(**made["contact"])})
 
 
 def surface_measure(scene: Scene, mesh: FingerMesh) -> ufl.Measure:

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 from dolfinx import fem
-from dolfinx.fem.petsc import assemble_matrix, assemble_vector, create_matrix
+from dolfinx.fem.petsc import assemble_vector
 from mpi4py import MPI
 from numpy.typing import ArrayLike
 from petsc4py import PETSc
@@ -16,6 +16,7 @@ from fingerfem.discretisation.contact_points import ContactPoints
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
 from fingerfem.discretisation.mesh import build_mesh
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
+from fingerfem.discretisation.tangent import Tangent, VolumeTangent
 from fingerfem.mechanics import contact, obstacles
 from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene import grid_lines
@@ -42,7 +43,6 @@ class Problem:
         self.fields = Fields(
             u=fem.Function(self.space, name="displacement"),
             previous=fem.Function(self.space),
-            step=fem.Function(self.space),
             tension_density=fem.Function(by_cell),
             probe_density=fem.Function(by_cell),
             distance=fem.Constant(self.mesh.mesh, FAR),
@@ -51,8 +51,8 @@ class Problem:
         )
         self.forms = compile_forms(scene, self.mesh, self.fields)
         self._volume_ratio = volume_ratio(self.fields.u)
-        self.matrix = create_matrix(self.forms.tangent)
-        self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self._volume_tangent = VolumeTangent(self.forms.moduli, self.mesh, self.space)
+        self._tangent = self.tangent_with(self._supports)
         self.tensions = np.zeros(len(scene.tendons))
         self.distance: float | None = None  # None: the plane is away
         self.plates = PlateLoads(scene, self.mesh, self.space) if scene.load is not None else None
@@ -168,16 +168,16 @@ class Problem:
 
     def tangent(self) -> PETSc.Mat:
         """Tangent at u with the stress that `previous` predicts; the same matrix object every time."""
-        return self.assemble_tangent(self.matrix, self._supports)
+        return self._tangent.assemble()
 
-    def assemble_tangent(self, matrix: PETSc.Mat, supports: list[fem.DirichletBC]) -> PETSc.Mat:
-        """The same with other supports, into a matrix of theirs."""
-        fields = self.fields
-        fields.step.x.array[:] = fields.u.x.array - fields.previous.x.array
-        matrix.zeroEntries()
-        assemble_matrix(matrix, self.forms.tangent, bcs=supports)
-        matrix.assemble()
-        return matrix
+    def tangent_with(self, supports: list[fem.DirichletBC]) -> Tangent:
+        """The same with other supports."""
+        return Tangent(self._volume_tangent, self.forms.other_tangent, self.space, supports)
+
+    @property
+    def matrix(self) -> PETSc.Mat:
+        """The tangent as it was assembled last."""
+        return self._tangent.matrix
 
     def scalar(self, form: fem.Form) -> float:
         """A scalar form over all ranks, of the whole finger."""

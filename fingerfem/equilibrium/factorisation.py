@@ -1,4 +1,8 @@
-"""LDL^T of a symmetric matrix by MUMPS: what Newton's method solves with, and what tells whether a state is stable.
+"""Factors of a symmetric matrix: what Newton's method solves with, and what tells whether a state is stable.
+
+A matrix of one rank is taken for definite first, which all but few are: CHOLMOD's supernodal Cholesky then takes two
+thirds of the time (docs/solver.md) and has no negative pivot. Where that fails, and over several ranks, MUMPS makes
+LDL^T and counts them.
 
 Loads that follow the plates add a matrix of low rank, which is not symmetric: A - B C^T, solved by Woodbury's formula,
 
@@ -7,12 +11,62 @@ Loads that follow the plates add a matrix of low rank, which is not symmetric: A
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from petsc4py import PETSc
 
 from fingerfem.discretisation.plate_loads import LowRank
 
 SINGULAR = 1e14  # condition of the small matrix beyond which it has no inverse [-]
+
+
+class _Factors:
+    """Factors by one package, made again and again.
+
+    Args:
+        matrix: symmetric; its pattern stays.
+        package: `cholmod`, for definite matrices of one rank, or `mumps`.
+    """
+
+    def __init__(self, matrix: PETSc.Mat, package: str):
+        self._matrix, self._package = matrix, package
+        self.ksp = PETSc.KSP().create(matrix.comm)
+        self.ksp.setType("preonly")
+        self.ksp.setErrorIfNotConverged(False)
+        self._prepare()
+
+    def _prepare(self) -> None:
+        preconditioner = self.ksp.getPC()
+        preconditioner.reset()
+        preconditioner.setType("cholesky")
+        preconditioner.setFactorSolverType(self._package)
+        self.ksp.setOperators(self._matrix)
+        preconditioner.setFactorSetUpSolverType()
+        self._factors = preconditioner.getFactorMatrix()
+        if self._package == "mumps":
+            self._factors.setMumpsIcntl(14, 80)  # room for the fill that pivoting adds [%]
+            self._factors.setMumpsIcntl(13, 1)  # no ScaLAPACK at the root, whose negative pivots are not counted
+
+    def make(self) -> str | None:
+        """Factorise; returns why that failed, None if it did not (collective)."""
+        self.ksp.setOperators(self._matrix)  # or PETSc would put the factorisation off to the next solve
+        try:
+            self.ksp.setUp()
+        except PETSc.Error as error:
+            reason = f"PETSc error {error.ierr}"
+        else:
+            if self.ksp.getPC().getFailedReason() == PETSc.PC.FailedReason.NOERROR:
+                return None
+            reason = f"MUMPS error {self._factors.getMumpsInfog(1)}"
+        if self._package == "mumps":
+            self._prepare()  # factors that failed once would refuse every later matrix
+        return f"factorisation failed ({reason})"
+
+    @property
+    def negative_pivots(self) -> int:
+        """Negative eigenvalues of the matrix (Sylvester)."""
+        return self._factors.getMumpsInfog(12) if self._package == "mumps" else 0
 
 
 class Factorisation:
@@ -25,21 +79,21 @@ class Factorisation:
     def __init__(self, matrix: PETSc.Mat):
         self.matrix, self.made = matrix, 0  # how often the factors were made
         self._low_rank: LowRank | None = None
-        self._ksp = PETSc.KSP().create(matrix.comm)
-        self._ksp.setType("preonly")
-        self._ksp.setErrorIfNotConverged(False)
-        self._prepare()
+        self._current: _Factors | None = None
 
-    def _prepare(self) -> None:
-        preconditioner = self._ksp.getPC()
-        preconditioner.reset()
-        preconditioner.setType("cholesky")
-        preconditioner.setFactorSolverType("mumps")
-        self._ksp.setOperators(self.matrix)
-        preconditioner.setFactorSetUpSolverType()
-        self._factors = preconditioner.getFactorMatrix()
-        self._factors.setMumpsIcntl(14, 80)  # room for the fill that pivoting adds [%]
-        self._factors.setMumpsIcntl(13, 1)  # no ScaLAPACK at the root, whose negative pivots are not counted
+    @cached_property
+    def _definite(self) -> _Factors | None:
+        if self.matrix.comm.size > 1 or not PETSc.Sys.hasExternalPackage("cholmod"):
+            return None
+        options = PETSc.Options()
+        # LL^T, which a matrix that is not definite does not have, also where it is small and sparse; and no word of it.
+        for name, value in (("final_asis", False), ("final_ll", True), ("print", 0)):
+            options.setValue(f"mat_cholmod_{name}", value)
+        return _Factors(self.matrix, "cholmod")
+
+    @cached_property
+    def _any(self) -> _Factors:
+        return _Factors(self.matrix, "mumps")
 
     def update(self, low_rank: LowRank | None = None) -> str | None:
         """Factorise; returns why that failed, None if it did not (collective).
@@ -47,30 +101,25 @@ class Factorisation:
         Args:
             low_rank: what is taken from the matrix, B C^T.
         """
-        self._ksp.setOperators(self.matrix)  # or PETSc would put the factorisation off to the next solve
         self.made += 1
-        reason = None
-        try:
-            self._ksp.setUp()
-        except PETSc.Error as error:
-            reason = f"factorisation failed (PETSc error {error.ierr})"
+        if self._definite is not None and self._definite.make() is None:
+            self._current = self._definite
         else:
-            if self._ksp.getPC().getFailedReason() != PETSc.PC.FailedReason.NOERROR:
-                reason = f"factorisation failed (MUMPS error {self._factors.getMumpsInfog(1)})"
-        if reason is not None:
-            self._prepare()  # factors that failed once would refuse every later matrix
-            return reason
+            self._current = self._any
+            reason = self._any.make()
+            if reason is not None:
+                return reason
         self._low_rank = low_rank if low_rank is not None and len(low_rank.left) else None
         return self._correct() if self._low_rank is not None else None
 
     def _correct(self) -> str | None:
         """Prepare Woodbury's formula; returns why that fails."""
-        assert self._low_rank is not None
+        assert self._low_rank is not None and self._current is not None
         right_hand_side, solution = self.matrix.createVecLeft(), self.matrix.createVecRight()
         solved = []
         for column in self._low_rank.left:
             right_hand_side.array[:] = column
-            self._ksp.solve(right_hand_side, solution)
+            self._current.ksp.solve(right_hand_side, solution)
             solved.append(solution.array_r.copy())
         right_hand_side.destroy()
         solution.destroy()
@@ -89,12 +138,14 @@ class Factorisation:
 
     def solve(self, right_hand_side: PETSc.Vec, solution: PETSc.Vec) -> None:
         """Solve with the last factors."""
-        self._ksp.solve(right_hand_side, solution)
+        assert self._current is not None
+        self._current.ksp.solve(right_hand_side, solution)
         if self._low_rank is not None:
             amounts = self._small @ self._projected(solution.array_r)[0]
             solution.array[:] += amounts @ self._solved
 
     @property
     def negative_pivots(self) -> int:
-        """Negative eigenvalues of the last factorised matrix (Sylvester)."""
-        return self._factors.getMumpsInfog(12)
+        """Negative eigenvalues of the last factorised matrix."""
+        assert self._current is not None
+        return self._current.negative_pivots

@@ -10,11 +10,10 @@ from functools import cached_property
 
 import numpy as np
 from dolfinx import fem
-from dolfinx.fem.petsc import create_matrix
-from petsc4py import PETSc
 
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.problem import Problem
+from fingerfem.discretisation.tangent import Tangent
 from fingerfem.equilibrium.factorisation import Factorisation
 
 
@@ -30,14 +29,16 @@ class AntisymmetricMotion:
         if not problem.scene.is_half:
             return False
         problem.fields.previous.x.array[:] = problem.fields.u.x.array
-        problem.assemble_tangent(self._factorisation.matrix, self._supports)
+        self._tangent.assemble()
         return self._factorisation.update() is not None or self._factorisation.negative_pivots > 0
 
     @cached_property
     def _factorisation(self) -> Factorisation:
-        matrix = create_matrix(self._problem.forms.tangent)
-        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        return Factorisation(matrix)
+        return Factorisation(self._tangent.matrix)
+
+    @cached_property
+    def _tangent(self) -> Tangent:
+        return self._problem.tangent_with(self._supports)
 
     @cached_property
     def _supports(self) -> list[fem.DirichletBC]:

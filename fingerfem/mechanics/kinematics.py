@@ -17,8 +17,3 @@ def right_cauchy_green(u):
 def strain_variation(u, v):
     """Variation of the Green-Lagrange strain E = (C - I)/2 at u in the direction v: sym(F^T grad v) [-]."""
     return ufl.sym(deformation_gradient(u).T * ufl.grad(v))
-
-
-def strain_second_variation(v, w):
-    """Second variation of the Green-Lagrange strain: sym(grad v^T grad w) [-], the same at every u."""
-    return ufl.sym(ufl.grad(v).T * ufl.grad(w))

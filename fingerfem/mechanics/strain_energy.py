@@ -70,3 +70,9 @@ def stress(energy: Energy, C):
     """Second Piola-Kirchhoff stress S = 2 dW/dC [Pa] of an energy density."""
     C = ufl.variable(C)
     return 2 * ufl.diff(energy(C), C)
+
+
+def elasticity(energy: Energy, C):
+    """Its derivative dS/dE = 2 dS/dC [Pa], E the Green-Lagrange strain; rank 4, symmetric in each pair."""
+    C = ufl.variable(C)
+    return 4 * ufl.diff(ufl.diff(energy(ufl.sym(C)), C), C)

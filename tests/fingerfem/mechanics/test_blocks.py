@@ -11,7 +11,7 @@ from petsc4py import PETSc
 from scipy.optimize import brentq
 from unoptimised import unoptimised
 
-from fingerfem.discretisation.forms import Fields, residual_and_tangent
+from fingerfem.discretisation.volume_energies import residual_of
 from fingerfem.mechanics import contact, obstacles, strain_energy
 from fingerfem.scene.laws import NeoHookean
 
@@ -51,20 +51,9 @@ class Block:
         x[:, 1] -= 0.5
         self.space = fem.functionspace(mesh, ("Lagrange", order, (3,)))
         self.u = fem.Function(self.space)
-        self.previous = fem.Function(self.space)
-        fields = Fields(
-            u=self.u,
-            previous=self.previous,
-            step=fem.Function(self.space),
-            tension_density=None,
-            probe_density=None,
-            distance=None,
-            stiffness=None,
-            pad_share=None,
-        )
         dx = ufl.dx(mesh, metadata={"quadrature_degree": 4 * order})
-        residual, tangent = residual_and_tangent([(strain_energy.energy(LAW), dx)], fields)
         v, w = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
+        residual = residual_of([(strain_energy.energy(LAW), dx)], self.u)
         if plane is not None:
             method, gamma, d = plane
             top = dolfinx.mesh.locate_entities_boundary(mesh, 2, lambda x: x[1] > 0.5 - 1e-9)
@@ -75,12 +64,10 @@ class Block:
             gap, normal, _ = contact.gap(facing, self.u, x, self.distance, obstacles.in_ufl(float))
             q = contact.surface_pressure(strain_energy.energy(LAW), self.u, ufl.FacetNormal(mesh), normal)
             q = q if method == "nitsche" else 0
-            push = ufl.derivative(contact.energy(gap, gamma, q) * ds, self.u, v)
-            residual += push
-            tangent += ufl.derivative(push, self.u, w)
+            residual += ufl.derivative(contact.energy(gap, gamma, q) * ds, self.u, v)
             p = contact.pressure(gap, gamma, q)
             self.force, self.squared = fem.form(p * ds), fem.form(p**2 * ds)
-        self.forms = fem.form(residual), fem.form(tangent)
+        self.forms = fem.form(residual), fem.form(ufl.derivative(residual, self.u, w))
         self.supports = []
         for (axis, at), value in ({(0, 0.0): 0.0, (1, -0.5): 0.0, (2, 0.0): 0.0} | (moved or {})).items():
             side = dolfinx.mesh.locate_entities_boundary(mesh, 2, lambda x, a=axis, c=at: abs(x[a] - c) < 1e-9)
@@ -94,7 +81,6 @@ class Block:
         ksp.setType("preonly")
         ksp.getPC().setType("lu")
         for _ in range(40):
-            self.previous.x.array[:] = self.u.x.array
             A = assemble_matrix(tangent, bcs=self.supports)
             A.assemble()
             b = assemble_vector(residual)

@@ -1,0 +1,110 @@
+"""The energies of the volume: rubber, plates, tendons in channels; their residual and the moduli of their tangent.
+
+Every one but that of straight tendons is a density W(C):
+
+    residual   R(u; v)    = sum of  S : dE(v)                        S = 2 dW/dC
+    tangent    K(u; v, w) = sum of  dS(w) : dE(v) + S* : d2E(v, w)
+                          = sum of  A[i J, k L] dv_i/dX_J dw_k/dX_L
+
+with the moduli A[i J, k L] = F[i M] dS/dE[M J, N L] F[k N] + delta[i k] S*[J L], which `tangent` makes it from. With
+S* = S(u) this is Newton's tangent. The mixed-integration-point form (Magisano, Leonetti, Garcea, Int. J. Numer.
+Meth. Eng. 109, 2017, doi:10.1002/nme.5228) takes the stress for an unknown of its own at every quadrature point and
+eliminates it there, which leaves S* = S(u0) + dS(u0)(u - u0), the stress that the last iterate u0 predicted. Both are
+one form here: with u0 = u and a zero step it is Newton's.
+
+Nearly incompressible rubber, W(C) + U(J), has a pressure p = U'(J) for an unknown of its own, discontinuous from cell
+to cell and given by its values at the points of a reduced Gauss rule, one point for order 1 and eight for order 2. The
+constraint on p couples no two points, so p is eliminated where it stands, which leaves U integrated by that rule:
+Malkus, Hughes, Comput. Methods Appl. Mech. Eng. 15, 1978, doi:10.1016/0045-7825(78)90005-1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import ufl
+from dolfinx import fem
+
+from fingerfem.discretisation import regions
+from fingerfem.discretisation.mesh import FingerMesh
+from fingerfem.discretisation.tangent import PAIRS
+from fingerfem.mechanics import kinematics, strain_energy
+from fingerfem.scene.laws import Law
+
+
+class Term(NamedTuple):
+    """An energy density of C, where it is, and the degree of the Gauss rule it is integrated by."""
+
+    energy: strain_energy.Energy
+    regions: tuple[int, ...]
+    degree: int
+
+
+def volume_measure(mesh: FingerMesh, degree: int) -> ufl.Measure:
+    """The volume, integrated by a Gauss rule of that degree."""
+    return ufl.Measure("dx", mesh.mesh, subdomain_data=mesh.cells, metadata={"quadrature_degree": degree})
+
+
+def constants(domain: Any) -> strain_energy.Number:
+    """Numbers as constants of a mesh or its domain: what is compiled is then the same for all their values."""
+    return lambda value: fem.Constant(domain, value)
+
+
+def rubber_terms(law: Law, number: strain_energy.Number, degree: int) -> list[Term]:
+    """The rubber's energy, split where its pressure is an unknown of its own."""
+    if not law.is_mixed:
+        return [Term(strain_energy.energy(law, number), regions.RUBBERS, degree)]
+    distortional, volumetric = strain_energy.parts(law, number)
+    assert volumetric is not None  # a law without one stays below where mixed begins
+    return [Term(distortional, regions.RUBBERS, degree), Term(volumetric, regions.RUBBERS, degree - 1)]
+
+
+def by_region(terms: Sequence[Term]) -> list[Term]:
+    """The same terms, such that DOLFINx 0.9 integrates terms of two degrees over one region.
+
+    It assembles the first of two integrals over a region twice and drops the second. UFL makes them two where it sees
+    the same integrand in other regions too; written differently, it does not.
+    """
+    if len({term.degree for term in terms}) == 1:
+        return list(terms)
+    return [
+        Term(_written(term.energy, k), (region,), term.degree)
+        for term in terms
+        for k, region in enumerate(term.regions)
+    ]
+
+
+def _written(energy: strain_energy.Energy, k: int) -> strain_energy.Energy:
+    """The same energy, in a way of writing it that depends on k."""
+    return lambda C: 2.0**k * (0.5**k * energy(C))
+
+
+def residual_of(terms: Sequence[tuple[strain_energy.Energy, Any]], u: fem.Function) -> Any:
+    """Residual of energies W(C), each with its measure."""
+    v, C = ufl.TestFunction(u.function_space), kinematics.right_cauchy_green(u)
+    dE = kinematics.strain_variation(u, v)
+    return sum(ufl.inner(strain_energy.stress(energy, C), dE) * where for energy, where in terms)
+
+
+def moduli_of(energy: strain_energy.Energy, u: fem.Function, u0: fem.Function) -> Any:
+    """A[i J, k L] at u, with the stress that u0 predicts [Pa], by `tangent.PAIRS` (i, k), then J, then L."""
+    C0, change = kinematics.right_cauchy_green(u0), kinematics.strain_variation(u0, u - u0)
+    i, k, J, L, M, N = ufl.indices(6)
+    further = ufl.as_tensor(strain_energy.elasticity(energy, C0)[J, L, M, N] * change[M, N], (J, L))
+    predicted = strain_energy.stress(energy, C0) + further
+    F, elasticity = (
+        kinematics.deformation_gradient(u),
+        strain_energy.elasticity(energy, kinematics.right_cauchy_green(u)),
+    )
+    material = ufl.as_tensor(F[i, M] * elasticity[M, J, N, L] * F[k, N], (i, J, k, L))
+    axes = [(a, b) for a in range(3) for b in range(3)]
+    return ufl.as_vector(
+        [material[one, a, other, b] + (predicted[a, b] if one == other else 0) for one, other in PAIRS for a, b in axes]
+    )
+
+
+def total(terms: Sequence[tuple[strain_energy.Energy, Any]], u: fem.Function) -> Any:
+    """The energy itself [J]."""
+    C = kinematics.right_cauchy_green(u)
+    return sum(energy(C) * where for energy, where in terms)
