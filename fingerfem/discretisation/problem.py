@@ -38,7 +38,7 @@ class Problem:
         self.mesh = build_mesh(scene, comm)
         self.space = fem.functionspace(self.mesh.mesh, ("Lagrange", scene.mesh.order, (3,)))
         self.copies = 2 if scene.is_half else 1  # of what is modelled, in the whole finger
-        self._supports, self._clamped, self._held = self._boundary_conditions()
+        self.supports, self._clamped, self._held = self._boundary_conditions()
         by_cell = fem.functionspace(self.mesh.mesh, ("DG", 0))
         self.fields = Fields(
             u=fem.Function(self.space, name="displacement"),
@@ -52,7 +52,7 @@ class Problem:
         self.forms = compile_forms(scene, self.mesh, self.fields)
         self._volume_ratio = volume_ratio(self.fields.u)
         self._volume_tangent = VolumeTangent(self.forms.moduli, self.mesh, self.space)
-        self._tangent = self.tangent_with(self._supports)
+        self._tangent = self.tangent_with(self.supports)
         self.tensions = np.zeros(len(scene.tendons))
         self.distance: float | None = None  # None: the plane is away
         self.plates = PlateLoads(scene, self.mesh, self.space) if scene.load is not None else None
@@ -170,9 +170,10 @@ class Problem:
         """Tangent at u with the stress that `previous` predicts; the same matrix object every time."""
         return self._tangent.assemble()
 
-    def tangent_with(self, supports: list[fem.DirichletBC]) -> Tangent:
-        """The same with other supports."""
-        return Tangent(self._volume_tangent, self.forms.other_tangent, self.space, supports)
+    def tangent_with(self, supports: list[fem.DirichletBC], *, volume_alone: bool = False) -> Tangent:
+        """The same with other supports; without contact and straight tendons where the volume alone is wanted."""
+        others = None if volume_alone else self.forms.other_tangent
+        return Tangent(self._volume_tangent, others, self.space, supports)
 
     @property
     def matrix(self) -> PETSc.Mat:

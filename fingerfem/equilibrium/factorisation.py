@@ -59,8 +59,7 @@ class _Factors:
             if self.ksp.getPC().getFailedReason() == PETSc.PC.FailedReason.NOERROR:
                 return None
             reason = f"MUMPS error {self._factors.getMumpsInfog(1)}"
-        if self._package == "mumps":
-            self._prepare()  # factors that failed once would refuse every later matrix
+        self._prepare()  # factors that failed once would refuse every later matrix
         return f"factorisation failed ({reason})"
 
     @property
@@ -86,9 +85,8 @@ class Factorisation:
         if self.matrix.comm.size > 1 or not PETSc.Sys.hasExternalPackage("cholmod"):
             return None
         options = PETSc.Options()
-        # LL^T, which a matrix that is not definite does not have, also where it is small and sparse; and no word of it.
-        for name, value in (("final_asis", False), ("final_ll", True), ("print", 0)):
-            options.setValue(f"mat_cholmod_{name}", value)
+        options.setValue("mat_cholmod_factor", "supernodal")  # LL^T, which fails where a matrix is not definite
+        options.setValue("mat_cholmod_print", 0)  # and says no word of it
         return _Factors(self.matrix, "cholmod")
 
     @cached_property

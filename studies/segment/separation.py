@@ -16,7 +16,7 @@ from studies.runner import Run
 from studies.segment import maps
 
 TURN = 0.01  # of a quaternion's error, which counts as one of place [m]: it moves corners by some half a side
-SWEEPS = 15  # over all factors, after every round
+SWEEPS = 60  # over all factors, after every round
 RIDGE = 1e-12  # of the normal equations' trace [-]
 
 

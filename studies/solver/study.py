@@ -1,5 +1,5 @@
 """The parts of docs/solver.md."""
 
-from studies.solver import choices, scenes, speed
+from studies.solver import choices, scenes, speed, tangents
 
-PARTS = {"speed": speed.measure, "choices": choices.measure, "scenes": scenes.measure}
+PARTS = {"speed": speed.measure, "tangents": tangents.measure, "choices": choices.measure, "scenes": scenes.measure}

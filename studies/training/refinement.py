@@ -98,7 +98,7 @@ def measure(run: Run) -> dict:
         for coarse in rows
         if nested(coarse, fine)
     ]
-    curve = run.once("refined, round by round", refined, folder, 0.1 if run.quick else 0.08, held_out)
+    curve = run.once("refined, round by round", refined, folder, 0.1 if run.quick else 0.05, held_out)
     for row in rows:
         row["as_good_in_95_percent"] = as_good(row, curve, tuple(name for name in MEASURES if name.endswith("p95")))
         row["as_good_in_all"] = as_good(row, curve, MEASURES)

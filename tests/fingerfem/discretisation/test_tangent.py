@@ -53,12 +53,12 @@ def term_by_term(model: FingerModel) -> scipy.sparse.csr_matrix:
     C, C0 = kinematics.right_cauchy_green(u), kinematics.right_cauchy_green(u0)
     dE, d2E = kinematics.strain_variation(u, v), ufl.sym(ufl.grad(v).T * ufl.grad(w))
     found = problem.forms.other_tangent
-    whole = csr(assemble_matrix(found, bcs=problem._supports, diagonal=0.0))
+    whole = csr(assemble_matrix(found, bcs=problem.supports, diagonal=0.0))
     for term in terms:
         S, S0 = strain_energy.stress(term.energy, C), strain_energy.stress(term.energy, C0)
         integrand = ufl.inner(ufl.derivative(S, u, w), dE) + ufl.inner(S0 + ufl.derivative(S0, u0, step), d2E)
         form = fem.form(integrand * volume_energies.volume_measure(problem.mesh, term.degree)(term.regions))
-        whole = whole + csr(assemble_matrix(form, bcs=problem._supports, diagonal=0.0))
+        whole = whole + csr(assemble_matrix(form, bcs=problem.supports, diagonal=0.0))
     held = np.zeros(whole.shape[0])
     held[problem._held] = 1.0
     return whole + scipy.sparse.diags(held)
