@@ -116,7 +116,7 @@ def papers_plane(run: Run, plan: maps.Plan) -> dict:
 def measure(run: Run) -> dict:
     """All of it."""
     plans = [maps.QUICK] if run.quick else [maps.SMALL, maps.LARGE]
-    count = dict.fromkeys(SHAPES, 2) if run.quick else {"plane": 150, "sphere": 40, "cylinder": 40, "box": 40}
+    count = dict.fromkeys(SHAPES, 2) if run.quick else {"plane": 200, "sphere": 100, "cylinder": 100, "box": 60}
     maps.segment(run, plans[0])
     return {
         "scattered": run.once("random objects", by_shape, run, plans[0], count),
