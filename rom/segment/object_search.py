@@ -119,8 +119,8 @@ def find_object(
         near = ~pressed & np.isfinite(touch)  # what is not touched yet is pulled on by its gap
         off = np.where(pressed, force, 0.0)
         off[near] = stiffness * (touch - points[:, -1])[near]
-        by_place = np.where(pressed[:, None], found.by_object[:, FORCE], 0.0)
-        by_place[near] = stiffness * found.by_object[near, TOUCH]
+        by_place = np.where(pressed[:, None], found.by_object[:, FORCE, :3], 0.0)
+        by_place[near] = stiffness * found.by_object[near, TOUCH, :3]
         error = there.segment.force_error * force
         return off - felt, STEP * by_place, np.hypot(np.maximum(noise, LEAST), error)
 

@@ -93,7 +93,8 @@ class TouchedSegment(PickledByFields):
     def answers(self, points: ArrayLike, by_object: bool = False) -> Touched:
         """Answers, with all that is known of them, at points, shape (n, p) [N, m].
 
-        Derivatives by the object's place, if wanted, are those with a motion of it along x, y, z.
+        Derivatives by the object's pose, if wanted, are those with a motion of it along x, y, z, then with a turning of
+        it about axes through its centre.
 
         Raises:
             ModelError: the wrong number of parameters.

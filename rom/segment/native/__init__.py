@@ -163,7 +163,8 @@ class Touched(NamedTuple):
     Attributes:
         out: tip displacement x, y, z [m], contact force [N], touch distance [m], shape (n, 5).
         jacobians: of these by tensions and d, shape (n, 5, t + 1).
-        by_object: of these by the object's place, shape (n, 5, 3) [m, N, m per m]; None if not asked for.
+        by_object: of these by the object's place and its turning about x, y, z through its centre, shape (n, 5, 6)
+            [m, N, m per m or rad]; None if not asked for.
         wrenches: on every plate, in its frame, shape (n, 6 plates) [N, N m].
         inside: whether tensions, wrench and d lie where the map was trained, and there is an answer that is stable and
             in which no rubber touches, shape (n,).
@@ -189,11 +190,11 @@ def touches(touching: Any, points: np.ndarray, wrenches: np.ndarray | None = Non
         touching: a struct fingerfem_touching.
         points: [N], [m].
         wrenches: where each solve begins, shape (n, 6 plates) [N, N m]; without contact if None.
-        by_object: whether derivatives by the object's place are wanted too.
+        by_object: whether derivatives by the object's place and turning are wanted too.
     """
     points, (n, p) = np.ascontiguousarray(points, float), points.shape
     begun = np.zeros((n, 6 * touching.chain.plates)) if wrenches is None else np.array(wrenches, float)
-    counts, moved = np.empty((2, n), np.int32), np.empty((n, 5, 3)) if by_object else None
+    counts, moved = np.empty((2, n), np.int32), np.empty((n, 5, 6)) if by_object else None
     found = Touched(
         np.empty((n, 5)), np.empty((n, 5, p)), moved, begun, counts[0], counts[1], np.empty(n, np.int64), np.empty(n)
     )

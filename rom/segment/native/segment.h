@@ -87,8 +87,8 @@ int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, 
                           double *rotations, double *motions);
 
 /* Answer at a point, (tensions + 1), of tensions and d: out, (FINGERFEM_ROWS), its derivatives, (FINGERFEM_ROWS,
- * tensions + 1), and, unless it is NULL, by_object, (FINGERFEM_ROWS, 3), by the object's place. The wrench, (6 plates), is
- * where the solve begins, and what it ends with; zero begins without contact. Returns the number of evaluations of the map,
+ * tensions + 1), and, unless it is NULL, by_object, (FINGERFEM_ROWS, 6), by the object's place and by its turning
+ * about axes through its centre. The wrench, (6 plates), is where the solve begins, and what it ends with; zero begins without contact. Returns the number of evaluations of the map,
  * negative without an equilibrium on the object's approach; inside is 1 if tensions, wrench and d lie where the map was
  * trained and d may be, and the plate would rest there. */
 int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *wrench, double *out,

@@ -53,23 +53,37 @@ static int report_change(const contact_problem *problem, const contact_state *st
     return 1;
 }
 
-/* The same with a motion v of the object, (3). */
-static int report_object(const contact_problem *problem, const contact_state *state, const double *v, double *found)
+/* How an object at d that moves by v and turns by t about its centre, (6), moves a point of space, (3). */
+static void carried(const fingerfem_object *object, double d, const double *motion, const double *place, double *found)
 {
-    double drift[CHAIN_WRENCH] = {0.0}, seen[3];
+    double arm[3];
+    for (int i = 0; i < 3; i++) arm[i] = place[i] - object->centre[i] - d * object->direction[i];
+    objects_cross(motion + 3, arm, found);
+    for (int i = 0; i < 3; i++) found[i] += motion[i];
+}
+
+/* The same with such a motion of the object. */
+static int report_object(const contact_problem *problem, const contact_state *state, double d, const double *motion,
+                         double *found)
+{
+    double drift[CHAIN_WRENCH] = {0.0}, v[3];
     for (int q = 0; q < problem->touching->chain->plates; q++) {
-        seen_by(state->at.chain.plates + q, v, seen);
-        for (int i = 0; i < 3; i++) drift[W * q + i] = -seen[i];
+        const chain_plate *plate = state->at.chain.plates + q;
+        carried(problem->touching->object, d, motion, plate->centre, v);
+        seen_by(plate, v, drift + W * q);
+        seen_by(plate, motion + 3, drift + W * q + 3);
+        for (int i = 0; i < W; i++) drift[W * q + i] = -drift[W * q + i];
     }
     return report_change(problem, state, drift, 0, found);
 }
 
-/* Derivatives of tip and contact force by the tensions and, where it matters, by d and by the object's place. */
-static int report_derivatives(const contact_problem *problem, const contact_state *state, int d_moves, double *jacobian,
-                              double *by_object)
+/* Derivatives of tip and contact force by the tensions and, where it matters, by d and by the object's motion. */
+static int report_derivatives(const contact_problem *problem, const contact_state *state, double d, int d_moves,
+                              double *jacobian, double *by_object)
 {
     const int t = problem->touching->chain->tensions, p = t + 1;
-    double drift[CHAIN_WRENCH], found[4];
+    double drift[CHAIN_WRENCH], found[4], away[W] = {0.0};
+    memcpy(away, problem->touching->object->direction, 3 * sizeof *away);
     for (int k = 0; k < t; k++) {
         for (int i = 0; i < problem->size; i++)
             drift[i] = state->at.chain.plates[i / W].motion[i % W][problem->size + k];
@@ -77,19 +91,19 @@ static int report_derivatives(const contact_problem *problem, const contact_stat
         for (int i = 0; i < 4; i++) jacobian[p * i + k] = found[i];
     }
     if (d_moves) {
-        if (!report_object(problem, state, problem->touching->object->direction, found)) return 0;
+        if (!report_object(problem, state, d, away, found)) return 0;
         for (int i = 0; i < 4; i++) jacobian[p * i + t] = found[i];
     }
-    for (int k = 0; k < 3 && by_object; k++) {
-        double unit[3] = {0.0};
+    for (int k = 0; k < W && by_object; k++) {
+        double unit[W] = {0.0};
         unit[k] = 1.0;
-        if (!report_object(problem, state, unit, found)) return 0;
-        for (int i = 0; i < 4; i++) by_object[3 * i + k] = found[i];
+        if (!report_object(problem, state, d, unit, found)) return 0;
+        for (int i = 0; i < 4; i++) by_object[W * i + k] = found[i];
     }
     return 1;
 }
 
-/* Touch distance and its derivatives by the tensions and by the object's place, of the free plates. */
+/* Touch distance and its derivatives by the tensions and by the object's motion, of the free plates. */
 static void report_touch(const contact_problem *problem, const placed *at, double touch, double *out, double *jacobian,
                          double *by_object)
 {
@@ -104,8 +118,15 @@ static void report_touch(const contact_problem *problem, const placed *at, doubl
     for (int i = 0; i < 3; i++) down += normal[i] * e[i];
     for (int k = 0; k < t; k++)
         for (int i = 0; i < W; i++) jacobian[(t + 1) * 4 + k] += normal[i] * plate->motion[i][problem->size + k] / down;
-    for (int k = 0; k < 3 && by_object; k++)
-        for (int i = 0; i < 3; i++) by_object[3 * 4 + k] -= normal[i] * plate->rotation[3 * k + i] / down;
+    for (int k = 0; k < W && by_object; k++) {
+        const double *p = at->contacts.points[nearest];
+        double unit[W] = {0.0}, place[3], v[3], seen[3];
+        unit[k] = 1.0;
+        for (int i = 0; i < 3; i++) place[i] = plate->centre[i] + objects_dot(plate->rotation + 3 * i, p);
+        carried(problem->touching->object, touch, unit, place, v);
+        seen_by(plate, v, seen);
+        by_object[W * 4 + k] = -objects_dot(normal, seen) / down;
+    }
 }
 
 double fingerfem_touch_error(const fingerfem_touching *touching, const double *out, const double *jacobian)
@@ -138,7 +159,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     const contact_problem problem = {touching, &map, W * chain->plates};
     const size_t size = (size_t)problem.size * sizeof *wrench;
     memset(jacobian, 0, (size_t)(FINGERFEM_ROWS * p) * sizeof *jacobian);
-    if (by_object) memset(by_object, 0, 3 * FINGERFEM_ROWS * sizeof *by_object);
+    if (by_object) memset(by_object, 0, W * FINGERFEM_ROWS * sizeof *by_object);
     *inside = 1;
     for (int k = 0; k < t; k++) {
         held[k] = map_held(chain->segments[0], k, point[k]);
@@ -164,7 +185,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     }
     for (int k = 0; k < chain->plates; k++) *inside &= map_inside(chain->segments[k], state.at.chain.plates[k].borne);
     report(&problem, &state, out);
-    if (!report_derivatives(&problem, &state, touches && d_moves, jacobian, touches ? by_object : NULL) && evaluations > 0)
+    if (!report_derivatives(&problem, &state, d, touches && d_moves, jacobian, touches ? by_object : NULL) && evaluations > 0)
         evaluations = -evaluations;
     *inside &= evaluations > 0 && (!touches || response_stable(&problem, &state));
     for (int k = 0; k < t; k++)
@@ -184,7 +205,7 @@ void fingerfem_touches(const fingerfem_touching *touching, int count, const doub
         clock_gettime(CLOCK_MONOTONIC, &begun);
         evaluations[i] = fingerfem_touch(touching, points + p * i, wrench, out + FINGERFEM_ROWS * i,
                                          jacobians + FINGERFEM_ROWS * p * i,
-                                         by_objects ? by_objects + 3 * FINGERFEM_ROWS * i : NULL, inside + i);
+                                         by_objects ? by_objects + W * FINGERFEM_ROWS * i : NULL, inside + i);
         clock_gettime(CLOCK_MONOTONIC, &ended);
         nanoseconds[i] = (ended.tv_sec - begun.tv_sec) * 1000000000LL + ended.tv_nsec - begun.tv_nsec;
         rubber_gaps[i] = fingerfem_rubber_gap(touching, points + p * i, wrench);

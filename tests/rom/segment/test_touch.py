@@ -152,6 +152,17 @@ def moved(model: TouchedSegment, way: np.ndarray) -> TouchedSegment:
     return replace(model, obstacle=replace(model.obstacle, centre=tuple(np.array(model.obstacle.centre) + way)))
 
 
+def turned(model: TouchedSegment, way: np.ndarray) -> TouchedSegment:
+    """The same before the object turned about its centre by a rotation vector [rad]."""
+    rotation, obstacle = Rotation.from_rotvec(way), model.obstacle
+    own = {
+        name: tuple(rotation.apply(getattr(obstacle, name))) for name in ("normal", "axis") if hasattr(obstacle, name)
+    }
+    if isinstance(obstacle, Hull):
+        own = {"vertices": rotation.apply(obstacle.vertices)}
+    return replace(model, obstacle=replace(obstacle, **own))
+
+
 def _direction(model: TouchedSegment) -> np.ndarray:
     return np.array(model.obstacle.numbers()["direction"])
 
@@ -170,12 +181,14 @@ def test_derivatives_are_those_of_the_answers(segment, shape):
             after, before = model.outputs(point + unit)[0], model.outputs(point - unit)[0]
             differences = (after - before) / (2 * h)
             assert jacobian[:, k] == pytest.approx(differences, rel=5e-4, abs=5e-4 * np.abs(differences[:3]).max())
-        assert by_object[:4] @ _direction(model) == pytest.approx(jacobian[:4, 2], rel=1e-9)
-        assert by_object[4] @ _direction(model) == pytest.approx(-1.0)
-        for k, h in enumerate((2e-8, 2e-8, 2e-8)):
-            after, before = (moved(model, step * np.eye(3)[k]).outputs(point)[0] for step in (h, -h))
+        assert by_object[:4, :3] @ _direction(model) == pytest.approx(jacobian[:4, 2], rel=1e-9)
+        assert by_object[4, :3] @ _direction(model) == pytest.approx(-1.0)
+        for k in range(6):
+            way, h, axes = (moved, 2e-8, slice(3)) if k < 3 else (turned, 2e-6, slice(3, 6))
+            after, before = (way(model, step * np.eye(3)[k % 3]).outputs(point)[0] for step in (h, -h))
             differences = (after - before) / (2 * h)
-            assert by_object[:, k] == pytest.approx(differences, rel=5e-4, abs=5e-4 * np.abs(by_object[:3]).max())
+            near = 5e-4 * np.abs(by_object[:3, axes]).max() + 1e-12
+            assert by_object[:, k] == pytest.approx(differences, rel=5e-4, abs=near)
 
 
 @pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder", "hull"])
