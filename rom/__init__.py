@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rom.native.answer import Answer
     from rom.segment.chain import Chain
+    from rom.segment.friction.history import friction_history
     from rom.segment.object_search import find_object
     from rom.segment.objects import Cylinder, Hull, Plane, Sphere, box
     from rom.segment.segment_map import SegmentMap
@@ -25,6 +26,7 @@ _HOMES = {
     "TouchedSegment": "rom.segment.touched_segment",
     "box": "rom.segment.objects",
     "find_object": "rom.segment.object_search",
+    "friction_history": "rom.segment.friction.history",
 }
 __all__ = [
     "Answer",
@@ -38,6 +40,7 @@ __all__ = [
     "TouchedSegment",
     "box",
     "find_object",
+    "friction_history",
 ]
 
 

@@ -82,6 +82,16 @@ class TouchedSegment(PickledByFields):
         )
 
     @property
+    def direction(self) -> np.ndarray:
+        """Unit vector along which d moves the object away, shape (3,) [-]."""
+        return np.array(self.obstacle.numbers()["direction"])
+
+    def rubber_gap(self, point: np.ndarray, wrenches: np.ndarray) -> float:
+        """The rubber's least distance from the object under wrenches, shape (6 plates,) [m]; infinite if unknown."""
+        given = map(native.pointer, (np.array(point, float), np.array(wrenches, float).ravel()))
+        return float(SEGMENT.functions.fingerfem_rubber_gap(self.touching, *given))
+
+    @property
     def native(self) -> dict[str, Any]:
         """What compiled controllers ask."""
         return {"touching": self.touching}

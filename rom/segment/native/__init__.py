@@ -11,7 +11,7 @@ import numpy as np
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
 
-BLOCK, POSE, EDGES = 4, 8, 4  # as in segment.h
+BLOCK, POSE, EDGES, MOST_CONTACTS = 4, 8, 4, 12  # as in segment.h
 BETWEEN, NEAREST = 8, 4  # places for every station of the rubber's edges; stations that say where one is
 
 
@@ -155,6 +155,36 @@ def place_chain(
         compiled, *map(pointer, (tensions, wrenches, centres, rotations, motions))
     )
     return centres, rotations, motions, bool(inside)
+
+
+class Contacts(NamedTuple):
+    """Where plates and an object may touch, at m points.
+
+    Attributes:
+        plates, names: of which plate, and what of it and of the object, shapes (m,); the same from pose to pose.
+        gaps: negative inside the object, shape (m,) [m].
+        points, normals: of the plate, and out of the object, in the plate's frame, shapes (m, 3) [m, -].
+        point_changes, normal_changes: of these as the plate moves and turns, shapes (m, 3, 6).
+    """
+
+    plates: np.ndarray
+    names: np.ndarray
+    gaps: np.ndarray
+    points: np.ndarray
+    normals: np.ndarray
+    point_changes: np.ndarray
+    normal_changes: np.ndarray
+
+
+def contacts(touching: Any, d: float, centres: np.ndarray, rotations: np.ndarray) -> Contacts:
+    """Contacts of an object at d [m] with plates at centres, shape (n, 3) [m], and rotations, shape (n, 3, 3)."""
+    shapes = [(np.int32, ())] * 2 + [(float, ())] + [(float, (3,))] * 2 + [(float, (3, 6))] * 2
+    found = Contacts._make(np.empty((MOST_CONTACTS, *shape), kind) for kind, shape in shapes)
+    kinds = ("int32_t[]",) * 2 + ("double[]",) * 5
+    places = [pointer(np.ascontiguousarray(one, float)) for one in (centres, rotations)]
+    given = [pointer(part, kind) for part, kind in zip(found, kinds, strict=True)]
+    count = SEGMENT.functions.fingerfem_contacts(touching, d, *places, *given)
+    return Contacts(*(part[:count] for part in found))
 
 
 class Touched(NamedTuple):

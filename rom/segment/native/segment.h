@@ -94,6 +94,13 @@ int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, 
 int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *wrench, double *out,
                     double *jacobian, double *by_object, int32_t *inside);
 
+/* Contacts of the object at d with plates somewhere, whose centres, (plates, 3), and rotations, (plates, 3, 3), are given;
+ * their number, FINGERFEM_MOST_CONTACTS at most. Of each: its plate and name, gap [m], point of the plate [m] and normal in
+ * the plate's frame, (3), and how these change as the plate moves and turns, (3, 6). */
+int fingerfem_contacts(const fingerfem_touching *touching, double d, const double *centres, const double *rotations,
+                       int32_t *plates, int32_t *names, double *gaps, double *points, double *normals,
+                       double *point_changes, double *normal_changes);
+
 /* Estimated error of the contact force [N] of an answer. */
 double fingerfem_touch_error(const fingerfem_touching *touching, const double *out, const double *jacobian);
 

@@ -1,0 +1,1 @@
+"""Contact with Coulomb's friction: what sticks, what slides, along a history."""

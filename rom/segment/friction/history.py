@@ -1,0 +1,162 @@
+"""Contact with friction along a history of tensions and of the object's places."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rom.checked_file import ModelError
+from rom.segment.friction.contact_law import OPEN, SLIDES
+from rom.segment.friction.increment import Loads, Resting, advance, free
+from rom.segment.touched_segment import TouchedSegment
+
+HALVINGS = 8  # of an increment that finds no equilibrium
+Status = Literal["converged", "out_of_domain", "no_equilibrium"]
+
+
+class ContactForce(NamedTuple):
+    """What the object does to a plate at a point.
+
+    Attributes:
+        plate: which, from the clamp.
+        place: of the point in space, shape (3,) [m].
+        normal: out of the object, shape (3,) [-].
+        force: on the plate, shape (3,) [N].
+        slides: or sticks.
+    """
+
+    plate: int
+    place: np.ndarray
+    normal: np.ndarray
+    force: np.ndarray
+    slides: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionState:
+    """Where a history has led.
+
+    Attributes:
+        status: `out_of_domain` where the map was not trained, the object may not be, or rubber may touch; from
+            `no_equilibrium` on, nothing is known, and all numbers are nan.
+        tip: displacement of the tip plate's centre, shape (3,) [m].
+        force: of the object on the finger, shape (3,) [N].
+        contact_force: its part along the object's way to the finger, as of a touched segment [N].
+        contacts: where the object presses.
+        dissipated: by sliding, from the history's begin [J].
+    """
+
+    status: Status
+    tip: np.ndarray
+    force: np.ndarray
+    contact_force: float
+    contacts: list[ContactForce]
+    dissipated: float
+
+
+def friction_history(
+    model: TouchedSegment,
+    points: ArrayLike,
+    friction: float,
+    moved: ArrayLike | None = None,
+    increments: int = 8,
+) -> list[FrictionState]:
+    """States along a history, from point to point in straight lines; contact sticks and slides by Coulomb's law.
+
+    A first point in contact is reached by the object coming along its direction, with the tensions as they are there.
+    What sticks and what slides depends on the way: an error of first order in the increments' size is left.
+
+    Args:
+        model: segments and the object.
+        points: tensions [N] and d [m], shape (n, t + 1).
+        friction: coefficient of friction [-].
+        moved: of the object besides, shape (n, 3) [m]; not at all if left out.
+        increments: from point to point; one that finds no equilibrium is halved.
+
+    Raises:
+        ModelError: points or moved of a wrong shape.
+        ValueError: numbers that are not finite, friction below 0, no increment.
+
+    Example:
+        >>> friction_history(model, [[20, 0, 0.01]] * 2, 0.5, moved=[[0, 0, 0], [0.002, 0, 0]])[-1].force
+    """
+    rows = np.atleast_2d(np.asarray(points, float))
+    ways = np.zeros((len(rows), 3)) if moved is None else np.atleast_2d(np.asarray(moved, float))
+    if rows.shape[1] != len(model.parameters) or ways.shape != (len(rows), 3):
+        raise ModelError(
+            f"points must be {', '.join(model.names)} and moved of shape ({len(rows)}, 3), "
+            f"got {rows.shape}, {ways.shape}"
+        )
+    if not (np.isfinite(rows).all() and np.isfinite(ways).all() and 0 <= friction < np.inf and increments >= 1):
+        raise ValueError("points, moved and friction must be finite, friction at least 0, increments at least 1")
+    return list(_states(model, rows, ways, friction, increments))
+
+
+def _states(
+    model: TouchedSegment, rows: np.ndarray, ways: np.ndarray, friction: float, increments: int
+) -> Iterator[FrictionState]:
+    loads = [Loads(row[:-1], float(row[-1]), way) for row, way in zip(rows, ways, strict=True)]
+    there = replace(model, obstacle=replace(model.obstacle, centre=tuple(np.add(model.obstacle.centre, ways[0]))))
+    touch = float(there.outputs(rows[:1])[0, 4])
+    state: Resting | None = free(model, loads[0]._replace(d=max(touch, loads[0].d)))
+    dissipated = 0.0
+    for goal in loads:
+        for k in range(increments):
+            if state is None:
+                break
+            ahead = state.loads.towards(goal, 1 / (increments - k))
+            state, lost = _reach(model, state, ahead, friction, HALVINGS)
+            dissipated += lost
+        yield _report(model, state, dissipated)
+
+
+def _reach(
+    model: TouchedSegment, last: Resting, goal: Loads, friction: float, halvings: int
+) -> tuple[Resting | None, float]:
+    """The equilibrium at a goal and what was dissipated on the way, in as many parts as it needs."""
+    found = advance(model, last, goal, friction)
+    if found is not None or not halvings:
+        return found, 0.0 if found is None else found.dissipated
+    between, first = _reach(model, last, last.loads.towards(goal, 0.5), friction, halvings - 1)
+    if between is None:
+        return None, 0.0
+    found, second = _reach(model, between, goal, friction, halvings - 1)
+    return found, first + second
+
+
+def _report(model: TouchedSegment, state: Resting | None, dissipated: float) -> FrictionState:
+    if state is None:
+        nothing = np.full(3, np.nan)
+        return FrictionState(
+            status="no_equilibrium", tip=nothing, force=nothing, contact_force=np.nan, contacts=[], dissipated=np.nan
+        )
+    placed, found = state.placed, []
+    for k in np.flatnonzero(state.states != OPEN):
+        q = int(state.contacts.plates[k])
+        rotation = placed.rotations[q]
+        place = placed.centres[q] + rotation @ state.contacts.points[k]
+        force = rotation @ state.forces[k]
+        found.append(ContactForce(q, place, rotation @ state.contacts.normals[k], force, state.states[k] == SLIDES))
+    force = np.sum([one.force for one in found], axis=0) if found else np.zeros(3)
+    return FrictionState(
+        status="converged" if _is_known(model, state) else "out_of_domain",
+        tip=placed.centres[-1] - model.chain.rest,
+        force=force,
+        contact_force=float(-force @ model.direction),
+        contacts=found,
+        dissipated=dissipated,
+    )
+
+
+def _is_known(model: TouchedSegment, state: Resting) -> bool:
+    lower, upper = model.limits
+    point = np.append(state.loads.tensions, state.loads.d)
+    there = replace(model, obstacle=replace(model.obstacle, centre=tuple(model.obstacle.centre + state.loads.moved)))
+    gap = there.rubber_gap(point, state.wrenches)
+    return bool(state.placed.inside and (point >= lower).all() and (point <= upper).all()) and not (
+        gap < model.chain.skin_error
+    )
