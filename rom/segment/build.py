@@ -49,6 +49,7 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
     found = best_fit(states, box, terms, progress)
     few = few_products(found.weights, own)
     skin, skin_error = skin_fit(own, box, few)
+    shortenings, shortening_error = shortening_fit(own, box, few)
     return SegmentMap(
         parameters=description.parameters,
         pose=found.polynomial,
@@ -57,6 +58,8 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
         skin=skin,
         skin_error=skin_error,
         displacements=field_fit(snapshots, own, box, few),
+        shortenings=shortenings,
+        shortening_error=shortening_error,
         scene=description.scene,
         provenance={
             "fingerprint": description.fingerprint,
@@ -96,6 +99,20 @@ def skin_fit(states: PressedStates, box: np.ndarray, powers: np.ndarray) -> tupl
     return found, float(np.quantile(off, 0.95))
 
 
+def shortening_fit(states: PressedStates, box: np.ndarray, powers: np.ndarray) -> tuple[Polynomial | None, float]:
+    """The tendons' shortenings by products of the inputs, and the 95th percentile of their errors [m]."""
+    if not states.shortenings.shape[1]:
+        return None, np.nan
+    known = Samples(
+        inputs=states.inputs,
+        values=states.shortenings,
+        jacobians=states.shortening_jacobians,
+        lines=states.lines,
+    )
+    found, predicted = regression(known, box, powers)
+    return found, float(np.quantile(np.abs(predicted - states.shortenings), 0.95))
+
+
 def check(segment: SegmentMap, held_out: SnapshotSet) -> dict[str, Any]:
     """Compare a map with held-out states: places, turns and the contact forces that their errors mean.
 
@@ -115,6 +132,9 @@ def check(segment: SegmentMap, held_out: SnapshotSet) -> dict[str, Any]:
         true_fields, fields = held_out.random("displacement"), segment.displacement(states.inputs)
         off = np.linalg.norm(fields - true_fields, axis=(1, 2)) / np.linalg.norm(true_fields, axis=(1, 2))
         found["displacement"] = quantiles(off)
+    if segment.shortenings is not None and states.shortenings.shape[1]:
+        off = np.abs(segment.shortening(states.inputs) - states.shortenings).ravel()
+        found["channel_shortening_m"] = quantiles(off)
     return found | {
         "states": len(states.inputs),
         "failed": len(held_out.failures),

@@ -29,9 +29,9 @@ class Mirror:
     pose: np.ndarray
 
     def of(self, states: PressedStates) -> PressedStates:
-        """The states' images, without their skin."""
+        """The states' images, their poses alone."""
         return replace(
-            states.without_skin(),
+            states.poses_alone(),
             inputs=states.inputs @ self.inputs.T,
             poses=states.poses @ self.pose.T,
             jacobians=self.pose @ states.jacobians @ self.inputs.T,
@@ -65,8 +65,8 @@ def _of_section(S: np.ndarray, tendons: list[dict[str, Any]]) -> Mirror | None:
 
 
 def with_images(states: PressedStates, scene: dict[str, Any]) -> PressedStates:
-    """The states and their images, those of a state in its line; without their skin."""
-    parts = [states.without_skin(), *(mirror.of(states) for mirror in mirrors(scene))]
+    """The states and their images, those of a state in its line; their poses alone."""
+    parts = [states.poses_alone(), *(mirror.of(states) for mirror in mirrors(scene))]
     return PressedStates(
         **{one.name: np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(PressedStates)}
     )

@@ -52,6 +52,8 @@ class SegmentMap(PickledByFields):
             did not store the displacement: then nobody notices rubber that touches.
         skin_error: of these, 95th percentile [m].
         displacements: where nodes are, seen from the plate; None if the set did not store them.
+        shortenings: of the tendons, likewise [m].
+        shortening_error: of these, 95th percentile [m].
         force_error: relative error of contact forces, 95th percentile of states predicted without their lines [-].
         place_error: of the free plate, likewise [m].
         accuracy: measured on held-out states; empty if nobody did.
@@ -72,6 +74,8 @@ class SegmentMap(PickledByFields):
     skin: Polynomial | None = None
     skin_error: float = np.nan
     displacements: Field | None = None
+    shortenings: Polynomial | None = None
+    shortening_error: float = np.nan
     accuracy: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -114,9 +118,7 @@ class SegmentMap(PickledByFields):
         Raises:
             ModelError: the wrong number of inputs.
         """
-        points = np.atleast_2d(np.asarray(inputs, float))
-        if points.shape[-1] != len(self.parameters):
-            raise ModelError(f"inputs must be {', '.join(self.names)} (in that order), got shape {np.shape(inputs)}")
+        points = self._points(inputs)
         poses, jacobians = self.pose.value_and_gradient(points)
         turned, most = rotations(poses), self.pose.upper[self.tensions]  # [N], of a force in any direction
         found = Placed(
@@ -138,13 +140,31 @@ class SegmentMap(PickledByFields):
             raise ModelError(
                 "sampling.store must have named displacement when the states were solved, got a set without"
             )
-        points = np.atleast_2d(np.asarray(inputs, float))
-        if points.shape[-1] != len(self.parameters):
-            raise ModelError(f"inputs must be {', '.join(self.names)} (in that order), got shape {np.shape(inputs)}")
+        points = self._points(inputs)
         placed = self.place(points)
         turned = np.einsum("nij,nmj->nmi", placed.rotation, self.displacements.places(points))
         found = placed.centre[:, None] + turned - self.displacements.nodes
         return found if np.ndim(inputs) > 1 else np.asarray(found[0])
+
+    def shortening(self, inputs: ArrayLike) -> np.ndarray:
+        """How much shorter the tendons have become at inputs, shape (t + 6,) or (n, t + 6); shape (t,) or (n, t) [m].
+
+        Raises:
+            ModelError: the wrong number of inputs, or a set that did not store them.
+        """
+        if self.shortenings is None:
+            raise ModelError(
+                "sampling.store must have named channel_shortening when the states were solved, got a set without"
+            )
+        found = self.shortenings.value(self._points(inputs))
+        return found if np.ndim(inputs) > 1 else np.asarray(found[0])
+
+    def _points(self, inputs: ArrayLike) -> np.ndarray:
+        """Inputs as rows."""
+        points = np.atleast_2d(np.asarray(inputs, float))
+        if points.shape[-1] != len(self.parameters):
+            raise ModelError(f"inputs must be {', '.join(self.names)} (in that order), got shape {np.shape(inputs)}")
+        return points
 
     def with_accuracy(self, accuracy: dict[str, Any]) -> SegmentMap:
         """The same, whose error has been measured."""
@@ -163,6 +183,10 @@ class SegmentMap(PickledByFields):
         if self.skin is not None:
             checked_file.dataset(file, "skin_powers", self.skin.powers, "-")
             checked_file.dataset(file, "skin_coefficients", self.skin.coefficients.astype(np.float32), "m")
+        if self.shortenings is not None:
+            file.attrs["shortening_error"] = self.shortening_error
+            checked_file.dataset(file, "shortening_powers", self.shortenings.powers, "-")
+            checked_file.dataset(file, "shortening_coefficients", self.shortenings.coefficients, "m")
         if self.displacements is not None:
             file.attrs["field_error"] = self.displacements.error
             checked_file.dataset(file, "nodes", self.displacements.nodes, "m")
@@ -204,6 +228,8 @@ class SegmentMap(PickledByFields):
             pose=polynomial(""),
             skin=polynomial("skin_") if "skin_powers" in file else None,
             displacements=_field(file, polynomial("field_")) if "field_powers" in file else None,
+            shortenings=polynomial("shortening_") if "shortening_powers" in file else None,
+            shortening_error=float(file.attrs.get("shortening_error", np.nan)),
         )
 
 

@@ -152,10 +152,24 @@ class TouchedSegment(PickledByFields):
         Raises:
             ModelError: several segments, or a set that did not store displacements.
         """
+        return self._only().displacement(self._inputs(parameters))
+
+    def shortening(self, parameters: ArrayLike) -> np.ndarray:
+        """How much shorter the tendons have become at one point, shape (p,); shape (t,) [m].
+
+        Raises:
+            ModelError: several segments, or a set that did not store it.
+        """
+        return self._only().shortening(self._inputs(parameters))
+
+    def _only(self) -> SegmentMap:
         if len(self.chain.segments) > 1:
-            raise ModelError("segment must be one map for displacements, got several")
-        wrench = self.answers(parameters).wrenches[0]
-        return self.chain.segments[0].displacement([*np.asarray(parameters, float)[:-1], *wrench])
+            raise ModelError("segment must be one map for displacements and shortenings, got several")
+        return self.chain.segments[0]
+
+    def _inputs(self, parameters: ArrayLike) -> np.ndarray:
+        """Tensions, and the wrench in contact."""
+        return np.append(np.asarray(parameters, float)[:-1], self.answers(parameters).wrenches[0])
 
     def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and derivatives, shape (5, p)."""

@@ -27,6 +27,8 @@ class PressedStates:
         skin: where points of the rubber's long edges are, in the plate's frame, shape (n, m, 3) [m]; m = 0 where the
             set does not store the displacement.
         skin_jacobians: by the inputs, shape (n, m, 3, t + 6).
+        shortenings: of the tendons, shape (n, t) [m]; (n, 0) where the set does not store them.
+        shortening_jacobians: by the inputs, shape (n, t, t + 6).
     """
 
     inputs: np.ndarray
@@ -35,6 +37,8 @@ class PressedStates:
     lines: np.ndarray
     skin: np.ndarray
     skin_jacobians: np.ndarray
+    shortenings: np.ndarray
+    shortening_jacobians: np.ndarray
 
     @property
     def tensions(self) -> int:
@@ -46,10 +50,11 @@ class PressedStates:
         """Size of the force on the plate, shape (n,) [N]."""
         return np.asarray(np.linalg.norm(self.inputs[:, self.tensions : self.tensions + 3], axis=1))
 
-    def without_skin(self) -> PressedStates:
-        """The same without the rubber's points."""
+    def poses_alone(self) -> PressedStates:
+        """The same without the rubber's points and shortenings."""
         n, p = self.inputs.shape
-        return replace(self, skin=np.zeros((n, 0, 3)), skin_jacobians=np.zeros((n, 0, 3, p)))
+        none: dict[str, np.ndarray] = {"skin": np.zeros((n, 0, 3)), "skin_jacobians": np.zeros((n, 0, 3, p))}
+        return replace(self, **none, shortenings=np.zeros((n, 0)), shortening_jacobians=np.zeros((n, 0, p)))
 
 
 def read_pressed_states(snapshots: SnapshotSet) -> PressedStates:
@@ -74,8 +79,13 @@ def read_pressed_states(snapshots: SnapshotSet) -> PressedStates:
         np.concatenate([together(f"{name}{suffix}")[:, 0] for name in ("clamp_place", "plate_rotation")], axis=1)
         for suffix in ("", "_jacobian")
     )
+    inputs, (shortening, changes) = together("parameters"), ("channel_shortening", "channel_shortening_jacobian")
+    n, p = inputs.shape
+    stored = shortening in description.stored
     return PressedStates(
-        inputs=together("parameters"),
+        inputs=inputs,
+        shortenings=together(shortening) if stored else np.zeros((n, 0)),
+        shortening_jacobians=together(changes) if stored else np.zeros((n, 0, p)),
         poses=poses,
         jacobians=jacobians,
         lines=np.concatenate([np.full(int(part["converged"].sum()), k) for k, part in parts]),

@@ -13,7 +13,8 @@ from fingerfem import FingerModel, load_scene
 from fingerfem.scene.scene import SceneError
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.design import HeldOut, describe
-from rom import SegmentMap
+from rom import SegmentMap, TouchedSegment
+from rom.segment.objects import facing_plane
 from rom.snapshots.pressed_states import read_pressed_states
 from rom.snapshots.rigid_motion import motions, rotations
 from rom.snapshots.snapshot_set import SnapshotSet, read_task, task_file
@@ -29,7 +30,9 @@ def pressed_scene(tmp_path_factory) -> Path:
     mesh = rest[rest.index("[mesh]") :].split("[sampling]")[0].replace("cells = [20, 5]", "cells = [10, 5]")
     file = tmp_path_factory.mktemp("pressed") / "pressed.toml"
     load = f"[load]\nforce = {FORCE}\nfriction_angle = 0.2\n\n"
-    file.write_text(f"{head}{load}{mesh}[sampling]\nlines = 15\nwrenches = 3\n")
+    file.write_text(
+        f'{head}{load}{mesh}[sampling]\nlines = 15\nwrenches = 3\nstore = ["displacement", "channel_shortening"]\n'
+    )
     return file
 
 
@@ -81,6 +84,19 @@ def test_every_state_obeys_the_identity_of_a_potential(pressed_set):
         assert np.abs(stiffness - stiffness.T - turned).max() < 1e-4 * max(np.abs(wrench).max(), 1e-3)
 
 
+def test_tendons_shorten_by_a_wrench_as_the_plate_moves_by_their_tensions(pressed_set):
+    """Without a wrench, of one potential: dS/dw = d(motion)/dF, and dS/dF is symmetric and positive definite."""
+    states = read_pressed_states(SnapshotSet(pressed_set))
+    motion, free = motions(states.poses, states.jacobians), states.forces == 0
+    changes = states.shortening_jacobians
+    assert free.sum() == 15 and states.shortenings.shape == (60, 2)
+    by_wrench, by_tension = changes[free][:, :, 2:], motion[free][:, :, :2].transpose(0, 2, 1)
+    assert by_wrench == pytest.approx(by_tension, rel=1e-5, abs=1e-6 * np.abs(by_tension).max())
+    own = changes[free][:, :, :2]
+    assert own == pytest.approx(own.transpose(0, 2, 1), rel=1e-5, abs=1e-6 * np.abs(own).max())
+    assert (np.linalg.eigvalsh(own) > 0).all()
+
+
 def test_one_rank_solves_the_same_numbers(pressed_scene, pressed_set, tmp_path):
     run(1, pressed_scene, tmp_path / "set")
     assert_same(tmp_path / "set", pressed_set)
@@ -116,6 +132,12 @@ def test_held_out_states_measure_the_map_that_is_built(pressed_scene, pressed_se
     expected = np.linalg.norm(moved - held_out.random("displacement"), axis=(1, 2))
     expected /= np.linalg.norm(held_out.random("displacement"), axis=(1, 2))
     assert built["accuracy"]["displacement"]["median"] == pytest.approx(np.median(expected))
+    true = read_pressed_states(held_out)
+    short = np.abs(segment.shortening(true.inputs) - true.shortenings).ravel()
+    assert built["accuracy"]["channel_shortening_m"]["median"] == pytest.approx(np.median(short), rel=1e-6)
+    assert np.median(short) < segment.shortening_error < 0.1 * np.abs(true.shortenings).max()
+    plane = TouchedSegment(segment=segment, obstacle=facing_plane(0.01, (0.001, 0.05)))
+    assert plane.shortening([20.0, 0.0, 0.05]) == pytest.approx(segment.shortening([20.0, *np.zeros(7)]))
     other = subprocess.run(
         [sys.executable, "-m", "rom", "check", str(file), str(pressed_set)], cwd=ROOT, capture_output=True, text=True
     )
