@@ -15,7 +15,7 @@ from rom.segment.touched_segment import TouchedSegment
 TOLERANCE = 1e-9  # of the largest residual [N]
 ITERATIONS = 25
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of the friction, where it comes in steps
-Name = tuple[int, int]  # of a contact: its plate, and what of it and of the object
+Label = tuple[int, int]  # of a contact: its plate, and what of it and of the object
 
 
 class Loads(NamedTuple):
@@ -62,9 +62,9 @@ class Resting:
     dissipated: float
 
     @property
-    def names(self) -> list[Name]:
-        """Of the contacts."""
-        return list(zip(self.contacts.plates.tolist(), self.contacts.names.tolist(), strict=True))
+    def by_label(self) -> dict[Label, np.ndarray]:
+        """The forces by what they are at."""
+        return dict(zip(self.contacts.labels, self.forces, strict=True))
 
 
 class _At(NamedTuple):
@@ -117,13 +117,12 @@ def advance(model: TouchedSegment, last: Resting, loads: Loads, friction: float)
 def _solve(model: TouchedSegment, last: Resting, loads: Loads, friction: float, begun: Resting) -> Resting | None:
     """The same, from the wrenches and forces of another equilibrium."""
     wrenches = begun.wrenches.copy()
-    before = dict(zip(last.names, last.forces, strict=True))
     at = _at(model, last, loads, wrenches)
-    forces = _forces(at.contacts, dict(zip(begun.names, begun.forces, strict=True)))
+    forces = _forces(at.contacts, begun.by_label)
     # A moment counts by the force that half a plate's length away makes it.
     scale = np.tile([1.0] * 3 + [1 / model.chain.half_lengths.max()] * 3, len(wrenches))
     for _ in range(ITERATIONS):
-        found = _law(at, forces, before, friction)
+        found = _law(at, forces, last.by_label, friction)
         balance = (wrenches - _wrenches(at.contacts, forces, wrenches.shape)).ravel()
         residual = np.concatenate([balance, found.residuals.ravel()])
         if not np.isfinite(residual).all():
@@ -143,8 +142,7 @@ def _solve(model: TouchedSegment, last: Resting, loads: Loads, friction: float, 
             change = np.linalg.solve(_jacobian(at, found, forces, wrenches.size), -residual)
         except np.linalg.LinAlgError:
             return None
-        names = zip(at.contacts.plates.tolist(), at.contacts.names.tolist(), strict=True)
-        moved = dict(zip(names, forces + change[wrenches.size :].reshape(-1, 3), strict=True))
+        moved = dict(zip(at.contacts.labels, forces + change[wrenches.size :].reshape(-1, 3), strict=True))
         wrenches = wrenches + change[: wrenches.size].reshape(wrenches.shape)
         at = _at(model, last, loads, wrenches)
         forces = _forces(at.contacts, moved)
@@ -173,9 +171,8 @@ def _across(normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return first, np.cross(normals, first)
 
 
-def _forces(contacts: native.Contacts, known: dict[Name, np.ndarray]) -> np.ndarray:
-    names = zip(contacts.plates.tolist(), contacts.names.tolist(), strict=True)
-    return np.array([known.get(name, np.zeros(3)) for name in names]).reshape(-1, 3)
+def _forces(contacts: native.Contacts, known: dict[Label, np.ndarray]) -> np.ndarray:
+    return np.array([known.get(label, np.zeros(3)) for label in contacts.labels]).reshape(-1, 3)
 
 
 def _parts(at: _At, forces: np.ndarray) -> np.ndarray:
@@ -183,7 +180,7 @@ def _parts(at: _At, forces: np.ndarray) -> np.ndarray:
     return np.einsum("mai,mi->ma", at.axes, forces)
 
 
-def _law(at: _At, forces: np.ndarray, before: dict[Name, np.ndarray], friction: float) -> Law:
+def _law(at: _At, forces: np.ndarray, before: dict[Label, np.ndarray], friction: float) -> Law:
     own = at.contacts.plates
     # By its own force a contact's point yields so much, at least.
     yielding = np.einsum("mi,mij,mj->m", at.by_plates[:, 0], _compliances(at)[own], at.by_plates[:, 0])
@@ -207,7 +204,7 @@ def _wrenches(contacts: native.Contacts, forces: np.ndarray, shape: tuple[int, .
 
 def _jacobian(at: _At, found: Law, forces: np.ndarray, size: int) -> np.ndarray:
     """Of balance and law, by the wrenches and the forces; slips by what p moves on its plate are left out."""
-    contacts, m, n = at.contacts, len(forces), size // 6
+    contacts, m = at.contacts, len(forces)
     jacobian = np.eye(size + 3 * m)
     motions = at.placed.motions[:, :, -size:]
     for k in range(m):
@@ -222,7 +219,6 @@ def _jacobian(at: _At, found: Law, forces: np.ndarray, size: int) -> np.ndarray:
         by_plate = found.by_forces[k] @ parts_by_plate + found.by_motions[k] @ at.by_plates[k]
         jacobian[rows, :size] = by_plate @ motions[q]
         jacobian[rows, rows] = found.by_forces[k] @ axes
-    assert n == len(at.placed.centres)
     return jacobian
 
 

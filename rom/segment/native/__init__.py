@@ -175,6 +175,11 @@ class Contacts(NamedTuple):
     point_changes: np.ndarray
     normal_changes: np.ndarray
 
+    @property
+    def labels(self) -> list[tuple[int, int]]:
+        """Plate and name of each."""
+        return list(zip(self.plates.tolist(), self.names.tolist(), strict=True))
+
 
 def contacts(touching: Any, d: float, centres: np.ndarray, rotations: np.ndarray) -> Contacts:
     """Contacts of an object at d [m] with plates at centres, shape (n, 3) [m], and rotations, shape (n, 3, 3)."""
