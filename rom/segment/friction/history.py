@@ -118,7 +118,9 @@ def _reach(
     model: TouchedSegment, last: Resting, goal: Loads, friction: float, halvings: int
 ) -> tuple[Resting | None, float]:
     """The equilibrium at a goal and what was dissipated on the way, in as many parts as it needs."""
-    found = advance(model, last, goal, friction)
+    found = advance(model, last, goal, friction) or (
+        None if halvings else advance(model, last, goal, friction, by_steps=True)
+    )
     if found is not None or not halvings:
         return found, 0.0 if found is None else found.dissipated
     between, first = _reach(model, last, last.loads.towards(goal, 0.5), friction, halvings - 1)

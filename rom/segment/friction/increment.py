@@ -98,19 +98,18 @@ def _contacts(model: TouchedSegment, loads: Loads, placed: ChainPlaced) -> nativ
     return native.contacts(model.touching, loads.d, placed.centres - loads.moved, placed.rotations)
 
 
-def advance(model: TouchedSegment, last: Resting, loads: Loads, friction: float) -> Resting | None:
+def advance(
+    model: TouchedSegment, last: Resting, loads: Loads, friction: float, *, by_steps: bool = False
+) -> Resting | None:
     """The equilibrium under other loads, which the last one goes to in one increment; None if none was found.
 
-    Slip is that of the plates' points that touch at the increment's end, relative to the object. Where Newton's method
-    goes round in circles, friction grows from none in steps.
+    Slip is that of the plates' points that touch at the increment's end, relative to the object. By steps, the friction
+    grows from none: where Newton's method would go round in circles.
     """
-    found = _solve(model, last, loads, friction, last)
-    if found is None and friction:
-        found = last
-        for share in SHARES:
+    found: Resting | None = last
+    for share in SHARES if by_steps else (1.0,):
+        if found is not None:
             found = _solve(model, last, loads, share * friction, found)
-            if found is None:
-                break
     return found
 
 
