@@ -116,22 +116,32 @@ def chain_models(
 @app.command("check")
 def check_model(
     model: ModelFile,
-    held_out: Annotated[Path, typer.Argument(metavar="HELDOUT/", help="A set made with --random.")],
+    held_out: Annotated[Path | None, typer.Argument(metavar="HELDOUT/", help="A set made with --random.")] = None,
+    against: Annotated[
+        Path | None, typer.Option(metavar="FINER/", help="One on a finer mesh: mesh and surrogate err together.")
+    ] = None,
     tolerance: Annotated[
         float, typer.Option(min=0, max=0.5, help="Keep only the terms this relative error needs.")
     ] = 0.0,
     as_json: AsJson = False,
 ) -> None:
     """Compare a model with held-out full-order states."""
+    if held_out is None and against is None:
+        raise ValueError("HELDOUT/ or --against FINER/ must be given, got neither")
     if kind_of(model) == segment_map.KIND:
+        if held_out is None or against is not None:
+            raise ValueError("against must be left out for a segment's map, whose own held-out set must be given")
         from rom.segment import build
 
         show(build.check(SegmentMap.load(model), SnapshotSet(held_out)), as_json)
         return
-    from rom.held_out import check
+    from rom.held_out import check, check_against
 
+    surrogate = Surrogate.load(model, tolerance=tolerance)
     with steps() as progress:
-        report = check(Surrogate.load(model, tolerance=tolerance), SnapshotSet(held_out), progress)
+        report = check(surrogate, SnapshotSet(held_out), progress) if held_out is not None else {}
+        if against is not None:
+            report["against"] = check_against(surrogate, SnapshotSet(against), progress)
     show(report, as_json)
 
 

@@ -6,10 +6,12 @@ tested, with the errors themselves. Nothing that is reported was seen by what it
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from rom.fit import mesh_transfer
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
@@ -47,18 +49,53 @@ def check(model: Surrogate, held_out: SnapshotSet, progress: Progress = quiet) -
     calibration = model.provenance.get("calibration", {})
     if calibration.get("set") == held_out.description.held_out_id:
         _, held_out = split(held_out)
+    result = _errors(model, held_out, progress)
+    result["calibration_states"] = calibration.get("states", 0)
+    result["terms"], result["bytes"] = model.terms, model.bytes
+    expected = model.scene.get("expected")
+    if expected:
+        result["chosen"] = _chosen(model.scene, expected, result)
+    return result
+
+
+def check_against(model: Surrogate, finer: SnapshotSet, progress: Progress = quiet) -> dict[str, Any]:
+    """Compare a surrogate with held-out states of the same finger on another mesh: mesh and surrogate err together.
+
+    Returns:
+        what `check` does of errors and touch decisions; cells and order of the set's mesh. The coverage is that of the
+        model's estimated errors, which know of the surrogate's part alone.
+
+    Raises:
+        SnapshotError: not a held-out set, or one of another finger.
+    """
+    if not finer.description.random:
+        raise SnapshotError(f"{finer.path}: must be a held-out set (made with --random), got a training set")
+    mesh_transfer.check_finger(finer, model.scene, "the model")
+    mesh = finer.description.scene["mesh"]
+    return _errors(model, finer, progress) | {"mesh": {key: mesh[key] for key in ("cells", "order")}}
+
+
+def _brought(own: np.ndarray, others: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """What brings a field from a model's nodes to a set's, shape (nodes, 3); none if they are the same."""
+    if own.shape == others.shape and np.allclose(own, others):
+        return lambda field: field
+    bring = mesh_transfer.interpolation(own, others)
+    return lambda field: bring(field.reshape(-1, 1))
+
+
+def _errors(model: Surrogate, held_out: SnapshotSet, progress: Progress) -> dict[str, Any]:
+    """Errors of a model in the states of a set, and wrong touch decisions."""
     points = held_out.random("parameters")
     progress("checking on held-out states", 0, len(points))
     answer = model.evaluate(points)
     result: dict[str, Any] = {"states": len(points), "failed": len(held_out.failures)}
-    result["calibration_states"] = calibration.get("states", 0)
     tip = held_out.random("tip")
     result["tip"] = _statistics(_norm(answer.tip - tip), _norm(tip), answer.error["tip"])
     if model.has_field and held_out.description.has_field:
         field = held_out.random("displacement").reshape(len(points), -1)
-        ours = np.empty_like(field)
+        ours, brought = np.empty_like(field), _brought(model.nodes, held_out.nodes)
         for k, point in enumerate(points):
-            ours[k] = model.displacement(point).ravel()
+            ours[k] = brought(model.displacement(point)).ravel()
             progress("checking on held-out states", k + 1, len(points))
         whole = answer.error["displacement"] * np.sqrt(len(held_out.nodes))  # it is the root mean square over nodes
         result["displacement"] = _statistics(_norm(ours - field), _norm(field), whole)
@@ -91,11 +128,7 @@ def check(model: Surrogate, held_out: SnapshotSet, progress: Progress = quiet) -
             "right": float(1 - wrong.mean()),
             "force_without_touch": int((felt & ~touches).sum()),
         }
-    result["terms"], result["bytes"] = model.terms, model.bytes
     progress("checking on held-out states", len(points), len(points))
-    expected = model.scene.get("expected")
-    if expected:
-        result["chosen"] = _chosen(model.scene, expected, result)
     return result
 
 

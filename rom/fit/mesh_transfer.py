@@ -9,6 +9,7 @@ others, and what brings a field from one mesh to the other.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
@@ -26,10 +27,7 @@ def check_pair(fine: SnapshotSet, coarse: SnapshotSet) -> None:
     """
     if coarse.description.random:
         raise SnapshotError(f"{coarse.path}: must be a training set, got a held-out set (made with --random)")
-    scenes = [one.description.scene for one in (fine, coarse)]
-    for key in sorted((scenes[0].keys() | scenes[1].keys()) - OWN):
-        if scenes[0].get(key) != scenes[1].get(key):
-            raise SnapshotError(f"{coarse.path}: must have the {key} of the fine set, got {scenes[1].get(key)}")
+    check_finger(coarse, fine.description.scene, "the fine set")
     if len(coarse.nodes) >= len(fine.nodes):
         counts = f"{len(fine.nodes)} nodes, got {len(coarse.nodes)}"
         raise SnapshotError(f"{coarse.path}: must be of a coarser mesh than the fine set's {counts}")
@@ -37,6 +35,18 @@ def check_pair(fine: SnapshotSet, coarse: SnapshotSet) -> None:
         raise SnapshotError(
             f"{coarse.path}: must model half the finger, and store the displacement, if the fine set does"
         )
+
+
+def check_finger(snapshots: SnapshotSet, scene: dict[str, Any], of: str) -> None:
+    """Refuse a set of another finger than a scene's; of what it is the scene is said in words.
+
+    Raises:
+        SnapshotError: they differ by more than mesh and sampling.
+    """
+    own = snapshots.description.scene
+    for key in sorted((scene.keys() | own.keys()) - OWN):
+        if scene.get(key) != own.get(key):
+            raise SnapshotError(f"{snapshots.path}: must have the {key} of {of}, got {own.get(key)}")
 
 
 def interpolation(coarse: np.ndarray, fine: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:

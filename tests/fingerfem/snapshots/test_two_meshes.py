@@ -9,7 +9,7 @@ from farm import ROOT, run
 
 from rom.build import train
 from rom.fit.mesh_transfer import interpolation
-from rom.held_out import check
+from rom.held_out import check, check_against
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
@@ -44,10 +44,13 @@ def test_few_fine_states_bring_the_fine_mesh_to_a_coarse_surrogate(sets):
         force[name] = report["contact_force"]["median"]
         assert report["touch"]["wrong_beyond_margin"] == 0
     assert sets["few"].states < sets["coarse"].states / 4
+    against = check_against(train(sets["coarse"], OPTIONS), sets["fresh"])
     coarse = train(sets["coarse"], OPTIONS).evaluate(sets["fresh"].random("parameters"))
     true = sets["fresh"].random("contact_force")
     felt = true > 0.1
     force["coarse"] = np.median(np.abs(coarse.contact_force - true)[felt] / true[felt])
+    assert against["contact_force"]["median"] == pytest.approx(force["coarse"])
+    assert 0.005 < against["displacement"]["median"] < 0.1  # of the mesh, brought from node to node
     assert force["both"] < 0.01 and force["both"] < force["coarse"] / 5 and force["both"] < force["few alone"]
     assert check(model, sets["fresh"])["displacement"]["median"] < 2e-3
 
