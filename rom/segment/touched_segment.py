@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import lsq_linear
 
 from rom.checked_file import ModelError
 from rom.native import PickledByFields
@@ -17,6 +18,26 @@ from rom.segment.chain import Chain
 from rom.segment.native import SEGMENT, Touched
 from rom.segment.objects import Object
 from rom.segment.segment_map import SegmentMap
+
+CLOSED = 1e-7  # [m]: gaps of contacts that may press, once the solve has ended
+
+
+class ContactForce(NamedTuple):
+    """What the object does to a plate at a point.
+
+    Attributes:
+        plate: which, from the clamp.
+        place: of the point in space, shape (3,) [m].
+        normal: out of the object, shape (3,) [-].
+        force: on the plate, shape (3,) [N].
+        slides: or sticks; without friction it slides.
+    """
+
+    plate: int
+    place: np.ndarray
+    normal: np.ndarray
+    force: np.ndarray
+    slides: bool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,6 +166,30 @@ class TouchedSegment(PickledByFields):
             error=errors,
             inside=inside,
         )
+
+    def contact_forces(self, parameters: ArrayLike) -> list[ContactForce]:
+        """Where the object presses at one point, shape (p,), and how much; none where nothing is known.
+
+        A plate is rigid: of more contacts than its wrench tells apart, the forces are one way of making it.
+        """
+        answer, point = self.answers(parameters), np.asarray(parameters, float)
+        wrench = answer.wrenches.reshape(-1, 6)
+        if answer.evaluations[0] < 0 or not wrench.any():
+            return []
+        placed = self.chain.place(point[:-1], wrench)
+        near = native.contacts(self.touching, float(point[-1]), placed.centres, placed.rotations)
+        closed = near.gaps < CLOSED
+        own, p, n = near.plates[closed], near.points[closed], near.normals[closed]
+        units = np.repeat([1.0, self.chain.half_lengths.max()], 3)  # a moment counts by its force at that arm
+        rows = np.zeros((*wrench.shape, len(own)))
+        rows[own, :, np.arange(len(own))] = np.hstack([n, np.cross(p, n)]) / units
+        sizes = lsq_linear(rows.reshape(wrench.size, -1), (wrench / units).ravel(), (0.0, np.inf), method="bvls").x
+        normals = np.einsum("kij,kj->ki", placed.rotations[own], n)
+        places = placed.centres[own] + np.einsum("kij,kj->ki", placed.rotations[own], p)
+        return [
+            ContactForce(int(own[k]), places[k], normals[k], sizes[k] * normals[k], slides=True)
+            for k in np.flatnonzero(sizes > 1e-6 * sizes.max(initial=0.0))
+        ]
 
     def displacement(self, parameters: ArrayLike) -> np.ndarray:
         """Of the nodes at one point, shape (p,); shape (nodes, 3) [m].

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,28 +12,10 @@ from numpy.typing import ArrayLike
 from rom.checked_file import ModelError
 from rom.segment.friction.contact_law import OPEN, SLIDES
 from rom.segment.friction.increment import Loads, Resting, advance, free
-from rom.segment.touched_segment import TouchedSegment
+from rom.segment.touched_segment import ContactForce, TouchedSegment
 
 HALVINGS = 8  # of an increment that finds no equilibrium
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
-
-
-class ContactForce(NamedTuple):
-    """What the object does to a plate at a point.
-
-    Attributes:
-        plate: which, from the clamp.
-        place: of the point in space, shape (3,) [m].
-        normal: out of the object, shape (3,) [-].
-        force: on the plate, shape (3,) [N].
-        slides: or sticks.
-    """
-
-    plate: int
-    place: np.ndarray
-    normal: np.ndarray
-    force: np.ndarray
-    slides: bool
 
 
 @dataclass(frozen=True, kw_only=True)

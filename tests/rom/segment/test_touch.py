@@ -128,6 +128,29 @@ def test_a_box_that_lies_flush_is_the_plane_of_its_face(segment):
     assert boxed == pytest.approx(flat, rel=1e-6, abs=1e-9) and (flat[:, 3] > 0.1).all()
 
 
+@pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder", "hull"])
+def test_forces_at_the_contact_points_make_the_wrench(segment, shape):
+    random, known = np.random.default_rng(8), 0
+    for _ in range(30):
+        model, point = touched(segment, random, shape)
+        answer = model.answers(point)
+        if not answer.inside[0]:
+            continue
+        known += 1
+        found = model.contact_forces(point)
+        placed = segment.place(np.concatenate([point[:2], answer.wrenches[0]]))
+        force = sum((one.force for one in found), np.zeros(3))
+        moment = sum((np.cross(one.place - placed.centre, one.force) for one in found), np.zeros(3))
+        expected = placed.rotation @ answer.wrenches[0].reshape(2, 3).T
+        size = np.linalg.norm(force)
+        assert force == pytest.approx(expected[:, 0], abs=1e-5 * size) and size > 0
+        assert moment == pytest.approx(expected[:, 1], abs=1e-5 * size * rod.SIDE)
+        assert all(one.force @ one.normal > 0 for one in found) and len(found) <= 8
+    assert known > 10
+    free = np.array([*point[:2], 0.5])
+    assert model.contact_forces(free) == []
+
+
 def test_a_hull_says_what_it_cannot_be():
     for wrong in ({"vertices": [(0, 0, 0), (1, 0, 0), (0, 1, 0)]}, {"rounding": 0.0}, {"vertices": [(0, 0)]}):
         cube = {"vertices": list(map(tuple, CORNERS)), "centre": (0, 0, 0), "direction": (0, 1, 0)} | wrong
