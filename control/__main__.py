@@ -15,15 +15,18 @@ import numpy as np
 import typer
 
 from control import Finger, Gripper, Object, SimulatedPlant
+from control.gripper import Grasp
 from control.model import Model
+from control.motion import Motion
 from rom import Chain, Surrogate, TouchedSegment
 from rom.checked_file import kind_of
-from rom.command_line import NOTHING_USABLE, AsJson, application, run, show
+from rom.command_line import NOTHING_USABLE, AsJson, application, columns, millimetres, run, show
 from rom.segment import chain
 from rom.segment.objects import facing_plane
 from rom.terminal import steps
 
 app = application()
+COUNTED = ("converged", "unreachable", "failed", "out_of_limits")
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
 OptionalModelFile = Annotated[
     Path | None,
@@ -49,8 +52,10 @@ def reach(
     as_json: AsJson = False,
 ) -> None:
     """Tensions that bring the tip plate's centre to a point before contact."""
-    motion = Finger(model_of(model)).reach(point, distance)
-    show(motion.as_json(), as_json, 0 if motion.converged else NOTHING_USABLE)
+    known = model_of(model)
+    motion = Finger(known).reach(point, distance)
+    miss = f"the tip is {1e3 * motion.residual:.3g} mm from there, +- {1e3 * motion.error:.2g} mm"
+    show(motion.as_json(), motion_lines(known, motion, miss), as_json, 0 if motion.converged else NOTHING_USABLE)
 
 
 @app.command()
@@ -72,7 +77,31 @@ def hold(
         if value is not None and not 0 < value < math.inf:
             raise ValueError(f"{name} must be above 0 {unit}, got {value:g}")
     motion = Finger(known).hold(contact_force, distance, pad_pressure=pad_pressure)
-    show(motion.as_json(), as_json, 0 if motion.converged else NOTHING_USABLE)
+    asked, unit = (contact_force, "N") if pad_pressure is None else (pad_pressure, "Pa")
+    off = f"{motion.residual:.2g} {unit} from the {asked:g} {unit} asked for, +- {motion.error:.2g} {unit}"
+    show(motion.as_json(), motion_lines(known, motion, off), as_json, 0 if motion.converged else NOTHING_USABLE)
+
+
+def motion_lines(model: Model, motion: Motion, off: str) -> list[str]:
+    """An answer for people: tensions, and what the model says of them."""
+    meant = {
+        "converged": "converged",
+        "unreachable": "unreachable; what comes nearest",
+        "out_of_domain": "out of the trained domain",
+        "iteration_limit": "not converged",
+    }
+    lines = [f"{meant[motion.status]}: {off} (estimated, 95 %)"]
+    sides = dict(zip(("y", "z"), motion.sides, strict=True))
+    names = [one["name"] for one in model.parameters]
+    lines += columns([[f"  {name}", f"{value:.4g} N"] for name, value in zip(names, motion.tensions, strict=False)])
+    if model.has_obstacle and np.isfinite(motion.distance):
+        answer = model.evaluate([*motion.tensions, motion.distance])
+        force = f"{answer.contact_force:.4g} +- {answer.error['contact_force']:.2g} N"
+        lines.append(f"  contact force {force}, the plane at d = {1e3 * motion.distance:.4g} mm")
+        lines.append(f"  the plane is touched at d = {1e3 * answer.touch_distance:.4g} mm")
+        lines.append(f"  the tip has moved by {millimetres(answer.tip)}")
+    lines += [f"  its tendons pulled on the other side along {axis}" for axis, side in sides.items() if side < 0]
+    return lines
 
 
 @app.command()
@@ -101,11 +130,23 @@ def grasp(
         mass, friction, admissible = held
         targets = gripper.targets(Object(mass=mass, friction=friction, admissible_force=admissible))
         if not targets.exist:
-            show({"status": "no targets", "reason": targets.reason}, as_json, NOTHING_USABLE)
+            lines = [f"no forces hold it: {targets.reason}"]
+            show({"status": "no targets", "reason": targets.reason}, lines, as_json, NOTHING_USABLE)
             return
         forces = targets.contact_forces
     result = gripper.grasp(forces, plants)
-    show(result.as_json(), as_json, 0 if result.converged else NOTHING_USABLE)
+    show(result.as_json(), grasp_lines(known, result), as_json, 0 if result.converged else NOTHING_USABLE)
+
+
+def grasp_lines(model: Model, result: Grasp) -> list[str]:
+    """A grasp for people, a line a finger."""
+    names = [one["name"] for one in model.parameters[: result.tensions.shape[1]]]
+    rows = [["finger", *(f"{name} [N]" for name in names), "contact force [N]", "distance [mm]", "status"]]
+    for k, tensions in enumerate(result.tensions):
+        numbers = [*(f"{value:.3f}" for value in tensions), f"{result.contact_forces[k]:.4f}"]
+        rows.append([str(k + 1), *numbers, f"{1e3 * result.distances[k]:.3f}", result.status[k]])
+    found = f"object found at {millimetres(result.centre)}, radius {1e3 * result.radius:.3f} mm"
+    return [*columns(rows), f"{found}, by {len(result.history)} pulls"]
 
 
 @app.command()
@@ -121,7 +162,14 @@ def campaign(
 
     with steps() as progress:
         result = hold_all(model_of(model), starts, contact_force, sweep, progress=progress).as_json()
-    show(result, as_json, 0 if result["converged"] else NOTHING_USABLE)
+    counted = ", ".join(f"{result[name]} {name.replace('_', ' ')}" for name in COUNTED)
+    times = [
+        [f"  {what}", *(f"{result[prefix + key]:.3g} us" for key in ("mean_us", "p50_us", "p99_us", "max_us"))]
+        for what, prefix in (("compiled", ""), ("called from Python", "call_"))
+    ]
+    lines = [f"{result['starts']} holds of {contact_force:g} N: {counted}"]
+    lines += columns([["a hold takes", "mean", "median", "99 % below", "longest"], *times])
+    show(result, lines, as_json, 0 if result["converged"] else NOTHING_USABLE)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from typing import Annotated
 import typer
 
 from rom.checked_file import kind_of
-from rom.command_line import AsJson, application, run, show
+from rom.command_line import AsJson, application, errors, run, show
 from rom.segment import chain, segment_map
 from rom.segment.chain import Chain
 from rom.segment.segment_map import SegmentMap
@@ -59,7 +59,7 @@ def build(
             raise ValueError(f"{name} must be left out for a set of a scene with a load, got one")
         segment = build_segment(snapshots, terms, held_out)
         segment.save(output)
-        show(segment_summary(segment), as_json)
+        show_segments(segment_summary(segment), as_json)
         return
     from rom.build import train
     from rom.error_model import calibrated
@@ -77,7 +77,7 @@ def build(
             model = calibrated(model, states)
             model = replace(model, accuracy=accuracy(check(model, states, progress)))
     model.save(output)
-    show(summary(model), as_json)
+    show_surrogate(summary(model), as_json)
 
 
 def check_folder(output: Path) -> None:
@@ -110,7 +110,7 @@ def chain_models(
     check_folder(output)
     made = Chain([SegmentMap.load(model) for model in models])
     made.save(output)
-    show(chain_summary(made), as_json)
+    show_segments(chain_summary(made), as_json)
 
 
 @app.command("check")
@@ -133,7 +133,8 @@ def check_model(
             raise ValueError("against must be left out for a segment's map, whose own held-out set must be given")
         from rom.segment import build
 
-        show(build.check(SegmentMap.load(model), SnapshotSet(held_out)), as_json)
+        found = build.check(SegmentMap.load(model), SnapshotSet(held_out))
+        show(found, check_lines(found), as_json)
         return
     from rom.held_out import check, check_against
 
@@ -142,16 +143,16 @@ def check_model(
         report = check(surrogate, SnapshotSet(held_out), progress) if held_out is not None else {}
         if against is not None:
             report["against"] = check_against(surrogate, SnapshotSet(against), progress)
-    show(report, as_json)
+    show(report, check_lines(report), as_json)
 
 
 @app.command()
 def info(model: ModelFile, as_json: AsJson = False) -> None:
     """What a model file holds: parameters with units and ranges, terms, accuracy, versions."""
     if kind_of(model) in chain.KINDS:
-        show(chain_summary(Chain.load(model)), as_json)
+        show_segments(chain_summary(Chain.load(model)), as_json)
         return
-    show(summary(Surrogate.load(model)), as_json)
+    show_surrogate(summary(Surrogate.load(model)), as_json)
 
 
 @app.command("export")
@@ -166,6 +167,61 @@ def export_model(
     from rom.c_header import export
 
     export(Surrogate.load(model, tolerance=tolerance), output)
+
+
+def check_lines(report: dict) -> list[str]:
+    """What `check` found, for people."""
+    lines = []
+    if "states" in report:
+        lines = [f"{report['states']} held-out states, {report['failed']} failed", *errors(report)]
+    if report.get("calibration_states"):
+        lines[0] += f"; {report['calibration_states']} others calibrated the model's estimated errors"
+    if "covered" in report:
+        lines.append(f"{report['covered']:.0%} of the contact forces are within the estimate")
+    if "touch" in report:
+        touch = report["touch"]
+        lines.append(f"touch is decided rightly in {touch['right']:.1%} of the states")
+        if touch["wrong"]:
+            lines[-1] += f"; {touch['wrong_beyond_margin']} of {touch['wrong']} wrong ones are no close calls"
+    if "chosen" in report:
+        chosen = report["chosen"]
+        got = f", got {chosen['got']:.2%}" if "got" in chosen else ""
+        quantity = chosen["quantity"].replace("_", " ")
+        lines.append(f"{chosen['asked']}: expected {chosen['error']:.2%} of {quantity} at the 95th percentile{got}")
+    if "against" in report:
+        mesh = report["against"]["mesh"]
+        cells = " x ".join(map(str, mesh["cells"]))
+        lines += ["", f"Against {cells} cells of order {mesh['order']}, mesh and surrogate together:"]
+        lines += check_lines(report["against"])
+    return lines
+
+
+def parameter_lines(parameters: list[dict]) -> list[str]:
+    """Parameters with their ranges."""
+    return [f"  {one['name']}: {one['lower']:g} to {one['upper']:g} {one['unit']}" for one in parameters]
+
+
+def show_surrogate(found: dict, as_json: bool) -> None:
+    """Print a surrogate's summary."""
+    terms = f"{sum(found['terms'].values())} products in {len(found['terms'])} forms"
+    made = found["provenance"]
+    nodes = f"displacement of {found['nodes']:,} nodes" if isinstance(found["nodes"], int) else found["nodes"]
+    lines = [f"{found['scene']}: {terms} from {made['states']} states; {nodes}", *parameter_lines(found["parameters"])]
+    measured = errors(found["accuracy"]) if isinstance(found["accuracy"], dict) else [f"accuracy {found['accuracy']}"]
+    show(found, [*lines, *measured], as_json)
+
+
+def show_segments(found: dict, as_json: bool) -> None:
+    """Print the summary of a segment's map or of a chain."""
+    lines = []
+    for k, one in enumerate(found.get("segments", [found])):
+        made, error = one["provenance"], one["contact_force_error"]
+        states = f" from {made['states']} states" if "states" in made else ""
+        lines.append(f"{one['scene']}, segment {k + 1}: {one['terms']:,} products{states}")
+        lines += parameter_lines(one["parameters"])
+        lines.append(f"  contact force within {100 * error:.2g} %, as it expects of itself (95 %)")
+        lines += errors(one["accuracy"]) if isinstance(one["accuracy"], dict) else [f"  accuracy {one['accuracy']}"]
+    show(found, lines, as_json)
 
 
 def chain_summary(made: Chain) -> dict:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterable, Sequence
 from typing import Annotated, Any
 
 import typer
 
-from rom.terminal import say
+from rom.terminal import fitted, say
 
 BAD_INPUT, NOTHING_USABLE = 2, 3
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
@@ -22,10 +23,51 @@ def application() -> typer.Typer:
     )
 
 
-def show(result: dict[str, Any], as_json: bool, code: int = 0) -> None:
-    """Print as JSON (strict: nan and inf become null), indented for people, and exit with a code."""
-    print(json.dumps(_strict(result)) if as_json else json.dumps(_strict(result), indent=2))
+def show(result: dict[str, Any], lines: Iterable[str], as_json: bool, code: int = 0) -> None:
+    """Print as lines for people or as JSON (strict: nan and inf become null), and exit with a code."""
+    text = json.dumps(_strict(result)) if as_json else "\n".join(lines)
+    print(fitted(text) if sys.stdout.isatty() and not as_json else text)
     raise SystemExit(code)
+
+
+def columns(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of a table as lines: the first column begins where all do, the others end there."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "   ".join(
+            [row[0].ljust(widths[0]), *(cell.rjust(w) for cell, w in zip(row[1:], widths[1:], strict=True))]
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def percent(share: float) -> str:
+    """A share: 0.01234 is 1.2 %."""
+    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
+
+
+def millimetres(values: Iterable[float]) -> str:
+    """A point [m] in millimetres."""
+    return f"({', '.join(f'{1e3 * value:.3f}' for value in values)}) mm"
+
+
+def errors(report: dict[str, Any]) -> list[str]:
+    """The errors in a report of `rom check`, or a model's own, as a table."""
+    head = ["relative error", "states", "median", "95 %", "largest", "within estimate"]
+    known = {name: one for name, one in report.items() if isinstance(one, dict) and "median" in one}
+    rows = [
+        [
+            name.removesuffix("_m").replace("_", " ") + (" [um]" if name.endswith("_m") else ""),
+            str(one["count"]),
+            *(
+                f"{1e6 * one[key]:.3g}" if name.endswith("_m") else percent(one[key])
+                for key in ("median", "p95", "max")
+            ),
+            percent(one["coverage"]) if "coverage" in one else "",
+        ]
+        for name, one in known.items()
+    ]
+    return columns([head, *rows]) if rows else []
 
 
 def _strict(value: Any) -> Any:

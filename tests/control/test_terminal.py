@@ -10,7 +10,7 @@ CONTROL = [sys.executable, "-m", "control"]
 def test_hold_and_campaign_fit_the_window(demo):
     for words in (["hold", str(demo / "finger.h5"), "--distance", "0.01"], ["campaign", str(demo / "finger.h5")]):
         seen = shown([*CONTROL, *words])
-        assert seen.code == 0 and '"converged"' in seen.text
+        assert seen.code == 0 and "converged" in seen.text and "{" not in seen.text
         assert bool([bar for bar in seen.bars if "holding" in bar]) == (words[0] == "campaign")
         seen.assert_readable()
 
@@ -18,3 +18,15 @@ def test_hold_and_campaign_fit_the_window(demo):
 def test_ctrl_c_ends_a_campaign_in_one_line(demo):
     seen = shown([*CONTROL, "campaign", str(demo / "finger.h5"), "--starts", "10000000"], interrupt_at="holding")
     seen.assert_interrupted("stopped by Ctrl-C; nothing was written, the same command begins again")
+
+
+def test_answers_are_tables_with_units(demo):
+    words = {
+        ("reach", str(demo / "finger.h5"), "0.0", "-0.2", "0.0"): (3, ["unreachable", "mm from there", " N"]),
+        ("grasp", str(demo / "finger.h5")): (0, ["contact force [N]", "radius 12.000 mm"]),
+    }
+    for said, (code, parts) in words.items():
+        seen = shown([*CONTROL, *said])
+        text = " ".join(seen.text.split())
+        assert seen.code == code and all(part in text for part in parts), text
+        seen.assert_readable()
