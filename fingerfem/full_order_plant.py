@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.model import FingerModel
 
 
 class FullOrderPlant:
     """The full-order finger in front of a plane; a plant as control.plant has them.
+
+    A pull goes on from the last one's equilibrium, and begins from rest where there is none or where that does not lead
+    there. Several plants may share a model.
 
     Attributes:
         contact_force: after the last pull [N].
@@ -26,16 +31,36 @@ class FullOrderPlant:
         model.check_loads([tendon.tension[0] for tendon in model.scene.tendons], distance)
         self.contact_force, self.solves = 0.0, 0
         self._model, self._distance = model, distance
+        self._last: tuple[np.ndarray, np.ndarray] | None = None  # tensions and displacement
 
     def pull(self, tensions: ArrayLike) -> float:
-        """Contact force [N] at these tensions [N], shape (tendons,), solved from rest.
+        """Contact force [N] at these tensions [N], shape (tendons,).
 
         Raises:
             ValueError: tensions that the scene does not allow.
             LoadNotReached: no equilibrium was found.
         """
-        state = self._model.solve(tensions, self._distance, sensitivities=False)
-        assert state.contact_force is not None
+        model, continuation = self._model, self._model.continuation
+        model.check_loads(tensions, self._distance)
+        if not self._goes_on(tensions):
+            continuation.rest()
+            continuation.advance(tensions, None)
+            continuation.advance(tensions, self._distance)
+        forms = model.problem.forms.contact
+        assert forms is not None
+        self._last = np.array(tensions, float), model.problem.displacement.copy()
         self.solves += 1
-        self.contact_force = state.contact_force
+        self.contact_force = model.problem.scalar(forms.force)
         return self.contact_force
+
+    def _goes_on(self, tensions: ArrayLike) -> bool:
+        """Whether the last pull's equilibrium leads to these tensions."""
+        if self._last is None:
+            return False
+        before, displacement = self._last
+        self._model.continuation.start(before, self._distance, displacement)
+        try:
+            self._model.continuation.advance(tensions, self._distance)
+        except LoadNotReached:
+            return False
+        return True
