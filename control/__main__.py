@@ -52,6 +52,8 @@ def reach(
     as_json: AsJson = False,
 ) -> None:
     """Tensions that bring the tip plate's centre to a point before contact."""
+    if not np.isfinite(point).all() or math.isnan(distance):
+        raise ValueError(f"point and distance must be numbers, got {point}, {distance:g}")
     known = model_of(model)
     motion = Finger(known).reach(point, distance)
     miss = f"the tip is {1e3 * motion.residual:.3g} mm from there, +- {1e3 * motion.error:.2g} mm"
@@ -94,12 +96,18 @@ def motion_lines(model: Model, motion: Motion, off: str) -> list[str]:
     sides = dict(zip(("y", "z"), motion.sides, strict=True))
     names = [one["name"] for one in model.parameters]
     lines += columns([[f"  {name}", f"{value:.4g} N"] for name, value in zip(names, motion.tensions, strict=False)])
-    if model.has_obstacle and np.isfinite(motion.distance):
-        answer = model.evaluate([*motion.tensions, motion.distance])
+    before_plane = model.has_obstacle and np.isfinite(motion.distance)
+    at = motion.tensions if not model.has_obstacle else np.append(motion.tensions, model.limits[1][-1])
+    if before_plane:
+        at[-1] = motion.distance
+    answer = model.evaluate(at)
+    if before_plane and answer.inside:
         force = f"{answer.contact_force:.4g} +- {answer.error['contact_force']:.2g} N"
         lines.append(f"  contact force {force}, the plane at d = {1e3 * motion.distance:.4g} mm")
         lines.append(f"  the plane is touched at d = {1e3 * answer.touch_distance:.4g} mm")
-        lines.append(f"  the tip has moved by {millimetres(answer.tip)}")
+    elif before_plane:
+        lines.append(f"  the plane at d = {1e3 * motion.distance:.4g} mm is not where the model was trained")
+    lines.append(f"  the tip moves by {millimetres(answer.tip * [1, *motion.sides])}")
     lines += [f"  its tendons pulled on the other side along {axis}" for axis, side in sides.items() if side < 0]
     return lines
 
@@ -122,6 +130,8 @@ def grasp(
     as_json: AsJson = False,
 ) -> None:
     """Three simulated fingers close around an object of unknown position and hold it."""
+    if not 0 < radius < math.inf:
+        raise ValueError(f"radius must be above 0 m, got {radius:g}")
     known = model_of(model)
     gripper = Gripper(known)
     plants = [SimulatedPlant(known, distance) for distance in gripper.distances(centre, radius)]
@@ -141,10 +151,12 @@ def grasp(
 def grasp_lines(model: Model, result: Grasp) -> list[str]:
     """A grasp for people, a line a finger."""
     names = [one["name"] for one in model.parameters[: result.tensions.shape[1]]]
-    rows = [["finger", *(f"{name} [N]" for name in names), "contact force [N]", "distance [mm]", "status"]]
+    rows = [["finger", *(f"{name} [N]" for name in names), "force [N]", "d [mm]", "status"]]
     for k, tensions in enumerate(result.tensions):
         numbers = [*(f"{value:.3f}" for value in tensions), f"{result.contact_forces[k]:.4f}"]
         rows.append([str(k + 1), *numbers, f"{1e3 * result.distances[k]:.3f}", result.status[k]])
+    if not np.isfinite(result.radius):
+        return [*columns(rows), f"object not found, by {len(result.history)} pulls"]
     found = f"object found at {millimetres(result.centre)}, radius {1e3 * result.radius:.3f} mm"
     return [*columns(rows), f"{found}, by {len(result.history)} pulls"]
 

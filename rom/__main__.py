@@ -70,10 +70,10 @@ def build(
         expected = snapshots.description.scene.get("expected") or {}
         tolerance = expected.get("tolerance", EnrichmentOptions().tolerance)
     options = EnrichmentOptions(tolerance=tolerance, **({} if terms is None else {"terms": terms}))
+    states = None if held_out is None else held_out_of(snapshots, held_out)
     with steps() as progress:
         model = train(snapshots, options, None if coarse is None else SnapshotSet(coarse), progress=progress)
-        if held_out is not None:
-            states = SnapshotSet(held_out)
+        if states is not None:
             model = calibrated(model, states)
             model = replace(model, accuracy=accuracy(check(model, states, progress)))
     model.save(output)
@@ -84,6 +84,14 @@ def check_folder(output: Path) -> None:
     """Refuse a file that could not be written, before there is anything to write."""
     if not output.parent.is_dir():
         raise ValueError(f"output must be in a folder that exists, got {output}")
+
+
+def held_out_of(training: SnapshotSet, folder: Path) -> SnapshotSet:
+    """A training set's held-out set, looked at before there is a model to measure."""
+    found = SnapshotSet(folder)
+    if not found.description.random or found.description.fingerprint != training.description.fingerprint:
+        raise ValueError(f"{folder}: must be a held-out set (made with --random) of the training set's scene")
+    return found
 
 
 def build_segment(snapshots: SnapshotSet, terms: int | None, held_out: Path | None) -> SegmentMap:
@@ -180,7 +188,7 @@ def check_lines(report: dict) -> list[str]:
         lines.append(f"{report['covered']:.0%} of the contact forces are within the estimate")
     if "touch" in report:
         touch = report["touch"]
-        lines.append(f"touch is decided rightly in {touch['right']:.1%} of the states")
+        lines.append(f"touch is decided rightly in {touch['count'] - touch['wrong']} of {touch['count']} states")
         if touch["wrong"]:
             lines[-1] += f"; {touch['wrong_beyond_margin']} of {touch['wrong']} wrong ones are no close calls"
     if "chosen" in report:
@@ -191,7 +199,7 @@ def check_lines(report: dict) -> list[str]:
     if "against" in report:
         mesh = report["against"]["mesh"]
         cells = " x ".join(map(str, mesh["cells"]))
-        lines += ["", f"Against {cells} cells of order {mesh['order']}, mesh and surrogate together:"]
+        lines.append(f"against {cells} cells of order {mesh['order']}, mesh and surrogate together:")
         lines += check_lines(report["against"])
     return lines
 

@@ -42,8 +42,8 @@ def columns(rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def percent(share: float) -> str:
-    """A share: 0.01234 is 1.2 %."""
-    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
+    """A share: 0.01234 is 1.2 %; below 1 it is never 100 %."""
+    return f"{100 * share:.2g} %" if share < 0.99 or share > 1 else f"{math.floor(1e3 * share + 1e-9) / 10:g} %"
 
 
 def millimetres(values: Iterable[float]) -> str:

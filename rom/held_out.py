@@ -62,17 +62,29 @@ def check_against(model: Surrogate, finer: SnapshotSet, progress: Progress = qui
     """Compare a surrogate with held-out states of the same finger on another mesh: mesh and surrogate err together.
 
     Returns:
-        what `check` does of errors and touch decisions; cells and order of the set's mesh. The coverage is that of the
-        model's estimated errors, which know of the surrogate's part alone.
+        what `check` does of errors and touch decisions; cells and order of the set's mesh.
 
     Raises:
-        SnapshotError: not a held-out set, or one of another finger.
+        SnapshotError: not a held-out set, one of another finger, or of a mesh that is not finer.
     """
     if not finer.description.random:
         raise SnapshotError(f"{finer.path}: must be a held-out set (made with --random), got a training set")
     mesh_transfer.check_finger(finer, model.scene, "the model")
-    mesh = finer.description.scene["mesh"]
-    return _errors(model, finer, progress) | {"mesh": {key: mesh[key] for key in ("cells", "order")}}
+    mesh, own = finer.description.scene["mesh"], model.scene["mesh"]
+    if _fineness(mesh) <= _fineness(own):
+        cells, order = " x ".join(map(str, own["cells"])), own["order"]
+        raise SnapshotError(f"{finer.path}: must be of a finer mesh than the model's {cells} cells of order {order}")
+    found = _errors(model, finer, progress)
+    for one in found.values():
+        if isinstance(one, dict):
+            one.pop("coverage", None)  # estimated errors know of the surrogate's part alone
+    return found | {"mesh": {key: mesh[key] for key in ("cells", "order")}}
+
+
+def _fineness(mesh: dict[str, Any]) -> int:
+    """Some number that grows with a mesh's nodes."""
+    along, across = (count * mesh["order"] for count in mesh["cells"])
+    return int(along * across**2)
 
 
 def _brought(own: np.ndarray, others: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:

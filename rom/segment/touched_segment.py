@@ -177,7 +177,9 @@ class TouchedSegment(PickledByFields):
         if answer.evaluations[0] < 0 or not wrench.any():
             return []
         placed = self.chain.place(point[:-1], wrench)
-        near = native.contacts(self.touching, float(point[-1]), placed.centres, placed.rotations)
+        nearest, farthest = self.obstacle.distances
+        d = min(float(point[-1]), farthest) if point[-1] > nearest else nearest  # as the solve has it
+        near = native.contacts(self.touching, d, placed.centres, placed.rotations)
         closed = near.gaps < CLOSED
         own, p, n = near.plates[closed], near.points[closed], near.normals[closed]
         units = np.repeat([1.0, self.chain.half_lengths.max()], 3)  # a moment counts by its force at that arm

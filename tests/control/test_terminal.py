@@ -23,7 +23,7 @@ def test_ctrl_c_ends_a_campaign_in_one_line(demo):
 def test_answers_are_tables_with_units(demo):
     words = {
         ("reach", str(demo / "finger.h5"), "0.0", "-0.2", "0.0"): (3, ["unreachable", "mm from there", " N"]),
-        ("grasp", str(demo / "finger.h5")): (0, ["contact force [N]", "radius 12.000 mm"]),
+        ("grasp", str(demo / "finger.h5")): (0, ["force [N]", "radius 12.000 mm"]),
     }
     for said, (code, parts) in words.items():
         seen = shown([*CONTROL, *said])

@@ -12,9 +12,12 @@ from numpy.typing import ArrayLike
 from rom.checked_file import ModelError
 from rom.segment.friction.contact_law import OPEN, SLIDES
 from rom.segment.friction.increment import Loads, Resting, advance, free
+from rom.segment.objects import Cylinder, Plane, Sphere
 from rom.segment.touched_segment import ContactForce, TouchedSegment
 
-HALVINGS = 8  # of an increment that finds no equilibrium
+HALVINGS = 8  # of an increment that finds no equilibrium, or one too far away
+SUSPECT, JUMP = 3.0, 30.0  # plates that move so many times as far as what moves them: look closer; refuse
+NEAR = 1e-6  # [m] that plates may always move
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 
 
@@ -23,8 +26,8 @@ class FrictionState:
     """Where a history has led.
 
     Attributes:
-        status: `out_of_domain` where the map was not trained, the object may not be, or rubber may touch; from
-            `no_equilibrium` on, nothing is known, and all numbers are nan.
+        status: `out_of_domain` where the map was not trained, here or on the way, the object may not be, or rubber may
+            touch; from `no_equilibrium` on, nothing is known, and all numbers are nan.
         tip: displacement of the tip plate's centre, shape (3,) [m].
         force: of the object on the finger, shape (3,) [N].
         contact_force: its part along the object's way to the finger, as of a touched segment [N].
@@ -50,14 +53,15 @@ def friction_history(
     """States along a history, from point to point in straight lines; contact sticks and slides by Coulomb's law.
 
     A first point in contact is reached by the object coming along its direction, with the tensions as they are there.
-    What sticks and what slides depends on the way: an error of first order in the increments' size is left.
+    What sticks and what slides depends on the way: an error of first order in the increments' size is left. There are
+    as many more of them as keep an object from passing a plate by between two.
 
     Args:
         model: segments and the object.
         points: tensions [N] and d [m], shape (n, t + 1).
         friction: coefficient of friction [-].
         moved: of the object besides, shape (n, 3) [m]; not at all if left out.
-        increments: from point to point; one that finds no equilibrium is halved.
+        increments: from point to point, at least; one that finds no equilibrium, or only one far away, is halved.
 
     Raises:
         ModelError: points or moved of a wrong shape.
@@ -68,7 +72,7 @@ def friction_history(
     """
     rows = np.atleast_2d(np.asarray(points, float))
     ways = np.zeros((len(rows), 3)) if moved is None else np.atleast_2d(np.asarray(moved, float))
-    if rows.shape[1] != len(model.parameters) or ways.shape != (len(rows), 3):
+    if rows.shape[1:] != (len(model.parameters),) or not len(rows) or ways.shape != (len(rows), 3):
         raise ModelError(
             f"points must be {', '.join(model.names)} and moved of shape ({len(rows)}, 3), "
             f"got {rows.shape}, {ways.shape}"
@@ -85,24 +89,48 @@ def _states(
     there = replace(model, obstacle=replace(model.obstacle, centre=tuple(np.add(model.obstacle.centre, ways[0]))))
     touch = float(there.outputs(rows[:1])[0, 4])
     state: Resting | None = free(model, loads[0]._replace(d=max(touch, loads[0].d)))
-    dissipated = 0.0
+    dissipated, known = 0.0, True
     for goal in loads:
-        for k in range(increments):
+        count = max(increments, _least(model, state.loads, goal)) if state is not None else 0
+        for k in range(count):
             if state is None:
                 break
-            ahead = state.loads.towards(goal, 1 / (increments - k))
+            ahead = state.loads.towards(goal, 1 / (count - k))
             state, lost = _reach(model, state, ahead, friction, HALVINGS)
             dissipated += lost
-        yield _report(model, state, dissipated)
+            known &= state is None or state.placed.inside or not state.wrenches.any()
+        report = _report(model, state, dissipated, known)
+        known &= report.status == "converged" or not report.contacts
+        yield report
+
+
+def _least(model: TouchedSegment, begun: Loads, goal: Loads) -> int:
+    """Increments in which neither the object nor the free plates go farther than a part of what they may pass by."""
+    obstacle = model.obstacle
+    thin = np.inf if isinstance(obstacle, Plane) else model.chain.half_lengths.min()
+    if isinstance(obstacle, Sphere | Cylinder):
+        thin = min(obstacle.radius, model.chain.half_lengths.max())
+    return int(np.ceil(2 * _pushed(model, begun, goal) / thin))
+
+
+def _pushed(model: TouchedSegment, begun: Loads, goal: Loads) -> float:
+    """How far the object moves and, by the tensions alone, the plates [m]."""
+    object_way = goal.moved - begun.moved + (goal.d - begun.d) * model.direction
+    one, other = (model.chain.place(loads.tensions).centres for loads in (begun, goal))
+    return float(np.linalg.norm(object_way) + np.linalg.norm(other - one, axis=1).max())
 
 
 def _reach(
     model: TouchedSegment, last: Resting, goal: Loads, friction: float, halvings: int
 ) -> tuple[Resting | None, float]:
     """The equilibrium at a goal and what was dissipated on the way, in as many parts as it needs."""
-    found = advance(model, last, goal, friction) or (
-        None if halvings else advance(model, last, goal, friction, by_steps=True)
-    )
+    found = advance(model, last, goal, friction)
+    if found is None and not halvings:
+        found = advance(model, last, goal, friction, by_steps=True)
+    if found is not None:
+        way = np.linalg.norm(found.placed.centres - last.placed.centres, axis=1).max()
+        if way > (SUSPECT if halvings else JUMP) * _pushed(model, last.loads, goal) + NEAR:
+            found = None
     if found is not None or not halvings:
         return found, 0.0 if found is None else found.dissipated
     between, first = _reach(model, last, last.loads.towards(goal, 0.5), friction, halvings - 1)
@@ -112,7 +140,7 @@ def _reach(
     return found, first + second
 
 
-def _report(model: TouchedSegment, state: Resting | None, dissipated: float) -> FrictionState:
+def _report(model: TouchedSegment, state: Resting | None, dissipated: float, known: bool) -> FrictionState:
     if state is None:
         nothing = np.full(3, np.nan)
         return FrictionState(
@@ -127,7 +155,7 @@ def _report(model: TouchedSegment, state: Resting | None, dissipated: float) -> 
         found.append(ContactForce(q, place, rotation @ state.contacts.normals[k], force, state.states[k] == SLIDES))
     force = np.sum([one.force for one in found], axis=0) if found else np.zeros(3)
     return FrictionState(
-        status="converged" if _is_known(model, state) else "out_of_domain",
+        status="converged" if known and _is_known(model, state) else "out_of_domain",
         tip=placed.centres[-1] - model.chain.rest,
         force=force,
         contact_force=float(-force @ model.direction),

@@ -149,6 +149,9 @@ def test_forces_at_the_contact_points_make_the_wrench(segment, shape):
     assert known > 10
     free = np.array([*point[:2], 0.5])
     assert model.contact_forces(free) == []
+    nearest = replace(model, obstacle=replace(model.obstacle, distances=(float(point[2]), 1.0)))
+    beyond = nearest.contact_forces(point - np.array([0.0, 0.0, 1e-3]))  # as at the nearest d, where it is answered
+    assert len(beyond) == len(model.contact_forces(point))
 
 
 def test_a_hull_says_what_it_cannot_be():

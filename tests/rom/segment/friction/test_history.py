@@ -154,9 +154,38 @@ def test_what_is_not_known_is_marked(plane, segment):
     assert hard.status != "converged"
 
 
+def test_a_ball_does_not_pass_a_plate_by_between_two_increments(segment):
+    """It would be on the far side after one, pressing on nothing."""
+    free = segment.place([*TENSIONS, *np.zeros(6)])
+    across, out = free.rotation[:, 2], free.rotation[:, 1]
+    ball = Sphere(
+        centre=tuple(free.centre + (rod.SIDE / 2 + 0.002) * out - 0.006 * across),
+        radius=0.002,
+        direction=tuple(out),
+        distances=(-0.01, 0.02),
+    )
+    model = TouchedSegment(segment=segment, obstacle=ball)
+    ways = np.outer([0.0, 1.0], 0.012 * across)
+    forces = [
+        friction_history(model, [[*TENSIONS, -3e-4]] * 2, 0.0, moved=share * ways, increments=count)[-1].force
+        for share in (0.5,)
+        for count in (1, 64)
+    ]
+    assert np.linalg.norm(forces[1]) > 0.05 and forces[0] == pytest.approx(forces[1], rel=1e-4)
+
+
+def test_what_is_lost_on_the_way_is_not_known_again(plane):
+    deep = touch(plane) - 6e-3
+    rows = [[*TENSIONS, 0.02], [*TENSIONS, deep], [*TENSIONS, 0.02]]
+    states = friction_history(plane, rows, 0.5)
+    assert states[0].status == "converged" and states[2].status != "converged"
+
+
 def test_bad_input_is_said_in_a_sentence(plane):
     with pytest.raises(ModelError, match="points must be F1, F2, d"):
         friction_history(plane, [[1.0, 2.0]], 0.5)
+    with pytest.raises(ModelError, match="points must be F1, F2, d"):
+        friction_history(plane, np.zeros((0, 3)), 0.5)
     with pytest.raises(ModelError, match="moved of shape"):
         friction_history(plane, [[1.0, 2.0, 0.01]], 0.5, moved=[0.0, 0.0])
     for friction, increments in ((-0.1, 8), (np.nan, 8), (0.5, 0)):
