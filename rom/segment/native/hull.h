@@ -1,7 +1,7 @@
 /* Convex hulls of points, rounded by a radius: boxes, and convex meshes. */
 #ifndef FINGERFEM_HULL_H
 #define FINGERFEM_HULL_H
-#include "objects.h"
+#include "objects_contacts.h"
 
 /* The contacts of a hull that stands at `place`, (3) [m], from the plate's centre, along the axes of space. */
 void hull_find(const fingerfem_object *object, const double *place, const double *rotation, objects_contacts *found);

@@ -4,48 +4,8 @@
 #include "hull.h"
 
 #define TINY 1e-12 /* of a squared sine below which a line is along an edge, and corners alone count [-] */
-#define DEEP 0.5   /* of a radius: an object that is deeper in the free plate comes to it in steps [-] */
 
 typedef double vector[3];
-
-double objects_dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-void objects_cross(const double *a, const double *b, double *out)
-{
-    const vector found = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    memcpy(out, found, sizeof found);
-}
-
-void objects_turned_back(const double *rotation, const double *v, double *out)
-{
-    for (int i = 0; i < 3; i++) out[i] = rotation[i] * v[0] + rotation[3 + i] * v[1] + rotation[6 + i] * v[2];
-}
-
-void objects_note(objects_contacts *all, int name, const objects_feature *feature, double gap, const double *p,
-                  const double *n)
-{
-    int at = all->count;
-    if (at == FINGERFEM_MOST_CONTACTS) {
-        at = 0;
-        for (int k = 1; k < all->count; k++)
-            if (all->gaps[k] > all->gaps[at]) at = k;
-        if (all->gaps[at] <= gap) return;
-    } else {
-        all->count++;
-    }
-    all->plates[at] = all->plate;
-    all->names[at] = name;
-    all->features[at] = *feature;
-    all->gaps[at] = gap;
-    memcpy(all->points[at], p, sizeof(vector));
-    memcpy(all->wrenches[at], n, sizeof(vector));
-    objects_cross(p, n, all->wrenches[at] + 3);
-}
-
-void objects_corner(int k, const double *half, double *p)
-{
-    for (int i = 0; i < 3; i++) p[i] = (k >> i & 1 ? 1.0 : -1.0) * half[i];
-}
 
 /* The axis that an edge is along. */
 static int edge_axis(int name) { return (name - OBJECTS_CORNERS) / 4; }
@@ -66,26 +26,6 @@ static void before_face(const objects_feature *face, objects_contacts *found)
         objects_corner(k, found->half_lengths, p);
         objects_note(found, k, face, objects_dot(face->a, p) - objects_dot(face->a, face->s), p, face->a);
     }
-}
-
-void objects_note_point(objects_contacts *all, int name, const double *s, double radius)
-{
-    const double *half = all->half_lengths;
-    objects_feature point = {.kind = OBJECTS_POINT, .s = {s[0], s[1], s[2]}};
-    vector p, n;
-    int nearest = 0;
-    for (int i = 0; i < 3; i++) {
-        p[i] = fabs(s[i]) < half[i] ? s[i] : copysign(half[i], s[i]);
-        n[i] = p[i] - s[i];
-        if (half[i] - fabs(s[i]) < half[nearest] - fabs(s[nearest])) nearest = i;
-    }
-    double size = sqrt(objects_dot(n, n));
-    for (int i = 0; i < 3 && size > 0.0; i++) n[i] /= size;
-    if (size == 0.0) {
-        size = fabs(s[nearest]) - half[nearest];
-        n[nearest] = -copysign(1.0, s[nearest]);
-    }
-    objects_note(all, name, &point, size - radius, p, n);
 }
 
 /* A point p of the plate beside a line. */
@@ -259,11 +199,4 @@ double objects_distance(const fingerfem_object *object, double d, const double *
     if (object->shape == FINGERFEM_CYLINDER)
         for (int i = 0; i < 3; i++) r[i] -= along * object->axis[i];
     return sqrt(objects_dot(r, r)) - object->radius;
-}
-
-double objects_shallow(const fingerfem_object *object, const double *half_lengths)
-{
-    if (object->shape == FINGERFEM_PLANE) return INFINITY;
-    if (object->shape == FINGERFEM_HULL) return fmin(half_lengths[0], fmin(half_lengths[1], half_lengths[2]));
-    return DEEP * object->radius;
 }
