@@ -21,6 +21,31 @@ from fingerfem.discretisation.plate_loads import LowRank
 SINGULAR = 1e14  # condition of the small matrix beyond which it has no inverse [-]
 
 
+class _Upper:
+    """The upper triangle of a symmetric matrix of one rank, as a matrix of its own.
+
+    CHOLMOD takes that as it is. Of a whole matrix PETSc 3.22 would make it a copy, and leave that behind in memory
+    wherever the matrix is not definite (tests/fingerfem/equilibrium/test_memory.py).
+    """
+
+    def __init__(self, whole: PETSc.Mat):
+        self._whole = whole
+        starts, columns, values = whole.getValuesCSR()
+        rows = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
+        self._kept = np.flatnonzero(columns >= rows)
+        counts = np.bincount(rows[self._kept], minlength=len(starts) - 1)
+        self._starts = np.concatenate([[0], np.cumsum(counts)]).astype(starts.dtype)
+        self._columns = columns[self._kept]
+        pattern = self._starts, self._columns, values[self._kept]
+        self.matrix = PETSc.Mat().createSBAIJ(whole.getSize(), 1, csr=pattern, comm=whole.comm)
+
+    def follow(self) -> None:
+        """Have the whole matrix' entries of now."""
+        values = self._whole.getValuesCSR()[2][self._kept]
+        self.matrix.setValuesCSR(self._starts, self._columns, values)
+        self.matrix.assemble()
+
+
 class _Factors:
     """Factors by one package, made again and again.
 
@@ -81,13 +106,26 @@ class Factorisation:
         self._current: _Factors | None = None
 
     @cached_property
-    def _definite(self) -> _Factors | None:
-        if self.matrix.comm.size > 1 or not PETSc.Sys.hasExternalPackage("cholmod"):
-            return None
+    def _may_be_definite(self) -> bool:
+        return self.matrix.comm.size == 1 and bool(PETSc.Sys.hasExternalPackage("cholmod"))
+
+    @cached_property
+    def _upper(self) -> _Upper:
+        return _Upper(self.matrix)
+
+    @cached_property
+    def _definite(self) -> _Factors:
         options = PETSc.Options()
         options.setValue("mat_cholmod_factor", "supernodal")  # LL^T, which fails where a matrix is not definite
         options.setValue("mat_cholmod_print", 0)  # and says no word of it
-        return _Factors(self.matrix, "cholmod")
+        return _Factors(self._upper.matrix, "cholmod")
+
+    def _is_definite(self) -> bool:
+        """Whether there are factors of a definite matrix."""
+        if not self._may_be_definite:
+            return False
+        self._upper.follow()
+        return self._definite.make() is None
 
     @cached_property
     def _any(self) -> _Factors:
@@ -100,7 +138,7 @@ class Factorisation:
             low_rank: what is taken from the matrix, B C^T.
         """
         self.made += 1
-        if self._definite is not None and self._definite.make() is None:
+        if self._is_definite():
             self._current = self._definite
         else:
             self._current = self._any
