@@ -190,7 +190,8 @@ def check_lines(report: dict) -> list[str]:
         touch = report["touch"]
         lines.append(f"touch is decided rightly in {touch['count'] - touch['wrong']} of {touch['count']} states")
         if touch["wrong"]:
-            lines[-1] += f"; {touch['wrong_beyond_margin']} of {touch['wrong']} wrong ones are no close calls"
+            far = f"{touch['wrong_beyond_margin']} of {touch['wrong']}"
+            lines[-1] += f"; {far} wrong ones are farther than {1e6 * touch['margin']:g} um from touch"
     if "chosen" in report:
         chosen = report["chosen"]
         got = f", got {chosen['got']:.2%}" if "got" in chosen else ""

@@ -6,8 +6,8 @@ A = dP/dF at the quadrature points, P the first Piola-Kirchhoff stress, a cell's
     K[a i, b k] = sum over q, J, L of  w_q |j| A[i J, k L](q)  dN_a/dX_J(q)  dN_b/dX_L(q)
 
 and so a row (cell; i, k) of A times a table (q, J, L; a, b). A comes from the energies by UFL and FFCx, point by point;
-nine pairs (i, k) are six by symmetry. FFCx's kernel of the same form makes the whole sum in every cell anew, in
-three times as long (docs/solver.md).
+nine pairs (i, k) are six by symmetry. FFCx's kernel of the same form makes the whole sum in every cell anew and
+takes longer, up to three times as long with order 2 (docs/solver.md).
 """
 
 from __future__ import annotations

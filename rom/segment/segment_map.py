@@ -137,9 +137,7 @@ class SegmentMap(PickledByFields):
             ModelError: the wrong number of inputs, or a set that did not store displacements.
         """
         if self.displacements is None:
-            raise ModelError(
-                "sampling.store must have named displacement when the states were solved, got a set without"
-            )
+            raise _not_stored("displacement")
         points = self._points(inputs)
         placed = self.place(points)
         turned = np.einsum("nij,nmj->nmi", placed.rotation, self.displacements.places(points))
@@ -153,9 +151,7 @@ class SegmentMap(PickledByFields):
             ModelError: the wrong number of inputs, or a set that did not store them.
         """
         if self.shortenings is None:
-            raise ModelError(
-                "sampling.store must have named channel_shortening when the states were solved, got a set without"
-            )
+            raise _not_stored("channel_shortening")
         found = self.shortenings.value(self._points(inputs))
         return found if np.ndim(inputs) > 1 else np.asarray(found[0])
 
@@ -231,6 +227,10 @@ class SegmentMap(PickledByFields):
             shortenings=polynomial("shortening_") if "shortening_powers" in file else None,
             shortening_error=float(file.attrs.get("shortening_error", np.nan)),
         )
+
+
+def _not_stored(quantity: str) -> ModelError:
+    return ModelError(f"sampling.store must have named {quantity} when the states were solved, got a set without")
 
 
 def _field(file: h5py.Group, amounts: Polynomial) -> Field:

@@ -16,8 +16,8 @@ from rom.segment.objects import Cylinder, Plane, Sphere
 from rom.segment.touched_segment import ContactForce, TouchedSegment
 
 HALVINGS = 8  # of an increment that finds no equilibrium, or one too far away
-SUSPECT, JUMP = 3.0, 30.0  # plates that move so many times as far as what moves them: look closer; refuse
-NEAR = 1e-6  # [m] that plates may always move
+SUSPECT, JUMP = 3.0, 30.0  # motion of the plates over what drives it, above which an increment is halved; refused
+NEAR = 1e-6  # [m]: motion of the plates that is never too much
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 
 
