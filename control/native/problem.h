@@ -13,7 +13,8 @@
 typedef struct {
     const control_finger *finger;
     int tensions, parameters;
-    double *point, *jacobian;      /* (parameters), (rows, parameters): asked for last */
+    double *point, *jacobian;      /* (parameters), (rows, parameters): asked for last, if `asked` */
+    int asked;
     double out[CONTROL_MOST_ROWS];
     double wrench[FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES]; /* on a touched chain's plates, where its next solve begins */
     int inside;                      /* whether that answer is known: within what was trained */
@@ -39,6 +40,7 @@ static inline void control_problem_in(control_problem *problem, const control_fi
     problem->parameters = p;
     memset(problem->wrench, 0, sizeof problem->wrench);
     problem->inside = 1;
+    problem->asked = 0;
     problem->point = memory;
     problem->jacobian = memory + p;
     problem->best = problem->jacobian + CONTROL_MOST_ROWS * p;
@@ -49,11 +51,17 @@ static inline void control_problem_in(control_problem *problem, const control_fi
     control_copy(finger->upper, problem->workspace.upper, n);
 }
 
-/* Ask the model for its answer and derivatives at tensions and an object's distance. */
+/* Ask the model for its answer and derivatives at tensions and an object's distance; of the same ones it is known. */
 static inline void control_ask(control_problem *problem, const double *tensions, double distance)
 {
-    control_copy(tensions, problem->point, problem->tensions);
-    if (problem->parameters > problem->tensions) problem->point[problem->tensions] = distance;
+    int known = problem->asked;
+    for (int j = 0; j < problem->parameters; j++) {
+        const double own = j < problem->tensions ? tensions[j] : distance;
+        known &= problem->point[j] == own;
+        problem->point[j] = own;
+    }
+    if (known) return;
+    problem->asked = 1;
     const control_finger *finger = problem->finger;
     if (finger->touching) {
         int32_t inside;

@@ -11,7 +11,7 @@ import numpy as np
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
 
-BLOCK, POSE, EDGES, MOST_CONTACTS = 4, 8, 4, 12  # as in segment.h
+BLOCK, POSE, EDGES, MOST_CONTACTS, SKIN_ROW = 4, 8, 4, 12, 16  # as in segment.h
 BETWEEN, NEAREST = 8, 4  # places for every station of the rubber's edges; stations that say where one is
 
 
@@ -37,11 +37,13 @@ def struct(pose: Polynomial, skin: Polynomial | None, skin_error: float, half_le
     without[rows, variables] = 0
     blocks = coefficients.reshape(-1, BLOCK, len(monomials), POSE)
     used = [int(np.flatnonzero(block.any(axis=(0, 2))).max(initial=0)) + 1 for block in blocks]
-    skin_powers, skin_coefficients, between = np.zeros((0, t + 6), int), np.zeros((0, 0)), np.zeros((0, 0))
+    skin_powers, skin_coefficients, stations = np.zeros((0, t + 6), int), np.zeros((0, 0)), 0
     if skin is not None:
-        skin_powers, skin_coefficients = skin.powers, skin.coefficients
-        between = _between(skin_coefficients.shape[1] // (3 * EDGES))
-    even = np.flatnonzero((groups % 2 == 0).all(axis=1))
+        skin_powers, numbers = skin.powers, skin.coefficients.shape[1]
+        skin_coefficients = np.pad(skin.coefficients, [(0, 0), (0, -numbers % SKIN_ROW)])
+        stations = numbers // (3 * EDGES)
+    between = _between(stations) if stations else np.zeros((0, 0))
+    at_rest = np.where((groups % 2).any(axis=1), 0.0, (-1.0) ** (groups.sum(axis=1) // 2))  # products without a wrench
     return SEGMENT.struct(
         "fingerfem_segment",
         tensions=t,
@@ -49,21 +51,19 @@ def struct(pose: Polynomial, skin: Polynomial | None, skin_error: float, half_le
         monomials=len(monomials),
         lower=pose.lower,
         upper=pose.upper,
-        most_powers=np.concatenate([monomials.max(axis=0), groups.max(axis=0)]),
+        most_powers=np.concatenate([pose.powers, skin_powers]).max(axis=0),
         tension_powers=monomials,
         block_monomials=np.array(used),
         coefficients=np.concatenate([b[:, :n].swapaxes(0, 1).ravel() for b, n in zip(blocks, used, strict=True)]),
         parents=(groups[None] == without[:, None]).all(axis=2).argmax(axis=1),
         variables=variables,
         powers=groups[rows, variables],
-        even=len(even),
-        even_groups=even,
-        even_values=(-1.0) ** (groups[even].sum(axis=1) // 2),
+        free_coefficients=np.einsum("g,gmi->mi", at_rest, coefficients),
         skin_terms=len(skin_powers),
         skin_numbers=skin_coefficients.shape[1],
         skin_powers=skin_powers,
         skin_coefficients=skin_coefficients,
-        stations=skin_coefficients.shape[1] // (3 * EDGES),
+        stations=stations,
         places=len(between),
         between=between,
         skin_error=skin_error,

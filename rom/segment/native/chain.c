@@ -4,18 +4,10 @@
  * march is a nonlinear transfer-matrix method.) */
 #include "chain.h"
 
-int chain_products_size(const fingerfem_chain *chain)
+int chain_size(const fingerfem_chain *chain)
 {
     int size = 0;
     for (int k = 0; k < chain->plates; k++) size += FINGERFEM_POSE * chain->segments[k]->groups;
-    return size;
-}
-
-int chain_contracted_size(const fingerfem_chain *chain)
-{
-    int size = 0;
-    for (int k = 0; k < chain->plates; k++)
-        size += (1 + chain->segments[k]->tensions) * FINGERFEM_POSE * chain->segments[k]->groups;
     return size;
 }
 
@@ -31,12 +23,11 @@ void chain_contract(const fingerfem_chain *chain, const double *tensions, double
     found->chain = chain;
     for (int k = 0; k < chain->plates; k++) {
         const fingerfem_segment *segment = chain->segments[k];
-        double own[MAP_MOST_TENSIONS];
-        own_tensions(chain, k, tensions, own);
-        map_contract(segment, 1 + segment->tensions, own, contracted);
+        own_tensions(chain, k, tensions, found->tensions[k]);
+        map_contract(segment, found->tensions[k], contracted);
         found->contracted[k] = contracted;
         found->products[k] = products;
-        contracted += (1 + segment->tensions) * FINGERFEM_POSE * segment->groups;
+        contracted += FINGERFEM_POSE * segment->groups;
         products += FINGERFEM_POSE * segment->groups;
     }
 }
@@ -177,7 +168,7 @@ void chain_free(const chain_contracted *map, chain_state *state)
     double by[W][CHAIN_INPUTS] = {{0.0}}, by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
     for (int k = 0; k < chain->plates; k++) {
         chain_plate *plate = state->plates + k;
-        map_free(chain->segments[k], map->contracted[k], plate->pose, by_tensions);
+        map_free(chain->segments[k], map->tensions[k], plate->pose, by_tensions);
         for (int j = 0; j < chain->segments[k]->tensions; j++)
             map_motion(plate->pose, by_tensions + FINGERFEM_POSE * j, MAP_MOST_TENSIONS, j, &plate->by_tensions[0][0]);
         memset(plate->borne, 0, sizeof plate->borne);
@@ -195,16 +186,10 @@ void chain_by_tensions(const chain_contracted *map, chain_state *state)
     double by[W][CHAIN_INPUTS] = {{0.0}};
     for (int k = chain->plates - 1; k >= 0; k--) {
         chain_plate *plate = state->plates + k;
-        const int groups = chain->segments[k]->groups, stride = FINGERFEM_POSE * groups;
-        for (int j = 0; j < chain->segments[k]->tensions; j++) {
-            map_eight sum = {0.0};
-            for (int g = 0; g < groups; g++)
-                sum += map->products[k][FINGERFEM_POSE * g] *
-                       map_load(map->contracted[k] + stride * (1 + j) + FINGERFEM_POSE * g);
-            double change[FINGERFEM_POSE];
-            map_store(change, sum);
-            map_motion(plate->pose, change, MAP_MOST_TENSIONS, j, &plate->by_tensions[0][0]);
-        }
+        double by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
+        map_by_tensions(chain->segments[k], map->tensions[k], map->products[k], by_tensions);
+        for (int j = 0; j < chain->segments[k]->tensions; j++)
+            map_motion(plate->pose, by_tensions + FINGERFEM_POSE * j, MAP_MOST_TENSIONS, j, &plate->by_tensions[0][0]);
         double borne[W];
         memcpy(borne, plate->borne, sizeof borne);
         relative_motion(chain, k, w, inputs, by, plate);
@@ -217,7 +202,7 @@ int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, 
                           double *rotations, double *motions)
 {
     const int n = chain->plates, w = W * n, t = chain->tensions;
-    double contracted[chain_contracted_size(chain)], products[chain_products_size(chain)], held[MAP_MOST_TENSIONS];
+    double contracted[chain_size(chain)], products[chain_size(chain)], held[MAP_MOST_TENSIONS];
     chain_contracted map;
     chain_state state;
     int inside = 1;

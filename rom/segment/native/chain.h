@@ -13,6 +13,7 @@ typedef double chain_matrix[CHAIN_WRENCH][CHAIN_WRENCH];
 /* What was contracted for some tensions, of every segment, and memory for the products of its wrench's polynomials. */
 typedef struct {
     const fingerfem_chain *chain;
+    double tensions[FINGERFEM_MOST_PLATES][MAP_MOST_TENSIONS];
     const double *contracted[FINGERFEM_MOST_PLATES];
     double *products[FINGERFEM_MOST_PLATES];
 } chain_contracted;
@@ -28,11 +29,10 @@ typedef struct {
     chain_plate plates[FINGERFEM_MOST_PLATES];
 } chain_state;
 
-/* Numbers that hold what is contracted of all segments, and all products. */
-int chain_contracted_size(const fingerfem_chain *chain);
-int chain_products_size(const fingerfem_chain *chain);
+/* Numbers that hold what is contracted of all segments, and as many all products. */
+int chain_size(const fingerfem_chain *chain);
 
-/* Contract all segments at tensions inside their box, into memory of these sizes. */
+/* Contract all segments at tensions inside their box, into memory of that size. */
 void chain_contract(const fingerfem_chain *chain, const double *tensions, double *contracted, double *products,
                     chain_contracted *found);
 

@@ -1,68 +1,78 @@
 #include "map.h"
 
-/* Powers of all variables of tensions at once: T_0 ... T_most of each, with derivatives by the tensions [1/N]. */
-static void tension_tables(const fingerfem_segment *segment, const double *tensions, double (*values)[MAP_MOST_POWER],
-                           double (*slopes)[MAP_MOST_POWER])
+/* Monomials of the tensions, (monomials), and, unless it is NULL, their derivatives by these, (tensions, monomials). */
+static void monomials_of(const fingerfem_segment *segment, const double *tensions, double *found, double *derivatives)
 {
-    const int32_t *most = segment->most_powers;
-    for (int k = 0; k < segment->tensions; k++) {
-        const double scale = 2.0 / (segment->upper[k] - segment->lower[k]);
-        map_chebyshev(scale * (tensions[k] - segment->lower[k]) - 1.0, most[k], values[k], slopes[k]);
-        for (int j = 0; j <= most[k]; j++) slopes[k][j] *= scale;
-    }
-}
-
-/* Sums over the first monomials of `kinds` weights, (kinds, all), times coefficients, for the groups of a block: to,
- * (kinds, stride). Coefficients are read once, whatever is asked of them. */
-__attribute__((always_inline)) static inline void contract_block(int kinds, int monomials, int all,
-                                                                 const double *restrict weights,
-                                                                 const double *restrict from, int stride,
-                                                                 double *restrict to)
-{
-    map_eight sums[1 + MAP_MOST_TENSIONS][FINGERFEM_BLOCK] = {{{0.0}}};
-    for (int m = 0; m < monomials; m++) {
-#pragma GCC unroll 4
-        for (int g = 0; g < FINGERFEM_BLOCK; g++) {
-            const map_eight own = map_load(from + FINGERFEM_POSE * (FINGERFEM_BLOCK * m + g));
-#pragma GCC unroll 9
-            for (int j = 0; j < kinds; j++) sums[j][g] += weights[all * j + m] * own;
-        }
-    }
-#pragma GCC unroll 9
-    for (int j = 0; j < kinds; j++)
-#pragma GCC unroll 4
-        for (int g = 0; g < FINGERFEM_BLOCK; g++) map_store(to + stride * j + FINGERFEM_POSE * g, sums[j][g]);
-}
-
-void map_contract(const fingerfem_segment *segment, int kinds, const double *tensions, double *contracted)
-{
-    const int t = segment->tensions, all = segment->monomials, blocks = segment->groups / FINGERFEM_BLOCK;
-    const int size = FINGERFEM_POSE * FINGERFEM_BLOCK, stride = FINGERFEM_POSE * segment->groups;
+    const int t = segment->tensions, all = segment->monomials;
     double values[MAP_MOST_TENSIONS][MAP_MOST_POWER], slopes[MAP_MOST_TENSIONS][MAP_MOST_POWER];
-    double weights[kinds * all];
-    tension_tables(segment, tensions, values, slopes);
+    for (int k = 0; k < t; k++) {
+        const double scale = 2.0 / (segment->upper[k] - segment->lower[k]);
+        map_chebyshev(scale * (tensions[k] - segment->lower[k]) - 1.0, segment->most_powers[k], values[k], slopes[k]);
+        for (int j = 0; j <= segment->most_powers[k]; j++) slopes[k][j] *= scale;
+    }
     for (int m = 0; m < all; m++) {
         const int32_t *powers = segment->tension_powers + m * t;
-        for (int j = 0; j < kinds; j++) { /* the product, then its derivatives by the tensions */
-            double product = 1.0;
-            for (int k = 0; k < t; k++) product *= (k == j - 1 ? slopes : values)[k][powers[k]];
-            weights[all * j + m] = product;
+        found[m] = 1.0;
+        for (int k = 0; k < t; k++) found[m] *= values[k][powers[k]];
+        for (int j = 0; j < t && derivatives; j++) {
+            double product = slopes[j][powers[j]];
+            for (int k = 0; k < t; k++)
+                if (k != j) product *= values[k][powers[k]];
+            derivatives[all * j + m] = product;
         }
     }
+}
+
+void map_contract(const fingerfem_segment *segment, const double *tensions, double *contracted)
+{
+    const int blocks = segment->groups / FINGERFEM_BLOCK;
     const double *from = segment->coefficients;
+    double monomials[segment->monomials];
+    monomials_of(segment, tensions, monomials, NULL);
     for (int b = 0; b < blocks; b++) {
-        const int count = segment->block_monomials[b];
-        double *to = contracted + size * b;
-        switch (kinds) { /* sums stay in registers where their number is known */
-        case 1: contract_block(1, count, all, weights, from, stride, to); break;
-        case 2: contract_block(2, count, all, weights, from, stride, to); break;
-        case 3: contract_block(3, count, all, weights, from, stride, to); break;
-        case 4: contract_block(4, count, all, weights, from, stride, to); break;
-        case 5: contract_block(5, count, all, weights, from, stride, to); break;
-        default: contract_block(kinds, count, all, weights, from, stride, to);
-        }
-        from += size * count;
+        map_eight sums[FINGERFEM_BLOCK] = {{0.0}};
+        for (int m = 0; m < segment->block_monomials[b]; m++, from += FINGERFEM_BLOCK * FINGERFEM_POSE)
+#pragma GCC unroll 4
+            for (int g = 0; g < FINGERFEM_BLOCK; g++) sums[g] += monomials[m] * map_load(from + FINGERFEM_POSE * g);
+#pragma GCC unroll 4
+        for (int g = 0; g < FINGERFEM_BLOCK; g++)
+            map_store(contracted + FINGERFEM_POSE * (FINGERFEM_BLOCK * b + g), sums[g]);
     }
+}
+
+/* Sums over the monomials of weights, (monomials), times coefficients, (monomials, 8). */
+static map_eight summed(int monomials, const double *weights, const double *coefficients)
+{
+    map_eight sum = {0.0};
+    for (int m = 0; m < monomials; m++) sum += weights[m] * map_load(coefficients + FINGERFEM_POSE * m);
+    return sum;
+}
+
+void map_by_tensions(const fingerfem_segment *segment, const double *tensions, const double *products,
+                     double *by_tensions)
+{
+    const int all = segment->monomials, blocks = segment->groups / FINGERFEM_BLOCK;
+    const double *from = segment->coefficients;
+    double monomials[all], derivatives[segment->tensions * all], under[FINGERFEM_POSE * all]; /* the wrench contracted */
+    memset(under, 0, sizeof under);
+    for (int b = 0, next; b < blocks; b = next) { /* blocks of as many monomials stay in registers */
+        const int count = segment->block_monomials[b], size = FINGERFEM_BLOCK * FINGERFEM_POSE;
+        for (next = b; next < blocks && segment->block_monomials[next] == count;) next++;
+        for (int m = 0; m < count; m++) {
+            map_eight sums[FINGERFEM_BLOCK] = {{0.0}};
+            for (int k = 0; k < next - b; k++)
+#pragma GCC unroll 4
+                for (int g = 0; g < FINGERFEM_BLOCK; g++)
+                    sums[g] += products[size * (b + k) + FINGERFEM_POSE * g] *
+                               map_load(from + size * (count * k + m) + FINGERFEM_POSE * g);
+            const map_eight sum = map_load(under + FINGERFEM_POSE * m) + (sums[0] + sums[1]) + (sums[2] + sums[3]);
+            map_store(under + FINGERFEM_POSE * m, sum);
+        }
+        from += size * count * (next - b);
+    }
+    monomials_of(segment, tensions, monomials, derivatives);
+    for (int j = 0; j < segment->tensions; j++)
+        map_store(by_tensions + FINGERFEM_POSE * j, summed(all, derivatives + all * j, under));
 }
 
 /* Products of the wrench's polynomials, (groups, 8): value, derivatives by the six components, 0. Inside the box. */
@@ -112,15 +122,14 @@ void map_pose(const fingerfem_segment *segment, const double *coefficients, cons
     map_store(pose, sums[0]);
 }
 
-void map_free(const fingerfem_segment *segment, const double *contracted, double *pose, double *by_tensions)
+void map_free(const fingerfem_segment *segment, const double *tensions, double *pose, double *by_tensions)
 {
-    for (int j = 0; j <= segment->tensions; j++) {
-        const double *from = contracted + FINGERFEM_POSE * segment->groups * j;
-        map_eight sum = {0.0};
-        for (int k = 0; k < segment->even; k++)
-            sum += segment->even_values[k] * map_load(from + FINGERFEM_POSE * segment->even_groups[k]);
-        map_store(j ? by_tensions + FINGERFEM_POSE * (j - 1) : pose, sum);
-    }
+    const int all = segment->monomials;
+    double monomials[all], derivatives[segment->tensions * all];
+    monomials_of(segment, tensions, monomials, derivatives);
+    map_store(pose, summed(all, monomials, segment->free_coefficients));
+    for (int j = 0; j < segment->tensions; j++)
+        map_store(by_tensions + FINGERFEM_POSE * j, summed(all, derivatives + all * j, segment->free_coefficients));
 }
 
 int map_inside(const fingerfem_segment *segment, const double *wrench)
@@ -163,22 +172,20 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
                     double *motion)
 {
     const int t = segment->tensions, columns = t + FINGERFEM_WRENCH, size = FINGERFEM_POSE * segment->groups;
-    double held[MAP_MOST_TENSIONS], contracted[(1 + t) * size], products[size];
-    double by_wrench[FINGERFEM_WRENCH * FINGERFEM_POSE];
+    double held[MAP_MOST_TENSIONS], contracted[size], products[size];
+    double by_wrench[FINGERFEM_WRENCH * FINGERFEM_POSE], by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
     int inside = 1;
     for (int k = 0; k < t; k++) {
         held[k] = map_held(segment, k, tensions[k]);
         inside &= held[k] == tensions[k];
     }
     inside &= map_inside(segment, wrench);
-    map_contract(segment, 1 + t, held, contracted);
+    map_contract(segment, held, contracted);
     map_pose(segment, contracted, wrench, products, pose, by_wrench);
+    map_by_tensions(segment, held, products, by_tensions);
     for (int k = 0; k < t; k++) {
-        map_eight sum = {0.0};
-        for (int g = 0; g < segment->groups; g++)
-            sum += products[FINGERFEM_POSE * g] * map_load(contracted + (1 + k) * size + FINGERFEM_POSE * g);
-        double change[FINGERFEM_POSE];
-        map_store(change, held[k] == tensions[k] ? sum : (map_eight){0.0});
+        double *change = by_tensions + FINGERFEM_POSE * k;
+        if (held[k] != tensions[k]) memset(change, 0, FINGERFEM_POSE * sizeof *change);
         map_motion(pose, change, columns, k, motion);
     }
     for (int i = 0; i < FINGERFEM_WRENCH; i++)

@@ -40,18 +40,21 @@ static inline double map_held(const fingerfem_segment *segment, int k, double te
     return held < segment->upper[k] ? held : segment->upper[k];
 }
 
-/* Coefficients of the groups at tensions inside their box, (kinds, groups, 8): of the pose, and, for kinds = 1 + tensions,
- * of its derivatives by these. */
-void map_contract(const fingerfem_segment *segment, int kinds, const double *tensions, double *contracted);
+/* Coefficients of the groups at tensions inside their box, (groups, 8). */
+void map_contract(const fingerfem_segment *segment, const double *tensions, double *contracted);
 
 /* Pose, (8), and its derivatives by the wrench, (6, 8), from contracted coefficients; linear beyond the box. Products of
  * the wrench's polynomials, (groups, 8), are left in `products`: of each its value, then its derivatives. */
 void map_pose(const fingerfem_segment *segment, const double *coefficients, const double *wrench, double *products,
               double *pose, double *by_wrench);
 
-/* Pose, (8), without a wrench, and its derivatives by the tensions, (tensions, 8), from what was contracted with them;
- * the box is as wide to both sides of that. */
-void map_free(const fingerfem_segment *segment, const double *contracted, double *pose, double *by_tensions);
+/* Derivatives of the pose by the tensions, (tensions, 8), with the products that `map_pose` has left. */
+void map_by_tensions(const fingerfem_segment *segment, const double *tensions, const double *products,
+                     double *by_tensions);
+
+/* Pose, (8), without a wrench, and its derivatives by the tensions, (tensions, 8); the box is as wide to both sides of
+ * that. */
+void map_free(const fingerfem_segment *segment, const double *tensions, double *pose, double *by_tensions);
 
 /* Whether a wrench, (6), lies in the trained box, and its force is none larger than was trained. */
 int map_inside(const fingerfem_segment *segment, const double *wrench);

@@ -7,23 +7,31 @@
 #define FACE 8 /* parts of a face of the rubber, from edge to edge, that a round object is looked for at */
 #define LAST 8 /* parts of the rubber between the last place that is known and the plate, straight lines */
 
+typedef float sixteen __attribute__((vector_size(4 * FINGERFEM_SKIN_ROW), aligned(4)));
+
 /* Points of the rubber in the plate's frame, (skin_numbers) [m]. */
-static void skin(const fingerfem_segment *segment, const double *inputs, double *found)
+static void skin(const fingerfem_segment *segment, const double *inputs, float *found)
 {
-    const int p = segment->tensions + FINGERFEM_WRENCH, numbers = segment->skin_numbers;
+    const int p = segment->tensions + FINGERFEM_WRENCH, numbers = segment->skin_numbers, terms = segment->skin_terms;
     double values[MAP_MOST_TENSIONS + FINGERFEM_WRENCH][MAP_MOST_POWER], slopes[MAP_MOST_POWER];
+    float products[terms];
     for (int i = 0; i < p; i++) {
         const double scaled = 2.0 * (inputs[i] - segment->lower[i]) / (segment->upper[i] - segment->lower[i]) - 1.0;
-        map_chebyshev(fmax(-1.0, fmin(1.0, scaled)), MAP_MOST_POWER - 1, values[i], slopes);
+        map_chebyshev(fmax(-1.0, fmin(1.0, scaled)), segment->most_powers[i], values[i], slopes);
     }
-    memset(found, 0, (size_t)numbers * sizeof *found);
-    for (int k = 0; k < segment->skin_terms; k++) {
-        const int32_t *powers = segment->skin_powers + p * k;
-        const double *from = segment->skin_coefficients + (size_t)numbers * k;
+    for (int k = 0; k < terms; k++) {
         double product = 1.0;
-        for (int i = 0; i < p; i++)
-            if (powers[i]) product *= values[i][powers[i]];
-        for (int j = 0; j < numbers; j++) found[j] += product * from[j];
+        for (int i = 0; i < p; i++) product *= values[i][segment->skin_powers[p * k + i]];
+        products[k] = (float)product;
+    }
+    for (int row = 0; row < numbers; row += FINGERFEM_SKIN_ROW) {
+        sixteen sum = {0.0f};
+        for (int k = 0; k < terms; k++) {
+            sixteen own;
+            memcpy(&own, segment->skin_coefficients + (size_t)numbers * k + row, sizeof own);
+            sum += products[k] * own;
+        }
+        memcpy(found + row, &sum, sizeof sum);
     }
 }
 
@@ -54,13 +62,16 @@ static double section_gap(const fingerfem_object *object, double d, const double
 static double segment_gap(const fingerfem_segment *segment, const fingerfem_object *object, double d, const double *inputs,
                           const double *centre, const double *rotation)
 {
-    double points[segment->skin_numbers], seen[EDGES][3], least = INFINITY;
+    float points[segment->skin_numbers];
+    double seen[EDGES][3], least = INFINITY;
     skin(segment, inputs, points);
     for (int k = 0; k < segment->places; k++) {
+        double *flat = seen[0];
         memset(seen, 0, sizeof seen);
-        for (int station = 0; station < segment->stations; station++)
-            for (int j = 0; j < 3 * EDGES; j++)
-                seen[j / 3][j % 3] += segment->between[segment->stations * k + station] * points[3 * EDGES * station + j];
+        for (int station = 0; station < segment->stations; station++) {
+            const double weight = segment->between[segment->stations * k + station];
+            for (int j = 0; j < 3 * EDGES && weight != 0.0; j++) flat[j] += weight * points[3 * EDGES * station + j];
+        }
         least = fmin(least, section_gap(object, d, centre, rotation, seen));
     }
     for (int k = 1; k < LAST; k++) { /* the plate itself may touch */
@@ -81,7 +92,7 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     const fingerfem_object *object = touching->object;
     const int t = chain->tensions;
     const double d = fmax(object->nearest, fmin(object->farthest, point[t]));
-    double contracted[chain_contracted_size(chain)], products[chain_products_size(chain)], held[MAP_MOST_TENSIONS];
+    double contracted[chain_size(chain)], products[chain_size(chain)], held[MAP_MOST_TENSIONS];
     double least = INFINITY;
     chain_contracted map;
     chain_state state;

@@ -15,7 +15,7 @@ enum { FINGERFEM_PLANE = 0, FINGERFEM_SPHERE = 1, FINGERFEM_CYLINDER = 2, FINGER
 /* The pose by tensions and wrench: sum_gm coefficients_gm M_m(tensions) P_g(wrench), products of Chebyshev polynomials of
  * the scaled inputs. Group g of the wrench's products has the first monomials of the tensions, sorted by their degree, as
  * many as its own degree leaves; groups are in blocks that have as many. A group without its last variable is its parent. */
-enum { FINGERFEM_BLOCK = 4 };
+enum { FINGERFEM_BLOCK = 4, FINGERFEM_SKIN_ROW = 16 }; /* a skin's numbers fill rows of so many */
 typedef struct {
     int32_t tensions, groups, monomials; /* groups fill whole blocks */
     const double *lower, *upper;         /* (tensions + 6): the trained box [N, N m] */
@@ -24,12 +24,11 @@ typedef struct {
     const int32_t *block_monomials;      /* (groups / FINGERFEM_BLOCK) */
     const double *coefficients;          /* (block, block_monomials, FINGERFEM_BLOCK, FINGERFEM_POSE) */
     const int32_t *parents, *variables, *powers; /* (groups): its parent; which of the wrench's 6 is the last; its power */
-    int32_t even;                        /* groups of even powers alone, the only ones that count without a wrench */
-    const int32_t *even_groups;          /* (even) */
-    const double *even_values;           /* (even): their products there, 1 or -1 */
-    int32_t skin_terms, skin_numbers;    /* of points of the rubber, by stations and edges; 0 without */
+    const double *free_coefficients;     /* (monomials, FINGERFEM_POSE): of the pose without a wrench */
+    int32_t skin_terms, skin_numbers;    /* of points of the rubber, by stations and edges, and zeros that fill rows; 0
+                                            without */
     const int32_t *skin_powers;          /* (skin_terms, tensions + 6) */
-    const double *skin_coefficients;     /* (skin_terms, skin_numbers) */
+    const float *skin_coefficients;      /* (skin_terms, skin_numbers) */
     int32_t stations, places;            /* of these points along every edge; and of places between them */
     const double *between;               /* (places, stations): weights of the stations there */
     double skin_error;                   /* [m] */

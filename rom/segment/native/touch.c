@@ -153,7 +153,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     const fingerfem_chain *chain = touching->chain;
     const fingerfem_object *object = touching->object;
     const int t = chain->tensions, p = t + 1;
-    double held[MAP_MOST_TENSIONS], contracted[chain_contracted_size(chain)], products[chain_products_size(chain)];
+    double held[MAP_MOST_TENSIONS], contracted[chain_size(chain)], products[chain_size(chain)];
     chain_contracted map;
     contact_state state;
     const contact_problem problem = {touching, &map, W * chain->plates};
