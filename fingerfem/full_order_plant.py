@@ -46,11 +46,11 @@ class FullOrderPlant:
             continuation.rest()
             continuation.advance(tensions, None)
             continuation.advance(tensions, self._distance)
-        forms = model.problem.forms.contact
-        assert forms is not None
+        contact = model.problem.contact
+        assert contact is not None
         self._last = np.array(tensions, float), model.problem.displacement.copy()
         self.solves += 1
-        self.contact_force = model.problem.scalar(forms.force)
+        self.contact_force = contact.force()
         return self.contact_force
 
     def _goes_on(self, tensions: ArrayLike) -> bool:

@@ -161,29 +161,27 @@ class ContactGroup(NamedTuple):
 
 
 def contact_groups(scene: Scene, ds: ufl.Measure, fields: Fields, distance: Any) -> list[ContactGroup]:
-    """The groups of facets of a scene with an obstacle, which `distance` [m] moves."""
+    """The groups of facets of a scene with an obstacle, which `distance` [m] moves.
+
+    Plates before a round one are not among them: see `closest_points`.
+    """
     assert scene.obstacle is not None
     domain = ds.ufl_domain()
     number, x = constants(domain), ufl.SpatialCoordinate(domain)
     obstacle = obstacles.body(scene.obstacle, scene.geometry.side)
     g, normal, curvature = contact.gap(obstacle, fields.u, x, distance, obstacles.in_ufl(number))
-    rubber, plates, stiffer = ds(regions.RUBBER_FACETS), ds(regions.PLATE_FACETS), 1.0
+    q: Any = 0
+    if scene.obstacle.method == "nitsche":
+        energy = strain_energy.energy(scene.law, number)
+        q = contact.surface_pressure(energy, fields.u, ufl.FacetNormal(domain), normal)
     if not obstacle.is_flat:
-        few, many = contact.POINTS
-        rubber = ds(regions.RUBBER_FACETS, metadata=contact.springs(few))
-        plates, stiffer = ds(regions.PLATE_FACETS, metadata=contact.springs(many)), float(many**2)
+        rubber = ds(regions.RUBBER_FACETS, metadata=contact.springs(contact.POINTS[0]))
+        return [ContactGroup(rubber, g, normal, curvature, fields.stiffness, q)]
     if scene.obstacle.method == "penalty":
-        if obstacle.is_flat:
-            return [ContactGroup(ds(regions.SURFACE), g, normal, curvature, fields.stiffness, 0)]
-        return [
-            ContactGroup(rubber, g, normal, curvature, fields.stiffness, 0),
-            ContactGroup(plates, g, normal, curvature, stiffer * fields.stiffness, 0),
-        ]
-    energy = strain_energy.energy(scene.law, number)
-    q = contact.surface_pressure(energy, fields.u, ufl.FacetNormal(domain), normal)
+        return [ContactGroup(ds(regions.SURFACE), g, normal, curvature, fields.stiffness, 0)]
     return [
-        ContactGroup(rubber, g, normal, curvature, fields.stiffness, q),
-        ContactGroup(plates, g, normal, curvature, contact.PLATES * stiffer * fields.stiffness, 0),
+        ContactGroup(ds(regions.RUBBER_FACETS), g, normal, curvature, fields.stiffness, q),
+        ContactGroup(ds(regions.PLATE_FACETS), g, normal, curvature, contact.PLATES * fields.stiffness, 0),
     ]
 
 

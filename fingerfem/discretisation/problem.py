@@ -15,6 +15,7 @@ from fingerfem.discretisation import contact_points, regions
 from fingerfem.discretisation.contact_points import ContactPoints
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
 from fingerfem.discretisation.mesh import build_mesh
+from fingerfem.discretisation.obstacle_contact import ObstacleContact
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
 from fingerfem.discretisation.tangent import Tangent, VolumeTangent
 from fingerfem.mechanics import contact, obstacles
@@ -51,6 +52,7 @@ class Problem:
         )
         self.forms = compile_forms(scene, self.mesh, self.fields)
         self._volume_ratio = volume_ratio(self.fields.u)
+        self.contact = None if self.forms.contact is None else ObstacleContact(self, self.forms.contact)
         self._volume_tangent = VolumeTangent(self.forms.moduli, self.mesh, self.space)
         self._tangent = self.tangent_with(self.supports)
         self.tensions = np.zeros(len(scene.tendons))
@@ -137,7 +139,7 @@ class Problem:
 
         The caller destroys the vector.
         """
-        b = self._vector(self.forms.residual)
+        b = self._vector(self.forms.residual, None if self.contact is None else self.contact.spring_forces())
         if self.plates is not None and self.wrenches.any():
             b.array[:] -= self.plates.forces(self.plates.poses(self.displacement), self.wrenches)
         reaction = self.copies * self.comm.allreduce(b.array_r[self._clamped].reshape(-1, 3).sum(axis=0))
@@ -146,23 +148,26 @@ class Problem:
         b.array[self._held] = 0.0
         return b, reaction
 
-    def gradient(self, form: fem.Form) -> PETSc.Vec:
-        """A linear form, zero where held. The caller destroys the vector."""
-        b = self._vector(form)
+    def gradient(self, form: fem.Form, besides: np.ndarray | None = None) -> PETSc.Vec:
+        """A linear form and what else there is at the nodes, zero where held. The caller destroys the vector."""
+        b = self._vector(form, besides)
         b.array[self._held] = 0.0
         return b
 
-    def nodal(self, form: fem.Form) -> np.ndarray:
-        """A linear form at this rank's nodes, ghosts included, shape (nodes, 3)."""
+    def nodal(self, form: fem.Form, besides: np.ndarray | None = None) -> np.ndarray:
+        """A linear form and what else there is at this rank's nodes, ghosts included, shape (nodes, 3)."""
         holder = fem.Function(self.space)
-        b = self._vector(form)
+        b = self._vector(form, besides)
         holder.x.array[: b.local_size] = b.array_r
         b.destroy()
         holder.x.scatter_forward()
         return holder.x.array.reshape(-1, 3)
 
-    def _vector(self, form: fem.Form) -> PETSc.Vec:
+    def _vector(self, form: fem.Form, besides: np.ndarray | None = None) -> PETSc.Vec:
         b = assemble_vector(form)
+        if besides is not None:
+            with b.localForm() as local:
+                local.array[:] += besides.ravel()
         b.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
         return b
 
@@ -172,8 +177,8 @@ class Problem:
 
     def tangent_with(self, supports: list[fem.DirichletBC], *, volume_alone: bool = False) -> Tangent:
         """The same with other supports; without contact and straight tendons where the volume alone is wanted."""
-        others = None if volume_alone else self.forms.other_tangent
-        return Tangent(self._volume_tangent, others, self.space, supports)
+        others, springs = (None, None) if volume_alone else (self.forms.other_tangent, self.contact and self.contact.springs)
+        return Tangent(self._volume_tangent, others, self.space, supports, springs)
 
     @property
     def matrix(self) -> PETSc.Mat:
@@ -188,7 +193,7 @@ class Problem:
         """Total potential [J]."""
         self._spread(self.tensions, self.fields.probe_density)
         forms = [self.forms.strain_energy, self.forms.tendon_energy]
-        return sum(self.scalar(form) for form in forms + ([self.forms.contact.energy] if self.forms.contact else []))
+        return sum(map(self.scalar, forms)) + (0.0 if self.contact is None else self.contact.energy())
 
     def tip(self) -> np.ndarray:
         """Displacement of the tip plate's centre, its mean over the plate [m], shape (3,)."""
@@ -224,8 +229,8 @@ class Problem:
         """
         self._spread(np.asarray(tensions, float), self.fields.probe_density)
         b = self.gradient(self.forms.tendon_force)
-        if distance and self.forms.contact is not None:
-            pull = self.gradient(self.forms.contact.force_gradient)
+        if distance and self.contact is not None:
+            pull = self.contact.force_gradient()
             b.axpy(-distance, pull)
             pull.destroy()
         if self.plates is not None and wrenches is not None and wrenches.any():
@@ -273,7 +278,8 @@ class Problem:
         if self.distance is None:
             return 0.0
         gaps = self.obstacle.signed_distance(self.surface_places().T, self.distance, obstacles.NUMPY)
-        return max(-float(self.comm.allreduce(float(gaps.min(initial=np.inf)), op=MPI.MIN)), 0.0)
+        found = -float(self.comm.allreduce(float(gaps.min(initial=np.inf)), op=MPI.MIN))
+        return max(found, 0.0 if self.contact is None else self.contact.penetration(), 0.0)
 
     def smallest_volume_ratio(self) -> float:
         """Min J over corners, midpoints and centres of all cells [-]."""

@@ -12,7 +12,7 @@ takes longer, up to three times as long with order 2 (docs/solver.md).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import basix
@@ -21,6 +21,7 @@ from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix
 from petsc4py import PETSc
 
+from fingerfem.discretisation.closest_points import Springs
 from fingerfem.discretisation.mesh import FingerMesh
 
 PAIRS = [(i, k) for i in range(3) for k in range(i, 3)]  # of displacement components
@@ -107,12 +108,18 @@ class Tangent:
         others: the form of what else there is, if anything.
         space: of the displacement.
         supports: what is held.
+        springs: says which springs press on this rank's facets, if any may.
     """
 
     def __init__(
-        self, volume: VolumeTangent, others: fem.Form | None, space: fem.FunctionSpace, supports: list[fem.DirichletBC]
+        self,
+        volume: VolumeTangent,
+        others: fem.Form | None,
+        space: fem.FunctionSpace,
+        supports: list[fem.DirichletBC],
+        springs: Callable[[], Springs] | None = None,
     ):
-        self._volume, self._others, self._supports = volume, others, supports
+        self._volume, self._others, self._supports, self._springs = volume, others, supports, springs
         index_map = space.dofmap.index_map
         owned, count = index_map.size_local, index_map.size_local + index_map.num_ghosts
         held = np.zeros(3 * count, bool)
@@ -127,6 +134,7 @@ class Tangent:
         self._places = 9 * first[rows] + 3 * (i * wide[rows] + np.arange(len(rows)) - first[rows]) + k
         self._columns = np.empty(self._places.size, np.int32)
         self._columns[self._places] = 3 * columns + k
+        self._held = held
         self._dropped = self._places[held[3 * rows + i] | held[3 * columns + k]]
         diagonal = (rows == columns) & (rows < owned) & (i == k)
         self._ones = self._places[diagonal & held[3 * rows + i]]
@@ -150,6 +158,11 @@ class Tangent:
         self.matrix.zeroEntries()
         add = PETSc.InsertMode.ADD_VALUES
         self.matrix.setValuesLocalCSR(self._starts, self._columns, values, add)
+        if self._springs is not None:
+            found = self._springs()
+            for nodes, block in zip(found.nodes.astype(np.int32), found.stiffness, strict=True):
+                kept = ~self._held[(3 * nodes[:, None] + np.arange(3)).ravel()]
+                self.matrix.setValuesBlockedLocal(nodes, nodes, block * np.outer(kept, kept), add)
         if self._others is not None:
             assemble_matrix(self.matrix, self._others, bcs=self._supports)
         self.matrix.assemble()

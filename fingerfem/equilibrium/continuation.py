@@ -199,6 +199,7 @@ class Continuation:
                 continue  # following loads have no potential to search
             problem.displacement[:] = before
             self._set_loads()
+            self._hold(strategy != "line search")
             step = None
             if strategy != "line search":
                 with contextlib.suppress(NotConverged):  # where the tangent is singular there is no prediction
@@ -211,16 +212,22 @@ class Continuation:
                 self._linearisation = None
                 reason = f"{strategy}: {failure.reason}"
                 continue
+            self._hold(False)
             self.tensions, self.distance, self._last = tensions.copy(), distance, step
             self.wrenches = wrenches.copy()
             self.iterations, self.steps = self.iterations + needed, self.steps + 1
             self._linearisation = linearisation or self._linearisation
             self.strategies[strategy] += 1
             return needed
+        self._hold(False)
         problem.displacement[:] = before
         self._set_loads()
         self._last = None  # what made this step fail, a cubic would not foresee
         raise NotConverged(reason)
+
+    def _hold(self, held: bool) -> None:
+        if self.problem.contact is not None:
+            self.problem.contact.hold(held)
 
     def linearise(self) -> Linearisation:
         """The tangent at the equilibrium it has led to; the next step is predicted by it, too.

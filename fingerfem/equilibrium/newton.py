@@ -84,6 +84,8 @@ class Newton:
             settled = norm <= self.options.noise and moved <= self.options.settled * problem.scene.geometry.length
             if (norm <= self.options.tolerance or settled) and problem.smallest_volume_ratio() > 0:
                 residual.destroy()
+                if problem.contact is not None and problem.contact.lets_go():
+                    continue
                 return iteration, self._linearisation() if iteration else None
             reason = self._hopeless(norm, first, iteration, most)
             if reason is None:
@@ -105,7 +107,8 @@ class Newton:
             self.add(-self._update.array_r)
             if strategy != "mixed":
                 problem.fields.previous.x.array[:] = problem.fields.u.x.array
-        raise AssertionError("unreachable")
+        problem.fields.u.x.array[:] = start
+        raise NotConverged("the obstacle would have to pull", most)
 
     def _search(self, slope: float) -> str | None:
         """Shorten the update until the potential falls as its slope [J] promises (Armijo) and no cell turns over."""

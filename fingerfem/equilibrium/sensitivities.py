@@ -57,9 +57,9 @@ def differentiate(problem: Problem, linearisation: Linearisation) -> Sensitiviti
     lengths = [_owned(problem.load_gradient(unit)) for unit in np.eye(count)]
     tips = [_owned(problem.tip_gradient(i)) for i in range(3)]
     contact_force = touch_distance = pad_pressure = None
-    if plane and forms.contact is not None:
-        contact_force = _along(problem, [_owned(problem.gradient(forms.contact.force_gradient))], changes)[:, 0]
-        contact_force[-1] -= problem.scalar(forms.contact.stiffness)  # at fixed displacement
+    if plane and problem.contact is not None and forms.contact is not None:
+        contact_force = _along(problem, [_owned(problem.contact.force_gradient())], changes)[:, 0]
+        contact_force[-1] -= problem.contact.stiffness()  # at fixed displacement
         if forms.contact.pad_gradient is not None and forms.contact.pad_area is not None:
             # A plane that moves away is a finger that moves in the other direction: only the gap between them counts.
             lifted = problem.nodal(forms.contact.pad_gradient)[: changes.shape[1] // 3, 1].sum()

@@ -152,15 +152,15 @@ def pad_pressure(problem: Problem) -> float:
 
 def _contact(problem: Problem) -> dict[str, Any]:
     """What the plane makes to report."""
-    forms, obstacle = problem.forms.contact, problem.scene.obstacle
-    if forms is None or obstacle is None:
+    contact, obstacle = problem.contact, problem.scene.obstacle
+    if contact is None or obstacle is None:
         return {}
-    force = problem.scalar(forms.force)
+    force = contact.force()
     found: dict[str, Any] = {"contact_force": force}
     if obstacle.pad is not None:
         found |= {"pad": obstacle.pad.name, "pad_pressure": pad_pressure(problem)}
     if problem.distance is not None:
-        away = problem.scalar(forms.gap_work) / (force * problem.scene.geometry.side) if force else 0.0
+        away = contact.gap_work() / (force * problem.scene.geometry.side) if force else 0.0
         found |= {"penetration": problem.penetration(), "complementarity": away}
     return found
 

@@ -15,9 +15,9 @@ moves along its normal, the integral of p.
 Plates are rigid: their stress says nothing about the pressure on them. The penalty holds them off in both methods.
 
 It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach a plane is the
-first to feel it, edges and corners included. A round obstacle touches between nodes too, and would pass by s^2/(8 R)
-between points s apart: against it, a facet of a plate has a lattice of POINTS[1]^2 springs, each as stiff as a facet
-on a plane, and one of rubber POINTS[0]^2, which share its stiffness.
+first to feel it, edges and corners included. A round obstacle touches between nodes too: against it, a facet of rubber
+has a lattice of POINTS[0]^2 springs, which share its stiffness, and a facet of a plate springs where it is nearest
+(discretisation/closest_points.py), each as stiff as a facet on a plane.
 """
 
 import numpy as np
@@ -25,7 +25,7 @@ import ufl
 
 from fingerfem.mechanics import kinematics, strain_energy
 
-POINTS = 4, 10  # on facets of rubber and of plates, along an edge: 0.2 mm apart on a plate of 2 mm cells
+POINTS = 4, 40  # where facets of rubber and of plates may touch a round obstacle first, along an edge
 PLATES = 2.0  # stiffness of the plates' penalty over that of Nitsche's method beside it [-]
 
 

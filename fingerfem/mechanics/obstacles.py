@@ -77,6 +77,14 @@ class Body(ABC):
         return self.normal_from_centre(points - np.array(self.centre) - np.outer(d, self.direction))
 
     @abstractmethod
+    def curvature_from_centre(self, arms: np.ndarray) -> np.ndarray:
+        """The normal's gradient there, shape (n, 3, 3) [1/m]."""
+
+    def curvature_at(self, points: np.ndarray, d: np.ndarray) -> np.ndarray:
+        """The normals' gradients by the place, of the body moved by d, as `normal_at`; shape (n, 3, 3) [1/m]."""
+        return self.curvature_from_centre(points - np.array(self.centre) - np.outer(d, self.direction))
+
+    @abstractmethod
     def touch_distance(self, points: np.ndarray) -> np.ndarray:
         """Largest d at which the body touches points, shape (n, 3) [m]; -inf where it passes by; shape (n,) [m]."""
 
@@ -116,6 +124,10 @@ class Plane(Body):
         """The normal."""
         return np.tile(self.normal, (len(arms), 1))
 
+    def curvature_from_centre(self, arms: np.ndarray) -> np.ndarray:
+        """None."""
+        return np.zeros((len(arms), 3, 3))
+
     def touch_distance(self, points: np.ndarray) -> np.ndarray:
         """See Body: where n . (x - c - d e) = 0."""
         return np.asarray((points - np.array(self.centre)) @ self.normal / np.dot(self.normal, self.direction))
@@ -134,6 +146,10 @@ class Sphere(Body):
     def normal_from_centre(self, arms: np.ndarray) -> np.ndarray:
         """The direction from the centre."""
         return _normalised(arms)
+
+    def curvature_from_centre(self, arms: np.ndarray) -> np.ndarray:
+        """(1 - n n^T) / |x|."""
+        return _round(arms, np.eye(3))
 
     def touch_distance(self, points: np.ndarray) -> np.ndarray:
         """See Body: the larger root of |x - c - d e| = R."""
@@ -156,6 +172,11 @@ class Cylinder(Body):
     def normal_from_centre(self, arms: np.ndarray) -> np.ndarray:
         """The part of x across the axis, normalised."""
         return _normalised(arms - np.outer(arms @ self.axis, self.axis))
+
+    def curvature_from_centre(self, arms: np.ndarray) -> np.ndarray:
+        """As of a sphere, across the axis."""
+        across = np.eye(3) - np.outer(self.axis, self.axis)
+        return _round(arms @ across, across)
 
     def touch_distance(self, points: np.ndarray) -> np.ndarray:
         """See Body: as of a sphere, seen along the axis."""
@@ -189,12 +210,25 @@ class Box(Body):
 
     def normal_from_centre(self, arms: np.ndarray) -> np.ndarray:
         """From the nearest point of the box without its rounding; of one inside that, from its nearest face."""
-        own = arms @ np.array(self.axes).T
-        beyond = np.abs(own) - (np.array(self.sides) / 2 - self.rounding)
+        own, beyond = self._beyond(arms)
         outwards = np.maximum(beyond, 0.0)
         inside = ~outwards.any(axis=1)
         outwards[inside] = beyond[inside] == beyond[inside].max(axis=1, keepdims=True)
         return _normalised(outwards * np.sign(own)) @ np.array(self.axes)
+
+    def curvature_from_centre(self, arms: np.ndarray) -> np.ndarray:
+        """As of a sphere, in the axes along which the point is beyond the box without its rounding; inside none."""
+        own, beyond = self._beyond(arms)
+        outwards = np.maximum(beyond, 0.0) * np.sign(own)
+        found, axes = np.zeros((len(arms), 3, 3)), np.array(self.axes)
+        out = outwards.any(axis=1)
+        found[out] = axes.T @ _round(outwards[out], np.eye(3) * (beyond[out] > 0)[:, None]) @ axes
+        return found
+
+    def _beyond(self, arms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points along the box's own axes, and how far beyond it without its rounding, shapes (n, 3) [m]."""
+        own = arms @ np.array(self.axes).T
+        return own, np.abs(own) - (np.array(self.sides) / 2 - self.rounding)
 
     def touch_distance(self, points: np.ndarray) -> np.ndarray:
         """See Body: the box comes nearer by its distance, which leads to no deeper point, until it touches or is past.
@@ -204,17 +238,26 @@ class Box(Body):
         half = float(np.linalg.norm(self.sides)) / 2
         along = (points - np.array(self.centre)) @ self.direction
         found = along + half
+        going = np.arange(len(points))
         for _ in range(MARCHES):
-            away = self.signed_distance(points.T, found, NUMPY)
-            going = (away > CLOSE * half) & (found > along - half)
-            if not going.any():
+            away = self.signed_distance(points[going].T, found[going], NUMPY)
+            still = (away > CLOSE * half) & (found[going] > along[going] - half)
+            going = going[still]
+            if not going.size:
                 break
-            found = np.where(going, found - away, found)
+            found[going] -= away[still]
         return np.where(found > along - half, found, -np.inf)
 
 
 def _normalised(vectors: np.ndarray) -> np.ndarray:
     return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+
+
+def _round(arms: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """(across - n n^T) / |r| of arms r, shape (n, 3): how normals n = r / |r| turn [1/m]."""
+    length = np.linalg.norm(arms, axis=1)[:, None, None]
+    normals = _normalised(arms)
+    return np.asarray((across - normals[:, :, None] * normals[:, None]) / length)
 
 
 def _larger_root(arms: np.ndarray, direction: np.ndarray, radius: float) -> np.ndarray:

@@ -41,14 +41,10 @@ def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
 def contact_pressure(model: FingerModel) -> np.ndarray:
     """Contact pressure at the nodes [Pa], shape (nodes,) of this rank: what a node's share of the surface bears."""
     nodes = len(model.problem.displacement) // 3
-    if model.scene.obstacle is None:
+    if model.problem.contact is None:
         return np.zeros(nodes)
     v = ufl.TestFunction(model.problem.space)
     ds = forms.surface_measure(model.scene, model.problem.mesh)
-    fields = model.problem.fields
-    groups = forms.contact_groups(model.scene, ds, fields, fields.distance)
-    borne = sum(one.pressure * v[1] * one.measure for one in groups)
-    share = v[1] * ds(regions.SURFACE)
-    compiled = [form_cache.form(form) for form in (borne, share)]
-    force, area = (model.problem.nodal(form) for form in compiled)
-    return np.divide(force[:, 1], area[:, 1], out=np.zeros(nodes), where=area[:, 1] > 0)
+    area = model.problem.nodal(form_cache.form(v[1] * ds(regions.SURFACE)))[:, 1]
+    force = np.linalg.norm(model.problem.contact.nodal_force(), axis=1)
+    return np.divide(force, area, out=np.zeros(nodes), where=area > 0)

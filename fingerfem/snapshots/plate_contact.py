@@ -136,7 +136,7 @@ class PlateContacts:
     @property
     def _nodal(self) -> tuple[np.ndarray, np.ndarray]:
         """Contact forces at the nodes along y [N], and how they grow with the nodes' own heights [N/m]."""
-        forms, owned = self._problem.forms.contact, len(self._heights_at_rest)
+        forms, owned = self._problem.forms.contact, len(self._heights_at_rest)  # before the plane, without springs
         assert forms is not None
         forces, stiffness = (self._problem.nodal(form)[:owned, 1] for form in (forms.nodal_force, forms.force_gradient))
         return forces, stiffness

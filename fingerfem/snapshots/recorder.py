@@ -158,12 +158,12 @@ class Recorder:
         model, numbering, store = self._model, self._numbering, self._store
         field = numbering.gather(model.problem.displacement)
         row: dict[str, Any] = {"tip": model.problem.tip(), "tip_jacobian": self._padded(found.tip).T}
-        if model.problem.forms.contact is not None:
+        if model.problem.contact is not None:
             if found.touch_distance is not None:
                 slopes = self._padded(found.touch_distance)
                 self._touch = {"touch_distance": model.problem.reach(), "touch_distance_jacobian": slopes}
             row |= self._touch
-            row["contact_force"] = model.problem.scalar(model.problem.forms.contact.force)
+            row["contact_force"] = model.problem.contact.force()
             pressed = found.contact_force if found.contact_force is not None else np.zeros(0)
             row["contact_force_jacobian"] = self._padded(pressed)
         if self._plates is not None:

@@ -82,11 +82,11 @@ class FullOrder:
                 continue
         else:
             return None
-        forms, problem = model.problem.forms.contact, model.problem
-        assert forms is not None
+        contact, problem = model.problem.contact, model.problem
+        assert contact is not None
         x = problem.space.tabulate_dof_coordinates()[:, 0]
-        pushed = np.linalg.norm(problem.nodal(forms.nodal_force), axis=1)
+        pushed = np.linalg.norm(contact.nodal_force(), axis=1)
         rubber = np.ones(len(x), bool)
         for first, last in problem.scene.outline.plates:
             rubber &= (x < first - 1e-6) | (x > last + 1e-6)
-        return problem.scalar(forms.force), bool(pushed[rubber].sum() > 1e-6 * pushed.sum())
+        return contact.force(), bool(pushed[rubber].sum() > 1e-6 * pushed.sum())

@@ -29,12 +29,7 @@ def model(table: dict, **obstacle) -> FingerModel:
     return FingerModel(Scene.model_validate(table | {"obstacle": kept | obstacle}))
 
 
-LONG = ("sphere", "cylinder", "box")  # round ones take many iterations
-
-
-@pytest.fixture(
-    scope="module", params=[pytest.param(name, marks=[pytest.mark.long] * (name in LONG)) for name in SHAPES]
-)
+@pytest.fixture(scope="module", params=SHAPES)
 def pressed(request):
     """A model, and its state pressed on an obstacle."""
     import tomllib
@@ -69,7 +64,6 @@ def test_a_plane_beside_the_finger_is_the_plane_above_it_seen_from_the_side(tabl
     )
 
 
-@pytest.mark.long
 def test_large_spheres_and_cylinders_become_the_plane(table):
     flat = model(table).solve(TENSIONS, D)
     where = flat.displacement.reshape(-1, 3)  # touched near the tip: the apex of the round ones stands there
@@ -86,8 +80,8 @@ def test_forces_and_moments_balance(pressed):
     finger, _, state = pressed
     problem = finger.problem
     finger.take(state)
-    on_obstacle = problem.nodal(problem.forms.contact.nodal_force)
-    reaction = problem.nodal(problem.forms.residual)  # zero but at the clamp
+    on_obstacle = problem.contact.nodal_force()
+    reaction = problem.nodal(problem.forms.residual, problem.contact.spring_forces())  # zero but at the clamp
     places = problem.space.tabulate_dof_coordinates() + problem.displacement.reshape(-1, 3)
     force, pushed = reaction.sum(axis=0), on_obstacle.sum(axis=0)
     assert np.linalg.norm(pushed) > 0.1  # [N]
@@ -109,7 +103,7 @@ def test_derivatives_are_differences(pressed):
             finger.take(state)
             tensions = np.array(TENSIONS) + (sign * h * np.eye(3)[k][:2])
             finger.continuation.advance(tensions, d + (sign * h if name == "d" else 0.0))
-            moved.append((finger.problem.scalar(finger.problem.forms.contact.force), finger.problem.energy()))
+            moved.append((finger.problem.contact.force(), finger.problem.energy()))
         near[name] = [(b - a) / (2 * h) for a, b in zip(*moved, strict=True)]
         assert state.sensitivities["contact_force"][name] == pytest.approx(near[name][0], rel=2e-3, abs=1e-6)
     assert -near["d"][1] == pytest.approx(state.contact_force, rel=1e-5)
@@ -132,7 +126,6 @@ def test_an_obstacle_that_is_passed_by_presses_nothing(table):
     assert state.contact_force == 0.0 and state.touch_distance is None and state.penetration == 0.0
 
 
-@pytest.mark.long
 def test_half_the_finger_is_modelled_where_the_obstacle_is_its_own_mirror_image(table):
     table["tendons"] = table["tendons"][:1]
     sphere = {"shape": "sphere", "centre": [0.042, 0.017, 0.0], "radius": 0.012}

@@ -81,7 +81,7 @@ def test_what_an_obstacle_presses_with_as_a_wrench_gives_the_state_it_makes(fing
     assert state.contact_force > 0.5
     problem = touched.problem
     touched.take(state)
-    forces = -problem.nodal(problem.forms.contact.nodal_force)  # on the finger
+    forces = -problem.contact.nodal_force()  # on the finger
     rest = problem.space.tabulate_dof_coordinates()
     on_plate = rest[:, 0] > 0.049 - 1e-9
     assert np.abs(forces[~on_plate]).max() == 0.0

@@ -34,7 +34,7 @@ def stand(model, tensions, distance) -> PlateContact:
 )
 def test_the_plate_and_the_rubber_carry_the_contact_force(draft, state, regime):
     found = stand(draft, *state)
-    force = draft.problem.scalar(draft.problem.forms.contact.force)
+    force = draft.problem.contact.force()
     assert found.regime.tolist() == regime
     if not found.regime[-1]:
         assert found.plate_force.sum() == pytest.approx(force, rel=1e-9)
@@ -48,7 +48,7 @@ def test_the_plate_and_the_rubber_carry_the_contact_force(draft, state, regime):
 def test_the_centre_of_pressure_balances_the_moments_of_the_nodes_forces(draft):
     """The moment of the plate's forces about its own z is force times centre: here summed node by node."""
     found = stand(draft, *FACE)
-    forces = draft.problem.nodal(draft.problem.forms.contact.nodal_force)[:, 1]
+    forces = draft.problem.contact.nodal_force()[:, 1]
     points = draft.problem.space.tabulate_dof_coordinates()
     plate = points[:, 0] > 0.049 - 1e-9
     centre = forces[plate] @ points[plate, 1] / forces[plate].sum() / 0.005

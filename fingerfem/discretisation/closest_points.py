@@ -1,0 +1,224 @@
+"""Springs between the facets of stiff plates and a round obstacle, where they are nearest to each other.
+
+A plate of steel touches a ball at one point, which moves along the plate as the ball rolls: springs that stand still would
+be beside it, with another normal, and Newton's method would go from one to the next. So a facet has a spring at the
+nearest point within, one at the nearest point of every edge, and one at every corner. What is not a minimum of the
+distance there has none: the nearest point within fades out over the last HEM of a facet, where the edge takes over.
+
+The energy of a spring is k g^2 / 2 while the gap g is negative. As its place (s, t) is where g is least, g's first
+derivative by the nodes is that at a fixed place, n N; its second one counts that the place moves,
+
+    g'' = N^T C N - B^T A^-1 B,    A = d2g/d(s,t)2,    B = d2g/d(s,t)du,
+
+with the obstacle's normal n, the normal's gradient C and the facet's shape functions N.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import basix
+import numpy as np
+from dolfinx import fem
+from mpi4py import MPI
+
+from fingerfem.mechanics.obstacles import NUMPY, Body
+
+HEM = 0.005  # of a facet's edge [-]
+ITERATIONS, HALVINGS, SETTLED = 60, 30, 1e-13  # towards the nearest points; of a step; a step that is none [-]
+FLATTEST = 1e-3  # what is less curved lies flush on the facet: the nearest point is then any, and stays [1/m]
+START = np.array([[s, t] for s in np.linspace(0, 1, 5) for t in np.linspace(0, 1, 5)])
+# What may move at a facet's springs, (s, t), and where they begin: within, on its edges, at its corners.
+FREE = np.array([[1, 1], [1, 0], [1, 0], [0, 1], [0, 1], [0, 0], [0, 0], [0, 0], [0, 0]], bool)
+FIXED = np.array([[0, 0], [0, 0], [0, 1], [0, 0], [1, 0], [0, 0], [1, 0], [0, 1], [1, 1]], float)
+
+
+@dataclass(frozen=True)
+class Springs:
+    """What springs do at one displacement, by facets that press.
+
+    Attributes:
+        nodes: local indices, shape (m, n).
+        forces: gradient of the energy by these nodes' displacements, shape (m, n, 3) [N]; what they press with.
+        stiffness: and its derivative, shape (m, 3 n, 3 n) [N/m].
+        gaps: shape (m,) [m], positive of one that pulls.
+        energy: of this rank's springs [J].
+        work: sum of force times |gap| [J].
+    """
+
+    nodes: np.ndarray
+    forces: np.ndarray
+    stiffness: np.ndarray
+    gaps: np.ndarray
+    energy: float
+    work: float
+
+
+NONE = Springs(np.zeros((0, 0), int), np.zeros((0, 0, 3)), np.zeros((0, 0, 0)), np.zeros(0), 0.0, 0.0)
+
+
+class ClosestPoints:
+    """The springs of some of this rank's facets.
+
+    Args:
+        space: of the displacement, hexahedra.
+        facets: local indices; those of other ranks' cells are left to these.
+        stiffness: of a spring per area of its facet [N/m^3].
+        body: the obstacle.
+    """
+
+    def __init__(self, space: fem.FunctionSpace, facets: np.ndarray, stiffness: float, body: Body):
+        self._body, self._comm = body, space.mesh.comm
+        cell, corners = space.element.basix_element, basix.geometry(basix.CellType.hexahedron)
+        self._element = basix.create_element(
+            basix.ElementFamily.P, basix.CellType.quadrilateral, cell.degree, cell.lagrange_variant
+        )
+        faces = []
+        for face in basix.topology(basix.CellType.hexahedron)[2]:
+            origin, one, other = (corners[face[k]] for k in (0, 1, 2))
+            local = self._element.points
+            places = origin + local[:, :1] * (one - origin) + local[:, 1:] * (other - origin)
+            faces.append(np.linalg.norm(cell.points[None] - places[:, None], axis=2).argmin(axis=1))
+        mesh = space.mesh
+        dim = mesh.topology.dim
+        mesh.topology.create_connectivity(dim - 1, dim)
+        mesh.topology.create_connectivity(dim, dim - 1)
+        of_facet, of_cell = mesh.topology.connectivity(dim - 1, dim), mesh.topology.connectivity(dim, dim - 1)
+        nodes, cells = [], mesh.topology.index_map(dim).size_local
+        for facet in facets:
+            own = of_facet.links(facet)[0]
+            if own >= cells:
+                continue  # another rank's
+            side = int(np.flatnonzero(of_cell.links(own) == facet)[0])
+            nodes.append(space.dofmap.cell_dofs(own)[faces[side]])
+        self._nodes = np.array(nodes, int).reshape(-1, len(self._element.points))
+        self._rest = space.tabulate_dof_coordinates()[self._nodes]
+        middle = self._element.tabulate(1, np.array([[0.5, 0.5]]))[1:, 0, :, 0]
+        along = np.einsum("in,mnj->imj", middle, self._rest)
+        self._stiffness = stiffness * np.linalg.norm(np.cross(along[0], along[1]), axis=1)  # [N/m], by facet
+
+    def springs(self, displacement: np.ndarray, distance: float, held: bool = False) -> Springs:
+        """At nodal displacements, shape (3 nodes,), and the obstacle's distance [m].
+
+        If the obstacle is to be held and nothing presses, the spring that is nearest to it pulls (collective).
+        """
+        places = self._rest + displacement.reshape(-1, 3)[self._nodes]
+        middle = places.mean(axis=1)
+        radius = np.linalg.norm(places - middle[:, None], axis=2).max(axis=1, initial=0.0)
+        away = self._body.signed_distance(middle.T, distance, NUMPY)
+        farthest = max(0.0, float((away + radius).min(initial=np.inf))) if held else 0.0
+        near = np.flatnonzero(away - radius <= farthest)
+        of = np.repeat(near, len(FREE))
+        free = np.tile(FREE, (len(near), 1))
+        found = Facets(self._element, places[of], self._body, distance)
+        at = found.nearest(np.tile(FIXED, (len(near), 1)), free)
+        inside = np.where(free, np.minimum(at, 1 - at), np.inf).min(axis=1)
+        share = np.clip(inside / HEM, 0.0, 1.0)
+        weight = self._stiffness[of] * share**2 * (3 - 2 * share)
+        gap = np.where(weight > 0, found.gaps(at), np.inf)
+        acts = gap < 0
+        if held:
+            least = self._comm.allreduce(float(gap.min(initial=np.inf)), op=MPI.MIN)
+            acts |= (gap <= least) & np.isfinite(gap)
+        acting = Facets(self._element, places[of[acts]], self._body, distance)
+        gradient, curvature = acting.derivatives(at[acts], free[acts])
+        k, g = weight[acts], gap[acts]
+        flat = gradient.reshape(len(g), 3 * self._nodes.shape[1])
+        stiffness = k[:, None, None] * (flat[:, :, None] * flat[:, None] + g[:, None, None] * curvature)
+        return Springs(
+            nodes=self._nodes[of[acts]],
+            forces=(k * g)[:, None, None] * gradient,
+            stiffness=stiffness,
+            gaps=g,
+            energy=float(k @ g**2 / 2),
+            work=float(k @ g**2),
+        )
+
+
+class Facets:
+    """Deformed facets before an obstacle.
+
+    Args:
+        element: of the reference facet.
+        places: of their nodes, shape (m, n, 3) [m].
+        body: the obstacle, at `distance` [m].
+    """
+
+    def __init__(self, element: basix.finite_element.FiniteElement, places: np.ndarray, body: Body, distance: float):
+        self._element, self._places, self._body, self._distance = element, places, body, distance
+
+    def gaps(self, at: np.ndarray) -> np.ndarray:
+        """At local places, shape (m, 2): shape (m,) [m]."""
+        values = self._tables(0, at)[0]
+        x = np.einsum("mn,mni->mi", values, self._places)
+        return np.asarray(self._body.signed_distance(x.T, self._distance, NUMPY))
+
+    def _tables(self, most: int, at: np.ndarray) -> np.ndarray:
+        """Shape functions and their derivatives, shape (derivatives, m, n)."""
+        if not len(at):
+            return np.zeros(((most + 1) * (most + 2) // 2, 0, self._places.shape[1]))
+        return np.asarray(self._element.tabulate(most, at)[..., 0])
+
+    def _bent(self, at: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Shape functions and their first and second derivatives; of the gap by (s, t); normals and their gradients."""
+        tables = np.moveaxis(self._tables(2, at), 0, 1)  # (m, derivatives, n)
+        x = np.einsum("mdn,mni->mdi", tables, self._places)
+        d = np.full(len(at), self._distance)
+        normal, turning = self._body.normal_at(x[:, 0], d), self._body.curvature_at(x[:, 0], d)
+        along, second = x[:, 1:3], x[:, [3, 4, 4, 5]].reshape(-1, 2, 2, 3)
+        slope = np.einsum("mi,mai->ma", normal, along)
+        bend = np.einsum("mai,mij,mbj->mab", along, turning, along) + np.einsum("mi,mabi->mab", normal, second)
+        return tables, along, slope, bend, normal, turning
+
+    def nearest(self, start: np.ndarray, free: np.ndarray) -> np.ndarray:
+        """Where the gap is least, shape (m, 2), by projected Newton steps in what is free, shape (m, 2)."""
+        at, value = start.copy(), np.full(len(start), np.inf)
+        for begin in START:
+            tried = np.where(free, begin, start)
+            gap = self.gaps(tried)
+            better = gap < value
+            at[better], value[better] = tried[better], gap[better]
+        for _ in range(ITERATIONS):
+            _, along, slope, bend, _, _ = self._bent(at)
+            held = ~free | ((at <= 0) & (slope > 0)) | ((at >= 1) & (slope < 0))
+            slope[held] = 0.0
+            least = FLATTEST * np.einsum("mai,mai->m", along, along)[:, None, None]  # [m]
+            step = -np.linalg.solve(_held(bend + 1e-6 * least * np.eye(2), held), slope[..., None])[..., 0]
+            downhill = np.sum(step * slope, axis=1) < 0
+            step = np.where(downhill[:, None], step, -slope / least[..., 0])
+            share = np.ones(len(at))
+            for _ in range(HALVINGS):
+                ahead = np.clip(at + share[:, None] * step, 0, 1)
+                gap = self.gaps(ahead)
+                worse = gap > value + 1e-18
+                if not worse.any():
+                    break
+                share[worse] /= 2
+            ahead[worse], gap[worse] = at[worse], value[worse]
+            moved = np.abs(ahead - at).max(initial=0.0)
+            at, value = ahead, gap
+            if moved < SETTLED:
+                break
+        return at
+
+    def derivatives(self, at: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of the gaps at nearest points by the nodes: shapes (m, n, 3) [-] and (m, 3 n, 3 n) [1/m]."""
+        tables, along, _, bend, normal, turning = self._bent(at)
+        gradient = tables[:, 0, :, None] * normal[:, None]
+        m, n = gradient.shape[:2]
+        curvature = np.einsum("ma,mij,mb->maibj", tables[:, 0], turning, tables[:, 0]).reshape(m, 3 * n, 3 * n)
+        turned = np.einsum("mij,mcj->mci", turning, along)
+        mixed = tables[:, 0, None, :, None] * turned[:, :, None] + tables[:, 1:3, :, None] * normal[:, None, None]
+        mixed = (mixed * free[:, :, None, None]).reshape(m, 2, 3 * n)
+        values, vectors = np.linalg.eigh(_held(bend, ~free))
+        least = FLATTEST * np.einsum("mai,mai->m", along, along)[:, None]
+        moves = np.divide(1.0, values, out=np.zeros_like(values), where=np.abs(values) > least)
+        turned = np.swapaxes(vectors, 1, 2) @ mixed
+        return gradient, curvature - np.swapaxes(turned, 1, 2) @ (moves[:, :, None] * turned)
+
+
+def _held(bend: np.ndarray, held: np.ndarray) -> np.ndarray:
+    """Second derivatives by (s, t), shape (m, 2, 2), of which some are held."""
+    found = np.where(held[:, :, None] | held[:, None], 0.0, bend)
+    found[:, [0, 1], [0, 1]] += held
+    return found
