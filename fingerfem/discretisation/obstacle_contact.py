@@ -109,8 +109,8 @@ class ObstacleContact:
         return self._nodal(self.springs().forces)
 
     def _nodal(self, values: np.ndarray) -> np.ndarray:
-        found = np.zeros((len(self._problem.displacement) // 3, 3))
-        if len(values):
-            np.add.at(found, self.springs().nodes, values)
+        found, nodes = np.zeros((len(self._problem.displacement) // 3, 3)), self.springs().nodes
+        if nodes.size:
+            np.add.at(found, nodes, values)
         return found
 
