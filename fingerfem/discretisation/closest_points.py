@@ -1,9 +1,9 @@
 """Springs between the facets of stiff plates and a round obstacle, where they are nearest to each other.
 
-A plate of steel touches a ball at one point, which moves along the plate as the ball rolls: springs that stand still would
-be beside it, with another normal, and Newton's method would go from one to the next. So a facet has a spring at the
-nearest point within, one at the nearest point of every edge, and one at every corner. What is not a minimum of the
-distance there has none: the nearest point within fades out over the last HEM of a facet, where the edge takes over.
+A plate of steel touches a ball at one point, which moves along the plate as the ball rolls. Springs that stand still
+would be beside it, with another normal, and Newton's method would go from one to the next. So a facet has a spring at
+its nearest point, one at the nearest point of every edge, and one at every corner. Towards the end of a facet, or of an
+edge, such a spring fades out over the last HEM, and the edge's or the corner's takes over.
 
 The energy of a spring is k g^2 / 2 while the gap g is negative. As its place (s, t) is where g is least, g's first
 derivative by the nodes is that at a fixed place, n N; its second one counts that the place moves,

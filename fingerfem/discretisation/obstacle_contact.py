@@ -1,4 +1,4 @@
-"""What the obstacle and the finger do to each other: the compiled forms' part, and that of springs at closest points."""
+"""What the obstacle and the finger do to each other: by the compiled forms, and by springs at closest points."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ class ObstacleContact:
 
     def __init__(self, problem: Problem, forms: ContactForms):
         self._problem, self._forms, self._held = problem, forms, False
-        self._found: tuple[np.ndarray, float, bool, Springs] = np.zeros(0), 0.0, False, NONE
+        self._known: tuple[np.ndarray, float, bool] = np.zeros(0), 0.0, False  # what `_found` is of
+        self._found = NONE
         self._points: ClosestPoints | None = None
         if not problem.obstacle.is_flat:
             facets = np.concatenate([problem.mesh.facets.find(kind) for kind in regions.PLATE_FACETS])
@@ -41,13 +42,12 @@ class ObstacleContact:
         problem = self._problem
         if self._points is None or problem.distance is None:
             return NONE
-        *known, found = self._found
-        now = problem.displacement, problem.distance, self._held
-        same = problem.comm.allreduce(all(map(np.array_equal, known, now)), op=MPI.LAND)
-        if not same:
-            found = self._points.springs(*now)
-            self._found = problem.displacement.copy(), problem.distance, self._held, found
-        return found
+        displacement, *others = self._known
+        same = others == [problem.distance, self._held] and np.array_equal(displacement, problem.displacement)
+        if not problem.comm.allreduce(same, op=MPI.LAND):
+            self._known = problem.displacement.copy(), problem.distance, self._held
+            self._found = self._points.springs(*self._known)
+        return self._found
 
     def hold(self, held: bool) -> None:
         """Whether plates that press on a round obstacle now do not lose it while Newton's method is on its way.
@@ -113,4 +113,3 @@ class ObstacleContact:
         if nodes.size:
             np.add.at(found, nodes, values)
         return found
-

@@ -177,8 +177,10 @@ class Problem:
 
     def tangent_with(self, supports: list[fem.DirichletBC], *, volume_alone: bool = False) -> Tangent:
         """The same with other supports; without contact and straight tendons where the volume alone is wanted."""
-        others, springs = (None, None) if volume_alone else (self.forms.other_tangent, self.contact and self.contact.springs)
-        return Tangent(self._volume_tangent, others, self.space, supports, springs)
+        if volume_alone:
+            return Tangent(self._volume_tangent, None, self.space, supports)
+        springs = None if self.contact is None else self.contact.springs
+        return Tangent(self._volume_tangent, self.forms.other_tangent, self.space, supports, springs)
 
     @property
     def matrix(self) -> PETSc.Mat:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.fit.chebyshev import Polynomial
+from rom.fit.chebyshev import Polynomial, total_degree
 from rom.segment.contact_error import relative_force_errors
 from rom.segment.field import field_fit
 from rom.segment.index_set import index_set, pure_degree
@@ -24,6 +24,7 @@ logger = logging.getLogger(__name__)
 # products. They err by some 10 um.
 FEW_TERMS, FEW_PURE, FEW_PURE_TERMS = 400, 8, 100
 FEW_ROWS = 1.5  # rows for every coefficient of these, at least [-]
+BENDING = 3  # total degree of the tensions by which the plate is bent
 TERMS = 2500  # most products of a map: a query takes as long as it has terms
 
 
@@ -48,6 +49,7 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
     box = np.array([[one["lower"], one["upper"]] for one in description.parameters])
     found = best_fit(states, box, terms, progress)
     few = few_products(found.weights, own)
+    corners = corner_fit(own, box)
     skin, skin_error = skin_fit(own, box, few)
     shortenings, shortening_error = shortening_fit(own, box, few)
     return SegmentMap(
@@ -55,6 +57,7 @@ def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = qu
         pose=found.polynomial,
         force_error=quantiles(found.left_out)["p95"],
         place_error=quantiles(found.left_out_places[states.forces == 0])["p95"],
+        corners=corners,
         skin=skin,
         skin_error=skin_error,
         displacements=field_fit(snapshots, own, box, few),
@@ -81,6 +84,24 @@ def few_products(weights: tuple[float, float, float], states: PressedStates) -> 
     pure = pure_degree(tensions, FEW_PURE, min(FEW_PURE_TERMS, most // 3))
     sets = [index_set(each, degree, tensions, pure) for degree in np.arange(1.0, 12.0, 0.5)]
     return max((powers for powers in sets if len(powers) <= most), key=len)
+
+
+def corner_fit(states: PressedStates, box: np.ndarray) -> Polynomial | None:
+    """How far the plate's corners are from those of a box, by the tensions.
+
+    What presses on the plate bends it a hundredth as much.
+    """
+    n, p = states.inputs.shape
+    if not states.corners.shape[1]:
+        return None
+    tensions = total_degree(states.tensions, BENDING)
+    known = Samples(
+        inputs=states.inputs,
+        values=states.corners.reshape(n, -1),
+        jacobians=states.corner_jacobians.reshape(n, -1, p),
+        lines=states.lines,
+    )
+    return regression(known, box, np.pad(tensions, [(0, 0), (0, 6)]))[0]
 
 
 def skin_fit(states: PressedStates, box: np.ndarray, powers: np.ndarray) -> tuple[Polynomial | None, float]:

@@ -48,6 +48,8 @@ class SegmentMap(PickledByFields):
     Attributes:
         parameters: name, unit, lower and upper of every input: tensions, then force and moment in the plate's frame.
         pose: the clamp's place seen from the plate [m], then the plate's quaternion [-], by the inputs.
+        corners: how far tensions bend the plate's corners from those of a box, in its own frame, 8 x 3 values of the
+            inputs [m], the first axis' sign alternating fastest; None if the set did not store the displacement.
         skin: points of the rubber's long edges in the plate's frame by the inputs, 3 values each [m]; None if the set
             did not store the displacement: then nobody notices rubber that touches.
         skin_error: of these, 95th percentile [m].
@@ -71,6 +73,7 @@ class SegmentMap(PickledByFields):
     place_error: float
     scene: dict[str, Any]
     provenance: dict[str, Any]
+    corners: Polynomial | None = None
     skin: Polynomial | None = None
     skin_error: float = np.nan
     displacements: Field | None = None
@@ -108,7 +111,7 @@ class SegmentMap(PickledByFields):
     @cached_property
     def struct(self) -> Any:
         """For compiled code, a struct fingerfem_segment."""
-        return native.struct(self.pose, self.skin, self.skin_error, self.half_lengths)
+        return native.struct(self.pose, self.corners, self.skin, self.skin_error, self.half_lengths)
 
     def place(self, inputs: ArrayLike) -> Placed:
         """Where the plate is at inputs, shape (t + 6,) or (n, t + 6) [N, N m].
@@ -176,6 +179,9 @@ class SegmentMap(PickledByFields):
             file.attrs[name] = json.dumps(getattr(self, name))
         file.attrs["force_error"], file.attrs["place_error"] = self.force_error, self.place_error
         file.attrs["skin_error"] = self.skin_error
+        if self.corners is not None:
+            checked_file.dataset(file, "corner_powers", self.corners.powers, "-")
+            checked_file.dataset(file, "corner_coefficients", self.corners.coefficients, "m")
         if self.skin is not None:
             checked_file.dataset(file, "skin_powers", self.skin.powers, "-")
             checked_file.dataset(file, "skin_coefficients", self.skin.coefficients.astype(np.float32), "m")
@@ -222,6 +228,7 @@ class SegmentMap(PickledByFields):
             place_error=float(file.attrs["place_error"]),
             skin_error=float(file.attrs["skin_error"]),
             pose=polynomial(""),
+            corners=polynomial("corner_") if "corner_powers" in file else None,
             skin=polynomial("skin_") if "skin_powers" in file else None,
             displacements=_field(file, polynomial("field_")) if "field_powers" in file else None,
             shortenings=polynomial("shortening_") if "shortening_powers" in file else None,

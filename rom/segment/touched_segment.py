@@ -179,7 +179,7 @@ class TouchedSegment(PickledByFields):
         placed = self.chain.place(point[:-1], wrench)
         nearest, farthest = self.obstacle.distances
         d = min(float(point[-1]), farthest) if point[-1] > nearest else nearest  # as the solve has it
-        near = native.contacts(self.touching, d, placed.centres, placed.rotations)
+        near = native.contacts(self.touching, point[:-1], d, placed.centres, placed.rotations)
         closed = near.gaps < CLOSED
         own, p, n = near.plates[closed], near.points[closed], near.normals[closed]
         units = np.repeat([1.0, self.chain.half_lengths.max()], 3)  # a moment counts by its force at that arm

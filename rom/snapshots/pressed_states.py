@@ -27,6 +27,9 @@ class PressedStates:
         skin: where points of the rubber's long edges are, in the plate's frame, shape (n, m, 3) [m]; m = 0 where the
             set does not store the displacement.
         skin_jacobians: by the inputs, shape (n, m, 3, t + 6).
+        corners: how far the plate's corners are from those of a box, in its frame, the first axis' sign alternating
+            fastest, shape (n, 8, 3) [m]; (n, 0, 3) likewise.
+        corner_jacobians: by the inputs, shape (n, 8, 3, t + 6).
         shortenings: of the tendons, shape (n, t) [m]; (n, 0) where the set does not store them.
         shortening_jacobians: by the inputs, shape (n, t, t + 6).
     """
@@ -37,6 +40,8 @@ class PressedStates:
     lines: np.ndarray
     skin: np.ndarray
     skin_jacobians: np.ndarray
+    corners: np.ndarray
+    corner_jacobians: np.ndarray
     shortenings: np.ndarray
     shortening_jacobians: np.ndarray
 
@@ -51,10 +56,9 @@ class PressedStates:
         return np.asarray(np.linalg.norm(self.inputs[:, self.tensions : self.tensions + 3], axis=1))
 
     def poses_alone(self) -> PressedStates:
-        """The same without the rubber's points and shortenings."""
+        """The same without the rubber's points, the plate's corners and shortenings."""
         n, p = self.inputs.shape
-        none: dict[str, np.ndarray] = {"skin": np.zeros((n, 0, 3)), "skin_jacobians": np.zeros((n, 0, 3, p))}
-        return replace(self, **none, shortenings=np.zeros((n, 0)), shortening_jacobians=np.zeros((n, 0, p)))
+        return replace(self, **_no_points(n, p), shortenings=np.zeros((n, 0)), shortening_jacobians=np.zeros((n, 0, p)))
 
 
 def read_pressed_states(snapshots: SnapshotSet) -> PressedStates:
@@ -89,19 +93,32 @@ def read_pressed_states(snapshots: SnapshotSet) -> PressedStates:
         poses=poses,
         jacobians=jacobians,
         lines=np.concatenate([np.full(int(part["converged"].sum()), k) for k, part in parts]),
-        **_skin(snapshots, poses, jacobians),
+        **_points(snapshots, poses, jacobians),
     )
 
 
-def _skin(snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray) -> dict[str, np.ndarray]:
-    """Points of the long edges seen from the plate, and their derivatives."""
-    n, p = len(poses), jacobians.shape[2]
+def _no_points(n: int, p: int) -> dict[str, np.ndarray]:
+    nothing, by_nothing = np.zeros((n, 0, 3)), np.zeros((n, 0, 3, p))
+    return {"skin": nothing, "skin_jacobians": by_nothing, "corners": nothing, "corner_jacobians": by_nothing}
+
+
+def _points(snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray) -> dict[str, np.ndarray]:
+    """Points of the long edges and the plate's corners seen from the plate, and their derivatives."""
     if not snapshots.description.has_field:
-        return {"skin": np.zeros((n, 0, 3)), "skin_jacobians": np.zeros((n, 0, 3, p))}
+        return _no_points(len(poses), jacobians.shape[2])
     body = snapshots.body
-    nodes = _stations(body.nodes, body.edge_nodes, float(body.plates[-1, 0]))
-    places, changes = seen_from_plate(snapshots, poses, jacobians, nodes)
-    return {"skin": places, "skin_jacobians": changes}
+    stations = _stations(body.nodes, body.edge_nodes, float(body.plates[-1, 0]))
+    box = body.half_lengths * np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
+    at_rest = box + np.array([body.plates[-1].mean(), 0.0, 0.0])
+    corners = np.linalg.norm(snapshots.nodes[None] - at_rest[:, None], axis=2).argmin(axis=1)
+    places, changes = seen_from_plate(snapshots, poses, jacobians, np.concatenate([stations, corners]))
+    m = len(stations)
+    return {
+        "skin": places[:, :m],
+        "skin_jacobians": changes[:, :m],
+        "corners": places[:, m:] - box,
+        "corner_jacobians": changes[:, m:],
+    }
 
 
 def seen_from_plate(

@@ -44,8 +44,8 @@ def from_rest(model: FingerModel) -> dict:
 
 def contact_force(model: FingerModel) -> float:
     """Of the state that the model is in [N]."""
-    assert model.problem.contact is not None
-    return model.problem.contact.force()
+    assert model.problem.forms.contact is not None
+    return model.problem.scalar(model.problem.forms.contact.force)
 
 
 def contact_line(model: FingerModel, tensions: list[float]) -> dict:

@@ -95,7 +95,7 @@ def free(model: TouchedSegment, loads: Loads) -> Resting:
 
 
 def _contacts(model: TouchedSegment, loads: Loads, placed: ChainPlaced) -> native.Contacts:
-    return native.contacts(model.touching, loads.d, placed.centres - loads.moved, placed.rotations)
+    return native.contacts(model.touching, loads.tensions, loads.d, placed.centres - loads.moved, placed.rotations)
 
 
 def advance(

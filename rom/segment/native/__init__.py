@@ -11,7 +11,7 @@ import numpy as np
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
 
-BLOCK, POSE, EDGES, MOST_CONTACTS, SKIN_ROW = 4, 8, 4, 12, 16  # as in segment.h
+BLOCK, POSE, EDGES, MOST_CONTACTS, SKIN_ROW, CORNERS = 4, 8, 4, 12, 16, 24  # as in segment.h
 BETWEEN, NEAREST = 8, 4  # places for every station of the rubber's edges; stations that say where one is
 
 
@@ -20,17 +20,27 @@ def pointer(array: np.ndarray, kind: str = "double[]") -> Any:
     return SEGMENT.ffi.from_buffer(kind, array)
 
 
-def struct(pose: Polynomial, skin: Polynomial | None, skin_error: float, half_lengths: np.ndarray) -> Any:
+def struct(
+    pose: Polynomial,
+    corners: Polynomial | None,
+    skin: Polynomial | None,
+    skin_error: float,
+    half_lengths: np.ndarray,
+) -> Any:
     """A map as a struct fingerfem_segment.
 
     Args:
         pose: 7 values of t + 6 variables.
+        corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
         skin: of the same, 3 values of every point of the rubber [m]; None without any.
         skin_error: of these [m].
         half_lengths: of the plate along its own axes, shape (3,) [m].
     """
     t = len(pose.lower) - 6
-    monomials, groups, coefficients = _arranged(pose.powers, pose.coefficients, t)
+    bending, bent = np.zeros((0, t), int), np.zeros((0, CORNERS))
+    if corners is not None:
+        bending, bent = corners.powers[:, :t], corners.coefficients
+    monomials, groups, coefficients = _arranged(pose.powers, pose.coefficients, bending)
     variables = np.array([max(np.flatnonzero(group), default=0) for group in groups])
     rows = np.arange(len(groups))
     without = groups.copy()
@@ -68,6 +78,8 @@ def struct(pose: Polynomial, skin: Polynomial | None, skin_error: float, half_le
         between=between,
         skin_error=skin_error,
         half_lengths=half_lengths.tolist(),
+        corner_monomials=len(bending),
+        corner_coefficients=bent,
     )
 
 
@@ -83,14 +95,18 @@ def _between(stations: int) -> np.ndarray:
     return found
 
 
-def _arranged(powers: np.ndarray, values: np.ndarray, t: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _arranged(powers: np.ndarray, values: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Powers, shape (k, t + 6), and coefficients, shape (k, 7), in the order of segment.h.
+
+    The monomials of the tensions begin with those of powers `first`, shape (j, t).
 
     Returns:
         monomials of the tensions, shape (monomials, t); powers of the wrench, shape (groups, 6), those with most
         monomials first, so that a parent stands before its groups; coefficients, shape (groups, monomials, 8).
     """
-    monomials = sorted({tuple(row) for row in powers[:, :t].tolist()}, key=lambda row: (sum(row), row))
+    t, given = first.shape[1], [tuple(row) for row in first.tolist()]
+    others = {tuple(row) for row in powers[:, :t].tolist()} - set(given)
+    monomials = given + sorted(others, key=lambda row: (sum(row), row))
     counts = Counter(tuple(row) for row in powers[:, t:].tolist())
     groups = sorted(counts, key=lambda group: (-counts[group], sum(group), group))
     row, column = ({key: k for k, key in enumerate(keys)} for keys in (groups, monomials))
@@ -181,14 +197,17 @@ class Contacts(NamedTuple):
         return list(zip(self.plates.tolist(), self.names.tolist(), strict=True))
 
 
-def contacts(touching: Any, d: float, centres: np.ndarray, rotations: np.ndarray) -> Contacts:
-    """Contacts of an object at d [m] with plates at centres, shape (n, 3) [m], and rotations, shape (n, 3, 3)."""
+def contacts(touching: Any, tensions: np.ndarray, d: float, centres: np.ndarray, rotations: np.ndarray) -> Contacts:
+    """Contacts of an object at d [m] with plates at centres, shape (n, 3) [m], and rotations, shape (n, 3, 3).
+
+    Tensions, shape (t,) [N], bend them.
+    """
     shapes = [(np.int32, ())] * 2 + [(float, ())] + [(float, (3,))] * 2 + [(float, (3, 6))] * 2
     found = Contacts._make(np.empty((MOST_CONTACTS, *shape), kind) for kind, shape in shapes)
     kinds = ("int32_t[]",) * 2 + ("double[]",) * 5
-    places = [pointer(np.ascontiguousarray(one, float)) for one in (centres, rotations)]
+    pulled, *places = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, centres, rotations)]
     given = [pointer(part, kind) for part, kind in zip(found, kinds, strict=True)]
-    count = SEGMENT.functions.fingerfem_contacts(touching, d, *places, *given)
+    count = SEGMENT.functions.fingerfem_contacts(touching, pulled, d, *places, *given)
     return Contacts(*(part[:count] for part in found))
 
 

@@ -11,8 +11,7 @@ int chain_size(const fingerfem_chain *chain)
     return size;
 }
 
-/* The tensions of segment k. */
-static void own_tensions(const fingerfem_chain *chain, int k, const double *all, double *found)
+void chain_own_tensions(const fingerfem_chain *chain, int k, const double *all, double *found)
 {
     for (int i = 0; i < chain->segments[k]->tensions; i++) found[i] = all[chain->own[chain->tensions * k + i]];
 }
@@ -23,8 +22,9 @@ void chain_contract(const fingerfem_chain *chain, const double *tensions, double
     found->chain = chain;
     for (int k = 0; k < chain->plates; k++) {
         const fingerfem_segment *segment = chain->segments[k];
-        own_tensions(chain, k, tensions, found->tensions[k]);
+        chain_own_tensions(chain, k, tensions, found->tensions[k]);
         map_contract(segment, found->tensions[k], contracted);
+        map_corners(segment, found->tensions[k], found->corners[k], NULL);
         found->contracted[k] = contracted;
         found->products[k] = products;
         contracted += FINGERFEM_POSE * segment->groups;

@@ -10,10 +10,11 @@ enum {
 };
 typedef double chain_matrix[CHAIN_WRENCH][CHAIN_WRENCH];
 
-/* What was contracted for some tensions, of every segment, and memory for the products of its wrench's polynomials. */
+/* What was contracted for some tensions, of every segment, how these bend its plate, and memory for the products of its
+ * wrench's polynomials. */
 typedef struct {
     const fingerfem_chain *chain;
-    double tensions[FINGERFEM_MOST_PLATES][MAP_MOST_TENSIONS];
+    double tensions[FINGERFEM_MOST_PLATES][MAP_MOST_TENSIONS], corners[FINGERFEM_MOST_PLATES][FINGERFEM_CORNERS];
     const double *contracted[FINGERFEM_MOST_PLATES];
     double *products[FINGERFEM_MOST_PLATES];
 } chain_contracted;
@@ -31,6 +32,9 @@ typedef struct {
 
 /* Numbers that hold what is contracted of all segments, and as many all products. */
 int chain_size(const fingerfem_chain *chain);
+
+/* The tensions of segment k, of all. */
+void chain_own_tensions(const fingerfem_chain *chain, int k, const double *all, double *found);
 
 /* Contract all segments at tensions inside their box, into memory of that size. */
 void chain_contract(const fingerfem_chain *chain, const double *tensions, double *contracted, double *products,

@@ -132,6 +132,32 @@ void map_free(const fingerfem_segment *segment, const double *tensions, double *
         map_store(by_tensions + FINGERFEM_POSE * j, summed(all, derivatives + all * j, segment->free_coefficients));
 }
 
+void map_corners(const fingerfem_segment *segment, const double *tensions, double *corners, double *by_tensions)
+{
+    const int all = segment->monomials, count = segment->corner_monomials, size = FINGERFEM_CORNERS;
+    double monomials[all], derivatives[segment->tensions * all];
+    memset(corners, 0, (size_t)size * sizeof *corners);
+    if (by_tensions) memset(by_tensions, 0, (size_t)(segment->tensions * size) * sizeof *by_tensions);
+    if (!count) return;
+    monomials_of(segment, tensions, monomials, by_tensions ? derivatives : NULL);
+    for (int m = 0; m < count; m++) {
+        const double *from = segment->corner_coefficients + size * m;
+        for (int i = 0; i < size; i++) corners[i] += monomials[m] * from[i];
+        for (int j = 0; j < segment->tensions && by_tensions; j++)
+            for (int i = 0; i < size; i++) by_tensions[size * j + i] += derivatives[all * j + m] * from[i];
+    }
+}
+
+void map_bent(const fingerfem_segment *segment, const double *corners, const double *p, double *off)
+{
+    off[0] = off[1] = off[2] = 0.0;
+    for (int k = 0; k < FINGERFEM_CORNERS / 3; k++) {
+        double share = 1.0;
+        for (int i = 0; i < 3; i++) share *= 0.5 * (1.0 + (k >> i & 1 ? 1.0 : -1.0) * p[i] / segment->half_lengths[i]);
+        for (int i = 0; i < 3; i++) off[i] += share * corners[3 * k + i];
+    }
+}
+
 int map_inside(const fingerfem_segment *segment, const double *wrench)
 {
     const double *lower = segment->lower + segment->tensions, *upper = segment->upper + segment->tensions;

@@ -56,6 +56,13 @@ void map_by_tensions(const fingerfem_segment *segment, const double *tensions, c
  * that. */
 void map_free(const fingerfem_segment *segment, const double *tensions, double *pose, double *by_tensions);
 
+/* How far the corners of the plate, bent by the tensions, are from those of a box, (FINGERFEM_CORNERS) [m], and, unless it
+ * is NULL, how that changes with the tensions, (tensions, FINGERFEM_CORNERS). */
+void map_corners(const fingerfem_segment *segment, const double *tensions, double *corners, double *by_tensions);
+
+/* How far a point p of the plate is off where its corners are, (3), in its frame [m]. */
+void map_bent(const fingerfem_segment *segment, const double *corners, const double *p, double *off);
+
 /* Whether a wrench, (6), lies in the trained box, and its force is none larger than was trained. */
 int map_inside(const fingerfem_segment *segment, const double *wrench);
 

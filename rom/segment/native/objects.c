@@ -124,9 +124,8 @@ static void changes(const objects_contacts *contacts, int k, const double *ds, c
     }
 }
 
-/* Changes of p and n at contact k as the plate moves by the m-th of v, t: what is fixed to the object is seen to move by
- * ds = -v - t x s, da = -t x a. */
-static void change_with(const fingerfem_object *object, const objects_contacts *contacts, int k, int m, double *dp,
+/* What is fixed to the object is seen to move by ds = -v - t x s, da = -t x a. */
+void objects_change_with(const fingerfem_object *object, const objects_contacts *contacts, int k, int m, double *dp,
                         double *dn)
 {
     const objects_feature *feature = contacts->features + k;
@@ -139,7 +138,9 @@ static void change_with(const fingerfem_object *object, const objects_contacts *
     if (m < 3) {
         ds[m] = -1.0;
     } else {
-        objects_cross(feature->s, unit, ds);
+        vector s;
+        for (int i = 0; i < 3; i++) s[i] = feature->s[i] + contacts->bent[k][i]; /* it is seen from where the plate would be */
+        objects_cross(s, unit, ds);
         objects_cross(feature->a, unit, da);
     }
     changes(contacts, k, ds, da, dp, dn);
@@ -150,10 +151,11 @@ static void change_with(const fingerfem_object *object, const objects_contacts *
 void objects_change(const fingerfem_object *object, const objects_contacts *contacts, int k,
                     double (*change)[FINGERFEM_WRENCH])
 {
-    const double *n = contacts->wrenches[k], *p = contacts->points[k];
+    const double *n = contacts->wrenches[k];
+    vector dp, dn, one, two, p;
+    for (int i = 0; i < 3; i++) p[i] = contacts->points[k][i] + contacts->bent[k][i];
     for (int m = 0; m < FINGERFEM_WRENCH; m++) {
-        vector dp, dn, one, two;
-        change_with(object, contacts, k, m, dp, dn);
+        objects_change_with(object, contacts, k, m, dp, dn);
         objects_cross(dp, n, one);
         objects_cross(p, dn, two);
         for (int i = 0; i < 3; i++) {
@@ -161,32 +163,6 @@ void objects_change(const fingerfem_object *object, const objects_contacts *cont
             change[3 + i][m] = one[i] + two[i];
         }
     }
-}
-
-int fingerfem_contacts(const fingerfem_touching *touching, double d, const double *centres, const double *rotations,
-                       int32_t *plates, int32_t *names, double *gaps, double *points, double *normals,
-                       double *point_changes, double *normal_changes)
-{
-    objects_contacts found = {.count = 0};
-    for (int plate = 0; plate < touching->chain->plates; plate++)
-        objects_find(touching->object, touching->chain->segments[plate]->half_lengths, d, plate, centres + 3 * plate,
-                     rotations + 9 * plate, &found);
-    for (int k = 0; k < found.count; k++) {
-        plates[k] = found.plates[k];
-        names[k] = found.names[k];
-        gaps[k] = found.gaps[k];
-        memcpy(points + 3 * k, found.points[k], sizeof(vector));
-        memcpy(normals + 3 * k, found.wrenches[k], sizeof(vector));
-        for (int m = 0; m < FINGERFEM_WRENCH; m++) {
-            vector dp, dn;
-            change_with(touching->object, &found, k, m, dp, dn);
-            for (int i = 0; i < 3; i++) {
-                point_changes[(3 * k + i) * FINGERFEM_WRENCH + m] = dp[i];
-                normal_changes[(3 * k + i) * FINGERFEM_WRENCH + m] = dn[i];
-            }
-        }
-    }
-    return found.count;
 }
 
 double objects_distance(const fingerfem_object *object, double d, const double *place)

@@ -13,6 +13,10 @@ void objects_find(const fingerfem_object *object, const double *half_lengths, do
 void objects_change(const fingerfem_object *object, const objects_contacts *contacts, int k,
                     double (*change)[FINGERFEM_WRENCH]);
 
+/* Changes of p and n at contact k as the plate moves by the m-th of v, t. */
+void objects_change_with(const fingerfem_object *object, const objects_contacts *contacts, int k, int m, double *dp,
+                         double *dn);
+
 /* Distance of a point of space, (3) [m], from an object moved by d [m]; negative inside. */
 double objects_distance(const fingerfem_object *object, double d, const double *place);
 

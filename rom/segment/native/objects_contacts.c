@@ -35,9 +35,18 @@ void objects_note(objects_contacts *all, int name, const objects_feature *featur
     all->names[at] = name;
     all->features[at] = *feature;
     all->gaps[at] = gap;
+    memset(all->bent[at], 0, sizeof(vector));
     memcpy(all->points[at], p, sizeof(vector));
     memcpy(all->wrenches[at], n, sizeof(vector));
     objects_cross(p, n, all->wrenches[at] + 3);
+}
+
+void objects_copy(const objects_contacts *from, int j, objects_contacts *to, int k)
+{
+    to->features[k] = from->features[j];
+    to->gaps[k] = from->gaps[j];
+    memcpy(to->points[k], from->points[j], sizeof(vector));
+    memcpy(to->wrenches[k], from->wrenches[j], sizeof from->wrenches[j]);
 }
 
 void objects_corner(int k, const double *half, double *p)

@@ -23,8 +23,9 @@ typedef struct {
     int names[FINGERFEM_MOST_CONTACTS];                         /* the same wherever the plate is */
     objects_feature features[FINGERFEM_MOST_CONTACTS];
     double gaps[FINGERFEM_MOST_CONTACTS];                       /* [m], negative inside the object */
-    double points[FINGERFEM_MOST_CONTACTS][3];                  /* p [m] */
-    double wrenches[FINGERFEM_MOST_CONTACTS][FINGERFEM_WRENCH]; /* n and p x n, of a unit force along the normal n */
+    double points[FINGERFEM_MOST_CONTACTS][3];                  /* p, of a plate that is a box [m] */
+    double bent[FINGERFEM_MOST_CONTACTS][3];                    /* how far it is off as the plate is none [m] */
+    double wrenches[FINGERFEM_MOST_CONTACTS][FINGERFEM_WRENCH]; /* n and (p + bent) x n, of a unit force along the normal n */
 } objects_contacts;
 
 /* How deep an object may lie in the free plate for its sides to be told apart [m]. */
@@ -34,6 +35,9 @@ double objects_shallow(const fingerfem_object *object, const double *half_length
  * room. */
 void objects_note(objects_contacts *all, int name, const objects_feature *feature, double gap, const double *p,
                   const double *n);
+
+/* Contact j of some in place of contact k of others, but for how far that is off. */
+void objects_copy(const objects_contacts *from, int j, objects_contacts *to, int k);
 
 /* A rounded point s: the plate's point nearest to it; if it is inside the plate, out through the nearest face. */
 void objects_note_point(objects_contacts *all, int name, const double *s, double radius);

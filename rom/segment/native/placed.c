@@ -3,14 +3,38 @@
 
 #define MARCHES 60    /* towards the touch distance */
 #define TOUCHED 1e-12 /* [m] */
+#define NEAR 1e-4     /* gap that may close as the plate is bent, by some um [m] */
 
-/* The contacts of an object at d with one plate. */
+/* Contact k of an object at d with a plate that is no box: its point is off, as if the plate stood so far away. A round
+ * object that is near is seen from there. */
+static void bend(const contact_problem *problem, double d, int plate, int k, placed *at)
+{
+    objects_contacts *contacts = &at->contacts;
+    const fingerfem_segment *segment = problem->touching->chain->segments[plate];
+    const chain_plate *own = at->chain.plates + plate;
+    double place[3], *off = contacts->bent[k], *wrench = contacts->wrenches[k];
+    map_bent(segment, problem->map->corners[plate], contacts->points[k], off);
+    if (contacts->features[k].kind == OBJECTS_FACE || contacts->gaps[k] > NEAR) {
+        contacts->gaps[k] += objects_dot(off, wrench);
+    } else {
+        objects_contacts seen = {.count = 0};
+        for (int i = 0; i < 3; i++) place[i] = own->centre[i] + objects_dot(own->rotation + 3 * i, off);
+        objects_find(problem->touching->object, segment->half_lengths, d, plate, place, own->rotation, &seen);
+        for (int j = 0; j < seen.count; j++)
+            if (seen.names[j] == contacts->names[k]) objects_copy(&seen, j, contacts, k);
+    }
+    for (int i = 0; i < 3; i++) place[i] = contacts->points[k][i] + off[i];
+    objects_cross(place, wrench, wrench + 3);
+}
+
+/* The contacts of an object at d with one plate, a box but for what tensions bend it. */
 static void find(const contact_problem *problem, double d, int plate, placed *at)
 {
     const chain_plate *own = at->chain.plates + plate;
-    const fingerfem_chain *chain = problem->touching->chain;
-    objects_find(problem->touching->object, chain->segments[plate]->half_lengths, d, plate, own->centre, own->rotation,
-                 &at->contacts);
+    const fingerfem_segment *segment = problem->touching->chain->segments[plate];
+    objects_find(problem->touching->object, segment->half_lengths, d, plate, own->centre, own->rotation, &at->contacts);
+    for (int k = 0; k < at->contacts.count && segment->corner_monomials; k++)
+        if (at->contacts.plates[k] == plate) bend(problem, d, plate, k, at);
 }
 
 void placed_under(const contact_problem *problem, const double *wrench, double d, placed *at)
@@ -32,6 +56,22 @@ int placed_nearest(const objects_contacts *contacts)
     for (int k = 1; k < contacts->count; k++)
         if (contacts->gaps[k] < contacts->gaps[least]) least = k;
     return least;
+}
+
+void placed_bends(const contact_problem *problem, const objects_contacts *contacts, double *found)
+{
+    const fingerfem_chain *chain = problem->touching->chain;
+    const int t = chain->tensions;
+    double corners[FINGERFEM_CORNERS], by[MAP_MOST_TENSIONS * FINGERFEM_CORNERS];
+    memset(found, 0, (size_t)(3 * FINGERFEM_MOST_CONTACTS * t) * sizeof *found);
+    for (int plate = 0; plate < chain->plates; plate++) {
+        const fingerfem_segment *segment = chain->segments[plate];
+        map_corners(segment, problem->map->tensions[plate], corners, by);
+        for (int k = 0; k < contacts->count; k++)
+            for (int j = 0; j < segment->tensions && contacts->plates[k] == plate; j++)
+                map_bent(segment, by + FINGERFEM_CORNERS * j, contacts->points[k],
+                         found + 3 * (FINGERFEM_MOST_CONTACTS * chain->own[t * plate + j] + k));
+    }
 }
 
 /* Of one plate, by Newton's method from far away: the distance of convex bodies is convex in d, so that it never goes too
@@ -64,4 +104,37 @@ double placed_touch_distance(const contact_problem *problem, placed *at)
     }
     if (plates > 1 && isfinite(farthest)) touch_distance(problem, first, at);
     return farthest;
+}
+
+int fingerfem_contacts(const fingerfem_touching *touching, const double *tensions, double d, const double *centres,
+                       const double *rotations, int32_t *plates, int32_t *names, double *gaps, double *points,
+                       double *normals, double *point_changes, double *normal_changes)
+{
+    const fingerfem_chain *chain = touching->chain;
+    chain_contracted map = {.chain = chain};
+    const contact_problem problem = {touching, &map, W * chain->plates};
+    placed at = {.contacts.count = 0};
+    for (int plate = 0; plate < chain->plates; plate++) {
+        chain_own_tensions(chain, plate, tensions, map.tensions[plate]);
+        map_corners(chain->segments[plate], map.tensions[plate], map.corners[plate], NULL);
+        memcpy(at.chain.plates[plate].centre, centres + 3 * plate, 3 * sizeof *centres);
+        memcpy(at.chain.plates[plate].rotation, rotations + 9 * plate, 9 * sizeof *rotations);
+        find(&problem, d, plate, &at);
+    }
+    for (int k = 0; k < at.contacts.count; k++) {
+        plates[k] = at.contacts.plates[k];
+        names[k] = at.contacts.names[k];
+        gaps[k] = at.contacts.gaps[k];
+        for (int i = 0; i < 3; i++) points[3 * k + i] = at.contacts.points[k][i] + at.contacts.bent[k][i];
+        memcpy(normals + 3 * k, at.contacts.wrenches[k], 3 * sizeof *normals);
+        for (int m = 0; m < W; m++) {
+            double dp[3], dn[3];
+            objects_change_with(touching->object, &at.contacts, k, m, dp, dn);
+            for (int i = 0; i < 3; i++) {
+                point_changes[(3 * k + i) * W + m] = dp[i];
+                normal_changes[(3 * k + i) * W + m] = dn[i];
+            }
+        }
+    }
+    return at.contacts.count;
 }

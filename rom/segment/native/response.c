@@ -142,8 +142,21 @@ static int pressing(const contact_problem *problem, const contact_state *state, 
     return count;
 }
 
-int response_follow(const contact_problem *problem, const contact_state *state, const double *drift,
-                   double *wrench_change)
+/* Add how the wrench of a force at a contact changes as the plate's point there moves by v: the normal turns as if the plate
+ * moved, and the arm is another. */
+static void bend(const contact_problem *problem, const contact_state *state, int k, const double *v, double *turned)
+{
+    const objects_contacts *contacts = &state->at.contacts;
+    const int first = W * contacts->plates[k];
+    double own[W][W], moment[3];
+    objects_change(problem->touching->object, contacts, k, own);
+    objects_cross(v, contacts->wrenches[k], moment);
+    for (int i = 0; i < W; i++)
+        turned[first + i] += state->forces[k] * (objects_dot(own[i], v) + (i < 3 ? 0.0 : moment[i - 3]));
+}
+
+int response_follow(const contact_problem *problem, const contact_state *state, const double *drift, const double *bends,
+                    double *wrench_change)
 {
     const objects_contacts *contacts = &state->at.contacts;
     const int w = problem->size;
@@ -152,9 +165,13 @@ int response_follow(const contact_problem *problem, const contact_state *state, 
     double forces[FINGERFEM_MOST_CONTACTS];
     const int count = pressing(problem, state, rows, columns);
     response_product(w, state->following, drift, turned);
+    for (int k = 0; k < count && bends; k++) bend(problem, state, rows[k], bends + 3 * rows[k], turned);
     response_product(w, state->yielding, turned, motion);
     for (int i = 0; i < w; i++) motion[i] += drift[i];
-    for (int k = 0; k < count; k++) forces[k] = -opening(contacts, rows[k], motion);
+    for (int k = 0; k < count; k++) {
+        forces[k] = -opening(contacts, rows[k], motion);
+        if (bends) forces[k] -= objects_dot(contacts->wrenches[rows[k]], bends + 3 * rows[k]);
+    }
     if (!forces_for(contacts, count, rows, columns, forces)) return 0;
     for (int k = 0; k < count; k++)
         for (int i = 0; i < W; i++)

@@ -14,9 +14,10 @@ void response_product(int size, const chain_matrix m, const double *vector, doub
 int response_balance(const contact_problem *problem, const contact_state *state, double *forces);
 
 /* How wrenches and plates move with a tension, or with d: drift is the motion at fixed wrenches, of the plates or relative
- * to the object. Contacts that press stay closed. Returns 0 if nothing is known of it. */
-int response_follow(const contact_problem *problem, const contact_state *state, const double *drift,
-                   double *wrench_change);
+ * to the object; unless it is NULL, contacts' points of the plates move by `bends`, (contacts, 3), besides. Contacts that
+ * press stay closed. Returns 0 if nothing is known of it. */
+int response_follow(const contact_problem *problem, const contact_state *state, const double *drift, const double *bends,
+                    double *wrench_change);
 
 /* Whether the plates rest there: the stiffness K = 1/C - G is positive along all motions that keep the pressing contacts
  * closed. With A = W^T 1/K W over these, that is so where K and A have as many negative eigenvalues (Haynsworth 1968). */

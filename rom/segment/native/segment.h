@@ -15,7 +15,7 @@ enum { FINGERFEM_PLANE = 0, FINGERFEM_SPHERE = 1, FINGERFEM_CYLINDER = 2, FINGER
 /* The pose by tensions and wrench: sum_gm coefficients_gm M_m(tensions) P_g(wrench), products of Chebyshev polynomials of
  * the scaled inputs. Group g of the wrench's products has the first monomials of the tensions, sorted by their degree, as
  * many as its own degree leaves; groups are in blocks that have as many. A group without its last variable is its parent. */
-enum { FINGERFEM_BLOCK = 4, FINGERFEM_SKIN_ROW = 16 }; /* a skin's numbers fill rows of so many */
+enum { FINGERFEM_BLOCK = 4, FINGERFEM_SKIN_ROW = 16 /* a skin's numbers fill rows of so many */, FINGERFEM_CORNERS = 24 /* 8 x 3 */ };
 typedef struct {
     int32_t tensions, groups, monomials; /* groups fill whole blocks */
     const double *lower, *upper;         /* (tensions + 6): the trained box [N, N m] */
@@ -33,6 +33,8 @@ typedef struct {
     const double *between;               /* (places, stations): weights of the stations there */
     double skin_error;                   /* [m] */
     double half_lengths[3];              /* of the plate along its own axes [m] */
+    int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */
+    const double *corner_coefficients;   /* (corner_monomials, FINGERFEM_CORNERS) */
 } fingerfem_segment;
 
 /* A rigid object at d = 0; at d it is moved by d along `direction`, away from the finger. */
@@ -94,9 +96,9 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
                     double *jacobian, double *by_object, int32_t *inside);
 
 /* Contacts of the object at d with plates somewhere, whose centres, (plates, 3), and rotations, (plates, 3, 3), are given;
- * their number, FINGERFEM_MOST_CONTACTS at most. Of each: its plate and name, gap [m], point of the plate [m] and normal in
+ * and tensions, which bend them; their number, FINGERFEM_MOST_CONTACTS at most. Of each: its plate and name, gap [m], point of the plate [m] and normal in
  * the plate's frame, (3), and how these change as the plate moves and turns, (3, 6). */
-int fingerfem_contacts(const fingerfem_touching *touching, double d, const double *centres, const double *rotations,
+int fingerfem_contacts(const fingerfem_touching *touching, const double *tensions, double d, const double *centres, const double *rotations,
                        int32_t *plates, int32_t *names, double *gaps, double *points, double *normals,
                        double *point_changes, double *normal_changes);
 

@@ -25,22 +25,22 @@ static void report(const contact_problem *problem, const contact_state *state, d
     }
 }
 
-/* How these change, (4), with what moves the plates by `drift` at fixed wrenches, or, if they do not move, relative to the
- * object. Returns 0 if nothing is known of it. */
-static int report_change(const contact_problem *problem, const contact_state *state, const double *drift, int they_move,
-                         double *found)
+/* How these change, (4), with what moves the plates by `drift` at fixed wrenches and bends them besides, or, without
+ * `bends`, moves them relative to the object. Returns 0 if nothing is known of it. */
+static int report_change(const contact_problem *problem, const contact_state *state, const double *drift,
+                         const double *bends, double *found)
 {
     const fingerfem_chain *chain = problem->touching->chain;
     const chain_plate *plates = state->at.chain.plates;
     double change[CHAIN_WRENCH];
-    if (!response_follow(problem, state, drift, change)) return 0;
+    if (!response_follow(problem, state, drift, bends, change)) return 0;
     found[3] = 0.0;
     for (int q = 0; q < chain->plates; q++) {
         double motion[W], e[3];
         const double *r = plates[q].rotation;
         placed_leaving(problem, plates + q, e);
         for (int i = 0; i < W; i++) {
-            motion[i] = they_move ? drift[W * q + i] : 0.0;
+            motion[i] = bends ? drift[W * q + i] : 0.0;
             for (int j = 0; j < problem->size; j++) motion[i] += plates[q].motion[i][j] * change[j];
         }
         for (int i = 0; i < 3; i++) {
@@ -74,7 +74,7 @@ static int report_object(const contact_problem *problem, const contact_state *st
         seen_by(plate, motion + 3, drift + W * q + 3);
         for (int i = 0; i < W; i++) drift[W * q + i] = -drift[W * q + i];
     }
-    return report_change(problem, state, drift, 0, found);
+    return report_change(problem, state, drift, NULL, found);
 }
 
 /* Derivatives of tip and contact force by the tensions and, where it matters, by d and by the object's motion. */
@@ -82,12 +82,13 @@ static int report_derivatives(const contact_problem *problem, const contact_stat
                               double *jacobian, double *by_object)
 {
     const int t = problem->touching->chain->tensions, p = t + 1;
-    double drift[CHAIN_WRENCH], found[4], away[W] = {0.0};
+    double drift[CHAIN_WRENCH], found[4], away[W] = {0.0}, bends[3 * FINGERFEM_MOST_CONTACTS * MAP_MOST_TENSIONS];
     memcpy(away, problem->touching->object->direction, 3 * sizeof *away);
+    placed_bends(problem, &state->at.contacts, bends);
     for (int k = 0; k < t; k++) {
         for (int i = 0; i < problem->size; i++)
             drift[i] = state->at.chain.plates[i / W].motion[i % W][problem->size + k];
-        if (!report_change(problem, state, drift, 1, found)) return 0;
+        if (!report_change(problem, state, drift, bends + 3 * FINGERFEM_MOST_CONTACTS * k, found)) return 0;
         for (int i = 0; i < 4; i++) jacobian[p * i + k] = found[i];
     }
     if (d_moves) {
@@ -113,15 +114,19 @@ static void report_touch(const contact_problem *problem, const placed *at, doubl
     const int nearest = placed_nearest(&at->contacts);
     const chain_plate *plate = at->chain.plates + at->contacts.plates[nearest];
     const double *normal = at->contacts.wrenches[nearest];
-    double e[3], down = 0.0;
+    double e[3], down = 0.0, bends[3 * FINGERFEM_MOST_CONTACTS * MAP_MOST_TENSIONS];
     placed_leaving(problem, plate, e);
+    placed_bends(problem, &at->contacts, bends);
     for (int i = 0; i < 3; i++) down += normal[i] * e[i];
-    for (int k = 0; k < t; k++)
-        for (int i = 0; i < W; i++) jacobian[(t + 1) * 4 + k] += normal[i] * plate->motion[i][problem->size + k] / down;
+    for (int k = 0; k < t; k++) {
+        double opened = objects_dot(normal, bends + 3 * (FINGERFEM_MOST_CONTACTS * k + nearest));
+        for (int i = 0; i < W; i++) opened += normal[i] * plate->motion[i][problem->size + k];
+        jacobian[(t + 1) * 4 + k] = opened / down;
+    }
     for (int k = 0; k < W && by_object; k++) {
-        const double *p = at->contacts.points[nearest];
-        double unit[W] = {0.0}, place[3], v[3], seen[3];
+        double p[3], unit[W] = {0.0}, place[3], v[3], seen[3];
         unit[k] = 1.0;
+        for (int i = 0; i < 3; i++) p[i] = at->contacts.points[nearest][i] + at->contacts.bent[nearest][i];
         for (int i = 0; i < 3; i++) place[i] = plate->centre[i] + objects_dot(plate->rotation + 3 * i, p);
         carried(problem->touching->object, touch, unit, place, v);
         seen_by(plate, v, seen);

@@ -47,7 +47,9 @@ def test_normals_are_gradients_of_the_distance_and_unit_vectors(obstacle, points
     assert len(points) > 100
     assert np.abs(np.column_stack(steps) - normals).max() < 1e-6
     assert np.abs(np.linalg.norm(normals, axis=1) - 1).max() < 1e-12
-    turned = [(obstacle.normal_at(points + step, d) - obstacle.normal_at(points - step, d)) / 2 for step in h * np.eye(3)]
+    turned = [
+        (obstacle.normal_at(points + step, d) - obstacle.normal_at(points - step, d)) / 2 for step in h * np.eye(3)
+    ]
     off = np.abs(np.stack(turned, axis=2) / h - obstacle.curvature_at(points, d)).max(axis=(1, 2))
     assert np.quantile(off, 0.98) < 1e-3  # [1/m]; a box's changes at once where its edges begin
 

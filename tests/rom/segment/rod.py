@@ -104,6 +104,8 @@ def states(count: int, seed: int) -> PressedStates:
         lines=np.repeat(np.arange(count), 5),
         skin=skin,
         skin_jacobians=skin_jacobians,
+        corners=np.zeros((len(inputs), 0, 3)),
+        corner_jacobians=np.zeros((len(inputs), 0, 3, inputs.shape[1])),
         shortenings=np.zeros((len(inputs), 0)),
         shortening_jacobians=np.zeros((len(inputs), 0, inputs.shape[1])),
     )
