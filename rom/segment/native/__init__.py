@@ -39,7 +39,8 @@ def struct(
     t = len(pose.lower) - 6
     bending, bent = np.zeros((0, t), int), np.zeros((0, CORNERS))
     if corners is not None:
-        bending, bent = corners.powers[:, :t], corners.coefficients
+        order = sorted(range(len(corners.powers)), key=lambda k: _by_degree(corners.powers[k].tolist()))
+        bending, bent = corners.powers[order, :t], corners.coefficients[order]
     monomials, groups, coefficients = _arranged(pose.powers, pose.coefficients, bending)
     variables = np.array([max(np.flatnonzero(group), default=0) for group in groups])
     rows = np.arange(len(groups))
@@ -95,6 +96,11 @@ def _between(stations: int) -> np.ndarray:
     return found
 
 
+def _by_degree(powers: Sequence[int]) -> tuple[int, ...]:
+    """Low degrees first: a group whose monomials are few has the first ones."""
+    return sum(powers), *powers
+
+
 def _arranged(powers: np.ndarray, values: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Powers, shape (k, t + 6), and coefficients, shape (k, 7), in the order of segment.h.
 
@@ -106,7 +112,7 @@ def _arranged(powers: np.ndarray, values: np.ndarray, first: np.ndarray) -> tupl
     """
     t, given = first.shape[1], [tuple(row) for row in first.tolist()]
     others = {tuple(row) for row in powers[:, :t].tolist()} - set(given)
-    monomials = given + sorted(others, key=lambda row: (sum(row), row))
+    monomials = given + sorted(others, key=_by_degree)
     counts = Counter(tuple(row) for row in powers[:, t:].tolist())
     groups = sorted(counts, key=lambda group: (-counts[group], sum(group), group))
     row, column = ({key: k for k, key in enumerate(keys)} for keys in (groups, monomials))

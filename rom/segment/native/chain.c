@@ -7,28 +7,34 @@
 int chain_size(const fingerfem_chain *chain)
 {
     int size = 0;
-    for (int k = 0; k < chain->plates; k++) size += FINGERFEM_POSE * chain->segments[k]->groups;
+    for (int k = 0; k < chain->plates; k++) {
+        const fingerfem_segment *segment = chain->segments[k];
+        size += 2 * FINGERFEM_POSE * segment->groups + (1 + segment->tensions) * segment->monomials;
+    }
     return size;
 }
 
-void chain_own_tensions(const fingerfem_chain *chain, int k, const double *all, double *found)
+void chain_bend(const fingerfem_chain *chain, int k, const double *tensions, double *monomials, chain_contracted *found)
 {
-    for (int i = 0; i < chain->segments[k]->tensions; i++) found[i] = all[chain->own[chain->tensions * k + i]];
+    const fingerfem_segment *segment = chain->segments[k];
+    double own[MAP_MOST_TENSIONS];
+    for (int i = 0; i < segment->tensions; i++) own[i] = tensions[chain->own[chain->tensions * k + i]];
+    map_monomials(segment, own, monomials);
+    map_corners(segment, monomials, found->corners[k]);
+    found->monomials[k] = monomials;
 }
 
-void chain_contract(const fingerfem_chain *chain, const double *tensions, double *contracted, double *products,
-                    chain_contracted *found)
+void chain_contract(const fingerfem_chain *chain, const double *tensions, double *memory, chain_contracted *found)
 {
     found->chain = chain;
     for (int k = 0; k < chain->plates; k++) {
         const fingerfem_segment *segment = chain->segments[k];
-        chain_own_tensions(chain, k, tensions, found->tensions[k]);
-        map_contract(segment, found->tensions[k], contracted);
-        map_corners(segment, found->tensions[k], found->corners[k], NULL);
-        found->contracted[k] = contracted;
-        found->products[k] = products;
-        contracted += FINGERFEM_POSE * segment->groups;
-        products += FINGERFEM_POSE * segment->groups;
+        const int size = FINGERFEM_POSE * segment->groups;
+        chain_bend(chain, k, tensions, memory + 2 * size, found);
+        map_contract(segment, found->monomials[k], memory);
+        found->contracted[k] = memory;
+        found->products[k] = memory + size;
+        memory += 2 * size + (1 + segment->tensions) * segment->monomials;
     }
 }
 
@@ -168,7 +174,7 @@ void chain_free(const chain_contracted *map, chain_state *state)
     double by[W][CHAIN_INPUTS] = {{0.0}}, by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
     for (int k = 0; k < chain->plates; k++) {
         chain_plate *plate = state->plates + k;
-        map_free(chain->segments[k], map->tensions[k], plate->pose, by_tensions);
+        map_free(chain->segments[k], map->monomials[k], plate->pose, by_tensions);
         for (int j = 0; j < chain->segments[k]->tensions; j++)
             map_motion(plate->pose, by_tensions + FINGERFEM_POSE * j, MAP_MOST_TENSIONS, j, &plate->by_tensions[0][0]);
         memset(plate->borne, 0, sizeof plate->borne);
@@ -187,7 +193,7 @@ void chain_by_tensions(const chain_contracted *map, chain_state *state)
     for (int k = chain->plates - 1; k >= 0; k--) {
         chain_plate *plate = state->plates + k;
         double by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
-        map_by_tensions(chain->segments[k], map->tensions[k], map->products[k], by_tensions);
+        map_by_tensions(chain->segments[k], map->monomials[k], map->products[k], by_tensions);
         for (int j = 0; j < chain->segments[k]->tensions; j++)
             map_motion(plate->pose, by_tensions + FINGERFEM_POSE * j, MAP_MOST_TENSIONS, j, &plate->by_tensions[0][0]);
         double borne[W];
@@ -202,7 +208,7 @@ int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, 
                           double *rotations, double *motions)
 {
     const int n = chain->plates, w = W * n, t = chain->tensions;
-    double contracted[chain_size(chain)], products[chain_size(chain)], held[MAP_MOST_TENSIONS];
+    double memory[chain_size(chain)], held[MAP_MOST_TENSIONS];
     chain_contracted map;
     chain_state state;
     int inside = 1;
@@ -210,7 +216,7 @@ int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, 
         held[k] = map_held(chain->segments[0], k, tensions[k]);
         inside &= held[k] == tensions[k];
     }
-    chain_contract(chain, held, contracted, products, &map);
+    chain_contract(chain, held, memory, &map);
     chain_under(&map, wrenches, &state);
     chain_by_tensions(&map, &state);
     for (int k = 0; k < n; k++) {

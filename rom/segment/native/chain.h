@@ -10,12 +10,12 @@ enum {
 };
 typedef double chain_matrix[CHAIN_WRENCH][CHAIN_WRENCH];
 
-/* What was contracted for some tensions, of every segment, how these bend its plate, and memory for the products of its
- * wrench's polynomials. */
+/* Of every segment how some tensions bend its plate, their monomials, what was contracted for them, and memory for the
+ * products of its wrench's polynomials. */
 typedef struct {
     const fingerfem_chain *chain;
-    double tensions[FINGERFEM_MOST_PLATES][MAP_MOST_TENSIONS], corners[FINGERFEM_MOST_PLATES][FINGERFEM_CORNERS];
-    const double *contracted[FINGERFEM_MOST_PLATES];
+    double corners[FINGERFEM_MOST_PLATES][FINGERFEM_CORNERS];
+    const double *monomials[FINGERFEM_MOST_PLATES], *contracted[FINGERFEM_MOST_PLATES];
     double *products[FINGERFEM_MOST_PLATES];
 } chain_contracted;
 
@@ -30,15 +30,14 @@ typedef struct {
     chain_plate plates[FINGERFEM_MOST_PLATES];
 } chain_state;
 
-/* Numbers that hold what is contracted of all segments, and as many all products. */
+/* Numbers that hold the monomials, the contracted coefficients and the products of all segments. */
 int chain_size(const fingerfem_chain *chain);
 
-/* The tensions of segment k, of all. */
-void chain_own_tensions(const fingerfem_chain *chain, int k, const double *all, double *found);
+/* The monomials of a segment's tensions, and how they bend its plate. */
+void chain_bend(const fingerfem_chain *chain, int k, const double *tensions, double *monomials, chain_contracted *found);
 
 /* Contract all segments at tensions inside their box, into memory of that size. */
-void chain_contract(const fingerfem_chain *chain, const double *tensions, double *contracted, double *products,
-                    chain_contracted *found);
+void chain_contract(const fingerfem_chain *chain, const double *tensions, double *memory, chain_contracted *found);
 
 /* The plates under wrenches, (6 plates), and their motions by these. */
 void chain_under(const chain_contracted *map, const double *wrench, chain_state *state);

@@ -33,8 +33,8 @@ void placed_under(const contact_problem *problem, const double *wrench, double d
 /* The direction in which d moves the object, (3), seen from a plate. */
 void placed_leaving(const contact_problem *problem, const chain_plate *plate, double *found);
 
-/* How the points of contacts move as the tensions bend the plates, (tensions, FINGERFEM_MOST_CONTACTS, 3). */
-void placed_bends(const contact_problem *problem, const objects_contacts *contacts, double *found);
+/* How the point of contact k moves as the tensions bend its plate, (tensions, 3). */
+void placed_bend(const contact_problem *problem, const objects_contacts *contacts, int k, double *found);
 
 /* The contact with the least gap. */
 int placed_nearest(const objects_contacts *contacts);

@@ -1,7 +1,6 @@
 #include "map.h"
 
-/* Monomials of the tensions, (monomials), and, unless it is NULL, their derivatives by these, (tensions, monomials). */
-static void monomials_of(const fingerfem_segment *segment, const double *tensions, double *found, double *derivatives)
+void map_monomials(const fingerfem_segment *segment, const double *tensions, double *found)
 {
     const int t = segment->tensions, all = segment->monomials;
     double values[MAP_MOST_TENSIONS][MAP_MOST_POWER], slopes[MAP_MOST_TENSIONS][MAP_MOST_POWER];
@@ -12,23 +11,18 @@ static void monomials_of(const fingerfem_segment *segment, const double *tension
     }
     for (int m = 0; m < all; m++) {
         const int32_t *powers = segment->tension_powers + m * t;
-        found[m] = 1.0;
-        for (int k = 0; k < t; k++) found[m] *= values[k][powers[k]];
-        for (int j = 0; j < t && derivatives; j++) {
-            double product = slopes[j][powers[j]];
-            for (int k = 0; k < t; k++)
-                if (k != j) product *= values[k][powers[k]];
-            derivatives[all * j + m] = product;
+        for (int j = 0; j <= t; j++) { /* the product, then its derivatives by the tensions */
+            double product = 1.0;
+            for (int k = 0; k < t; k++) product *= (k == j - 1 ? slopes : values)[k][powers[k]];
+            found[all * j + m] = product;
         }
     }
 }
 
-void map_contract(const fingerfem_segment *segment, const double *tensions, double *contracted)
+void map_contract(const fingerfem_segment *segment, const double *monomials, double *contracted)
 {
     const int blocks = segment->groups / FINGERFEM_BLOCK;
     const double *from = segment->coefficients;
-    double monomials[segment->monomials];
-    monomials_of(segment, tensions, monomials, NULL);
     for (int b = 0; b < blocks; b++) {
         map_eight sums[FINGERFEM_BLOCK] = {{0.0}};
         for (int m = 0; m < segment->block_monomials[b]; m++, from += FINGERFEM_BLOCK * FINGERFEM_POSE)
@@ -43,17 +37,22 @@ void map_contract(const fingerfem_segment *segment, const double *tensions, doub
 /* Sums over the monomials of weights, (monomials), times coefficients, (monomials, 8). */
 static map_eight summed(int monomials, const double *weights, const double *coefficients)
 {
-    map_eight sum = {0.0};
-    for (int m = 0; m < monomials; m++) sum += weights[m] * map_load(coefficients + FINGERFEM_POSE * m);
-    return sum;
+    map_eight even = {0.0}, odd = {0.0};
+    int m = 0;
+    for (; m + 1 < monomials; m += 2) {
+        even += weights[m] * map_load(coefficients + FINGERFEM_POSE * m);
+        odd += weights[m + 1] * map_load(coefficients + FINGERFEM_POSE * (m + 1));
+    }
+    for (; m < monomials; m++) even += weights[m] * map_load(coefficients + FINGERFEM_POSE * m);
+    return even + odd;
 }
 
-void map_by_tensions(const fingerfem_segment *segment, const double *tensions, const double *products,
+void map_by_tensions(const fingerfem_segment *segment, const double *monomials, const double *products,
                      double *by_tensions)
 {
     const int all = segment->monomials, blocks = segment->groups / FINGERFEM_BLOCK;
     const double *from = segment->coefficients;
-    double monomials[all], derivatives[segment->tensions * all], under[FINGERFEM_POSE * all]; /* the wrench contracted */
+    double under[FINGERFEM_POSE * all]; /* the wrench contracted */
     memset(under, 0, sizeof under);
     for (int b = 0, next; b < blocks; b = next) { /* blocks of as many monomials stay in registers */
         const int count = segment->block_monomials[b], size = FINGERFEM_BLOCK * FINGERFEM_POSE;
@@ -70,9 +69,8 @@ void map_by_tensions(const fingerfem_segment *segment, const double *tensions, c
         }
         from += size * count * (next - b);
     }
-    monomials_of(segment, tensions, monomials, derivatives);
     for (int j = 0; j < segment->tensions; j++)
-        map_store(by_tensions + FINGERFEM_POSE * j, summed(all, derivatives + all * j, under));
+        map_store(by_tensions + FINGERFEM_POSE * j, summed(all, monomials + all * (1 + j), under));
 }
 
 /* Products of the wrench's polynomials, (groups, 8): value, derivatives by the six components, 0. Inside the box. */
@@ -122,30 +120,21 @@ void map_pose(const fingerfem_segment *segment, const double *coefficients, cons
     map_store(pose, sums[0]);
 }
 
-void map_free(const fingerfem_segment *segment, const double *tensions, double *pose, double *by_tensions)
+void map_free(const fingerfem_segment *segment, const double *monomials, double *pose, double *by_tensions)
 {
     const int all = segment->monomials;
-    double monomials[all], derivatives[segment->tensions * all];
-    monomials_of(segment, tensions, monomials, derivatives);
     map_store(pose, summed(all, monomials, segment->free_coefficients));
     for (int j = 0; j < segment->tensions; j++)
-        map_store(by_tensions + FINGERFEM_POSE * j, summed(all, derivatives + all * j, segment->free_coefficients));
+        map_store(by_tensions + FINGERFEM_POSE * j, summed(all, monomials + all * (1 + j), segment->free_coefficients));
 }
 
-void map_corners(const fingerfem_segment *segment, const double *tensions, double *corners, double *by_tensions)
+void map_corners(const fingerfem_segment *segment, const double *monomials, double *corners)
 {
-    const int all = segment->monomials, count = segment->corner_monomials, size = FINGERFEM_CORNERS;
-    double monomials[all], derivatives[segment->tensions * all];
-    memset(corners, 0, (size_t)size * sizeof *corners);
-    if (by_tensions) memset(by_tensions, 0, (size_t)(segment->tensions * size) * sizeof *by_tensions);
-    if (!count) return;
-    monomials_of(segment, tensions, monomials, by_tensions ? derivatives : NULL);
-    for (int m = 0; m < count; m++) {
-        const double *from = segment->corner_coefficients + size * m;
-        for (int i = 0; i < size; i++) corners[i] += monomials[m] * from[i];
-        for (int j = 0; j < segment->tensions && by_tensions; j++)
-            for (int i = 0; i < size; i++) by_tensions[size * j + i] += derivatives[all * j + m] * from[i];
-    }
+    double found[FINGERFEM_CORNERS] = {0.0};
+    for (int m = 0; m < segment->corner_monomials; m++)
+        for (int i = 0; i < FINGERFEM_CORNERS; i++)
+            found[i] += monomials[m] * segment->corner_coefficients[FINGERFEM_CORNERS * m + i];
+    memcpy(corners, found, sizeof found);
 }
 
 void map_bent(const fingerfem_segment *segment, const double *corners, const double *p, double *off)
@@ -198,7 +187,7 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
                     double *motion)
 {
     const int t = segment->tensions, columns = t + FINGERFEM_WRENCH, size = FINGERFEM_POSE * segment->groups;
-    double held[MAP_MOST_TENSIONS], contracted[size], products[size];
+    double held[MAP_MOST_TENSIONS], contracted[size], products[size], monomials[(1 + t) * segment->monomials];
     double by_wrench[FINGERFEM_WRENCH * FINGERFEM_POSE], by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
     int inside = 1;
     for (int k = 0; k < t; k++) {
@@ -206,9 +195,10 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
         inside &= held[k] == tensions[k];
     }
     inside &= map_inside(segment, wrench);
-    map_contract(segment, held, contracted);
+    map_monomials(segment, held, monomials);
+    map_contract(segment, monomials, contracted);
     map_pose(segment, contracted, wrench, products, pose, by_wrench);
-    map_by_tensions(segment, held, products, by_tensions);
+    map_by_tensions(segment, monomials, products, by_tensions);
     for (int k = 0; k < t; k++) {
         double *change = by_tensions + FINGERFEM_POSE * k;
         if (held[k] != tensions[k]) memset(change, 0, FINGERFEM_POSE * sizeof *change);

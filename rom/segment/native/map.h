@@ -40,8 +40,11 @@ static inline double map_held(const fingerfem_segment *segment, int k, double te
     return held < segment->upper[k] ? held : segment->upper[k];
 }
 
-/* Coefficients of the groups at tensions inside their box, (groups, 8). */
-void map_contract(const fingerfem_segment *segment, const double *tensions, double *contracted);
+/* Monomials of tensions inside their box, and their derivatives by these, (1 + tensions, monomials). */
+void map_monomials(const fingerfem_segment *segment, const double *tensions, double *found);
+
+/* Coefficients of the groups, (groups, 8), at tensions of which the monomials are known, as in what follows. */
+void map_contract(const fingerfem_segment *segment, const double *monomials, double *contracted);
 
 /* Pose, (8), and its derivatives by the wrench, (6, 8), from contracted coefficients; linear beyond the box. Products of
  * the wrench's polynomials, (groups, 8), are left in `products`: of each its value, then its derivatives. */
@@ -49,16 +52,16 @@ void map_pose(const fingerfem_segment *segment, const double *coefficients, cons
               double *pose, double *by_wrench);
 
 /* Derivatives of the pose by the tensions, (tensions, 8), with the products that `map_pose` has left. */
-void map_by_tensions(const fingerfem_segment *segment, const double *tensions, const double *products,
+void map_by_tensions(const fingerfem_segment *segment, const double *monomials, const double *products,
                      double *by_tensions);
 
 /* Pose, (8), without a wrench, and its derivatives by the tensions, (tensions, 8); the box is as wide to both sides of
  * that. */
-void map_free(const fingerfem_segment *segment, const double *tensions, double *pose, double *by_tensions);
+void map_free(const fingerfem_segment *segment, const double *monomials, double *pose, double *by_tensions);
 
-/* How far the corners of the plate, bent by the tensions, are from those of a box, (FINGERFEM_CORNERS) [m], and, unless it
- * is NULL, how that changes with the tensions, (tensions, FINGERFEM_CORNERS). */
-void map_corners(const fingerfem_segment *segment, const double *tensions, double *corners, double *by_tensions);
+/* How far the corners of the plate, bent by the tensions, are from those of a box, (FINGERFEM_CORNERS) [m]; with a row of
+ * derivatives of the monomials, how that changes. */
+void map_corners(const fingerfem_segment *segment, const double *monomials, double *corners);
 
 /* How far a point p of the plate is off where its corners are, (3), in its frame [m]. */
 void map_bent(const fingerfem_segment *segment, const double *corners, const double *p, double *off);

@@ -5,6 +5,14 @@
 #define TOUCHED 1e-12 /* [m] */
 #define NEAR 1e-4     /* gap that may close as the plate is bent, by some um [m] */
 
+/* How far the point of contact k is off, (3), where the corners of its plate are. */
+static void point_off(const fingerfem_segment *segment, const double *corners, const objects_contacts *contacts, int k,
+                      double *off)
+{
+    if (contacts->names[k] < OBJECTS_CORNERS) memcpy(off, corners + 3 * contacts->names[k], 3 * sizeof *off);
+    else map_bent(segment, corners, contacts->points[k], off);
+}
+
 /* Contact k of an object at d with a plate that is no box: its point is off, as if the plate stood so far away. A round
  * object that is near is seen from there. */
 static void bend(const contact_problem *problem, double d, int plate, int k, placed *at)
@@ -13,7 +21,7 @@ static void bend(const contact_problem *problem, double d, int plate, int k, pla
     const fingerfem_segment *segment = problem->touching->chain->segments[plate];
     const chain_plate *own = at->chain.plates + plate;
     double place[3], *off = contacts->bent[k], *wrench = contacts->wrenches[k];
-    map_bent(segment, problem->map->corners[plate], contacts->points[k], off);
+    point_off(segment, problem->map->corners[plate], contacts, k, off);
     if (contacts->features[k].kind == OBJECTS_FACE || contacts->gaps[k] > NEAR) {
         contacts->gaps[k] += objects_dot(off, wrench);
     } else {
@@ -58,19 +66,16 @@ int placed_nearest(const objects_contacts *contacts)
     return least;
 }
 
-void placed_bends(const contact_problem *problem, const objects_contacts *contacts, double *found)
+void placed_bend(const contact_problem *problem, const objects_contacts *contacts, int k, double *found)
 {
     const fingerfem_chain *chain = problem->touching->chain;
-    const int t = chain->tensions;
-    double corners[FINGERFEM_CORNERS], by[MAP_MOST_TENSIONS * FINGERFEM_CORNERS];
-    memset(found, 0, (size_t)(3 * FINGERFEM_MOST_CONTACTS * t) * sizeof *found);
-    for (int plate = 0; plate < chain->plates; plate++) {
-        const fingerfem_segment *segment = chain->segments[plate];
-        map_corners(segment, problem->map->tensions[plate], corners, by);
-        for (int k = 0; k < contacts->count; k++)
-            for (int j = 0; j < segment->tensions && contacts->plates[k] == plate; j++)
-                map_bent(segment, by + FINGERFEM_CORNERS * j, contacts->points[k],
-                         found + 3 * (FINGERFEM_MOST_CONTACTS * chain->own[t * plate + j] + k));
+    const int plate = contacts->plates[k];
+    const fingerfem_segment *segment = chain->segments[plate];
+    memset(found, 0, (size_t)(3 * chain->tensions) * sizeof *found);
+    for (int j = 0; j < segment->tensions; j++) {
+        double corners[FINGERFEM_CORNERS];
+        map_corners(segment, problem->map->monomials[plate] + segment->monomials * (1 + j), corners);
+        point_off(segment, corners, contacts, k, found + 3 * chain->own[chain->tensions * plate + j]);
     }
 }
 
@@ -115,8 +120,8 @@ int fingerfem_contacts(const fingerfem_touching *touching, const double *tension
     const contact_problem problem = {touching, &map, W * chain->plates};
     placed at = {.contacts.count = 0};
     for (int plate = 0; plate < chain->plates; plate++) {
-        chain_own_tensions(chain, plate, tensions, map.tensions[plate]);
-        map_corners(chain->segments[plate], map.tensions[plate], map.corners[plate], NULL);
+        double monomials[(1 + chain->segments[plate]->tensions) * chain->segments[plate]->monomials];
+        chain_bend(chain, plate, tensions, monomials, &map);
         memcpy(at.chain.plates[plate].centre, centres + 3 * plate, 3 * sizeof *centres);
         memcpy(at.chain.plates[plate].rotation, rotations + 9 * plate, 9 * sizeof *rotations);
         find(&problem, d, plate, &at);

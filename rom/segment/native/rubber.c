@@ -92,7 +92,7 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     const fingerfem_object *object = touching->object;
     const int t = chain->tensions;
     const double d = fmax(object->nearest, fmin(object->farthest, point[t]));
-    double contracted[chain_size(chain)], products[chain_size(chain)], held[MAP_MOST_TENSIONS];
+    double memory[chain_size(chain)], held[MAP_MOST_TENSIONS];
     double least = INFINITY;
     chain_contracted map;
     chain_state state;
@@ -100,7 +100,7 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     for (int k = 0; k < chain->plates; k++) known |= chain->segments[k]->skin_terms;
     if (!known) return INFINITY;
     for (int k = 0; k < t; k++) held[k] = map_held(chain->segments[0], k, point[k]);
-    chain_contract(chain, held, contracted, products, &map);
+    chain_contract(chain, held, memory, &map);
     chain_under(&map, wrench, &state);
     for (int k = 0; k < chain->plates; k++) {
         const fingerfem_segment *segment = chain->segments[k];

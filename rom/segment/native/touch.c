@@ -82,13 +82,17 @@ static int report_derivatives(const contact_problem *problem, const contact_stat
                               double *jacobian, double *by_object)
 {
     const int t = problem->touching->chain->tensions, p = t + 1;
-    double drift[CHAIN_WRENCH], found[4], away[W] = {0.0}, bends[3 * FINGERFEM_MOST_CONTACTS * MAP_MOST_TENSIONS];
+    double drift[CHAIN_WRENCH], found[4], away[W] = {0.0}, bends[FINGERFEM_MOST_CONTACTS][3 * MAP_MOST_TENSIONS];
+    double along[3 * FINGERFEM_MOST_CONTACTS] = {0.0};
     memcpy(away, problem->touching->object->direction, 3 * sizeof *away);
-    placed_bends(problem, &state->at.contacts, bends);
+    for (int c = 0; c < state->at.contacts.count; c++)
+        if (state->forces[c] > 0.0) placed_bend(problem, &state->at.contacts, c, bends[c]);
     for (int k = 0; k < t; k++) {
         for (int i = 0; i < problem->size; i++)
             drift[i] = state->at.chain.plates[i / W].motion[i % W][problem->size + k];
-        if (!report_change(problem, state, drift, bends + 3 * FINGERFEM_MOST_CONTACTS * k, found)) return 0;
+        for (int c = 0; c < state->at.contacts.count; c++)
+            if (state->forces[c] > 0.0) memcpy(along + 3 * c, bends[c] + 3 * k, 3 * sizeof *along);
+        if (!report_change(problem, state, drift, along, found)) return 0;
         for (int i = 0; i < 4; i++) jacobian[p * i + k] = found[i];
     }
     if (d_moves) {
@@ -114,12 +118,12 @@ static void report_touch(const contact_problem *problem, const placed *at, doubl
     const int nearest = placed_nearest(&at->contacts);
     const chain_plate *plate = at->chain.plates + at->contacts.plates[nearest];
     const double *normal = at->contacts.wrenches[nearest];
-    double e[3], down = 0.0, bends[3 * FINGERFEM_MOST_CONTACTS * MAP_MOST_TENSIONS];
+    double e[3], down = 0.0, bends[3 * MAP_MOST_TENSIONS];
     placed_leaving(problem, plate, e);
-    placed_bends(problem, &at->contacts, bends);
+    placed_bend(problem, &at->contacts, nearest, bends);
     for (int i = 0; i < 3; i++) down += normal[i] * e[i];
     for (int k = 0; k < t; k++) {
-        double opened = objects_dot(normal, bends + 3 * (FINGERFEM_MOST_CONTACTS * k + nearest));
+        double opened = objects_dot(normal, bends + 3 * k);
         for (int i = 0; i < W; i++) opened += normal[i] * plate->motion[i][problem->size + k];
         jacobian[(t + 1) * 4 + k] = opened / down;
     }
@@ -158,7 +162,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     const fingerfem_chain *chain = touching->chain;
     const fingerfem_object *object = touching->object;
     const int t = chain->tensions, p = t + 1;
-    double held[MAP_MOST_TENSIONS], contracted[chain_size(chain)], products[chain_size(chain)];
+    double held[MAP_MOST_TENSIONS], memory[chain_size(chain)];
     chain_contracted map;
     contact_state state;
     const contact_problem problem = {touching, &map, W * chain->plates};
@@ -170,7 +174,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
         held[k] = map_held(chain->segments[0], k, point[k]);
         *inside &= held[k] == point[k];
     }
-    chain_contract(chain, held, contracted, products, &map);
+    chain_contract(chain, held, memory, &map);
     memset(state.wrench, 0, sizeof state.wrench);
     memset(state.forces, 0, sizeof state.forces);
     chain_free(&map, &state.at.chain);
