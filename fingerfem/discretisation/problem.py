@@ -6,16 +6,16 @@ from functools import cached_property
 
 import numpy as np
 from dolfinx import fem
-from dolfinx.fem.petsc import assemble_vector
 from mpi4py import MPI
 from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
 from fingerfem.discretisation import contact_points, regions
+from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.contact_points import ContactPoints
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
 from fingerfem.discretisation.mesh import build_mesh
-from fingerfem.discretisation.obstacle_contact import ObstacleContact
+from fingerfem.discretisation.obstacle_contact import ObstacleContact, StiffFacets
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
 from fingerfem.discretisation.tangent import Tangent, VolumeTangent
 from fingerfem.mechanics import contact, obstacles
@@ -26,7 +26,7 @@ from fingerfem.scene.scene import Scene
 FAR = 1e3  # [m]: where the plane stands while nothing may touch it
 
 
-class Problem:
+class Problem(Assembly):
     """The discrete finger: it holds a displacement and loads, and assembles what depends on them (collective).
 
     Args:
@@ -35,11 +35,11 @@ class Problem:
     """
 
     def __init__(self, scene: Scene, comm: MPI.Comm):
-        self.scene, self.comm, self.law = scene, comm, scene.law
+        self.scene, self.law = scene, scene.law
         self.mesh = build_mesh(scene, comm)
         self.space = fem.functionspace(self.mesh.mesh, ("Lagrange", scene.mesh.order, (3,)))
-        self.copies = 2 if scene.is_half else 1  # of what is modelled, in the whole finger
-        self.supports, self._clamped, self._held = self._boundary_conditions()
+        self.supports, self._clamped, held = self._boundary_conditions()
+        super().__init__(self.space, 2 if scene.is_half else 1, held)
         by_cell = fem.functionspace(self.mesh.mesh, ("DG", 0))
         self.fields = Fields(
             u=fem.Function(self.space, name="displacement"),
@@ -52,7 +52,9 @@ class Problem:
         )
         self.forms = compile_forms(scene, self.mesh, self.fields)
         self._volume_ratio = volume_ratio(self.fields.u)
-        self.contact = None if self.forms.contact is None else ObstacleContact(self, self.forms.contact)
+        self.contact: ObstacleContact | None = None
+        if self.forms.contact is not None:
+            self.contact = ObstacleContact(self, self.forms.contact, self.fields, self.obstacle, self._stiff_facets())
         self._volume_tangent = VolumeTangent(self.forms.moduli, self.mesh, self.space)
         self._tangent = self.tangent_with(self.supports)
         self.tensions = np.zeros(len(scene.tendons))
@@ -69,6 +71,14 @@ class Problem:
             return 0.0
         modulus = self.law.p_wave_modulus if obstacle.method == "nitsche" else self.law.young_modulus
         return contact.stiffness(obstacle.stiffness_factor, modulus, self.mesh.smallest)
+
+    def _stiff_facets(self) -> StiffFacets | None:
+        """Those of plates before a round obstacle."""
+        if self.scene.obstacle is None or self.obstacle.is_flat:
+            return None
+        facets = np.concatenate([self.mesh.facets.find(kind) for kind in regions.PLATE_FACETS])
+        stiffer = contact.PLATES if self.scene.obstacle.method == "nitsche" else 1.0
+        return StiffFacets(np.sort(facets), stiffer * self._contact_stiffness())
 
     def _pad_share(self) -> fem.Function | None:
         if self.scene.obstacle is None or self.scene.obstacle.pad is None:
@@ -139,37 +149,14 @@ class Problem:
 
         The caller destroys the vector.
         """
-        b = self._vector(self.forms.residual, None if self.contact is None else self.contact.spring_forces())
+        b = self.vector(self.forms.residual, None if self.contact is None else self.contact.spring_forces())
         if self.plates is not None and self.wrenches.any():
             b.array[:] -= self.plates.forces(self.plates.poses(self.displacement), self.wrenches)
         reaction = self.copies * self.comm.allreduce(b.array_r[self._clamped].reshape(-1, 3).sum(axis=0))
         if self.scene.is_half:
             reaction[2] = 0.0
-        b.array[self._held] = 0.0
+        b.array[self.held] = 0.0
         return b, reaction
-
-    def gradient(self, form: fem.Form, besides: np.ndarray | None = None) -> PETSc.Vec:
-        """A linear form and what else there is at the nodes, zero where held. The caller destroys the vector."""
-        b = self._vector(form, besides)
-        b.array[self._held] = 0.0
-        return b
-
-    def nodal(self, form: fem.Form, besides: np.ndarray | None = None) -> np.ndarray:
-        """A linear form and what else there is at this rank's nodes, ghosts included, shape (nodes, 3)."""
-        holder = fem.Function(self.space)
-        b = self._vector(form, besides)
-        holder.x.array[: b.local_size] = b.array_r
-        b.destroy()
-        holder.x.scatter_forward()
-        return holder.x.array.reshape(-1, 3)
-
-    def _vector(self, form: fem.Form, besides: np.ndarray | None = None) -> PETSc.Vec:
-        b = assemble_vector(form)
-        if besides is not None:
-            with b.localForm() as local:
-                local.array[:] += besides.ravel()
-        b.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-        return b
 
     def tangent(self) -> PETSc.Mat:
         """Tangent at u with the stress that `previous` predicts; the same matrix object every time."""
@@ -186,10 +173,6 @@ class Problem:
     def matrix(self) -> PETSc.Mat:
         """The tangent as it was assembled last."""
         return self._tangent.matrix
-
-    def scalar(self, form: fem.Form) -> float:
-        """A scalar form over all ranks, of the whole finger."""
-        return self.copies * float(self.comm.allreduce(fem.assemble_scalar(form)))
 
     def energy(self) -> float:
         """Total potential [J]."""
@@ -218,7 +201,7 @@ class Problem:
         if self.plates is None or not self.wrenches.any():
             return None
         found = self.plates.following(self.plates.poses(self.displacement), self.wrenches)
-        found.left[:, self._held] = 0.0
+        found.left[:, self.held] = 0.0
         return found
 
     def load_gradient(
@@ -237,7 +220,7 @@ class Problem:
             pull.destroy()
         if self.plates is not None and wrenches is not None and wrenches.any():
             b.array[:] -= self.plates.forces(self.plates.poses(self.displacement), wrenches)
-            b.array[self._held] = 0.0
+            b.array[self.held] = 0.0
         return b
 
     # -- geometry of the deformed finger -----------------------------------------------------------------------------

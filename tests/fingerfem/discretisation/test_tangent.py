@@ -60,7 +60,7 @@ def term_by_term(model: FingerModel) -> scipy.sparse.csr_matrix:
         form = fem.form(integrand * volume_energies.volume_measure(problem.mesh, term.degree)(term.regions))
         whole = whole + csr(assemble_matrix(form, bcs=problem.supports, diagonal=0.0))
     held = np.zeros(whole.shape[0])
-    held[problem._held] = 1.0
+    held[problem.held] = 1.0
     return whole + scipy.sparse.diags(held)
 
 
