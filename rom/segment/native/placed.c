@@ -22,15 +22,15 @@ static void bend(const contact_problem *problem, double d, int plate, int k, pla
     const chain_plate *own = at->chain.plates + plate;
     double place[3], *off = contacts->bent[k], *wrench = contacts->wrenches[k];
     point_off(segment, problem->map->corners[plate], contacts, k, off);
-    if (contacts->features[k].kind == OBJECTS_FACE || contacts->gaps[k] > NEAR) {
-        contacts->gaps[k] += objects_dot(off, wrench);
-    } else {
-        objects_contacts seen = {.count = 0};
+    int j = 0;
+    objects_contacts seen = {.count = 0};
+    if (contacts->features[k].kind != OBJECTS_FACE && contacts->gaps[k] < NEAR) {
         for (int i = 0; i < 3; i++) place[i] = own->centre[i] + objects_dot(own->rotation + 3 * i, off);
         objects_find(problem->touching->object, segment->half_lengths, d, plate, place, own->rotation, &seen);
-        for (int j = 0; j < seen.count; j++)
-            if (seen.names[j] == contacts->names[k]) objects_copy(&seen, j, contacts, k);
     }
+    while (j < seen.count && seen.names[j] != contacts->names[k]) j++;
+    if (j < seen.count) objects_copy(&seen, j, contacts, k);
+    else contacts->gaps[k] += objects_dot(off, wrench);
     for (int i = 0; i < 3; i++) place[i] = contacts->points[k][i] + off[i];
     objects_cross(place, wrench, wrench + 3);
 }
@@ -119,9 +119,11 @@ int fingerfem_contacts(const fingerfem_touching *touching, const double *tension
     chain_contracted map = {.chain = chain};
     const contact_problem problem = {touching, &map, W * chain->plates};
     placed at = {.contacts.count = 0};
+    double held[MAP_MOST_TENSIONS];
+    for (int k = 0; k < chain->tensions; k++) held[k] = map_held(chain->segments[0], k, tensions[k]);
     for (int plate = 0; plate < chain->plates; plate++) {
         double monomials[(1 + chain->segments[plate]->tensions) * chain->segments[plate]->monomials];
-        chain_bend(chain, plate, tensions, monomials, &map);
+        chain_bend(chain, plate, held, monomials, &map);
         memcpy(at.chain.plates[plate].centre, centres + 3 * plate, 3 * sizeof *centres);
         memcpy(at.chain.plates[plate].rotation, rotations + 9 * plate, 9 * sizeof *rotations);
         find(&problem, d, plate, &at);
