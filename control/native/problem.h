@@ -51,7 +51,7 @@ static inline void control_problem_in(control_problem *problem, const control_fi
     control_copy(finger->upper, problem->workspace.upper, n);
 }
 
-/* Ask the model for its answer and derivatives at tensions and an object's distance; of the same ones it is known. */
+/* Ask the model for its answer and derivatives at tensions and an object's distance; asked the same again, they are kept. */
 static inline void control_ask(control_problem *problem, const double *tensions, double distance)
 {
     int known = problem->asked;

@@ -100,7 +100,7 @@ class ClosestPoints:
     def springs(self, displacement: np.ndarray, distance: float, held: bool = False) -> Springs:
         """At nodal displacements, shape (3 nodes,), and the obstacle's distance [m].
 
-        If the obstacle is to be held and nothing presses, the spring that is nearest to it pulls (collective).
+        If contact is held and nothing presses, the spring that is nearest to the obstacle pulls (collective).
         """
         places = self._rest + displacement.reshape(-1, 3)[self._nodes]
         middle = places.mean(axis=1)

@@ -53,9 +53,10 @@ class ObstacleContact:
         return self._found
 
     def hold(self, held: bool) -> None:
-        """Whether plates that press on a round obstacle now do not lose it while Newton's method is on its way.
+        """Whether plates that press on a round obstacle now keep contact during Newton's iterations.
 
-        One that has left it by less than the next step makes good would be off to where no obstacle were.
+        Otherwise an iterate that leaves it by a nanometre would lose all contact, and the next one would be the free
+        finger's.
         """
         self._held = False
         pressed = held and len(self.springs().gaps) > 0
