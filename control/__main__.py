@@ -18,7 +18,7 @@ from control import Finger, Gripper, Object, SimulatedPlant
 from control.gripper import Grasp
 from control.model import Model
 from control.motion import Motion
-from rom import Chain, Surrogate, TouchedSegment
+from rom import BackedSegment, Chain, Surrogate, TouchedSegment
 from rom.checked_file import kind_of
 from rom.command_line import NOTHING_USABLE, AsJson, application, columns, millimetres, run, show
 from rom.segment import chain
@@ -35,13 +35,22 @@ OptionalModelFile = Annotated[
 ContactForce = Annotated[float, typer.Option(help="To hold [N], above 0.")]
 
 
-def model_of(file: Path | None) -> Model:
-    """The model of a file, or the one that comes along; segments' maps stand before the plane y = side/2 + d."""
+def model_of(file: Path | None, behind: Path | None = None) -> Model:
+    """The model of a file, or the one that comes along; segments' maps stand before the plane y = side/2 + d.
+
+    Args:
+        file: the model's.
+        behind: of a surrogate, which is asked where a segment's map knows nothing.
+    """
     if file is None or kind_of(file) not in chain.KINDS:
+        if behind is not None:
+            raise ValueError(f"behind must stand behind a segment's map, got {file or 'a surrogate'} before it")
         return Surrogate.load(file)
     segments = Chain.load(file)
     geometry = segments.scene["geometry"]
-    return TouchedSegment(segment=segments, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))
+    plane = facing_plane(geometry["side"], (0.0, sum(geometry["segments"])))
+    touched = TouchedSegment(segment=segments, obstacle=plane)
+    return touched if behind is None else BackedSegment(touched=touched, surrogate=Surrogate.load(behind))
 
 
 @app.command(context_settings={"ignore_unknown_options": True})
@@ -66,10 +75,13 @@ def hold(
     model: OptionalModelFile = None,
     contact_force: Annotated[float | None, typer.Option(help="To hold [N], above 0; 1 N if left out.")] = None,
     pad_pressure: Annotated[float | None, typer.Option(help="To hold instead [Pa], above 0.")] = None,
+    behind: Annotated[
+        Path | None, typer.Option(help="Surrogate of the plane, asked where a segment's map knows nothing.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Tensions that press on the plane with a contact force, or with a pressure on the pad."""
-    known = model_of(model)
+    known = model_of(model, behind)
     lower, upper = (limits[-1] for limits in known.limits)
     if known.has_obstacle and not lower <= distance <= upper:
         raise ValueError(f"distance must lie in [{lower:g}, {upper:g}] m, got {distance:g}")

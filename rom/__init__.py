@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rom.backed_segment import BackedSegment
     from rom.native.answer import Answer
     from rom.segment.chain import Chain
     from rom.segment.friction.history import friction_history
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 # Where each is.
 _HOMES = {
     "Answer": "rom.native.answer",
+    "BackedSegment": "rom.backed_segment",
     "Chain": "rom.segment.chain",
     "Cylinder": "rom.segment.objects",
     "Hull": "rom.segment.objects",
@@ -30,6 +32,7 @@ _HOMES = {
 }
 __all__ = [
     "Answer",
+    "BackedSegment",
     "Chain",
     "Cylinder",
     "Hull",

@@ -112,7 +112,7 @@ class Surrogate(PickledByFields, Components):
         touch, errors = out[..., answer.TOUCH], self.errors
         contact_errors = answer.contact_errors(
             self.kernel, errors.contact, errors.margin, np.atleast_2d(point), np.atleast_1d(touch)
-        ).reshape(*touch.shape, -1)
+        ).reshape(*touch.shape, errors.contact.shape[1])
         found = {
             "tip": errors.tip + contact_errors[..., 0],
             "contact_force": contact_errors[..., 1],

@@ -122,8 +122,9 @@ static candidates holding_nodes(const control_problem *problem, const double *re
     return found;
 }
 
-void control_hold_problem(control_problem *problem, const double *start, double target, double distance,
-                          const control_rules *rules, control_outcome *outcome)
+/* By whatever is asked at present. */
+static void hold(control_problem *problem, const double *start, double target, double distance,
+                 const control_rules *rules, control_outcome *outcome)
 {
     outcome->evaluations = 0;
     outcome->status = hold_from(problem, start, start, target, distance, rules, outcome);
@@ -152,6 +153,19 @@ void control_hold_problem(control_problem *problem, const double *start, double 
     if (outcome->status == CONTROL_ITERATION_LIMIT && most < target) outcome->status = CONTROL_STATIONARY;
 }
 
+void control_hold_problem(control_problem *problem, const double *start, double target, double distance,
+                          const control_rules *rules, control_outcome *outcome)
+{
+    control_ask_first(problem);
+    hold(problem, start, target, distance, rules, outcome);
+    int known = control_knows(problem, problem->best, distance);
+    if ((!known || outcome->status != CONTROL_CONVERGED) && control_ask_behind(problem)) {
+        hold(problem, start, target, distance, rules, outcome);
+        known = control_knows(problem, problem->best, distance);
+    }
+    if (!known) outcome->status = CONTROL_OUTSIDE;
+}
+
 void control_hold(const control_finger *finger, const double *start, double target, double distance,
                   const control_rules *rules, double *tensions, control_outcome *outcome)
 {
@@ -159,7 +173,6 @@ void control_hold(const control_finger *finger, const double *start, double targ
     control_problem problem;
     control_problem_in(&problem, finger, 1, memory);
     control_hold_problem(&problem, start, target, distance, rules, outcome);
-    control_mark(&problem, distance, outcome);
     control_ask(&problem, problem.best, distance);
     outcome->error = control_force_error(&problem);
     control_copy(problem.best, tensions, problem.tensions);
@@ -183,7 +196,6 @@ void control_hold_many(const control_finger *finger, int count, const double *st
         const ptrdiff_t row = (ptrdiff_t)problem.tensions * i;
         const int64_t before = now();
         control_hold_problem(&problem, starts + row, target, distances[i], rules, outcomes + i);
-        control_mark(&problem, distances[i], outcomes + i);
         nanoseconds[i] = now() - before;
         control_copy(problem.best, tensions + row, problem.tensions);
     }

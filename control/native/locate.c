@@ -10,8 +10,8 @@ static void compare(control_problem *problem, const double *tensions, double fel
     *slope = problem->jacobian[problem->parameters * FINGERFEM_FORCE + problem->tensions];
 }
 
-/* Locate by a problem of the same finger, whose workspace is not used, and in memory for one of its own. */
-static void locate(control_problem *problem, int readings, const double *tensions, const double *felt, double hint,
+/* By whatever is asked at present. */
+static void locate_by(control_problem *problem, int readings, const double *tensions, const double *felt, double hint,
                    const control_rules *rules, double *memory, control_outcome *outcome)
 {
     const int n = problem->tensions;
@@ -54,8 +54,18 @@ static void locate(control_problem *problem, int readings, const double *tension
         compare(problem, tensions + (ptrdiff_t)n * i, felt[i], outcome->distance, &residual, &slope);
         outcome->squared_slopes += slope * slope;
         outcome->weighted_error += fabs(slope) * control_force_error(problem);
-        if (!problem->inside) outcome->status = CONTROL_OUTSIDE;
+        if (!control_knows(problem, tensions + (ptrdiff_t)n * i, outcome->distance)) outcome->status = CONTROL_OUTSIDE;
     }
+}
+
+/* Locate by a problem of the same finger, whose workspace is not used, and in memory for one of its own. */
+static void locate(control_problem *problem, int readings, const double *tensions, const double *felt, double hint,
+                   const control_rules *rules, double *memory, control_outcome *outcome)
+{
+    control_ask_first(problem);
+    locate_by(problem, readings, tensions, felt, hint, rules, memory, outcome);
+    if (outcome->status == CONTROL_OUTSIDE && control_ask_behind(problem))
+        locate_by(problem, readings, tensions, felt, hint, rules, memory, outcome);
 }
 
 void control_locate(const control_finger *finger, int readings, const double *tensions, const double *felt, double hint,
@@ -85,7 +95,6 @@ void control_grip(const control_finger *finger, const double *then, double felt,
     outcome->status = CONTROL_GOING;
     if (isfinite(distance)) {
         control_hold_problem(&problem, present, aim, distance, rules, outcome);
-        control_mark(&problem, distance, outcome);
     }
     outcome->distance = distance;
     outcome->expected = expected;

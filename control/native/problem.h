@@ -15,6 +15,7 @@ typedef struct {
     int tensions, parameters;
     double *point, *jacobian;      /* (parameters), (rows, parameters): asked for last, if `asked` */
     int asked;
+    const fingerfem_touching *touching; /* what is asked; if NULL, the finger's surrogate */
     double out[CONTROL_MOST_ROWS];
     double wrench[FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES]; /* on a touched chain's plates, where its next solve begins */
     int inside;                      /* whether that answer is known: within what was trained */
@@ -41,6 +42,7 @@ static inline void control_problem_in(control_problem *problem, const control_fi
     memset(problem->wrench, 0, sizeof problem->wrench);
     problem->inside = 1;
     problem->asked = 0;
+    problem->touching = finger->touching;
     problem->point = memory;
     problem->jacobian = memory + p;
     problem->best = problem->jacobian + CONTROL_MOST_ROWS * p;
@@ -63,13 +65,13 @@ static inline void control_ask(control_problem *problem, const double *tensions,
     if (known) return;
     problem->asked = 1;
     const control_finger *finger = problem->finger;
-    if (finger->touching) {
+    if (problem->touching) {
         int32_t inside;
-        fingerfem_touch(finger->touching, problem->point, problem->wrench, problem->out, problem->jacobian, NULL,
+        fingerfem_touch(problem->touching, problem->point, problem->wrench, problem->out, problem->jacobian, NULL,
                         &inside);
         problem->inside = inside;
     } else {
-        fingerfem_answer(finger->kernel, problem->point, problem->out, problem->jacobian);
+        problem->inside = fingerfem_answer(finger->kernel, problem->point, problem->out, problem->jacobian);
     }
 }
 
@@ -78,23 +80,39 @@ static inline double control_force_error(const control_problem *problem)
 {
     const control_finger *finger = problem->finger;
     double found[CONTROL_MOST_COLUMNS] = {0.0};
-    if (finger->touching) return fingerfem_touch_error(finger->touching, problem->out, problem->jacobian);
+    if (problem->touching) return fingerfem_touch_error(problem->touching, problem->out, problem->jacobian);
     fingerfem_contact_error(finger->kernel, finger->rates, finger->columns, finger->margin, problem->point,
                             problem->out[FINGERFEM_TOUCH], found);
     return found[finger->row == FINGERFEM_FORCE ? 1 : 3];
 }
 
-/* Say of tensions in problem->best that were found at a distance where the model's answer is not known, that they are
- * outside. */
-static inline void control_mark(control_problem *problem, double distance, control_outcome *outcome)
+/* Whether the model knows its answer at tensions and a distance. */
+static inline int control_knows(control_problem *problem, const double *tensions, double distance)
 {
-    if (!problem->finger->touching) return; /* a surrogate's box is within the limits of tensions and distance */
-    control_ask(problem, problem->best, distance);
-    const double gap = fingerfem_rubber_gap(problem->finger->touching, problem->point, problem->wrench);
-    if (!problem->inside || gap < problem->finger->touching->chain->skin_error) outcome->status = CONTROL_OUTSIDE;
+    control_ask(problem, tensions, distance);
+    if (!problem->touching || !problem->inside) return problem->inside;
+    const double gap = fingerfem_rubber_gap(problem->touching, problem->point, problem->wrench);
+    return !(gap < problem->touching->chain->skin_error);
 }
 
-/* Tensions in problem->best that press with a force; the outcome has status, residual and evaluations. */
+/* Ask the surrogate behind a touched segment from now on; whether there is one. */
+static inline int control_ask_behind(control_problem *problem)
+{
+    if (!problem->touching || !problem->finger->kernel) return 0;
+    problem->touching = NULL;
+    problem->asked = 0;
+    return 1;
+}
+
+/* Ask the touched segment first, if there is one. */
+static inline void control_ask_first(control_problem *problem)
+{
+    problem->asked &= problem->touching == problem->finger->touching;
+    problem->touching = problem->finger->touching;
+}
+
+/* Tensions in problem->best that press with a force; the outcome has status, residual and evaluations. Where that is
+ * outside of what the model knows, it says so. */
 void control_hold_problem(control_problem *problem, const double *start, double target, double distance,
                           const control_rules *rules, control_outcome *outcome);
 #endif
