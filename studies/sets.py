@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from rom.snapshots.files import write_whole
 from rom.snapshots.snapshot_set import Description, SnapshotSet
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -49,9 +50,9 @@ def grid_scene(folder: Path, tension_nodes: int, contact_nodes: int) -> Path:
 
 
 def written(folder: Path, name: str, text: str) -> Path:
-    """A scene's file from its text."""
+    """A scene's file from its text; two processes may write it at once."""
     file = folder / f"{name.replace(' ', '-')}.toml"
-    file.write_text(text)
+    write_whole(file, lambda stream: stream.write(text.encode()))
     return file
 
 

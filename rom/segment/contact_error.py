@@ -17,6 +17,8 @@ from rom.snapshots.rigid_motion import gaps, motions, rotations
 def relative_force_errors(states: PressedStates, poses: np.ndarray) -> np.ndarray:
     """Relative error of the contact force of every state by poses that are predicted instead of its own.
 
+    It is of first order: where dg/df vanishes, as before a snap, no place tells a force.
+
     Args:
         states: n of them.
         poses: shape (n, 7).
@@ -24,20 +26,27 @@ def relative_force_errors(states: PressedStates, poses: np.ndarray) -> np.ndarra
     Returns:
         shape (n,) [-]; nan of states without a force.
     """
-    t, forces = states.tensions, states.forces
+    points, normals = _contacts(states)
+    there = np.einsum("nij,nj->ni", rotations(states.poses), np.nan_to_num(normals))
+    off = gaps(poses, points, there) - gaps(states.poses, points, there)
     with np.errstate(invalid="ignore", divide="ignore"):
-        normals = states.inputs[:, t : t + 3] / forces[:, None]
-        points = np.cross(normals, states.inputs[:, t + 3 :] / forces[:, None])
-        there = np.einsum("nij,nj->ni", rotations(states.poses), np.nan_to_num(normals))
-        off = gaps(poses, points, there) - gaps(states.poses, points, there)
-        return np.asarray(np.abs(off / (forces * _gap_by_force(states, points, normals))))
+        return np.asarray(np.abs(off / (states.forces * gap_by_force(states))))
 
 
-def _gap_by_force(states: PressedStates, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
+def _contacts(states: PressedStates) -> tuple[np.ndarray, np.ndarray]:
+    """Where each state's plate is touched, and the normal there, shapes (n, 3) [m, -]; nan without a force."""
+    t, forces = states.tensions, states.forces[:, None]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        normals = states.inputs[:, t : t + 3] / forces
+        return np.cross(normals, states.inputs[:, t + 3 :] / forces), normals
+
+
+def gap_by_force(states: PressedStates) -> np.ndarray:
     """dg/df at a fixed normal in space, shape (n,) [m/N]: the wrench changes by itself and as the plate turns.
 
     dw = W df + f (n x t, p x (n x t)) with W = (n, p x n), t = C_t dw and dg = W . C dw.
     """
+    points, normals = _contacts(states)
     compliance = motions(states.poses, states.jacobians[:, :, states.tensions :])
     wrench = np.concatenate([normals, np.cross(points, normals)], axis=1)
     turned = np.cross(normals[:, None], np.eye(3))  # n x e_k as rows

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rom.segment import build
-from rom.segment.contact_error import relative_force_errors
+from rom.segment.contact_error import gap_by_force, relative_force_errors
 from rom.segment.mirrors import with_images
 from rom.segment.pose_fit import best_fit
 from rom.segment.segment_map import quantiles
@@ -14,12 +14,17 @@ from studies.runner import Run
 from studies.segment import maps
 from studies.segment.maps import Plan
 
+FOLD = 0.02  # of the median |dg/df|, below which a state stands about at a fold: it is about to snap [-]
+
 
 def row(run: Run, plan: Plan) -> dict:
     """A map, what it cost and how it errs."""
     training, held_out = maps.snapshots(run, plan), maps.held_out(run, plan)
     segment = maps.segment(run, plan)
     checked = build.check(segment, held_out)
+    states = read_pressed_states(held_out)
+    errors, slopes = relative_force_errors(states, segment.pose.value(states.inputs)), np.abs(gap_by_force(states))
+    folded = slopes < FOLD * np.nanmedian(slopes)
     return {
         "name": plan.name,
         "unknowns": 3 * len(training.nodes),
@@ -31,6 +36,11 @@ def row(run: Run, plan: Plan) -> dict:
         "degree": segment.provenance["degree"],
         "left_out": segment.provenance["left_out"],
         "held_out": checked["contact_force"],
+        "folded": {
+            "states": int(folded.sum()),
+            "slope": float(np.nanmin(slopes) / np.nanmedian(slopes)),
+            "largest_elsewhere": quantiles(errors[~folded])["max"],
+        },
         "place_um": {key: 1e6 * checked["place_m"][key] for key in ("median", "p95", "max")},
         "covered": checked["covered"],
         "skin_um": 1e6 * segment.skin_error,

@@ -82,11 +82,17 @@ class FullOrder:
                 continue
         else:
             return None
-        contact, problem = model.problem.contact, model.problem
+        contact = model.problem.contact
         assert contact is not None
-        x = problem.space.tabulate_dof_coordinates()[:, 0]
-        pushed = np.linalg.norm(contact.nodal_force(), axis=1)
-        rubber = np.ones(len(x), bool)
-        for first, last in problem.scene.outline.plates:
-            rubber &= (x < first - 1e-6) | (x > last + 1e-6)
-        return contact.force(), bool(pushed[rubber].sum() > 1e-6 * pushed.sum())
+        return contact.force(), rubber_touches(model)
+
+
+def rubber_touches(model: Any) -> bool:
+    """Whether the obstacle presses on rubber in the present state of a `fingerfem.FingerModel`."""
+    problem = model.problem
+    x = problem.space.tabulate_dof_coordinates()[:, 0]
+    pushed = np.linalg.norm(problem.contact.nodal_force(), axis=1)
+    rubber = np.ones(len(x), bool)
+    for first, last in problem.scene.outline.plates:
+        rubber &= (x < first - 1e-6) | (x > last + 1e-6)
+    return bool(pushed[rubber].sum() > 1e-6 * pushed.sum())

@@ -31,7 +31,7 @@ class Plan:
         return f"{self.force:g} N{mesh}"
 
 
-SMALL, LARGE = Plan(5.0, 80, 1500, 150), Plan(15.0, 160, 2500, 150)
+SMALL, LARGE = Plan(5.0, 80, 1500, 150), Plan(15.0, 160, 4000, 150)
 FINE = Plan(5.0, 30, 1000, 30, sets.STANDARD)
 QUICK = Plan(5.0, 20, 300, 20)
 

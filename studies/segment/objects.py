@@ -1,7 +1,8 @@
-"""Contact about the map against the full-order model: random planes, round objects, boxes, and the paper's plane."""
+"""Contact about the map against the full-order model: random objects, the paper's plane, and rubber that touches it."""
 
 from __future__ import annotations
 
+import os
 import tomllib
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -9,7 +10,7 @@ from multiprocessing import get_context
 import numpy as np
 
 from control.model import Model
-from rom import TouchedSegment
+from rom import BackedSegment, Surrogate, TouchedSegment
 from rom.build import train
 from rom.segment.objects import facing_plane
 from rom.segment.segment_map import quantiles
@@ -18,11 +19,12 @@ from rom.snapshots.snapshot_set import SnapshotSet, read_task
 from studies import sets
 from studies.runner import Run
 from studies.segment import maps
-from studies.segment.full_order import FullOrder
+from studies.segment.full_order import FullOrder, rubber_touches
 from studies.segment.scattered_objects import DISTANCE, SHAPES, placed, tensions
 
 CORES = 2
 DEEPEST = 0.004  # [m]: how far objects come beyond the free plate
+BOX = 10_000  # random states of the paper's box
 FELT = 0.05  # contact force that relative errors are of, at least [N]
 
 
@@ -63,12 +65,22 @@ def scattered(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
 
 
 def by_shape(run: Run, plan: maps.Plan, count: dict[str, int]) -> list[dict]:
-    """Random objects of every shape, a shape a process."""
+    """Random objects of every shape, a shape a process, each on one core."""
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
     with ProcessPoolExecutor(CORES, mp_context=get_context("spawn")) as pool:
         return [one.result() for one in [pool.submit(scattered, run, plan, shape, count[shape]) for shape in SHAPES]]
 
 
-def rubber_touches(states: SnapshotSet) -> np.ndarray:
+def todays(run: Run) -> Surrogate:
+    """The surrogate of the paper's plane, from its file if it has one."""
+    file = run.folder / "plane.h5"
+    if not file.exists():
+        training = sets.training(sets.scene(run.sets, "draft", run.quick))
+        train(training, EnrichmentOptions()).save(file)
+    return Surrogate.load(file)
+
+
+def on_rubber(states: SnapshotSet) -> np.ndarray:
     """Whether rubber touches the paper's plane in held-out states, shape (n,), by where its nodes are."""
     found, plate = [], states.body.plates[-1, 0]
     rubber = states.nodes[:, 0] < plate - 1e-6
@@ -83,13 +95,13 @@ def rubber_touches(states: SnapshotSet) -> np.ndarray:
 
 def papers_plane(run: Run, plan: maps.Plan) -> dict:
     """The paper's plane: held-out states of the draft scene, the segment's map beside today's surrogate."""
-    file = sets.scene(run.sets, "draft", run.quick)
-    training = sets.training(file)
-    held_out = sets.held_out(file, sets.QUICK_HELD_OUT if run.quick else sets.HELD_OUT)
-    surrogate, segment = train(training, EnrichmentOptions()), maps.segment(run, plan)
+    held_out = sets.held_out(
+        sets.scene(run.sets, "draft", run.quick), sets.QUICK_HELD_OUT if run.quick else sets.HELD_OUT
+    )
+    surrogate, segment = todays(run), maps.segment(run, plan)
     model = TouchedSegment(segment=segment, obstacle=facing_plane(2 * segment.half_lengths[1], (0.001, 0.031)))
     points, force = held_out.random("parameters"), held_out.random("contact_force")
-    rubber, felt = rubber_touches(held_out), force > FELT
+    rubber, felt = on_rubber(held_out), force > FELT
     answer = model.answers(points)
     borne = segment.place(np.column_stack([points[:, :-1], answer.wrenches])).inside
     within = borne & (answer.evaluations > 0)
@@ -108,8 +120,49 @@ def papers_plane(run: Run, plan: maps.Plan) -> dict:
         "marked_for_nothing": int((felt & within & ~rubber & near).sum()),
         "segment": error(model, compared),
         "surrogate": error(surrogate, compared),
-        "surrogate_states": training.states,
-        "surrogate_on_rubber": error(surrogate, felt & rubber),
+        "surrogate_states": int(surrogate.provenance["states"]),
+    }
+
+
+def rubber_on_the_plane(run: Run, plan: maps.Plan, count: int) -> dict:
+    """Random states of the paper's box in which the map notices rubber: answered by the surrogate behind it."""
+    from fingerfem import FingerModel, load_scene
+    from fingerfem.equilibrium.failures import LoadNotReached
+
+    segment, surrogate = maps.segment(run, plan), todays(run)
+    plane = facing_plane(2 * segment.half_lengths[1], (0.001, 0.031))
+    model = BackedSegment(touched=TouchedSegment(segment=segment, obstacle=plane), surrogate=surrogate)
+    full = FingerModel(load_scene(sets.scene(run.sets, "draft", run.quick)))
+    lower, upper = model.limits
+    points = lower + np.random.default_rng(13).random((BOX, len(lower))) * (upper - lower)
+    found = model.touched.answers(points)
+    contact = found.out[:, 3] > 0
+    noticed = contact & (found.evaluations > 0) & (found.rubber_gaps < segment.skin_error)
+    felt = points[noticed & (model.outputs(points)[:, 3] > FELT)]
+    errors, expected, failed, touched = [], [], 0, 0
+    for point in felt[:count]:
+        try:
+            state = full.solve(point[:-1], point[-1], sensitivities=False)
+        except LoadNotReached:
+            failed += 1
+            continue
+        assert state.contact_force is not None
+        true, answer = state.contact_force, model.evaluate(point)
+        errors.append(abs(float(answer.contact_force) - true) / true)
+        expected.append(float(answer.error["contact_force"]) / true)
+        touched += rubber_touches(full)
+    return {
+        "force": plan.force,
+        "contacts": int(contact.sum()),
+        "answered": int(np.sum(contact & found.inside)),
+        "noticed": int(noticed.sum()),
+        "beyond": int(np.sum(contact & ~found.inside & ~noticed)),
+        "behind": int(np.sum(contact & ~found.inside & model.evaluate(points).inside)),
+        "compared": len(errors),
+        "failed": failed,
+        "touched": touched,
+        "error": quantiles(np.array(errors)),
+        "covered": float(np.mean(np.array(errors) <= np.array(expected))),
     }
 
 
@@ -120,5 +173,6 @@ def measure(run: Run) -> dict:
     maps.segment(run, plans[0])
     return {
         "scattered": run.once("random objects", by_shape, run, plans[0], count),
+        "rubber": run.once("rubber on the plane", rubber_on_the_plane, run, plans[-1], 5 if run.quick else 40),
         "paper": [run.once(f"the paper's plane, {plan.name}", papers_plane, run, plan) for plan in plans],
     }

@@ -1,12 +1,13 @@
-"""Contact with random objects of all kinds: each has an answer or a reason, and forces do not jump along lines."""
+"""Contact with random objects of all kinds: each has an answer or a reason, with friction too; no force jumps."""
 
 from __future__ import annotations
 
+import time
 from collections import Counter
 
 import numpy as np
 
-from rom import TouchedSegment
+from rom import TouchedSegment, friction_history
 from rom.segment.objects import facing_plane
 from studies.runner import Run
 from studies.segment import maps
@@ -15,6 +16,8 @@ from studies.segment.scattered_objects import DISTANCE, SHAPES, placed, tensions
 DEEPEST = 0.003  # [m]: how far objects come beyond the free plate
 POINTS, REFINED = 64, 60  # of a line; bisections of its largest step
 JUMP = 1e-6  # [N]
+# Of histories with friction: how far objects move aside [m], tensions change [N], and the coefficient of friction [-].
+ASIDE, CHANGED, FRICTION = (2e-4, 2e-3), 10.0, (0.3, 1.0)
 
 
 def verdicts(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
@@ -69,10 +72,43 @@ def jumps(run: Run, plan: maps.Plan, count: int) -> dict:
     return {"lines": count, "largest_n": largest, "over": over, "limit_n": JUMP}
 
 
+def histories(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
+    """Histories with friction: an object presses, moves aside, tensions change, and it moves back."""
+    segment, random = maps.segment(run, plan), np.random.default_rng(14)
+    found: Counter[str] = Counter()
+    steps: list[float] = []
+    while sum(found.values()) < count:
+        pulled = tensions(segment, random)
+        model = TouchedSegment(segment=segment, obstacle=placed(segment, pulled, random, shape)[0])
+        point = np.array([*pulled, DISTANCE - DEEPEST * random.random()])
+        if not model.answers(point).inside[0]:
+            continue
+        lower, upper = model.limits
+        other = np.clip(point + np.array([*random.uniform(-CHANGED, CHANGED, len(pulled)), 0.0]), lower, upper)
+        aside = np.cross(model.direction, random.standard_normal(3))
+        aside *= random.uniform(*ASIDE) / np.linalg.norm(aside)
+        begun = time.perf_counter()
+        states = friction_history(
+            model,
+            [point, point, other, point],
+            random.uniform(*FRICTION),
+            moved=[np.zeros(3), aside, aside, np.zeros(3)],
+        )
+        steps.append((time.perf_counter() - begun) / len(states))
+        found[states[-1].status] += 1
+    return {
+        "shape": shape,
+        "histories": count,
+        **{name: found[name] for name in ("converged", "out_of_domain", "no_equilibrium")},
+        "ms": 1e3 * float(np.median(steps)),
+    }
+
+
 def measure(run: Run) -> dict:
     """All shapes, then lines."""
-    plan, count = (maps.QUICK, 100) if run.quick else (maps.SMALL, 2500)
+    plan, count, few = (maps.QUICK, 100, 5) if run.quick else (maps.SMALL, 2500, 100)
     return {
         "verdicts": [run.once(shape, verdicts, run, plan, shape, count) for shape in SHAPES],
+        "histories": [run.once(f"{shape}, friction", histories, run, plan, shape, few) for shape in SHAPES],
         "jumps": run.once("lines", jumps, run, plan, 50 if run.quick else 10_000),
     }

@@ -27,7 +27,8 @@ class FrictionState:
 
     Attributes:
         status: `out_of_domain` where the map was not trained, here or on the way, the object may not be, or rubber may
-            touch; from `no_equilibrium` on, nothing is known, and all numbers are nan.
+            touch; where no equilibrium was found, and from there on, all numbers are nan, and it is `no_equilibrium` if
+            the way there was known.
         tip: displacement of the tip plate's centre, shape (3,) [m].
         force: of the object on the finger, shape (3,) [N].
         contact_force: its part along the object's way to the finger, as of a touched segment [N].
@@ -96,9 +97,9 @@ def _states(
             if state is None:
                 break
             ahead = state.loads.towards(goal, 1 / (count - k))
-            state, lost = _reach(model, state, ahead, friction, HALVINGS)
+            state, last, lost = _reach(model, state, ahead, friction, HALVINGS)
             dissipated += lost
-            known &= state is None or state.placed.inside or not state.wrenches.any()
+            known &= last.placed.inside or not last.wrenches.any()
         report = _report(model, state, dissipated, known)
         known &= report.status == "converged" or not report.contacts
         yield report
@@ -122,8 +123,8 @@ def _pushed(model: TouchedSegment, begun: Loads, goal: Loads) -> float:
 
 def _reach(
     model: TouchedSegment, last: Resting, goal: Loads, friction: float, halvings: int
-) -> tuple[Resting | None, float]:
-    """The equilibrium at a goal and what was dissipated on the way, in as many parts as it needs."""
+) -> tuple[Resting | None, Resting, float]:
+    """The equilibrium at a goal, the last one on the way to it, and what was dissipated, in as many parts as needed."""
     found = advance(model, last, goal, friction)
     if found is None and not halvings:
         found = advance(model, last, goal, friction, by_steps=True)
@@ -132,19 +133,24 @@ def _reach(
         if way > (SUSPECT if halvings else JUMP) * _pushed(model, last.loads, goal) + NEAR:
             found = None
     if found is not None or not halvings:
-        return found, 0.0 if found is None else found.dissipated
-    between, first = _reach(model, last, last.loads.towards(goal, 0.5), friction, halvings - 1)
+        return found, found or last, 0.0 if found is None else found.dissipated
+    between, last, first = _reach(model, last, last.loads.towards(goal, 0.5), friction, halvings - 1)
     if between is None:
-        return None, 0.0
-    found, second = _reach(model, between, goal, friction, halvings - 1)
-    return found, first + second
+        return None, last, first
+    found, last, second = _reach(model, between, goal, friction, halvings - 1)
+    return found, last, first + second
 
 
 def _report(model: TouchedSegment, state: Resting | None, dissipated: float, known: bool) -> FrictionState:
     if state is None:
         nothing = np.full(3, np.nan)
         return FrictionState(
-            status="no_equilibrium", tip=nothing, force=nothing, contact_force=np.nan, contacts=[], dissipated=np.nan
+            status="no_equilibrium" if known else "out_of_domain",
+            tip=nothing,
+            force=nothing,
+            contact_force=np.nan,
+            contacts=[],
+            dissipated=np.nan,
         )
     placed, found = state.placed, []
     for k in np.flatnonzero(state.states != OPEN):

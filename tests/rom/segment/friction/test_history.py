@@ -57,8 +57,8 @@ def test_forces_are_in_the_cone_and_slide_on_it(segment, shape):
         )
         lost = 0.0
         for state in states:
-            if state.status == "no_equilibrium":
-                assert np.isnan(state.contact_force) and np.isnan(state.tip).all()
+            if np.isnan(state.contact_force):
+                assert state.status != "converged" and np.isnan(state.tip).all()
                 break
             known += 1
             assert state.dissipated >= lost - 1e-9
@@ -208,3 +208,11 @@ def test_a_ball_rolls_on_a_face_where_it_sticks(segment):
     assert not rough.contacts[0].slides
     assert np.linalg.norm(rough.force - smooth.force) > 1e-3
     assert rough.dissipated < 1e-9
+
+
+def test_a_history_that_fails_beyond_what_was_trained_says_so(plane):
+    """Deep into the plane: the wrench leaves the trained box before there is no equilibrium any more."""
+    point = np.array([*TENSIONS, touch(plane) - 2e-4])
+    states = friction_history(plane, [point, point], 0.5, moved=[[0, 0, 0], [0, -0.1, 0]])
+    assert states[0].status == "converged"
+    assert states[1].status == "out_of_domain"
