@@ -45,7 +45,6 @@ class Finger:
         geometry, tendons = model.scene["geometry"], model.scene["tendons"]
         self.rest = np.array([sum(geometry["segments"]) - geometry["plate"] / 2, 0.0, 0.0])  # tip plate's centre [m]
         self._offsets = np.array([tendon["offset"] for tendon in tendons], float)
-        self._tip_error = model.tip_error
 
     def reach(
         self,
@@ -149,7 +148,8 @@ class Finger:
     ) -> Motion:
         mirrored = goal * np.array([1.0, *sides])
         tensions, found = problems.reach(self.known, start, change, mirrored, float(distance), rules(tolerance))
-        return self._motion(found.status, tensions, distance, found.residual, self._tip_error, found.evaluations, sides)
+        error = self.model.tip_error(float(np.linalg.norm(goal)))
+        return self._motion(found.status, tensions, distance, found.residual, error, found.evaluations, sides)
 
     def locate(self, tensions: ArrayLike, contact_force: ArrayLike, noise: float = 0.0, hint: float = np.nan) -> Motion:
         """Find the plane from tensions and the contact force felt; the motion's `distance` is d*.

@@ -40,9 +40,8 @@ class Model(Protocol):
     def scene(self) -> dict[str, Any]:
         """The trained scene."""
 
-    @property
-    def tip_error(self) -> float:
-        """Estimated error of the free tip [m]."""
+    def tip_error(self, way: float) -> float:
+        """Estimated error of the free tip [m] a way [m] from where it rests."""
 
     @property
     def native(self) -> dict[str, Any]:

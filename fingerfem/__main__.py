@@ -123,7 +123,7 @@ def snapshots(
     ] = None,
     near: Annotated[
         Path | None,
-        typer.Option(metavar="SET/", help="Begin held-out states at this training set's: the same states, sooner."),
+        typer.Option(metavar="SET/", help="Begin held-out states at those of a training set, of any mesh."),
     ] = None,
     progress: Annotated[
         str, typer.Option(help="bar, plain or json lines on stderr; auto: a bar on a terminal, which mpirun is not.")

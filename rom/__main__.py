@@ -47,6 +47,10 @@ def build(
     coarse: Annotated[
         Path | None, typer.Option(metavar="SET/", help="States of the same finger on a coarser mesh, to be corrected.")
     ] = None,
+    finer: Annotated[
+        Path | None,
+        typer.Option(metavar="FINER/", help="Held-out states on a finer mesh: estimated errors then count the mesh's."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Separate a snapshot set and write the model file; of a scene with a load, fit the map of its segment."""
@@ -54,16 +58,17 @@ def build(
     check_folder(output)
     snapshots = SnapshotSet(folder)
     if snapshots.description.has_load:
-        if tolerance is not None or coarse is not None:
-            name = "coarse" if tolerance is None else "tolerance"
+        unknown = {"tolerance": tolerance, "coarse": coarse, "finer": finer}
+        name = next((name for name, value in unknown.items() if value is not None), None)
+        if name is not None:
             raise ValueError(f"{name} must be left out for a set of a scene with a load, got one")
         segment = build_segment(snapshots, terms, held_out)
         segment.save(output)
         show_segments(segment_summary(segment), as_json)
         return
     from rom.build import train
-    from rom.error_model import calibrated
-    from rom.held_out import accuracy, check
+    from rom.error_model import calibrated, with_mesh_error
+    from rom.held_out import accuracy, check, check_against
     from rom.separation.alternating_directions import EnrichmentOptions
 
     if tolerance is None:
@@ -76,6 +81,11 @@ def build(
         if states is not None:
             model = calibrated(model, states)
             model = replace(model, accuracy=accuracy(check(model, states, progress)))
+        if finer is not None:
+            finer_states = SnapshotSet(finer)
+            model = with_mesh_error(model, finer_states)
+            total = accuracy(check_against(model, finer_states, progress))
+            model = replace(model, accuracy=model.accuracy | {"against_finer_mesh": total})
     model.save(output)
     show_surrogate(summary(model), as_json)
 

@@ -72,10 +72,9 @@ class BackedSegment(PickledByFields):
         """The segment's trained scene."""
         return self.touched.scene
 
-    @property
-    def tip_error(self) -> float:
-        """Estimated error of the free tip [m]."""
-        return self.touched.tip_error
+    def tip_error(self, way: float) -> float:
+        """Estimated error of the free tip [m] a way [m] from where it rests."""
+        return self.touched.tip_error(way)
 
     @property
     def native(self) -> dict[str, Any]:

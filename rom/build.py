@@ -3,7 +3,8 @@
 In free space everything is a smooth function of the tensions; in contact, it is one in every regime
 (snapshots.contact_regimes), of contact-aligned coordinates (fit.contact_coordinates). Each is fitted by a polynomial to
 the values and sensitivities of its states, wherever they lie (fit.chebyshev), and then separated (separation). States
-on a coarser mesh, if there are any, are fitted first, and what they say is corrected by the others (fit.mesh_transfer).
+on a coarser mesh, if there are any, are fitted first, and what they say is corrected by the others
+(snapshots.mesh_transfer).
 """
 
 from __future__ import annotations
@@ -17,13 +18,14 @@ import numpy as np
 
 from rom import error_model
 from rom.components import Errors
-from rom.fit import displacement, mesh_transfer
+from rom.fit import displacement
 from rom.fit.chebyshev import CALM, NOISE
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.fit.contact_response import ContactResponse, count_regimes
 from rom.fit.free_response import FreeResponse
 from rom.fits import Fits, separated_fits
 from rom.separation.alternating_directions import EnrichmentOptions
+from rom.snapshots import mesh_transfer
 from rom.snapshots.contact_regimes import Code
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.snapshots.training_states import TrainingStates, read_training_states

@@ -11,6 +11,7 @@ import numpy as np
 
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.fit.layout import RegimeLayout
+from rom.mesh_error import MeshError
 from rom.separation.separated_form import Separated
 from rom.snapshots.contact_regimes import Code
 
@@ -73,6 +74,7 @@ class Errors:
         contact: of tip, contact force, displacement and pad pressure, if that is known, per length of contact path
             [-, N/m, -, Pa/m], by cell of the regime lookup, shape (cells, 3 or 4).
         margin: added to the contact path [m].
+        mesh: what the mesh adds, as a finer one told; None where that is not known.
     """
 
     tip: float
@@ -80,6 +82,7 @@ class Errors:
     touch_distance: float
     contact: np.ndarray
     margin: float
+    mesh: MeshError | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +101,8 @@ class Components:
         lead: index of the lead tension.
         nodes: the finger's nodes at rest, shape (nodes, 3) [m].
         scene: the scene it was trained on.
-        accuracy: error by quantity on held-out states, see rom.held_out.check; empty if not checked with these terms.
+        accuracy: error by quantity on held-out states, see rom.held_out.check; `against_finer_mesh` has those of mesh
+            and surrogate together, if they were measured; empty if not checked with these terms.
         provenance: versions, states, fingerprint.
     """
 
@@ -113,7 +117,7 @@ class Components:
     lead: int
     nodes: np.ndarray = field(repr=False)
     scene: dict[str, Any] = field(repr=False)
-    accuracy: dict[str, dict[str, float]]
+    accuracy: dict[str, dict[str, Any]]
     provenance: dict[str, Any]
 
     @property

@@ -10,15 +10,18 @@ that at least 95 % of errors are covered. Without them the rates are taken four 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from scipy.optimize import linprog
 
 from rom.components import Errors
 from rom.fit import layout
 from rom.fit.contact_response import ContactResponse
 from rom.fit.displacement import FittedDisplacement
 from rom.fit.free_response import FreeResponse
-from rom.held_out import split
+from rom.held_out import check_finer, differences, split
+from rom.mesh_error import MeshError, place_errors
 from rom.native import answer
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.snapshots.training_states import TrainingStates
@@ -27,10 +30,13 @@ from rom.surrogate import Surrogate
 COVERAGE = 95  # percent of states whose error is to be at most the estimated one
 CALIBRATED = 98  # percent of calibration states that are scaled to be covered, so that of others COVERAGE are
 AROUND = 8  # states whose errors a cell goes by
+PLACES = "tip", "touch_distance", "displacement"  # quantities that a mesh errs by in shares of the tip's way
 FREE = {"tip", "displacement", "touch_distance"}  # quantities whose errors in free space are known
 FEW_STATES, LEAST_FACTOR = 20, 1e-3  # calibration states that scale nothing; factor that none goes below
 UNCALIBRATED = 4.0  # factor on the rates as long as no calibration states have scaled them
 IDLE = 0.01  # of the middle error of a pad, that it has at least where it bears nothing
+MOSTLY = 0.9  # of states whose mesh's error a first estimate covers, before it is scaled
+LEAST_PLACE = 1e-6  # of the tip's way, that places err by at least where a mesh is judged [-]
 MARGIN = 1e-3  # share of the range of d: contact paths below which errors do not become smaller
 
 
@@ -101,36 +107,79 @@ def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
     """The model with its estimated errors scaled so that they hold on the calibration states of a held-out set."""
     held_out, _ = split(held_out)
     points = held_out.random("parameters")
-    answer = model.evaluate(points)
-    true = {"tip": np.linalg.norm(answer.tip - held_out.random("tip"), axis=1)}
-    touching = np.zeros(len(points), bool)
-    if model.has_obstacle:
-        touching = held_out.random("contact_force") > 0
-        true["touch_distance"] = np.abs(answer.touch_distance - held_out.random("touch_distance"))
-        true["contact_force"] = np.abs(answer.contact_force - held_out.random("contact_force"))
-    if model.has_field and held_out.description.has_field:
-        field = held_out.random("displacement")
-        ours = np.array([model.displacement(point) for point in points])
-        true["displacement"] = np.sqrt(np.mean(np.sum((ours - field) ** 2, axis=2), axis=1))
-    if model.has_pad:
-        true["pad_pressure"] = np.abs(answer.pad_pressure - held_out.random("pad_pressure"))
+    estimated, true = model.evaluate(points).error_parts["surrogate"], differences(model, held_out)
+    touching = held_out.random("contact_force") > 0 if model.has_obstacle else np.zeros(len(points), bool)
     errors = model.errors
     # A touch distance is the same whether the plane is touched or not.
     rows = {name: np.ones_like(touching) if name == "touch_distance" else ~touching for name in FREE & true.keys()}
-    free = {
-        name: getattr(errors, name) * _scale(true[name][own], answer.error[name][own]) for name, own in rows.items()
-    }
+    free = {name: getattr(errors, name) * _scale(true[name][own], estimated[name][own]) for name, own in rows.items()}
     contact = errors.contact.copy()
     for column, name in enumerate(("tip", "contact_force", "displacement", "pad_pressure")):
         if name in true:
             before, after = getattr(errors, name, 0.0), free.get(name, 0.0)
-            contact[:, column] *= _scale(true[name][touching] - after, answer.error[name][touching] - before)
+            contact[:, column] *= _scale(true[name][touching] - after, estimated[name][touching] - before)
     used = {"set": held_out.description.held_out_id, "states": len(points)}
     return replace(
         model,
         errors=replace(errors, contact=contact, **free),
         provenance=model.provenance | {"calibration": used},
     )
+
+
+def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
+    """The model that knows what its mesh errs by, from one half of a held-out set of the same finger on a finer mesh.
+
+    What the surrogate's own estimate leaves of its distance from these states is what the mesh errs by. Shares of it
+    (rom.mesh_error) are scaled to the conformal quantile: states drawn like these are covered with 95 % probability if
+    there are 19 of them or more. It does not hold for states that somebody chose.
+
+    Raises:
+        SnapshotError: not a held-out set of the same finger on a finer mesh.
+    """
+    check_finer(model, finer)
+    own, _ = split(finer)
+    points = own.random("parameters")
+    found, estimated = model.evaluate(points), model.evaluate(points).error_parts["surrogate"]
+    out = model.outputs(points)
+    left = {name: np.maximum(off - estimated[name], 0.0) for name, off in differences(model, own).items()}
+    size = np.linalg.norm(found.tip, axis=1)
+    shares: dict[str, Any] = dict.fromkeys(PLACES, 0.0)
+    shares |= {name: _conformal(left[name] / size) for name in PLACES if name in left}
+    for name, row in (("contact_force", answer.FORCE), ("pad_pressure", answer.PAD)):
+        touched = out[:, row] > 0 if name in left else np.zeros(len(points), bool)
+        if touched.any():
+            by_place = place_errors(model.kernel, points, out, row, size)
+            pair = _shares(left[name][touched], out[touched, row], by_place[touched])
+            covering = MeshError(**shares | {name: pair}).of(model.kernel, points, out)[name]
+            some = covering > 0  # where only one of the meshes touches among them
+            factor = _conformal(left[name][some] / covering[some])
+            shares[name] = factor * pair[0], factor * pair[1]
+    used = {"set": finer.description.held_out_id, "states": len(points)} | {
+        key: finer.description.scene["mesh"][key] for key in ("cells", "order")
+    }
+    return replace(
+        model,
+        errors=replace(model.errors, mesh=MeshError(**shares)),
+        provenance=model.provenance | {"mesh_error": used},
+    )
+
+
+def _shares(off: np.ndarray, force: np.ndarray, by_place: np.ndarray) -> tuple[float, float]:
+    """Shares of the force, and of what a place's error makes, of which most of what is off is the sum.
+
+    By quantile regression, relative to the force; shapes (n,).
+    """
+    n, weight = len(off), 1 / force
+    cost = np.concatenate([[0.0, 0.0], np.full(n, MOSTLY), np.full(n, 1 - MOSTLY)])
+    matrix = np.column_stack([force * weight, by_place * weight, np.eye(n), -np.eye(n)])
+    found = linprog(cost, A_eq=matrix, b_eq=off * weight)
+    return float(found.x[0]), float(max(found.x[1], LEAST_PLACE))
+
+
+def _conformal(ratios: np.ndarray) -> float:
+    """The smallest of these that covers a further one of their kind with 95 % probability; the largest if few."""
+    rank = int(np.ceil((len(ratios) + 1) * COVERAGE / 100))
+    return float(np.sort(ratios)[min(rank, len(ratios)) - 1]) if len(ratios) else 0.0
 
 
 def _scale(true: np.ndarray, estimated: np.ndarray) -> float:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.fit import mesh_transfer
+from rom.snapshots import mesh_transfer
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
@@ -49,7 +49,7 @@ def check(model: Surrogate, held_out: SnapshotSet, progress: Progress = quiet) -
     calibration = model.provenance.get("calibration", {})
     if calibration.get("set") == held_out.description.held_out_id:
         _, held_out = split(held_out)
-    result = _errors(model, held_out, progress)
+    result = _errors(model, held_out, progress, "surrogate")
     result["calibration_states"] = calibration.get("states", 0)
     result["terms"], result["bytes"] = model.terms, model.bytes
     expected = model.scene.get("expected")
@@ -65,7 +65,26 @@ def check_against(model: Surrogate, finer: SnapshotSet, progress: Progress = qui
         what `check` does of errors and touch decisions; cells and order of the set's mesh.
 
     Raises:
-        SnapshotError: not a held-out set, one of another finger, or of a mesh that is not finer.
+        SnapshotError: see `check_finer`.
+    """
+    check_finer(model, finer)
+    used = model.provenance.get("mesh_error", {})
+    if used.get("set") == finer.description.held_out_id:
+        _, finer = split(finer)
+    found = _errors(model, finer, progress, "mesh")
+    if model.errors.mesh is None:
+        for one in found.values():
+            if isinstance(one, dict):
+                one.pop("coverage", None)  # estimated errors know of the surrogate's part alone
+    mesh = finer.description.scene["mesh"]
+    return found | {"mesh": {key: mesh[key] for key in ("cells", "order")}, "calibration_states": used.get("states", 0)}
+
+
+def check_finer(model: Surrogate, finer: SnapshotSet) -> None:
+    """Refuse what is no held-out set of a model's finger on a finer mesh.
+
+    Raises:
+        SnapshotError: a training set, one of another finger, or of a mesh that is not finer.
     """
     if not finer.description.random:
         raise SnapshotError(f"{finer.path}: must be a held-out set (made with --random), got a training set")
@@ -74,11 +93,26 @@ def check_against(model: Surrogate, finer: SnapshotSet, progress: Progress = qui
     if _fineness(mesh) <= _fineness(own):
         cells, order = " x ".join(map(str, own["cells"])), own["order"]
         raise SnapshotError(f"{finer.path}: must be of a finer mesh than the model's {cells} cells of order {order}")
-    found = _errors(model, finer, progress)
-    for one in found.values():
-        if isinstance(one, dict):
-            one.pop("coverage", None)  # estimated errors know of the surrogate's part alone
-    return found | {"mesh": {key: mesh[key] for key in ("cells", "order")}}
+
+
+def differences(model: Surrogate, held_out: SnapshotSet) -> dict[str, np.ndarray]:
+    """Errors of a model in the states of a set, of any mesh, by quantity in its unit; shapes (states,).
+
+    That of the displacement is the root mean square over the set's nodes.
+    """
+    points = held_out.random("parameters")
+    answer = model.evaluate(points)
+    found = {"tip": _norm(answer.tip - held_out.random("tip"))}
+    if model.has_obstacle:
+        found["touch_distance"] = np.abs(answer.touch_distance - held_out.random("touch_distance"))
+        found["contact_force"] = np.abs(answer.contact_force - held_out.random("contact_force"))
+    if model.has_field and held_out.description.has_field:
+        field, brought = held_out.random("displacement"), _brought(model.nodes, held_out.nodes)
+        ours = np.array([brought(model.displacement(point)).reshape(-1, 3) for point in points])
+        found["displacement"] = np.sqrt(np.mean(np.sum((ours - field) ** 2, axis=2), axis=1))
+    if model.has_pad:
+        found["pad_pressure"] = np.abs(answer.pad_pressure - held_out.random("pad_pressure"))
+    return found
 
 
 def _fineness(mesh: dict[str, Any]) -> int:
@@ -95,31 +129,35 @@ def _brought(own: np.ndarray, others: np.ndarray) -> Callable[[np.ndarray], np.n
     return lambda field: bring(field.reshape(-1, 1))
 
 
-def _errors(model: Surrogate, held_out: SnapshotSet, progress: Progress) -> dict[str, Any]:
-    """Errors of a model in the states of a set, and wrong touch decisions."""
+def _errors(model: Surrogate, held_out: SnapshotSet, progress: Progress, of: str) -> dict[str, Any]:
+    """Errors of a model in the states of a set, and wrong touch decisions.
+
+    Those of states on its own mesh are of the surrogate alone, those of others also of the mesh.
+    """
     points = held_out.random("parameters")
     progress("checking on held-out states", 0, len(points))
     answer = model.evaluate(points)
+    error = answer.error if of == "mesh" else answer.error_parts["surrogate"]
     result: dict[str, Any] = {"states": len(points), "failed": len(held_out.failures)}
     tip = held_out.random("tip")
-    result["tip"] = _statistics(_norm(answer.tip - tip), _norm(tip), answer.error["tip"])
+    result["tip"] = _statistics(_norm(answer.tip - tip), _norm(tip), error["tip"])
     if model.has_field and held_out.description.has_field:
         field = held_out.random("displacement").reshape(len(points), -1)
         ours, brought = np.empty_like(field), _brought(model.nodes, held_out.nodes)
         for k, point in enumerate(points):
             ours[k] = brought(model.displacement(point)).ravel()
             progress("checking on held-out states", k + 1, len(points))
-        whole = answer.error["displacement"] * np.sqrt(len(held_out.nodes))  # it is the root mean square over nodes
+        whole = error["displacement"] * np.sqrt(len(held_out.nodes))  # it is the root mean square over nodes
         result["displacement"] = _statistics(_norm(ours - field), _norm(field), whole)
     if model.has_obstacle:
         touch, force = held_out.random("touch_distance"), held_out.random("contact_force")
         touches, felt = force > 0, answer.contact_force > 0
         result["touch_distance"] = _statistics(
-            np.abs(answer.touch_distance - touch), np.abs(touch), answer.error["touch_distance"]
+            np.abs(answer.touch_distance - touch), np.abs(touch), error["touch_distance"]
         )
         counted = force > FELT
         result["contact_force"] = _statistics(
-            np.abs(answer.contact_force - force)[counted], force[counted], answer.error["contact_force"][counted]
+            np.abs(answer.contact_force - force)[counted], force[counted], error["contact_force"][counted]
         )
         if model.has_pad:
             pressed = held_out.random("pad_pressure")
@@ -127,7 +165,7 @@ def _errors(model: Surrogate, held_out: SnapshotSet, progress: Progress) -> dict
             result["pad_pressure"] = _statistics(
                 np.abs(answer.pad_pressure - pressed)[pressing],
                 pressed[pressing],
-                answer.error["pad_pressure"][pressing],
+                error["pad_pressure"][pressing],
             )
         wrong = (answer.touch_distance > points[:, -1]) != touches
         close = np.abs(touch - points[:, -1]) <= MARGIN
@@ -155,7 +193,7 @@ def _chosen(scene: dict[str, Any], expected: dict[str, Any], found: dict[str, An
     return told | ({} if got is None else {"got_of_surrogate": got, "got": got + expected["error_of_mesh"]})
 
 
-def accuracy(report: dict[str, Any]) -> dict[str, dict[str, float]]:
+def accuracy(report: dict[str, Any]) -> dict[str, dict[str, Any]]:
     """The part of a check's report that a model carries along."""
     return {
         name: report[name]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from rom import checked_file
 from rom.checked_file import ModelError
 from rom.components import Components, Errors, Field, Regime
 from rom.fit.contact_coordinates import ContactCoordinates
+from rom.mesh_error import MeshError
 from rom.separation.separated_form import Separated
 
 KIND, FORMAT = "fingerfem surrogate", 4
@@ -48,6 +50,8 @@ def _write(model: Components, file: h5py.File) -> None:
     error.attrs["tip"], error.attrs["touch_distance"] = model.errors.tip, model.errors.touch_distance
     error.attrs["displacement"], error.attrs["margin"] = model.errors.displacement, model.errors.margin
     error.attrs["unit"] = "m"
+    if model.errors.mesh is not None:
+        error.attrs["mesh"] = json.dumps(asdict(model.errors.mesh))
     if model.has_obstacle:
         aligned = [*tensions, ("s", "-")]
         contact = file.create_group("contact")
@@ -105,6 +109,14 @@ def _write_form(group: h5py.Group, form: Separated, axes: list[tuple[str, str]],
         checked_file.dataset(group, f"slopes_{a}", form.slopes[a], f"1/{axis_unit}")
 
 
+def _read_mesh_error(error: h5py.Group) -> MeshError | None:
+    if "mesh" not in error.attrs:
+        return None
+    shares: dict[str, Any] = json.loads(error.attrs["mesh"])
+    shares |= {name: tuple(one) for name, one in shares.items() if isinstance(one, list)}
+    return MeshError(**shares)
+
+
 def _read(file: h5py.File) -> dict[str, Any]:
     plain = {name: json.loads(file.attrs[name]) for name in PLAIN}
     obstacle = plain["parameters"][-1]["name"] == "d"
@@ -141,6 +153,7 @@ def _read(file: h5py.File) -> dict[str, Any]:
             touch_distance=float(error.attrs["touch_distance"]),
             contact=contact,
             margin=float(error.attrs["margin"]),
+            mesh=_read_mesh_error(error),
         ),
         "displacements": field,
         "lead": int(file.attrs["lead"]),

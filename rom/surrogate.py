@@ -65,14 +65,16 @@ class Surrogate(PickledByFields, Components):
 
     @property
     def native(self) -> dict[str, Any]:
-        """What compiled controllers ask: the arrays, and how its errors in contact grow."""
+        """What compiled controllers ask: the arrays, how its errors in contact grow, and what its mesh adds."""
         contact = self.errors.contact
-        return {"kernel": self.kernel, "rates": contact, "columns": contact.shape[1], "margin": self.errors.margin}
+        known = {"kernel": self.kernel, "rates": contact, "columns": contact.shape[1], "margin": self.errors.margin}
+        mesh = self.errors.mesh
+        return known | ({} if mesh is None else {"mesh": np.array([*mesh.contact_force, *mesh.pad_pressure])})
 
-    @property
-    def tip_error(self) -> float:
-        """Estimated error of the free tip [m]."""
-        return float(self.errors.tip)
+    def tip_error(self, way: float) -> float:
+        """Estimated error of the free tip [m] a way [m] from where it rests."""
+        mesh = self.errors.mesh
+        return float(self.errors.tip + (0.0 if mesh is None else mesh.tip * way))
 
     def outputs(self, points: np.ndarray) -> np.ndarray:
         """Tip [m], contact force [N], touch distance [m], and pad pressure [Pa] if known, shape (n, 5 or 6)."""
@@ -97,30 +99,37 @@ class Surrogate(PickledByFields, Components):
         """
         point = self._point(parameters, most=2)
         out, inside, _ = answer.answers(self.kernel, np.atleast_2d(point))
+        parts = self._error_parts(np.atleast_2d(point), out)
         if point.ndim == 1:
             out, inside = out[0], inside[0]
+            parts = {kind: {name: error[0] for name, error in part.items()} for kind, part in parts.items()}
         return Answer(
             tip=out[..., :3],
             contact_force=out[..., answer.FORCE],
             touch_distance=out[..., answer.TOUCH],
             pad_pressure=out[..., answer.PAD] if self.has_pad else None,
-            error=self._error(point, out),
+            error={name: sum(part[name] for part in parts.values()) for name in parts["surrogate"]},
             inside=inside,
+            error_parts=parts,
         )
 
-    def _error(self, point: np.ndarray, out: np.ndarray) -> dict[str, Any]:
-        touch, errors = out[..., answer.TOUCH], self.errors
-        contact_errors = answer.contact_errors(
-            self.kernel, errors.contact, errors.margin, np.atleast_2d(point), np.atleast_1d(touch)
-        ).reshape(*touch.shape, errors.contact.shape[1])
-        found = {
-            "tip": errors.tip + contact_errors[..., 0],
-            "contact_force": contact_errors[..., 1],
+    def _error_parts(self, points: np.ndarray, out: np.ndarray) -> dict[str, dict[str, np.ndarray]]:
+        """The surrogate's part of its errors at points, shape (n, p), and the mesh's, if that is known; shapes (n,)."""
+        touch, errors = out[:, answer.TOUCH], self.errors
+        contact_errors = answer.contact_errors(self.kernel, errors.contact, errors.margin, points, touch)
+        own = {
+            "tip": errors.tip + contact_errors[:, 0],
+            "contact_force": contact_errors[:, 1],
             "touch_distance": np.full_like(touch, errors.touch_distance),
         }
         if self.has_pad:
-            found["pad_pressure"] = contact_errors[..., 3]
-        return found | ({"displacement": errors.displacement + contact_errors[..., 2]} if self.has_field else {})
+            own["pad_pressure"] = contact_errors[:, 3]
+        if self.has_field:
+            own["displacement"] = errors.displacement + contact_errors[:, 2]
+        if errors.mesh is None:
+            return {"surrogate": own}
+        mesh = errors.mesh.of(self.kernel, points, out)
+        return {"surrogate": own, "mesh": {name: mesh[name] for name in own}}
 
     def free_values(self, tensions: np.ndarray) -> np.ndarray:
         """Tip and heights in free space [m], shape (n, 3 + heights), at tensions, shape (n, tensions) [N]."""

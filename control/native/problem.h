@@ -75,6 +75,18 @@ static inline void control_ask(control_problem *problem, const double *tensions,
     }
 }
 
+/* What the mesh of a surrogate adds to the error of the force or pressure that was asked for last; 0 if not known. */
+static inline double control_mesh_error(const control_problem *problem)
+{
+    const control_finger *finger = problem->finger;
+    const double *out = problem->out, *shares = finger->mesh;
+    const int p = problem->parameters;
+    if (!shares || !finger->has_obstacle) return 0.0;
+    if (finger->row != FINGERFEM_FORCE) shares += 2;
+    const double way = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]);
+    return shares[0] * out[finger->row] + shares[1] * way * fabs(problem->jacobian[p * finger->row + p - 1]);
+}
+
 /* Estimated error of the contact force [N] or pad pressure [Pa] that was asked for last, inside the box. */
 static inline double control_force_error(const control_problem *problem)
 {
@@ -83,7 +95,7 @@ static inline double control_force_error(const control_problem *problem)
     if (problem->touching) return fingerfem_touch_error(problem->touching, problem->out, problem->jacobian);
     fingerfem_contact_error(finger->kernel, finger->rates, finger->columns, finger->margin, problem->point,
                             problem->out[FINGERFEM_TOUCH], found);
-    return found[finger->row == FINGERFEM_FORCE ? 1 : 3];
+    return found[finger->row == FINGERFEM_FORCE ? 1 : 3] + control_mesh_error(problem);
 }
 
 /* Whether the model knows its answer at tensions and a distance. */

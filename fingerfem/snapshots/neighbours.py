@@ -1,7 +1,8 @@
 """States of a training set that held-out states begin at: fewer iterations lead from there than from rest.
 
-A converged state does not depend on where it began, to its tolerance
-(`tests/fingerfem/snapshots/test_held_out.py` compares).
+The set may be of the same finger on another mesh: its states are brought to this one, and solved there first. A
+converged state does not depend on where it began, to its tolerance (`tests/fingerfem/snapshots/lines/test_held_out.py`
+compares).
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rom.snapshots import mesh_transfer
 from rom.snapshots.snapshot_set import Description, SnapshotError, SnapshotSet
 
 
@@ -25,6 +27,10 @@ class Neighbour(NamedTuple):
 class Neighbours:
     """The free and the contact states of a training set of the same finger.
 
+    Attributes:
+        nodes: of the set's mesh, shape (nodes, 3) [m].
+        is_of_another_mesh: whether its states are no equilibria on the mesh of the set that begins there.
+
     Args:
         path: the set's folder; its states must have their displacement.
         description: of the set that begins there.
@@ -38,8 +44,10 @@ class Neighbours:
         own = snapshots.description
         if own.random:
             raise SnapshotError(f"{path}: must be a training set to begin at, got a held-out set")
-        if own.fingerprint != description.fingerprint:
-            raise SnapshotError(f"{path}: must be a set of the same scene to begin at")
+        self.is_of_another_mesh = own.fingerprint != description.fingerprint
+        if self.is_of_another_mesh:
+            mesh_transfer.check_finger(snapshots, description.scene, "the set that begins there")
+        self.nodes = snapshots.nodes
         if not own.has_field:
             raise SnapshotError(
                 f"{path}: must store the displacement to begin at, got {', '.join(own.stored) or 'none'}"

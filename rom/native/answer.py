@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,8 @@ class Answer:
             know it.
         error: the estimated one, at most exceeded by 5 % of states, by quantity in its unit, shapes as the quantities
             without components.
+        error_parts: what it is the sum of, `surrogate` and `mesh`; without the latter where the model does not know
+            what its mesh errs by, and `error` is the surrogate's alone.
         inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
             Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
     """
@@ -35,6 +37,7 @@ class Answer:
     pad_pressure: Any
     error: Mapping[str, Any]
     inside: Any
+    error_parts: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
 def rows(kernel: Any) -> int:
@@ -66,6 +69,14 @@ def answers(kernel: Any, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np
         kernel, n, pointer(points), pointer(out), pointer(inside, "uint8_t[]"), pointer(regimes, "int32_t[]")
     )
     return out, inside, regimes
+
+
+def slopes_by_distance(kernel: Any, points: np.ndarray, row: int) -> np.ndarray:
+    """Derivatives of a row of the answers by the plane's distance, shape (n,), at points, shape (n, p)."""
+    points = np.ascontiguousarray(points, float)
+    found = np.empty(len(points))
+    EVALUATION.functions.fingerfem_slopes(kernel, len(points), pointer(points), row, pointer(found))
+    return found
 
 
 def contact_errors(

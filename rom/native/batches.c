@@ -42,6 +42,16 @@ void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *
     }
 }
 
+void fingerfem_slopes(const fingerfem_kernel *kernel, int count, const double *points, int row, double *slopes)
+{
+    const int p = kernel->parameters, rows = FINGERFEM_PAD + kernel->has_pad;
+    double out[rows], jacobian[rows * p];
+    for (int i = 0; i < count; i++, points += p) {
+        fingerfem_answer(kernel, points, out, jacobian);
+        slopes[i] = jacobian[p * row + p - 1];
+    }
+}
+
 void fingerfem_contact_error(const fingerfem_kernel *kernel, const double *rates, int columns, double margin,
                              const double *point, double touch_distance, double *found)
 {

@@ -12,6 +12,9 @@ int fingerfem_answer(const fingerfem_kernel *kernel, const double *point, double
 void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *points, double *out, uint8_t *inside,
                        int32_t *regimes);
 
+/* Derivatives of a row of the answers by the plane's distance at many points, (count, parameters). */
+void fingerfem_slopes(const fingerfem_kernel *kernel, int count, const double *points, int row, double *slopes);
+
 /* How much the errors, (columns), of contact grow past touch, at a point of the box: rates, (cells, columns), by length
  * of contact path [1/m], which has a margin [m]. */
 void fingerfem_contact_error(const fingerfem_kernel *kernel, const double *rates, int columns, double margin,

@@ -81,9 +81,8 @@ class TouchedSegment(PickledByFields):
         """The trained scene."""
         return self.chain.scene
 
-    @property
-    def tip_error(self) -> float:
-        """Estimated error of the free tip [m]."""
+    def tip_error(self, way: float) -> float:
+        """Estimated error of the free tip [m], the same a way [m] from where it rests."""
         return self.chain.place_error
 
     @cached_property

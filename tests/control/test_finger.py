@@ -1,9 +1,12 @@
 """One finger: what it is asked for it does, or says that it cannot."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from control import Finger, Limits
+from rom.mesh_error import MeshError
 
 
 @pytest.fixture(scope="module")
@@ -250,3 +253,22 @@ def test_readings_in_any_memory_order_locate_the_same_plane(surrogate):
     felt = surrogate.evaluate(np.column_stack([tensions, np.full(3, 0.012)])).contact_force
     plain, turned = finger.locate(tensions, felt), finger.locate(np.asfortranarray(tensions), felt)
     assert plain.distance == turned.distance == pytest.approx(0.012, abs=1e-8)
+
+
+def test_a_motion_s_error_counts_the_mesh(surrogate):
+    """As the model's answer does, whose derivatives are compared with differences elsewhere."""
+    mesh = MeshError(tip=0.01, touch_distance=0.02, displacement=0.0, contact_force=(0.03, 0.04))
+    model = replace(surrogate, errors=replace(surrogate.errors, mesh=mesh))
+    finger = Finger(model)
+    motion = finger.hold(1.0, 0.010)
+    answer = model.evaluate([*motion.tensions, 0.010])
+    slope = abs(model.jacobian([*motion.tensions, 0.010])[3, -1])
+    by_mesh = 0.03 * answer.contact_force + 0.04 * np.linalg.norm(answer.tip) * slope
+    assert answer.error_parts["mesh"]["contact_force"] == pytest.approx(by_mesh, rel=1e-9)
+    assert motion.error == pytest.approx(answer.error["contact_force"], rel=1e-9)
+    assert motion.error > Finger(surrogate).hold(1.0, 0.010).error + 0.03
+    goal = finger.rest + answer.tip
+    assert finger.reach(goal).error == pytest.approx(surrogate.errors.tip + 0.01 * np.linalg.norm(answer.tip))
+    away = np.array([*motion.tensions, answer.touch_distance + 1e-5])  # not touched, by less than places err
+    assert 0 < model.evaluate(away).error["contact_force"] < by_mesh + 1
+    assert model.evaluate([*motion.tensions, np.inf]).error["contact_force"] == 0.0

@@ -12,6 +12,7 @@ from fingerfem.model import FingerModel
 from fingerfem.snapshots.lines.setting import Arrays, Setting
 from fingerfem.snapshots.neighbours import Neighbour, Neighbours
 from fingerfem.snapshots.recorder import Recorder
+from rom.snapshots import mesh_transfer
 from rom.snapshots.description import Line
 
 Start = Callable[[], None]
@@ -72,6 +73,10 @@ def _pressed_points(setting: Setting, line: Line) -> list[tuple[np.ndarray, np.n
     return [(point[: description.tensions], point[description.tensions :].reshape(-1, 6)) for point in points]
 
 
+def _stay() -> None:
+    """Begin where the model is."""
+
+
 class HeldOutSolver:
     """Solves held-out states from rest; or from known states near by, and from rest where these do not lead there."""
 
@@ -98,19 +103,25 @@ class HeldOutSolver:
     def _free_starts(self, tensions: np.ndarray) -> Iterator[Start]:
         near = self._neighbours
         if near is not None:
-            yield lambda: self._begin(near.free(tensions))
+            yield lambda: self._begin(near, near.free(tensions))
         yield self._model.continuation.rest
 
     def _contact_starts(self, tensions: np.ndarray, distance: float, reach: float, free: np.ndarray) -> Iterator[Start]:
         continuation, near = self._model.continuation, self._neighbours
         if near is not None and distance < reach:
-            yield lambda: self._begin(near.contact(tensions, distance))
+            yield lambda: self._begin(near, near.contact(tensions, distance))
         elif continuation.distance is None or distance <= continuation.distance:
-            yield lambda: None  # from where it is
+            yield _stay
         yield lambda: continuation.start(tensions, None, free)
 
-    def _begin(self, known: Neighbour) -> None:
-        self._model.continuation.start(known.tensions, known.distance, self._numbering.scatter(known.displacement))
+    def _begin(self, near: Neighbours, known: Neighbour) -> None:
+        continuation, displacement = self._model.continuation, known.displacement
+        if near.is_of_another_mesh:
+            bring = mesh_transfer.interpolation(near.nodes, self._numbering.nodes)
+            displacement = bring(displacement.reshape(-1, 1)).reshape(-1, 3)
+        continuation.start(known.tensions, known.distance, self._numbering.scatter(displacement))
+        if near.is_of_another_mesh:
+            continuation.advance(known.tensions, known.distance)
 
     def _bring(
         self, starts: Iterator[Start], tensions: np.ndarray, distance: float | None
@@ -122,9 +133,9 @@ class HeldOutSolver:
         """
         continuation, spent, failure = self._model.continuation, 0, None
         for start in starts:
-            start()
-            before = continuation.iterations
+            before = continuation.iterations if start is _stay else 0  # others begin to count anew
             try:
+                start()
                 continuation.advance(tensions, distance)
             except LoadNotReached as caught:
                 failure = caught

@@ -8,10 +8,12 @@ import pytest
 from farm import ROOT, run
 
 from rom.build import train
-from rom.fit.mesh_transfer import interpolation
-from rom.held_out import check, check_against
+from rom.error_model import with_mesh_error
+from rom.held_out import check, check_against, split
 from rom.separation.alternating_directions import EnrichmentOptions
+from rom.snapshots.mesh_transfer import interpolation
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+from rom.surrogate import Surrogate
 
 DRAFT = (ROOT / "scenes" / "draft.toml").read_text().split("[sampling]")[0]
 SECOND = DRAFT[DRAFT.rindex("[[tendons]]") : DRAFT.index("[obstacle]")]
@@ -26,6 +28,7 @@ def sets(tmp_path_factory):
         ("coarse", "[14, 4]", 32, ()),
         ("few", "[20, 6]", 4, ()),
         ("fresh", "[20, 6]", 4, ("--random", "24")),
+        ("coarse_held", "[14, 4]", 32, ("--random", "12")),
     ):
         scene = folder / f"{name}.toml"
         scene.write_text(f"{ONE.replace('[20, 5]', cells)}\n[sampling]\nlines = {lines}\ncontact_nodes = 6\n")
@@ -54,6 +57,36 @@ def test_few_fine_states_bring_the_fine_mesh_to_a_coarse_surrogate(sets):
     assert 0.005 < against["displacement"]["median"] < 0.1  # of the mesh, brought from node to node
     assert force["both"] < 0.01 and force["both"] < force["coarse"] / 5 and force["both"] < force["few alone"]
     assert check(model, sets["fresh"])["displacement"]["median"] < 2e-3
+
+
+def test_what_the_mesh_errs_by_is_part_of_the_error(sets, tmp_path):
+    alone = train(sets["coarse"], OPTIONS)
+    model = with_mesh_error(alone, sets["fresh"])
+    model.save(tmp_path / "model.h5")
+    assert Surrogate.load(tmp_path / "model.h5").errors.mesh == model.errors.mesh
+    points, true = (split(sets["fresh"])[1].random(name) for name in ("parameters", "contact_force"))
+    answer, before = model.evaluate(points), alone.evaluate(points)
+    for name, error in answer.error.items():
+        parts = answer.error_parts
+        assert (error == parts["surrogate"][name] + parts["mesh"][name]).all()
+        assert (parts["surrogate"][name] == before.error[name]).all()
+    report = check_against(model, sets["fresh"])
+    assert report["states"] == 12 and report["calibration_states"] == 12
+    assert report["mesh"] == {"cells": [20, 6], "order": 1}
+    for name in ("tip", "touch_distance", "displacement", "contact_force"):
+        assert report[name]["coverage"] >= 0.75, name  # of a dozen states
+    off = np.abs(answer.contact_force - true)[true > 0.1]
+    assert (off > before.error["contact_force"][true > 0.1]).mean() > 0.5  # the surrogate's own estimate tells nothing
+    assert np.median(answer.error["contact_force"][true > 0.1] / off) < 8
+    assert check(model, sets["coarse_held"])["contact_force"] == check(alone, sets["coarse_held"])["contact_force"]
+
+
+def test_states_that_begin_at_a_coarser_mesh_s_are_those_from_rest(sets, tmp_path):
+    run(2, sets["fresh"].path.parent / "fresh.toml", tmp_path / "near", "--random", "24", "--near", sets["coarse"].path)
+    near, rest = SnapshotSet(tmp_path / "near"), sets["fresh"]
+    assert not near.failures and near.iterations < rest.iterations
+    for name, bound in (("tip", 1e-8), ("contact_force", 1e-4), ("displacement", 1e-8)):
+        assert np.abs(near.random(name) - rest.random(name)).max() < bound
 
 
 def test_the_model_says_of_which_meshes_it_is(sets):

@@ -50,15 +50,17 @@ def check_finger(snapshots: SnapshotSet, scene: dict[str, Any], of: str) -> None
 
 
 def interpolation(coarse: np.ndarray, fine: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Interpolation of fields from the nodes of one mesh to those of another, both of whose nodes lie on grid lines.
+    """Interpolation of fields from the nodes of one mesh to those of another; both lie on grid lines.
 
     Args:
         coarse: places of the nodes from which, shape (nodes, 3) [m].
         fine: of those to which.
 
     Raises:
-        SnapshotError: the coarse nodes do not fill a grid.
+        SnapshotError: the coarse nodes do not fill a grid, or are of a half of the other finger.
     """
+    if (np.ptp(fine, axis=0) > np.ptp(coarse, axis=0) + 1e-9).any():
+        raise SnapshotError("both meshes must be of the same part of the finger, got a half and a whole one")
     lines = [coarse[np.unique(np.round(coarse[:, a], 9), return_index=True)[1], a] for a in range(3)]
     shape = tuple(len(line) for line in lines)
     if np.prod(shape) != len(coarse):
