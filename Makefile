@@ -1,4 +1,4 @@
-# make demo   train the draft finger, grasp, verify, report to out/demo
+# make demo   train a finger, grasp, verify, report to out/demo
 # make test   tests, lint, types, import contracts; make test-long  the repetitions of faults, and what takes long
 # make docs   measure anew what README and docs/ show; make readme  README's numbers alone
 # make model  rom/finger.h5, the trained finger that comes with the repository; make wheel  dist/*.whl
@@ -20,7 +20,7 @@ demo:
 # The tests in the environment train the draft finger once, in out/tests; those without DOLFINx use it again.
 test: .venv/ready
 	rm -rf out/tests
-	docker/run python3 studies/demo.py out/tests
+	docker/run python3 studies/demo.py out/tests scenes/draft.toml
 	docker/run python3 -m pytest -q $(BOTH_CORES) tests/fingerfem tests/studies
 	docker/run mpirun -n 2 python3 -m pytest -q -m mpi
 	.venv/bin/ruff check .
@@ -35,7 +35,7 @@ test-long: out/tests/report.json
 	docker/run python3 -m pytest -q $(BOTH_CORES) tests/rom tests/control
 
 out/tests/report.json:
-	docker/run python3 studies/demo.py out/tests
+	docker/run python3 studies/demo.py out/tests scenes/draft.toml
 
 # README's numbers and picture, from the last demo.
 readme: demo

@@ -202,12 +202,42 @@ def accuracy(report: dict[str, Any]) -> dict[str, dict[str, Any]]:
     }
 
 
+def compared(coarse: SnapshotSet, fine: SnapshotSet) -> dict[str, Any]:
+    """What a mesh alone errs by: states of one held-out set against those at the same parameters on a finer mesh.
+
+    Returns:
+        by quantity what `check` says of it, without coverage; number of states; cells and order of the finer mesh.
+    """
+    rows = {point.tobytes(): k for k, point in enumerate(coarse.random("parameters"))}
+    shared = [(rows[key], k) for k, point in enumerate(fine.random("parameters")) if (key := point.tobytes()) in rows]
+    own, other = np.array(shared, int).reshape(-1, 2).T
+
+    def both(name: str) -> tuple[np.ndarray, np.ndarray]:
+        return coarse.random(name)[own], fine.random(name)[other]
+
+    mesh = fine.description.scene["mesh"]
+    found: dict[str, Any] = {"states": len(own), "mesh": {key: mesh[key] for key in ("cells", "order")}}
+    ours, true = both("tip")
+    found["tip"] = _statistics(_norm(ours - true), _norm(true))
+    if coarse.description.has_field and fine.description.has_field:
+        brought = _brought(coarse.nodes, fine.nodes)
+        ours, true = both("displacement")
+        true = true.reshape(len(own), -1)
+        found["displacement"] = _statistics(_norm(np.array([brought(one).ravel() for one in ours]) - true), _norm(true))
+    if coarse.description.has_obstacle:
+        for name, least in (("touch_distance", -np.inf), ("contact_force", FELT)):
+            ours, true = both(name)
+            counted = true > least
+            found[name] = _statistics(np.abs(ours - true)[counted], np.abs(true)[counted])
+    return found
+
+
 def _norm(values: np.ndarray) -> np.ndarray:
     return np.linalg.norm(values, axis=1)
 
 
-def _statistics(absolute: np.ndarray, size: np.ndarray, estimate: np.ndarray) -> dict[str, float]:
-    """Of errors in a quantity's unit, its sizes, and what the model estimates its errors at, shapes (states,)."""
+def _statistics(absolute: np.ndarray, size: np.ndarray, estimate: np.ndarray | None = None) -> dict[str, float]:
+    """Of errors in a quantity's unit, its sizes, and what a model estimates its errors at, shapes (states,)."""
     if not absolute.size:
         return {"count": 0}
     relative = absolute / np.maximum(size, np.finfo(float).tiny)
@@ -217,5 +247,4 @@ def _statistics(absolute: np.ndarray, size: np.ndarray, estimate: np.ndarray) ->
         "p95": float(np.percentile(relative, 95)),
         "max": float(relative.max()),
         "p95_absolute": float(np.percentile(absolute, 95)),
-        "coverage": float(np.mean(absolute <= estimate)),
-    }
+    } | ({} if estimate is None else {"coverage": float(np.mean(absolute <= estimate))})

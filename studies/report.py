@@ -57,27 +57,35 @@ def table(header: list[str], rows: list[list[str]]) -> str:
     return f"<table><tr>{head}</tr>{body}</table>"
 
 
+def mesh_name(mesh: dict) -> str:
+    """A mesh for people."""
+    return f"{mesh['cells'][0]} x {mesh['cells'][1]} cells of order {mesh['order']}"
+
+
 def error_rows(numbers: dict) -> list[list[str]]:
-    """Held-out error by quantity."""
+    """Error by quantity: of the surrogate, of the mesh, and of both together."""
     named = {
         "tip": "tip displacement",
         "displacement": "displacement field",
         "touch_distance": "touch distance",
         "contact_force": "contact force",
     }
+    parts = (("surrogate", "errors"), ("mesh", "mesh_errors"), ("both together", "total_errors"))
     return [
         [
             title,
+            part,
             str(row["count"]),
             *(f"{100 * row[name]:.2g}%" for name in ("median", "p95", "max")),
-            f"{row['coverage']:.0%}",
+            f"{row['coverage']:.0%}" if "coverage" in row else "",
         ]
         for quantity, title in named.items()
-        if (row := numbers["errors"][quantity])["count"]
+        for part, key in parts
+        if (row := numbers[key].get(quantity, {"count": 0}))["count"]
     ]
 
 
-ERROR_HEADER = ["relative error of", "states", "median", "95th percentile", "largest", "within its estimate"]
+ERROR_HEADER = ["relative error of", "by", "states", "median", "95th percentile", "largest", "within its estimate"]
 
 
 def hold_rows(numbers: dict) -> list[list[str]]:
@@ -155,8 +163,10 @@ three full-order fingers, and the full-order model verified every answer. The wh
 <h2>The finger</h2>
 <img src="s11.png" alt="deformed finger, four load cases">
 <p>Axial second Piola-Kirchhoff stress S11 of four load cases; the plate is grey, the obstacle tan.</p>
-<h2>Surrogate against {numbers["errors"]["states"]} held-out full-order states</h2>
-<p>{numbers["errors"]["calibration_states"]} other held-out states calibrated its estimated errors.</p>
+<h2>How far from the truth</h2>
+<p>The surrogate against {numbers["errors"]["states"]} held-out full-order states of its own mesh; {numbers["errors"]["calibration_states"]} others calibrated its estimated errors.
+The mesh against {mesh_name(numbers["total_errors"]["mesh"])}, the same {numbers["mesh_errors"]["states"]} states on both. Both together: the surrogate against
+{numbers["total_errors"]["states"]} states of the finer mesh; {numbers["total_errors"]["calibration_states"]} others told it what its mesh errs by.</p>
 {table(ERROR_HEADER, error_rows(numbers))}
 <p>Touch decided right in {touch["count"] - touch["wrong"]} of {touch["count"]} states ({touch["right"]:.1%}); contact force is compared
 in the {contacts["count"]} states that touch. Separated terms: {", ".join(f"{name} {n}" for name, n in numbers["errors"]["terms"].items())};

@@ -1,4 +1,4 @@
-"""The trained draft finger that tests share; `make test` makes it first, by `python3 studies/demo.py out/tests`."""
+"""The trained draft finger that tests share; `make test` makes it first, by TRAIN."""
 
 import json
 from pathlib import Path
@@ -10,6 +10,7 @@ settings.register_profile("no clock", deadline=None, derandomize=True)  # tests 
 settings.load_profile("no clock")
 
 ROOT = Path(__file__).resolve().parents[1]
+TRAIN = "docker/run python3 studies/demo.py out/tests scenes/draft.toml"
 
 
 @pytest.fixture(scope="session")
@@ -17,7 +18,7 @@ def demo() -> Path:
     folder = ROOT / "out" / "tests"
     if not (folder / "report.json").exists():
         pytest.fail(
-            "these tests need the trained draft finger: make test, or docker/run python3 studies/demo.py out/tests"
+            f"these tests need the trained draft finger: make test, or {TRAIN}"
         )
     return folder
 
