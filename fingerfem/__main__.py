@@ -1,4 +1,4 @@
-"""python3 -m fingerfem solve | snapshots | status | retry | render | doctor."""
+"""python3 -m fingerfem solve | certify | snapshots | status | retry | render | doctor."""
 
 from __future__ import annotations
 
@@ -100,6 +100,21 @@ def solve(
 
         write_vtu(model, state, paraview)
     finish(state.as_json(), as_json, rank=comm.rank)
+
+
+@app.command()
+def certify(
+    model_file: Annotated[Path, typer.Argument(metavar="MODEL.h5", help="A surrogate that knows the displacement.")],
+    loads: Annotated[list[str] | None, typer.Argument(help="F1=50 F2=0 [N], d=0.005 [m] (or no plane).")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Solve with the full-order model, from the surrogate's own field, what the surrogate answers: is it true?"""
+    from fingerfem.certify import Certifier
+    from rom.surrogate import Surrogate
+
+    certifier = Certifier(Surrogate.load(model_file))
+    found = certifier.certify(**read_loads(certifier.full_order.scene, loads or []))
+    finish(found.as_json(), as_json, 0 if found.covered else NOTHING_USABLE)
 
 
 @app.command()

@@ -17,9 +17,7 @@ TRAIN = "docker/run python3 studies/demo.py out/tests scenes/draft.toml"
 def demo() -> Path:
     folder = ROOT / "out" / "tests"
     if not (folder / "report.json").exists():
-        pytest.fail(
-            f"these tests need the trained draft finger: make test, or {TRAIN}"
-        )
+        pytest.fail(f"these tests need the trained draft finger: make test, or {TRAIN}")
     return folder
 
 

@@ -22,7 +22,7 @@ class Geometry(Table):
     """The finger along x, clamped at x = 0, of square section; each segment ends in a plate."""
 
     side: Length
-    segments: Annotated[list[Length], Field(min_length=1, max_length=2)]
+    segments: Annotated[list[Length], Field(min_length=1, max_length=8)]
     plate: Length
     channel: Length | None = None  # width of the square column of cells that carries a tendon; side / 5 if absent
 

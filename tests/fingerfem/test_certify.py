@@ -1,0 +1,66 @@
+"""What a surrogate answers beside the full-order model that begins at its field."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from farm import ROOT
+
+from fingerfem import FingerModel, load_scene
+from fingerfem.certify import Certifier
+
+
+@pytest.fixture(scope="module")
+def certificates(surrogate):
+    certifier, (lower, upper) = Certifier(surrogate), surrogate.limits
+    points = lower + np.random.default_rng(0).random((24, 3)) * (upper - lower)
+    return points, [certifier.certify(point[:-1], float(point[-1])) for point in points]
+
+
+def test_the_truth_is_that_from_rest(certificates):
+    full_order = FingerModel(load_scene(ROOT / "scenes" / "draft.toml"))
+    began = {one.began for one in certificates[1]}
+    assert {"field", "free"} <= began
+    for kind in sorted(began):
+        point, found = next(pair for pair in zip(*certificates, strict=True) if pair[1].began == kind)
+        state = full_order.solve(point[:-1], point[-1], sensitivities=False)
+        assert np.abs(state.tip - found.tip).max() < 1e-8
+        assert abs(state.contact_force - found.contact_force) < 1e-4
+
+
+def test_most_need_a_few_factorisations_and_are_covered(certificates):
+    found = certificates[1]
+    assert np.median([one.factorisations for one in found]) <= 4
+    assert np.mean([one.began == "field" for one in found]) > 0.6
+    assert np.mean([one.covered for one in found]) >= 0.85
+    assert sum(one.contact_force > 0 for one in found) > 8
+
+
+def test_a_free_finger_is_certified_too(surrogate):
+    found = Certifier(surrogate).certify([40.0, 10.0])
+    assert found.contact_force is None and found.factorisations <= 4
+    assert found.errors["tip"] < 1e-5 and found.covered
+
+
+def run(*words: str) -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "fingerfem", "certify", *map(str, words)]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+
+
+def test_the_command_prints_both_answers_and_refuses_in_one_line(demo):
+    done = run(demo / "finger.h5", "F1=50", "F2=20", "d=0.010", "--json")
+    found = json.loads(done.stdout)
+    assert done.returncode == 0 and found["covered"] and found["inside"]
+    force = found["contact_force"]
+    assert force["error"] == pytest.approx(abs(force["surrogate"] - force["full_order"]))
+    assert force["error"] <= force["estimated_error"]
+    shown = run(demo / "finger.h5", "F1=50", "F2=20", "d=0.010")
+    assert shown.returncode == 0 and "estimated_error" in shown.stdout
+    for words, said in (
+        ((demo / "finger.h5", "F1=500"), "F1 must lie in [0, 100] N"),
+        ((ROOT / "rom" / "finger.h5", "F1=5"), "must know the displacement"),
+    ):
+        done = run(*words)
+        assert done.returncode == 2 and said in done.stderr and len(done.stderr.splitlines()) == 1
