@@ -227,6 +227,9 @@ def show_surrogate(found: dict, as_json: bool) -> None:
     nodes = f"displacement of {found['nodes']:,} nodes" if isinstance(found["nodes"], int) else found["nodes"]
     lines = [f"{found['scene']}: {terms} from {made['states']} states; {nodes}", *parameter_lines(found["parameters"])]
     measured = errors(found["accuracy"]) if isinstance(found["accuracy"], dict) else [f"accuracy {found['accuracy']}"]
+    if "against_finer_mesh" in found["accuracy"]:
+        mesh = " x ".join(map(str, made["mesh_error"]["cells"])) + f" cells of order {made['mesh_error']['order']}"
+        measured += [f"mesh and surrogate together, against {mesh}:", *errors(found["accuracy"]["against_finer_mesh"])]
     show(found, [*lines, *measured], as_json)
 
 

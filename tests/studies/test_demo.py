@@ -42,3 +42,15 @@ def test_the_report_shows_its_pictures_and_numbers(report, demo):
         assert (demo / picture).stat().st_size > 10_000
     assert f"{100 * report['errors']['contact_force']['median']:.2g}%" in page
     assert json.loads((demo / "report.json").read_text()) == report
+
+
+def test_the_mesh_s_part_of_the_error_is_measured_and_estimated(report, surrogate):
+    mesh, total = report["mesh_errors"], report["total_errors"]
+    assert mesh["states"] == 24 and total["states"] == total["calibration_states"] == 12
+    assert mesh["mesh"] == total["mesh"] == {"cells": [10, 5], "order": 2}
+    # Of the draft mesh by far the larger part.
+    assert mesh["contact_force"]["median"] > 10 * report["errors"]["contact_force"]["median"]
+    for name in ("tip", "touch_distance", "contact_force"):
+        assert total[name]["coverage"] >= 0.8, name
+    assert surrogate.errors.mesh is not None
+    assert surrogate.accuracy["against_finer_mesh"]["contact_force"] == total["contact_force"]
