@@ -45,7 +45,8 @@ readme: demo
 model:
 	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/standard.toml out/model/training
 	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/standard.toml out/model/heldout --random 50 --distances 4 --seed 2018
-	docker/run python3 -m rom build out/model/training -o rom/finger.h5 --held-out out/model/heldout
+	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/finer.toml out/model/finer --random 40 --seed 2019
+	docker/run python3 -m rom build out/model/training -o rom/finger.h5 --held-out out/model/heldout --finer out/model/finer
 
 # What a machine without a C compiler installs: dist/*.whl.
 wheel:

@@ -131,7 +131,8 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
 
     What the surrogate's own estimate leaves of its distance from these states is what the mesh errs by. Shares of it
     (rom.mesh_error) are scaled to the conformal quantile: states drawn like these are covered with 95 % probability if
-    there are 19 of them or more. It does not hold for states that somebody chose.
+    there are 19 of them or more; the estimate from fewer is doubled, and promises nothing. Nor does it promise anything
+    for states that somebody chose.
 
     Raises:
         SnapshotError: not a held-out set of the same finger on a finer mesh.
@@ -177,9 +178,14 @@ def _shares(off: np.ndarray, force: np.ndarray, by_place: np.ndarray) -> tuple[f
 
 
 def _conformal(ratios: np.ndarray) -> float:
-    """The smallest of these that covers a further one of their kind with 95 % probability; the largest if few."""
+    """The smallest of these that covers a further one of their kind with 95 % probability.
+
+    Of fewer than 19 none does: then it is the largest, doubled.
+    """
+    if not len(ratios):
+        return 0.0
     rank = int(np.ceil((len(ratios) + 1) * COVERAGE / 100))
-    return float(np.sort(ratios)[min(rank, len(ratios)) - 1]) if len(ratios) else 0.0
+    return float(np.sort(ratios)[rank - 1] if rank <= len(ratios) else 2 * np.max(ratios))
 
 
 def _scale(true: np.ndarray, estimated: np.ndarray) -> float:

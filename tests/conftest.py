@@ -1,6 +1,7 @@
 """The trained draft finger that tests share; `make test` makes it first, by TRAIN."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -28,9 +29,11 @@ def report(demo) -> dict:
 
 @pytest.fixture(scope="session")
 def surrogate(demo):
+    """As it errs on its own mesh: what the draft mesh errs by hides all else."""
     from rom import Surrogate
 
-    return Surrogate.load(demo / "finger.h5")
+    found = Surrogate.load(demo / "finger.h5")
+    return replace(found, errors=replace(found.errors, mesh=None))
 
 
 @pytest.fixture(scope="session")
