@@ -210,7 +210,8 @@ def check_lines(report: dict) -> list[str]:
     if "against" in report:
         mesh = report["against"]["mesh"]
         cells = " x ".join(map(str, mesh["cells"]))
-        lines.append(f"against {cells} cells of order {mesh['order']}, mesh and surrogate together:")
+        taught = ", which told the model what its mesh errs by" if report["against"]["taught"] else ""
+        lines.append(f"against {cells} cells of order {mesh['order']}{taught}, mesh and surrogate together:")
         lines += check_lines(report["against"])
     return lines
 

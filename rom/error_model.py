@@ -127,22 +127,21 @@ def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
 
 
 def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
-    """The model that knows what its mesh errs by, from one half of a held-out set of the same finger on a finer mesh.
+    """The model that knows what its mesh errs by, from a held-out set of the same finger on a finer mesh.
 
     What the surrogate's own estimate leaves of its distance from these states is what the mesh errs by. Shares of it
     (rom.mesh_error) are scaled to the conformal quantile: states drawn like these are covered with 95 % probability if
     there are 19 of them or more; the estimate from fewer is doubled, and promises nothing. Nor does it promise anything
-    for states that somebody chose.
+    for states that somebody chose. Whether it holds, another such set tells (`rom.held_out.check_against`).
 
     Raises:
         SnapshotError: not a held-out set of the same finger on a finer mesh.
     """
     check_finer(model, finer)
-    own, _ = split(finer)
-    points = own.random("parameters")
+    points = finer.random("parameters")
     found, estimated = model.evaluate(points), model.evaluate(points).error_parts["surrogate"]
     out = model.outputs(points)
-    left = {name: np.maximum(off - estimated[name], 0.0) for name, off in differences(model, own).items()}
+    left = {name: np.maximum(off - estimated[name], 0.0) for name, off in differences(model, finer).items()}
     size = np.linalg.norm(found.tip, axis=1)
     shares: dict[str, Any] = dict.fromkeys(PLACES, 0.0)
     shares |= {name: _conformal(left[name] / size) for name in PLACES if name in left}

@@ -62,22 +62,21 @@ def check_against(model: Surrogate, finer: SnapshotSet, progress: Progress = qui
     """Compare a surrogate with held-out states of the same finger on another mesh: mesh and surrogate err together.
 
     Returns:
-        what `check` does of errors and touch decisions; cells and order of the set's mesh.
+        what `check` does of errors and touch decisions; cells and order of the set's mesh; and whether the model was
+        taught by it what its mesh errs by, in which case there is no coverage.
 
     Raises:
         SnapshotError: see `check_finer`.
     """
     check_finer(model, finer)
-    used = model.provenance.get("mesh_error", {})
-    if used.get("set") == finer.description.held_out_id:
-        _, finer = split(finer)
     found = _errors(model, finer, progress, "mesh")
-    if model.errors.mesh is None:
+    taught = model.provenance.get("mesh_error", {}).get("set") == finer.description.held_out_id
+    if taught or model.errors.mesh is None:
         for one in found.values():
             if isinstance(one, dict):
-                one.pop("coverage", None)  # estimated errors know of the surrogate's part alone
+                one.pop("coverage", None)  # the estimates know nothing of the mesh, or have seen these states
     mesh = finer.description.scene["mesh"]
-    return found | {"mesh": {key: mesh[key] for key in ("cells", "order")}, "calibration_states": used.get("states", 0)}
+    return found | {"mesh": {key: mesh[key] for key in ("cells", "order")}, "taught": taught}
 
 
 def check_finer(model: Surrogate, finer: SnapshotSet) -> None:

@@ -36,7 +36,7 @@ def measured(numbers: dict) -> str:
 The demo's finger (`scenes/demo.toml`, {report.mesh_name(numbers["scene"]["mesh"])}, {numbers["unknowns"]:,} unknowns), trained on {training["states"]} full-order states
 ({training["newton_iterations"] / training["states"]:.1f} Newton iterations per state, {training["failed"]} failed). *Surrogate*: against {numbers["errors"]["states"]} held-out random states of its own
 mesh ({numbers["errors"]["calibration_states"]} others calibrated its estimated errors). *Mesh*: {numbers["mesh_errors"]["states"]} random states on it against the same on {report.mesh_name(numbers["total_errors"]["mesh"])}. *Both
-together*: the surrogate against {numbers["total_errors"]["states"]} states on the finer mesh ({numbers["total_errors"]["calibration_states"]} others told it what its mesh errs by). Contact forces above 0.1 N:
+together*: the surrogate against these on the finer mesh, which also tell it what its mesh errs by. Contact forces above 0.1 N:
 
 {table(report.ERROR_HEADER, report.error_rows(numbers))}
 

@@ -165,8 +165,8 @@ three full-order fingers, and the full-order model verified every answer. The wh
 <p>Axial second Piola-Kirchhoff stress S11 of four load cases; the plate is grey, the obstacle tan.</p>
 <h2>How far from the truth</h2>
 <p>The surrogate against {numbers["errors"]["states"]} held-out full-order states of its own mesh; {numbers["errors"]["calibration_states"]} others calibrated its estimated errors.
-The mesh against {mesh_name(numbers["total_errors"]["mesh"])}, the same {numbers["mesh_errors"]["states"]} states on both. Both together: the surrogate against
-{numbers["total_errors"]["states"]} states of the finer mesh; {numbers["total_errors"]["calibration_states"]} others told it what its mesh errs by.</p>
+The mesh: {numbers["mesh_errors"]["states"]} states on it against the same on {mesh_name(numbers["total_errors"]["mesh"])}. Both together: the surrogate against these on the
+finer mesh, which also tell it what its mesh errs by.</p>
 {table(ERROR_HEADER, error_rows(numbers))}
 <p>Touch decided right in {touch["count"] - touch["wrong"]} of {touch["count"]} states ({touch["right"]:.1%}); contact force is compared
 in the {contacts["count"]} states that touch. Separated terms: {", ".join(f"{name} {n}" for name, n in numbers["errors"]["terms"].items())};

@@ -48,12 +48,11 @@ def test_the_report_shows_its_pictures_and_numbers(report, demo):
 
 def test_the_mesh_s_part_of_the_error_is_measured_and_estimated(report, demo):
     mesh, total = report["mesh_errors"], report["total_errors"]
-    assert mesh["states"] == 24 and total["states"] == total["calibration_states"] == 12
+    assert mesh["states"] == total["states"] == 24 and total["taught"]
     assert mesh["mesh"] == total["mesh"] == {"cells": [10, 5], "order": 2}
     # Of the draft mesh by far the larger part.
     assert mesh["contact_force"]["median"] > 10 * report["errors"]["contact_force"]["median"]
-    for name in ("tip", "touch_distance", "contact_force"):
-        assert total[name]["coverage"] >= 0.8, name
+    assert total["contact_force"]["median"] == pytest.approx(mesh["contact_force"]["median"], rel=0.2)
     model = Surrogate.load(demo / "finger.h5")
     assert model.errors.mesh is not None
     assert model.accuracy["against_finer_mesh"]["contact_force"] == total["contact_force"]
