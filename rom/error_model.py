@@ -131,7 +131,7 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
 
     What the surrogate's own estimate leaves of its distance from these states is what the mesh errs by. Shares of it
     (rom.mesh_error) are scaled to the conformal quantile: states drawn like these are covered with 95 % probability if
-    there are 19 of them or more; the estimate from fewer is doubled, and promises nothing. Nor does it promise anything
+    there are 19 of them or more, with n / (n + 1) if there are n. Nothing is promised
     for states that somebody chose. Whether it holds, another such set tells (`rom.held_out.check_against`).
 
     Raises:
@@ -179,12 +179,12 @@ def _shares(off: np.ndarray, force: np.ndarray, by_place: np.ndarray) -> tuple[f
 def _conformal(ratios: np.ndarray) -> float:
     """The smallest of these that covers a further one of their kind with 95 % probability.
 
-    Of fewer than 19 none does: then it is the largest, doubled.
+    Of n fewer than 19 none does: the largest covers it with the probability n / (n + 1).
     """
     if not len(ratios):
         return 0.0
     rank = int(np.ceil((len(ratios) + 1) * COVERAGE / 100))
-    return float(np.sort(ratios)[rank - 1] if rank <= len(ratios) else 2 * np.max(ratios))
+    return float(np.sort(ratios)[min(rank, len(ratios)) - 1])
 
 
 def _scale(true: np.ndarray, estimated: np.ndarray) -> float:
