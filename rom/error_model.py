@@ -23,7 +23,7 @@ from rom.fit.free_response import FreeResponse
 from rom.held_out import check_finer, differences, split
 from rom.mesh_error import MeshError, place_errors
 from rom.native import answer
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.snapshots.training_states import TrainingStates
 from rom.surrogate import Surrogate
 
@@ -36,6 +36,7 @@ FEW_STATES, LEAST_FACTOR = 20, 1e-3  # calibration states that scale nothing; fa
 UNCALIBRATED = 4.0  # factor on the rates as long as no calibration states have scaled them
 IDLE = 0.01  # of the middle error of a pad, that it has at least where it bears nothing
 MOSTLY = 0.9  # of states whose mesh's error a first estimate covers, before it is scaled
+FEWEST = 3  # states on a finer mesh that touch
 LEAST_PLACE = 1e-6  # of the tip's way, that places err by at least where a mesh is judged [-]
 MARGIN = 1e-3  # share of the range of d: contact paths below which errors do not become smaller
 
@@ -131,16 +132,18 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
 
     What the surrogate's own estimate leaves of its distance from these states is what the mesh errs by. Shares of it
     (rom.mesh_error) are scaled to the conformal quantile: states drawn like these are covered with 95 % probability if
-    there are 19 of them or more, with n / (n + 1) if there are n. Nothing is promised
-    for states that somebody chose. Whether it holds, another such set tells (`rom.held_out.check_against`).
+    there are 19 of them or more, with n / (n + 1) if there are n. Nothing is promised for states that somebody chose.
+    Whether it holds, another such set tells (`rom.held_out.check_against`).
 
     Raises:
-        SnapshotError: not a held-out set of the same finger on a finer mesh.
+        SnapshotError: not a held-out set of the same finger on a finer mesh, or too few states in it that touch.
     """
     check_finer(model, finer)
     points = finer.random("parameters")
     found, estimated = model.evaluate(points), model.evaluate(points).error_parts["surrogate"]
     out = model.outputs(points)
+    if model.has_obstacle and (out[:, answer.FORCE] > 0).sum() < FEWEST:
+        raise SnapshotError(f"{finer.path}: must have {FEWEST} states that touch, or nothing tells what forces err by")
     left = {name: np.maximum(off - estimated[name], 0.0) for name, off in differences(model, finer).items()}
     size = np.linalg.norm(found.tip, axis=1)
     shares: dict[str, Any] = dict.fromkeys(PLACES, 0.0)

@@ -84,6 +84,14 @@ def test_what_the_mesh_errs_by_is_part_of_the_error(sets, tmp_path):
     assert check(model, sets["coarse_held"])["contact_force"] == check(alone, sets["coarse_held"])["contact_force"]
 
 
+def test_a_finer_set_that_does_not_touch_tells_nothing_of_forces(sets):
+    free = [
+        task for task in sets["fresh"].plan.lines if not (sets["fresh"].only([task]).random("contact_force") > 0).any()
+    ]
+    with pytest.raises(SnapshotError, match="states that touch"):
+        with_mesh_error(train(sets["coarse"], OPTIONS), sets["fresh"].only(free))
+
+
 def test_states_that_begin_at_a_coarser_mesh_s_are_those_from_rest(sets, tmp_path):
     run(2, sets["fresh"].path.parent / "fresh.toml", tmp_path / "near", "--random", "24", "--near", sets["coarse"].path)
     near, rest = SnapshotSet(tmp_path / "near"), sets["fresh"]
