@@ -68,7 +68,7 @@ def build(
         return
     from rom.build import train
     from rom.error_model import calibrated, with_mesh_error
-    from rom.held_out import accuracy, check, check_against
+    from rom.held_out import accuracy, check, check_against, check_finer
     from rom.separation.alternating_directions import EnrichmentOptions
 
     if tolerance is None:
@@ -76,13 +76,15 @@ def build(
         tolerance = expected.get("tolerance", EnrichmentOptions().tolerance)
     options = EnrichmentOptions(tolerance=tolerance, **({} if terms is None else {"terms": terms}))
     states = None if held_out is None else held_out_of(snapshots, held_out)
+    finer_states = None if finer is None else SnapshotSet(finer)
+    if finer_states is not None:
+        check_finer(snapshots.description.scene, finer_states)
     with steps() as progress:
         model = train(snapshots, options, None if coarse is None else SnapshotSet(coarse), progress=progress)
         if states is not None:
             model = calibrated(model, states)
             model = replace(model, accuracy=accuracy(check(model, states, progress)))
-        if finer is not None:
-            finer_states = SnapshotSet(finer)
+        if finer_states is not None:
             model = with_mesh_error(model, finer_states)
             total = accuracy(check_against(model, finer_states, progress))
             model = replace(model, accuracy=model.accuracy | {"against_finer_mesh": total})

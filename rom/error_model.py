@@ -138,7 +138,7 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
     Raises:
         SnapshotError: not a held-out set of the same finger on a finer mesh, or too few states in it that touch.
     """
-    check_finer(model, finer)
+    check_finer(model.scene, finer)
     points = finer.random("parameters")
     found, estimated = model.evaluate(points), model.evaluate(points).error_parts["surrogate"]
     out = model.outputs(points)

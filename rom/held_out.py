@@ -68,7 +68,7 @@ def check_against(model: Surrogate, finer: SnapshotSet, progress: Progress = qui
     Raises:
         SnapshotError: see `check_finer`.
     """
-    check_finer(model, finer)
+    check_finer(model.scene, finer)
     found = _errors(model, finer, progress, "mesh")
     taught = model.provenance.get("mesh_error", {}).get("set") == finer.description.held_out_id
     if taught or model.errors.mesh is None:
@@ -79,16 +79,16 @@ def check_against(model: Surrogate, finer: SnapshotSet, progress: Progress = qui
     return found | {"mesh": {key: mesh[key] for key in ("cells", "order")}, "taught": taught}
 
 
-def check_finer(model: Surrogate, finer: SnapshotSet) -> None:
-    """Refuse what is no held-out set of a model's finger on a finer mesh.
+def check_finer(scene: dict[str, Any], finer: SnapshotSet) -> None:
+    """Refuse what is no held-out set of a model's finger on a finer mesh than its scene's.
 
     Raises:
         SnapshotError: a training set, one of another finger, or of a mesh that is not finer.
     """
     if not finer.description.random:
         raise SnapshotError(f"{finer.path}: must be a held-out set (made with --random), got a training set")
-    mesh_transfer.check_finger(finer, model.scene, "the model")
-    mesh, own = finer.description.scene["mesh"], model.scene["mesh"]
+    mesh_transfer.check_finger(finer, scene, "the model")
+    mesh, own = finer.description.scene["mesh"], scene["mesh"]
     if _fineness(mesh) <= _fineness(own):
         cells, order = " x ".join(map(str, own["cells"])), own["order"]
         raise SnapshotError(f"{finer.path}: must be of a finer mesh than the model's {cells} cells of order {order}")
