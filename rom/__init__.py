@@ -4,8 +4,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rom.backed_segment import BackedSegment
     from rom.native.answer import Answer
+    from rom.segment.backed_segment import BackedSegment
     from rom.segment.chain import Chain
     from rom.segment.friction.history import friction_history
     from rom.segment.object_search import find_object
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 # Where each is.
 _HOMES = {
     "Answer": "rom.native.answer",
-    "BackedSegment": "rom.backed_segment",
+    "BackedSegment": "rom.segment.backed_segment",
     "Chain": "rom.segment.chain",
     "Cylinder": "rom.segment.objects",
     "Hull": "rom.segment.objects",

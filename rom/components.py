@@ -11,7 +11,7 @@ import numpy as np
 
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.fit.layout import RegimeLayout
-from rom.mesh_error import MeshError
+from rom.fit.mesh_error import MeshError
 from rom.separation.separated_form import Separated
 from rom.snapshots.contact_regimes import Code
 

@@ -20,8 +20,8 @@ from rom.fit import layout
 from rom.fit.contact_response import ContactResponse
 from rom.fit.displacement import FittedDisplacement
 from rom.fit.free_response import FreeResponse
+from rom.fit.mesh_error import MeshError, place_errors
 from rom.held_out import check_finer, differences, split
-from rom.mesh_error import MeshError, place_errors
 from rom.native import answer
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.snapshots.training_states import TrainingStates
@@ -131,9 +131,9 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
     """The model that knows what its mesh errs by, from a held-out set of the same finger on a finer mesh.
 
     What the surrogate's own estimate leaves of its distance from these states is what the mesh errs by. Shares of it
-    (rom.mesh_error) are scaled to the conformal quantile: states drawn like these are covered with 95 % probability if
-    there are 19 of them or more, with n / (n + 1) if there are n. Nothing is promised for states that somebody chose.
-    Whether it holds, another such set tells (`rom.held_out.check_against`).
+    (rom.fit.mesh_error) are scaled to the conformal quantile: states drawn like these are covered with 95 % probability
+    if there are 19 of them or more, with n / (n + 1) if there are n. Nothing is promised for states that somebody
+    chose. Whether it holds, another such set tells (`rom.held_out.check_against`).
 
     Raises:
         SnapshotError: not a held-out set of the same finger on a finer mesh, or too few states in it that touch.

@@ -14,7 +14,7 @@ from rom import checked_file
 from rom.checked_file import ModelError
 from rom.components import Components, Errors, Field, Regime
 from rom.fit.contact_coordinates import ContactCoordinates
-from rom.mesh_error import MeshError
+from rom.fit.mesh_error import MeshError
 from rom.separation.separated_form import Separated
 
 KIND, FORMAT = "fingerfem surrogate", 4

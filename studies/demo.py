@@ -33,6 +33,7 @@ from fingerfem import FingerModel, State, load_scene
 from fingerfem.certify import Certifier
 from fingerfem.full_order_plant import FullOrderPlant
 from fingerfem.output.pictures import Deformed, draw
+from fingerfem.scene.presets import KEYS
 from fingerfem.scene.scene import Scene
 from rom.build import train
 from rom.error_model import calibrated, with_mesh_error
@@ -97,7 +98,7 @@ def wait_for(words: list[str]) -> int:
 def finer_scene(scene: Scene, file: Path) -> Path:
     """The same finger on a finer mesh."""
     table = scene.model_dump(mode="json", exclude_none=True)
-    for chosen in ("preset", "accuracy", "budget", "expected"):
+    for chosen in (*KEYS, "expected"):
         table.pop(chosen, None)
     cells = list(FINER[scene.mesh.order])
     file.write_text(sets.as_toml(table | {"mesh": {"cells": cells, "order": 2}}))

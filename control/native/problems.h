@@ -15,7 +15,7 @@ typedef struct {
     const fingerfem_touching *touching;  /* of a segment and an object, or NULL */
     const double *rates;            /* (cells, columns): of the surrogate's errors in contact, see rom.components.Errors */
     double margin;                  /* likewise [m] */
-    const double *mesh; /* (4): shares of contact force, and of pad pressure, see rom.mesh_error; NULL if not known */
+    const double *mesh; /* (4): shares of contact force, and of pad pressure, see rom.fit.mesh_error; NULL if not known */
     const double *lower, *upper;    /* (tensions): limits [N] */
     int32_t columns, row;
     double unit;

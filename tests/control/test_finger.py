@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from control import Finger, Limits
-from rom.mesh_error import MeshError
+from rom.fit.mesh_error import MeshError
 
 
 @pytest.fixture(scope="module")

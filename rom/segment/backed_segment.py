@@ -8,7 +8,7 @@ what they err.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +18,9 @@ from rom.native import PickledByFields
 from rom.native.answer import Answer
 from rom.segment.objects import Plane, facing_plane
 from rom.segment.touched_segment import TouchedSegment
-from rom.surrogate import Surrogate
+
+if TYPE_CHECKING:  # segments are below the surrogate, which is only asked
+    from rom.surrogate import Surrogate
 
 SAME = ("geometry", "material", "mesh")  # parts of a scene that both were trained with
 
