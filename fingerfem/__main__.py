@@ -138,7 +138,10 @@ def snapshots(
     ] = None,
     near: Annotated[
         Path | None,
-        typer.Option(metavar="SET/", help="Begin held-out states at those of a training set, of any mesh."),
+        typer.Option(
+            metavar="SET/",
+            help="Begin held-out or pressed states at those of a training set, of any mesh, or of a segment's map.",
+        ),
     ] = None,
     progress: Annotated[
         str, typer.Option(help="bar, plain or json lines on stderr; auto: a bar on a terminal, which mpirun is not.")

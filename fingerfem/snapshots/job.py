@@ -19,7 +19,7 @@ from fingerfem.snapshots import farm
 from fingerfem.snapshots.design import HeldOut, describe
 from fingerfem.snapshots.ledger import Ledger, sentence
 from fingerfem.snapshots.lines.setting import Known
-from fingerfem.snapshots.neighbours import Neighbours
+from fingerfem.snapshots.neighbours import near
 from fingerfem.snapshots.progress import Reporter
 from fingerfem.snapshots.reuse import Donor
 from fingerfem.versions import versions
@@ -41,7 +41,7 @@ class Request:
         until: estimated relative error until which a coarse grid is refined [-].
         budget: time after which no further line is begun [s]; a coarse grid is refined so long.
         reuse: folder of a set of the same finger whose states are taken.
-        near: folder of the training set at whose states held-out ones begin.
+        near: folder of a training set, or file of a segment's map, at whose states others begin.
     """
 
     scene: Scene
@@ -57,11 +57,10 @@ class Request:
             raise ValueError(f"until must lie in (0, 1), got {self.until}")
         if self.held_out is not None and (self.refines or self.reuse is not None):
             raise ValueError(f"random must not be given with until, budget or reuse, got {self.held_out.count}")
-        if self.scene.load is not None and (self.near is not None or self.reuse is not None):
-            name = "reuse" if self.near is None else "near"
-            raise ValueError(f"{name} must be left out for a scene with a load, got {self.reuse or self.near}")
-        if self.near is not None and self.held_out is None:
-            raise ValueError(f"near must be given with random, got {self.near}")
+        if self.scene.load is not None and self.reuse is not None:
+            raise ValueError(f"reuse must be left out for a scene with a load, got {self.reuse}")
+        if self.near is not None and self.held_out is None and self.scene.load is None:
+            raise ValueError(f"near must be given with random, or for a scene with a load, got {self.near}")
 
     @property
     def refines(self) -> bool:
@@ -90,7 +89,7 @@ class Job:
         self.description = describe(request.scene, versions(), request.held_out, request.refines)
         self._known = Known(
             donor=Donor(request.reuse, self.description) if request.reuse is not None else None,
-            neighbours=Neighbours(request.near, self.description) if request.near is not None else None,
+            near=near(request.near, self.description) if request.near is not None else None,
         )
         create(folder, self.description)
         aside = set_aside_broken_rounds(folder, self.description)

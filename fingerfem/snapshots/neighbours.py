@@ -1,35 +1,73 @@
-"""States of a training set that held-out states begin at: fewer iterations lead from there than from rest.
+"""Known states that others begin at: fewer iterations lead from there than from rest.
 
-The set may be of the same finger on another mesh: its states are brought to this one, and solved there first. A
-converged state does not depend on where it began, to its tolerance (`tests/fingerfem/snapshots/lines/test_held_out.py`
-compares).
+They are those of a training set of the same finger, or what the map of a segment says. Those of another mesh are
+brought to this one, and solved there first. A converged state does not depend on where it began, to its tolerance
+(`tests/fingerfem/snapshots/lines/test_held_out.py` compares).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from fingerfem.discretisation.node_order import NodeOrder
+from fingerfem.equilibrium.failures import NotConverged
+from fingerfem.model import FingerModel
+from rom.segment.objects import facing_plane
+from rom.segment.segment_map import SegmentMap
+from rom.segment.touched_segment import TouchedSegment
 from rom.snapshots import mesh_transfer
-from rom.snapshots.snapshot_set import Description, SnapshotError, SnapshotSet
+from rom.snapshots.snapshot_set import Description, SnapshotError, SnapshotSet, read_task
 
 
-class Neighbour(NamedTuple):
-    """A state that is known: tensions, shape (tensions,) [N], d [m] or None, displacement, shape (nodes, 3) [m]."""
+class Near(Protocol):
+    """Brings a model to an equilibrium near to a state, or raises NotConverged or LoadNotReached."""
+
+    def begin(
+        self,
+        model: FingerModel,
+        numbering: NodeOrder,
+        tensions: np.ndarray,
+        distance: float | None = None,
+        wrenches: np.ndarray | None = None,
+    ) -> None:
+        """Go there.
+
+        Args:
+            model: that is brought.
+            numbering: of its nodes.
+            tensions: of the state, shape (tensions,) [N].
+            distance: of the plane, if it is touched [m].
+            wrenches: on the plates, if there are any, shape (plates, 6) [N, N m].
+        """
+
+
+def near(path: Path, description: Description) -> Near:
+    """What is known in a set's folder, or in the file of a segment's map.
+
+    Raises:
+        SnapshotError: nothing that a set of this description could begin at.
+        ModelError: no map in the file.
+    """
+    if path.is_file():
+        return KnownMap(SegmentMap.load(path), description)
+    return KnownSet(path, description)
+
+
+class _State(NamedTuple):
+    """A state that is known: tensions, shape (tensions,) [N], what else it has, displacement, shape (nodes, 3) [m]."""
 
     tensions: np.ndarray
     distance: float | None
+    wrenches: np.ndarray | None
     displacement: np.ndarray
 
 
-class Neighbours:
-    """The free and the contact states of a training set of the same finger.
-
-    Attributes:
-        nodes: of the set's mesh, shape (nodes, 3) [m].
-        is_of_another_mesh: whether its states are no equilibria on the mesh of the set that begins there.
+class KnownSet:
+    """The states of a training set of the same finger, of this mesh or another.
 
     Args:
         path: the set's folder; its states must have their displacement.
@@ -40,39 +78,122 @@ class Neighbours:
     """
 
     def __init__(self, path: str | Path, description: Description):
-        snapshots = SnapshotSet(path)
+        self._snapshots = snapshots = SnapshotSet(path)
         own = snapshots.description
         if own.random:
             raise SnapshotError(f"{path}: must be a training set to begin at, got a held-out set")
-        self.is_of_another_mesh = own.fingerprint != description.fingerprint
-        if self.is_of_another_mesh:
+        self._is_of_another_mesh = own.fingerprint != description.fingerprint
+        if self._is_of_another_mesh:
             mesh_transfer.check_finger(snapshots, description.scene, "the set that begins there")
-        self.nodes = snapshots.nodes
         if not own.has_field:
             raise SnapshotError(
                 f"{path}: must store the displacement to begin at, got {', '.join(own.stored) or 'none'}"
             )
         self._tensions = description.tensions
         self._size = np.array([parameter["upper"] - parameter["lower"] for parameter in description.parameters])
-        kinds = ("free", "contact") if description.has_obstacle else ("free",)
         self._points, self._fields = {}, {}
-        for kind in kinds:
+        if description.has_load:
+            self._points["pressed"], self._fields["pressed"] = _solved(snapshots)
+            return
+        for kind in ("free", "contact") if description.has_obstacle else ("free",):
             points, fields = (snapshots.states_of(kind, name) for name in ("parameters", "displacement"))
             known = np.isfinite(points).all(axis=1) | (kind == "free")  # where contact begins there is no plane yet
             self._points[kind], self._fields[kind] = points[known], fields[known]
 
-    def free(self, tensions: np.ndarray) -> Neighbour:
-        """The free state nearest to tensions [N]."""
-        return self._nearest("free", tensions)
+    def begin(
+        self,
+        model: FingerModel,
+        numbering: NodeOrder,
+        tensions: np.ndarray,
+        distance: float | None = None,
+        wrenches: np.ndarray | None = None,
+    ) -> None:
+        """See `Near`."""
+        known = self._nearest(tensions, distance, wrenches)
+        bring = self._bring(numbering.nodes) if self._is_of_another_mesh else None
+        field = known.displacement if bring is None else bring(known.displacement.reshape(-1, 1)).reshape(-1, 3)
+        continuation = model.continuation
+        continuation.start(known.tensions, known.distance, numbering.scatter(field), known.wrenches)
+        if bring is not None:
+            continuation.advance(known.tensions, known.distance, known.wrenches)
 
-    def contact(self, tensions: np.ndarray, distance: float) -> Neighbour:
-        """The contact state nearest to tensions [N] and a plane's distance [m]."""
-        return self._nearest("contact", np.append(tensions, distance))
+    def _bring(self, nodes: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        if self._interpolation is None:
+            self._interpolation = mesh_transfer.interpolation(self._snapshots.nodes, nodes)
+        return self._interpolation
 
-    def _nearest(self, kind: str, point: np.ndarray) -> Neighbour:
+    _interpolation: Callable[[np.ndarray], np.ndarray] | None = None  # to the nodes of the one model
+
+    def _nearest(self, tensions: np.ndarray, distance: float | None, wrenches: np.ndarray | None) -> _State:
+        if "pressed" in self._points:
+            kind, other = "pressed", np.zeros(len(self._size) - len(tensions)) if wrenches is None else wrenches.ravel()
+        else:
+            kind, other = ("free", np.zeros(0)) if distance is None else ("contact", np.array([distance]))
+        point = np.append(tensions, other)
         axes = len(point)
         away = (self._points[kind][:, :axes] - point) / self._size[:axes]
         k = int(np.argmin(np.sum(away**2, axis=1)))
         found = self._points[kind][k]
-        distance = float(found[-1]) if kind == "contact" else None
-        return Neighbour(found[: self._tensions], distance, self._fields[kind][k])
+        return _State(
+            found[: self._tensions],
+            float(found[-1]) if kind == "contact" else None,
+            found[self._tensions :].reshape(-1, 6) if kind == "pressed" else None,
+            self._fields[kind][k],
+        )
+
+
+def _solved(snapshots: SnapshotSet) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters and displacements of all states of a set that have an answer."""
+    points, fields = [], []
+    for name in snapshots.plan.lines:
+        task = read_task(snapshots.path, name, ("parameters", "converged", "displacement"))
+        points.append(task["parameters"][task["converged"]])
+        fields.append(task["displacement"][task["converged"]])
+    return np.concatenate(points), np.concatenate(fields)
+
+
+class KnownMap:
+    """What the map of a segment says of the same finger, of this mesh or another.
+
+    Args:
+        segment: the map; it must know the displacement.
+        description: of the set that begins there: of the plane y = side/2 + d, of a load, or of neither.
+
+    Raises:
+        SnapshotError: a map of another finger, or without what is needed.
+    """
+
+    def __init__(self, segment: SegmentMap, description: Description):
+        scene = description.scene
+        if segment.displacements is None:
+            raise SnapshotError("map must know the displacement to begin at (sampling.store), got one that does not")
+        for key in ("geometry", "material", "tendons"):
+            if segment.scene[key] != scene[key]:
+                raise SnapshotError(f"map must have the {key} of the set that begins there, got {segment.scene[key]}")
+        self._segment, self._nodes = segment, segment.displacements.nodes
+        self._touched: TouchedSegment | None = None
+        if description.has_obstacle:
+            plane = facing_plane(scene["geometry"]["side"], tuple(scene["obstacle"]["distance"]))
+            self._touched = TouchedSegment(segment=segment, obstacle=plane)
+
+    def begin(
+        self,
+        model: FingerModel,
+        numbering: NodeOrder,
+        tensions: np.ndarray,
+        distance: float | None = None,
+        wrenches: np.ndarray | None = None,
+    ) -> None:
+        """See `Near`."""
+        pressed = wrenches
+        if distance is not None:
+            assert self._touched is not None
+            answer = self._touched.answers([*tensions, distance])
+            if not answer.inside[0]:
+                raise NotConverged("the map does not know this contact")
+            pressed = answer.wrenches[0].reshape(-1, 6)
+        loads = np.zeros(6) if pressed is None else pressed.ravel()
+        field = self._segment.displacement(np.append(tensions, loads))
+        if self._nodes.shape != numbering.nodes.shape or not np.allclose(self._nodes, numbering.nodes):
+            field = mesh_transfer.interpolation(self._nodes, numbering.nodes)(field.reshape(-1, 1)).reshape(-1, 3)
+        model.solve_near(tensions, distance, numbering.scatter(field), pressed)

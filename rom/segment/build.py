@@ -11,10 +11,12 @@ from rom.fit.chebyshev import Polynomial, total_degree
 from rom.segment.contact_error import relative_force_errors
 from rom.segment.field import field_fit
 from rom.segment.index_set import index_set, pure_degree
+from rom.segment.mesh_correction import corrected
 from rom.segment.mirrors import with_images
 from rom.segment.pose_fit import best_fit
 from rom.segment.regression import Samples, regression
 from rom.segment.segment_map import SegmentMap, quantiles
+from rom.snapshots import mesh_transfer
 from rom.snapshots.pressed_states import PressedStates, read_pressed_states
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.terminal import Progress, quiet
@@ -28,17 +30,24 @@ BENDING = 3  # total degree of the tensions by which the plate is bent
 TERMS = 2500  # most products of a map: a query takes as long as it has terms
 
 
-def train(snapshots: SnapshotSet, terms: int = TERMS, *, progress: Progress = quiet) -> SegmentMap:
+def train(
+    snapshots: SnapshotSet, terms: int = TERMS, coarse: SnapshotSet | None = None, *, progress: Progress = quiet
+) -> SegmentMap:
     """Build the map of a training set; states may have failed.
 
     Args:
         snapshots: the set, of a scene with a load.
         terms: most products of polynomials.
+        coarse: states of the same finger on a coarser mesh, whose map this set corrects.
         progress: is told how far it is.
 
     Raises:
-        SnapshotError: a held-out set, one without a load, or of several segments, or without an answer.
+        SnapshotError: a held-out set, one without a load, or of several segments, or without an answer; or the two do
+            not belong together.
     """
+    if coarse is not None:
+        mesh_transfer.check_pair(snapshots, coarse)
+        return corrected(train(coarse, terms, progress=progress), coarse, snapshots)
     description = snapshots.description
     if description.random:
         raise SnapshotError(f"{snapshots.path}: must be a training set, got a held-out one")

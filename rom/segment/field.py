@@ -46,7 +46,7 @@ def field_fit(snapshots: SnapshotSet, states: PressedStates, box: np.ndarray, po
     if not snapshots.description.has_field:
         return None
     nodes = snapshots.nodes
-    places, changes = seen_from_plate(snapshots, states.poses, states.jacobians, np.arange(len(nodes)))
+    places, changes = seen_from_plate(snapshots, states.poses, states.jacobians, np.arange(len(nodes)), snapshots)
     (n, p), mean = states.inputs.shape, single(places.mean(axis=0))
     fields = (places - mean).reshape(n, -1)
     modes = single(pod_modes(fields))

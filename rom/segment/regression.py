@@ -6,7 +6,7 @@ Leaving out a line's rows A_g changes their residuals from e_g to (1 - A_g (L L^
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cho_solve, cholesky, solve_triangular
@@ -73,3 +73,20 @@ def regression(samples: Samples, box: np.ndarray, powers: np.ndarray) -> tuple[P
         predicted[line] -= left_out[: len(line)]
         at += size
     return Polynomial(lower=lower, upper=box[:, 1], powers=powers, coefficients=coefficients), predicted
+
+
+def correction(
+    before: Polynomial, samples: Samples, box: np.ndarray, powers: np.ndarray
+) -> tuple[Polynomial, np.ndarray]:
+    """A polynomial that is known, and what samples say beyond it; the values predicted without each one's line.
+
+    Args:
+        before: what is known.
+        samples: of n states.
+        box: lowest and highest of every input, shape (p, 2).
+        powers: of the products that are added, some of those that are known.
+    """
+    values, slopes = before.value_and_gradient(samples.inputs)
+    beyond = replace(samples, values=samples.values - values, jacobians=samples.jacobians - slopes)
+    found, predicted = regression(beyond, box, powers)
+    return before.plus(found), values + predicted

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rom.snapshots import mesh_transfer
 from rom.snapshots.rigid_motion import motions, rotations
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet, read_task
 
@@ -61,8 +63,12 @@ class PressedStates:
         return replace(self, **_no_points(n, p), shortenings=np.zeros((n, 0)), shortening_jacobians=np.zeros((n, 0, p)))
 
 
-def read_pressed_states(snapshots: SnapshotSet) -> PressedStates:
+def read_pressed_states(snapshots: SnapshotSet, on: SnapshotSet | None = None) -> PressedStates:
     """The states of a set that have an answer.
+
+    Args:
+        snapshots: the set.
+        on: another of the same finger, on whose mesh the points are; by default its own.
 
     Raises:
         SnapshotError: it is no set of a scene with a load, or of a finger of several segments, or has no answer.
@@ -93,7 +99,7 @@ def read_pressed_states(snapshots: SnapshotSet) -> PressedStates:
         poses=poses,
         jacobians=jacobians,
         lines=np.concatenate([np.full(int(part["converged"].sum()), k) for k, part in parts]),
-        **_points(snapshots, poses, jacobians),
+        **_points(snapshots, poses, jacobians, on or snapshots),
     )
 
 
@@ -102,16 +108,16 @@ def _no_points(n: int, p: int) -> dict[str, np.ndarray]:
     return {"skin": nothing, "skin_jacobians": by_nothing, "corners": nothing, "corner_jacobians": by_nothing}
 
 
-def _points(snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray) -> dict[str, np.ndarray]:
+def _points(snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray, on: SnapshotSet) -> dict[str, np.ndarray]:
     """Points of the long edges and the plate's corners seen from the plate, and their derivatives."""
     if not snapshots.description.has_field:
         return _no_points(len(poses), jacobians.shape[2])
-    body = snapshots.body
+    body = on.body
     stations = _stations(body.nodes, body.edge_nodes, float(body.plates[-1, 0]))
     box = body.half_lengths * np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
     at_rest = box + np.array([body.plates[-1].mean(), 0.0, 0.0])
-    corners = np.linalg.norm(snapshots.nodes[None] - at_rest[:, None], axis=2).argmin(axis=1)
-    places, changes = seen_from_plate(snapshots, poses, jacobians, np.concatenate([stations, corners]))
+    corners = np.linalg.norm(on.nodes[None] - at_rest[:, None], axis=2).argmin(axis=1)
+    places, changes = seen_from_plate(snapshots, poses, jacobians, np.concatenate([stations, corners]), on)
     m = len(stations)
     return {
         "skin": places[:, :m],
@@ -122,7 +128,7 @@ def _points(snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray) ->
 
 
 def seen_from_plate(
-    snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray, nodes: np.ndarray
+    snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray, nodes: np.ndarray, on: SnapshotSet
 ) -> tuple[np.ndarray, np.ndarray]:
     """Places of nodes seen from the plate, R^T (x - c) = R^T x + q, and their derivatives by the inputs.
 
@@ -131,21 +137,35 @@ def seen_from_plate(
         poses: of its states that have an answer, shape (n, 7).
         jacobians: shape (n, 7, p).
         nodes: which, shape (m,).
+        on: the set whose nodes they are: the same, or another of the same finger.
 
     Returns:
         shapes (n, m, 3) and (n, m, 3, p) [m, per N and N m].
     """
     moved, changes = [], []
+    bring = None if on is snapshots else mesh_transfer.interpolation(snapshots.nodes, on.nodes[nodes])
     for name in snapshots.plan.lines:
         stored = read_task(snapshots.path, name, ("converged", "displacement", "displacement_jacobian"))
-        moved.append(stored["displacement"][stored["converged"]][:, nodes])
-        changes.append(stored["displacement_jacobian"][stored["converged"]][:, :, nodes].astype(float))
+        fields = stored["displacement"][stored["converged"]]
+        slopes = stored["displacement_jacobian"][stored["converged"]].astype(float)
+        if bring is None:
+            moved.append(fields[:, nodes])
+            changes.append(slopes[:, :, nodes])
+        else:
+            moved.append(_brought(bring, fields))
+            changes.append(_brought(bring, slopes))
     turned = rotations(poses)
-    places = np.einsum("nji,nmj->nmi", turned, snapshots.nodes[nodes] + np.concatenate(moved)) + poses[:, None, :3]
+    places = np.einsum("nji,nmj->nmi", turned, on.nodes[nodes] + np.concatenate(moved)) + poses[:, None, :3]
     motion = motions(poses, jacobians)
     seen = np.einsum("nji,npmj->nmip", turned, np.concatenate(changes)) - motion[:, None, :3]
     seen -= np.cross(motion[:, None, 3:], places[..., None], axis=2)
     return places, seen
+
+
+def _brought(bring: Callable[[np.ndarray], np.ndarray], fields: np.ndarray) -> np.ndarray:
+    """Fields of one mesh's nodes, shape (..., nodes, 3), at those of another."""
+    columns = fields.reshape(-1, fields.shape[-2] * 3).T
+    return bring(columns).T.reshape(*fields.shape[:-2], -1, 3)
 
 
 def _stations(nodes: np.ndarray, edge_nodes: np.ndarray, plate: float) -> np.ndarray:

@@ -7,12 +7,11 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from fingerfem.discretisation.node_order import NodeOrder
-from fingerfem.equilibrium.failures import LoadNotReached
+from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.lines.setting import Arrays, Setting
-from fingerfem.snapshots.neighbours import Neighbour, Neighbours
+from fingerfem.snapshots.neighbours import Near
 from fingerfem.snapshots.recorder import Recorder
-from rom.snapshots import mesh_transfer
 from rom.snapshots.description import Line
 
 Start = Callable[[], None]
@@ -28,7 +27,7 @@ def solve(setting: Setting, task: str, line: Line) -> Arrays:
     if setting.description.has_load:
         return _pressed(setting, line).arrays()
     points = _points(setting, line)
-    solver = HeldOutSolver(setting.model, setting.numbering, setting.known.neighbours)
+    solver = HeldOutSolver(setting.model, setting.numbering, setting.known.near)
     return solver.solve(points[0][0], [distance for _, distance in points]).arrays()
 
 
@@ -36,12 +35,13 @@ def _pressed(setting: Setting, line: Line) -> Recorder:
     """States with wrenches on the plates, from rest to the free state and on."""
     record, model = setting.recorder(), setting.model
     for tensions, wrenches in _pressed_points(setting, line):
-        model.continuation.rest()
         record.restarted()
-        try:
-            model.continuation.advance(tensions, None)
-        except LoadNotReached as failure:
-            record.broken(failure)
+        if not setting.begin_near(tensions, wrenches):
+            model.continuation.rest()
+            try:
+                model.continuation.advance(tensions, None)
+            except LoadNotReached as failure:
+                record.broken(failure)
         record.state(tensions, None, 0, wrenches)
     return record
 
@@ -80,8 +80,8 @@ def _stay() -> None:
 class HeldOutSolver:
     """Solves held-out states from rest; or from known states near by, and from rest where these do not lead there."""
 
-    def __init__(self, model: FingerModel, numbering: NodeOrder, neighbours: Neighbours | None = None):
-        self._model, self._numbering, self._neighbours = model, numbering, neighbours
+    def __init__(self, model: FingerModel, numbering: NodeOrder, near: Near | None = None):
+        self._model, self._numbering, self._near = model, numbering, near
 
     def solve(self, tensions: np.ndarray, distances: Sequence[float]) -> Recorder:
         """States at tensions [N], shape (tensions,), and distances of the plane [m], falling; nan without a plane."""
@@ -101,27 +101,18 @@ class HeldOutSolver:
         return record
 
     def _free_starts(self, tensions: np.ndarray) -> Iterator[Start]:
-        near = self._neighbours
+        near = self._near
         if near is not None:
-            yield lambda: self._begin(near, near.free(tensions))
+            yield lambda: near.begin(self._model, self._numbering, tensions)
         yield self._model.continuation.rest
 
     def _contact_starts(self, tensions: np.ndarray, distance: float, reach: float, free: np.ndarray) -> Iterator[Start]:
-        continuation, near = self._model.continuation, self._neighbours
+        continuation, near = self._model.continuation, self._near
         if near is not None and distance < reach:
-            yield lambda: self._begin(near, near.contact(tensions, distance))
+            yield lambda: near.begin(self._model, self._numbering, tensions, distance)
         elif continuation.distance is None or distance <= continuation.distance:
             yield _stay
         yield lambda: continuation.start(tensions, None, free)
-
-    def _begin(self, near: Neighbours, known: Neighbour) -> None:
-        continuation, displacement = self._model.continuation, known.displacement
-        if near.is_of_another_mesh:
-            bring = mesh_transfer.interpolation(near.nodes, self._numbering.nodes)
-            displacement = bring(displacement.reshape(-1, 1)).reshape(-1, 3)
-        continuation.start(known.tensions, known.distance, self._numbering.scatter(displacement))
-        if near.is_of_another_mesh:
-            continuation.advance(known.tensions, known.distance)
 
     def _bring(
         self, starts: Iterator[Start], tensions: np.ndarray, distance: float | None
@@ -137,6 +128,9 @@ class HeldOutSolver:
             try:
                 start()
                 continuation.advance(tensions, distance)
+            except NotConverged as caught:  # of the nearest equilibrium: another start is left
+                spent += caught.iterations
+                continue
             except LoadNotReached as caught:
                 failure = caught
             else:

@@ -1,27 +1,36 @@
-"""A line at tensions of its own: the free state, and from there states with a wrench on every plate."""
+"""A line at tensions of its own: the free state, and states with a wrench on every plate.
+
+These begin at the free one, so that none depends on another; or where they are known on another mesh (`--near`).
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from fingerfem.snapshots.lines.scattered import begin, needs
+from fingerfem.snapshots.lines import scattered
 from fingerfem.snapshots.lines.setting import Arrays, Setting
 from rom.snapshots.description import Line
 
-__all__ = ["give_up", "needs", "solve"]
+
+def needs(setting: Setting, task: str, line: Line) -> list[str]:
+    """The line whose free state this one begins at; none where it is known otherwise."""
+    return scattered.needs(setting, task, line) if setting.known.near is None else []
 
 
 def solve(setting: Setting, task: str, line: Line) -> Arrays:
-    """The free state and the pressed ones; each of these begins at the free one, so that none depends on another."""
-    record, tensions = setting.recorder(), np.array(line.tensions)
-    begin(setting, needs(setting, task, line))
-    record.state(tensions, None)
+    """The free state and the pressed ones."""
+    record, tensions, continuation = setting.recorder(), np.array(line.tensions), setting.model.continuation
+    if not setting.begin_near(tensions):
+        scattered.begin(setting, needs(setting, task, line))
+    record.state(tensions, None, 0)
     free = record.displacements[0]
     for wrenches in _wrenches(setting, line):
-        if not np.isnan(free).any():
-            setting.model.continuation.start(tensions, None, free)
+        if setting.begin_near(tensions, wrenches):
             record.restarted()
-        record.state(tensions, None, wrenches=wrenches)
+        elif not np.isnan(free).any():
+            continuation.start(tensions, None, free)
+            record.restarted()
+        record.state(tensions, None, 0, wrenches)
     return record.arrays() | {"nodes": np.array(line.nodes)}
 
 

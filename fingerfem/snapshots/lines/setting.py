@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fingerfem.discretisation.node_order import NodeOrder
+from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.model import FingerModel
-from fingerfem.snapshots.neighbours import Neighbours
+from fingerfem.snapshots.neighbours import Near
 from fingerfem.snapshots.recorder import Recorder
 from fingerfem.snapshots.reuse import Donor
 from rom.snapshots.description import Description, Line
@@ -23,10 +24,10 @@ SAME_PLACE = 1e-8  # [m]: a plane whose path from touch to its nearest is no lon
 
 
 class Known(NamedTuple):
-    """States of other sets that save work: a donor's are taken where they fit, held-out ones begin at neighbours."""
+    """States of other sets that save work: a donor's are taken where they fit, others begin near what is known."""
 
     donor: Donor | None = None
-    neighbours: Neighbours | None = None
+    near: Near | None = None
 
 
 NOTHING_KNOWN = Known()
@@ -85,6 +86,16 @@ class Setting:
             *tensions, distance = row["parameters"] if self.description.has_obstacle else (*row["parameters"], np.nan)
             self.model.continuation.start(tensions, None if np.isnan(distance) else distance, field)
             record.restarted()
+
+    def begin_near(self, tensions: np.ndarray, wrenches: np.ndarray | None = None) -> bool:
+        """Bring the model to a known equilibrium near to tensions and wrenches; whether there is one."""
+        if self.known.near is None:
+            return False
+        try:
+            self.known.near.begin(self.model, self.numbering, tensions, wrenches=wrenches)
+        except (LoadNotReached, NotConverged):
+            return False
+        return True
 
     def start_free(self, j: int, tensions: np.ndarray) -> None:
         """Bring the model to the last free state of combination `j` known before these tensions [N], or to rest."""

@@ -10,7 +10,7 @@ from farm import ROOT, command, run
 from fingerfem import FingerModel, load_scene
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.snapshots.lines.held_out import HeldOutSolver
-from fingerfem.snapshots.neighbours import Neighbours
+from fingerfem.snapshots.neighbours import KnownSet
 from rom.snapshots.snapshot_set import SnapshotSet
 
 # A state is converged to a residual of 1e-9 E a^2, about 1e-6 N; a contact just touched is that much less sure of.
@@ -49,7 +49,7 @@ def test_states_of_the_demo_are_those_from_rest(demo):
 def test_where_a_neighbour_does_not_lead_there_it_goes_from_rest(scene, undisturbed, draft):
     """A neighbour that is no equilibrium: its displacement is of another state's, times ten."""
     model, snapshots = FingerModel(load_scene(scene)), SnapshotSet(undisturbed)
-    numbering, near = NodeOrder(model.problem), Neighbours(undisturbed, snapshots.description)
+    numbering, near = NodeOrder(model.problem), KnownSet(undisturbed, snapshots.description)
     for kind in ("free", "contact"):
         near._fields[kind] = 10 * near._fields[kind]
     tensions, distances = np.array([70.0, 20.0]), [0.012, 0.006]

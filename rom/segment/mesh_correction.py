@@ -1,0 +1,144 @@
+"""One map of two meshes: many states on a coarse mesh, few on a fine one.
+
+What a finer mesh changes in a pose is small and as smooth in tensions and wrench as the pose itself. So the fine
+states are fitted by what they say beyond the coarse map, by products of a low degree (a control variate, see
+rom.snapshots.mesh_transfer). The map is then of the fine mesh, and its error, of fine states predicted without their
+lines, counts both fits. Nodes and points of the rubber stay where the coarse mesh has them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import count
+
+import numpy as np
+
+from rom.fit.chebyshev import Polynomial
+from rom.segment.contact_error import relative_force_errors
+from rom.segment.field import Field, pod_modes, single
+from rom.segment.index_set import index_set, pure_degree
+from rom.segment.mirrors import with_images
+from rom.segment.pose_fit import SHARE
+from rom.segment.regression import Samples, correction
+from rom.segment.segment_map import SegmentMap, quantiles
+from rom.snapshots.pressed_states import PressedStates, read_pressed_states, seen_from_plate
+from rom.snapshots.snapshot_set import SnapshotSet
+
+ROWS = 1.5  # rows a fit has at least for every coefficient [-]
+PURE = 4, 6, 8  # degrees of tensions alone that are tried
+LOWEST, STEP = 1.0, 0.5  # weighted degree a search begins with, and by how much it grows
+
+
+def corrected(before: SegmentMap, coarse: SnapshotSet, fine: SnapshotSet) -> SegmentMap:
+    """The map of a coarse set, corrected by a set on a finer mesh (`rom.snapshots.mesh_transfer.check_pair`).
+
+    Args:
+        before: the map of the coarse set.
+        coarse: that set.
+        fine: the set on the finer mesh.
+    """
+    description = fine.description
+    own = read_pressed_states(fine, on=coarse)
+    states = with_images(own, description.scene)
+    box = np.column_stack([before.pose.lower, before.pose.upper])
+    weights = tuple(before.provenance["weights"])
+
+    def left_out(poses: np.ndarray) -> float:
+        return float(np.nanquantile(relative_force_errors(states, poses), SHARE))
+
+    tried = [
+        (correction(before.pose, _samples(states, states.poses, states.jacobians), box, powers))
+        for powers in _sets(weights, states, before.pose.powers)
+    ]
+    pose, poses = min(tried, key=lambda found: left_out(found[1]))
+    errors = relative_force_errors(states, poses)
+    places = np.linalg.norm(poses[:, :3] - states.poses[:, :3], axis=1)
+    n, p = own.inputs.shape
+    corners, _ = _others(before.corners, own, own.corners.reshape(n, -1), own.corner_jacobians.reshape(n, -1, p), box)
+    skin, skin_off = _others(before.skin, own, own.skin.reshape(n, -1), own.skin_jacobians.reshape(n, -1, p), box)
+    shortenings, short_off = _others(before.shortenings, own, own.shortenings, own.shortening_jacobians, box)
+    return replace(
+        before,
+        pose=pose,
+        force_error=quantiles(errors)["p95"],
+        place_error=quantiles(places[states.forces == 0])["p95"],
+        corners=corners,
+        skin=skin,
+        skin_error=_percentile(skin_off, 3),
+        displacements=None if before.displacements is None else _field(before.displacements, fine, coarse, own, box),
+        shortenings=shortenings,
+        shortening_error=_percentile(short_off, 1),
+        scene=description.scene,
+        provenance={
+            "fingerprint": description.fingerprint,
+            "versions": description.versions,
+            "states": fine.states,
+            "failed": len(fine.failures),
+            "weights": before.provenance["weights"],
+            "degree": before.provenance["degree"],
+            "left_out": quantiles(errors),
+            "coarse": before.provenance | {"mesh": coarse.description.scene["mesh"]},
+        },
+    )
+
+
+def _samples(states: PressedStates, values: np.ndarray, jacobians: np.ndarray) -> Samples:
+    return Samples(inputs=states.inputs, values=values, jacobians=jacobians, lines=states.lines)
+
+
+def _sets(weights: tuple[float, ...], states: PressedStates, among: np.ndarray) -> Iterator[np.ndarray]:
+    """Index sets of few products, all of them among others."""
+    n, p = states.inputs.shape
+    tensions, known = states.tensions, {tuple(row) for row in among.tolist()}
+    each, most, seen = np.repeat(weights, [tensions, 3, 3]), int(n * (1 + p) / ROWS), set()
+    for degree in count(LOWEST, STEP):
+        sets = [index_set(each, degree, tensions, pure_degree(tensions, highest)) for highest in PURE]
+        for found in sets:
+            powers = np.array([row for row in found.tolist() if tuple(row) in known])
+            if len(found) <= most and (key := powers.tobytes()) not in seen:
+                seen.add(key)
+                yield powers
+        if all(len(found) > most for found in sets):
+            return
+
+
+def _others(
+    before: Polynomial | None, states: PressedStates, values: np.ndarray, jacobians: np.ndarray, box: np.ndarray
+) -> tuple[Polynomial | None, np.ndarray]:
+    """The correction of values that predicts best, and what is off where lines are left out, shape (n, m)."""
+    if before is None:
+        return None, np.zeros((0, 0))
+    samples = _samples(states, values, jacobians)
+    tried = [correction(before, samples, box, powers) for powers in _sets((1.0, 1.0, 1.8), states, before.powers)]
+    found, predicted = min(tried, key=lambda one: float(np.quantile(np.abs(one[1] - values).max(axis=1), SHARE)))
+    return found, predicted - values
+
+
+def _percentile(off: np.ndarray, size: int) -> float:
+    """95th percentile of vectors of a size in rows [m]; nan if there are none."""
+    return float(np.quantile(np.linalg.norm(off.reshape(-1, size), axis=1), 0.95)) if off.size else np.nan
+
+
+def _field(before: Field, fine: SnapshotSet, coarse: SnapshotSet, states: PressedStates, box: np.ndarray) -> Field:
+    """The coarse field with modes of what the fine states differ from it by."""
+    n, p = states.inputs.shape
+    everywhere = np.arange(len(coarse.nodes))
+    places, changes = seen_from_plate(fine, states.poses, states.jacobians, everywhere, coarse)
+    values, slopes = before.amounts.value_and_gradient(states.inputs)
+    beyond = (places - before.mean).reshape(n, -1) - values @ before.modes
+    modes = single(pod_modes(beyond))
+    nothing = replace(before.amounts, coefficients=np.zeros((len(before.amounts.powers), len(modes))))
+    jacobians = np.einsum("nmp,km->nkp", changes.reshape(n, -1, p), modes, optimize=True)
+    jacobians -= np.einsum("nlp,lm,km->nkp", slopes, before.modes, modes, optimize=True)
+    amounts, off = _others(nothing, states, beyond @ modes.T, jacobians, box)
+    assert amounts is not None
+    left = beyond - (beyond @ modes.T + off) @ modes
+    most = np.linalg.norm(left.reshape(n, -1, 3), axis=2).max(axis=1)
+    both = Polynomial.together([before.amounts, amounts])
+    return replace(
+        before,
+        modes=np.concatenate([before.modes, modes]),
+        amounts=replace(both, coefficients=single(both.coefficients)),
+        error=float(np.quantile(most, 0.95)),
+    )
