@@ -58,11 +58,11 @@ def build(
     check_folder(output)
     snapshots = SnapshotSet(folder)
     if snapshots.description.has_load:
-        unknown = {"tolerance": tolerance, "coarse": coarse, "finer": finer}
+        unknown = {"tolerance": tolerance, "finer": finer}
         name = next((name for name, value in unknown.items() if value is not None), None)
         if name is not None:
             raise ValueError(f"{name} must be left out for a set of a scene with a load, got one")
-        segment = build_segment(snapshots, terms, held_out)
+        segment = build_segment(snapshots, terms, held_out, coarse)
         segment.save(output)
         show_segments(segment_summary(segment), as_json)
         return
@@ -106,15 +106,29 @@ def held_out_of(training: SnapshotSet, folder: Path) -> SnapshotSet:
     return found
 
 
-def build_segment(snapshots: SnapshotSet, terms: int | None, held_out: Path | None) -> SegmentMap:
-    """The map of a set of pressed states, measured on held-out ones if there are any."""
+def build_segment(
+    snapshots: SnapshotSet, terms: int | None, held_out: Path | None, coarse: Path | None = None
+) -> SegmentMap:
+    """The map of a set of pressed states, measured on held-out ones, or on those of the plane, if there are any."""
     from rom.segment import build
 
+    states = None if held_out is None else SnapshotSet(held_out)
     with steps() as progress:
-        segment = build.train(snapshots, terms or build.TERMS, progress=progress)
-    if held_out is None:
-        return segment
-    return segment.with_accuracy(build.check(segment, SnapshotSet(held_out)))
+        others = None if coarse is None else SnapshotSet(coarse)
+        segment = build.train(snapshots, terms or build.TERMS, others, progress=progress)
+    return segment if states is None else segment.with_accuracy(check_segment(segment, states))
+
+
+def check_segment(segment: SegmentMap, held_out: SnapshotSet) -> dict:
+    """What a map errs by in held-out states: pressed ones of its own mesh, or those of the plane, of any mesh."""
+    if held_out.description.has_load:
+        from rom.segment import build
+
+        return build.check(segment, held_out)
+    from rom.held_out import check_plane
+
+    with steps() as progress:
+        return check_plane(segment, held_out, progress)
 
 
 @app.command("chain")
@@ -150,10 +164,8 @@ def check_model(
         raise ValueError("HELDOUT/ or --against FINER/ must be given, got neither")
     if kind_of(model) == segment_map.KIND:
         if held_out is None or against is not None:
-            raise ValueError("against must be left out for a segment's map, whose own held-out set must be given")
-        from rom.segment import build
-
-        found = build.check(SegmentMap.load(model), SnapshotSet(held_out))
+            raise ValueError("against must be left out for a segment's map: HELDOUT/ may be of any mesh")
+        found = check_segment(SegmentMap.load(model), SnapshotSet(held_out))
         show(found, check_lines(found), as_json)
         return
     from rom.held_out import check, check_against
@@ -196,6 +208,8 @@ def check_lines(report: dict) -> list[str]:
         lines = [f"{report['states']} held-out states, {report['failed']} failed", *errors(report)]
     if report.get("calibration_states"):
         lines[0] += f"; {report['calibration_states']} others calibrated the model's estimated errors"
+    if report.get("marked"):
+        lines.append(f"{report['marked']} states are beyond what was trained, or rubber touches: marked, not counted")
     if "covered" in report:
         lines.append(f"{report['covered']:.0%} of the contact forces are within the estimate")
     if "touch" in report:

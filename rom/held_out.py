@@ -11,12 +11,17 @@ from typing import Any
 
 import numpy as np
 
+from rom.segment.chain import Chain
+from rom.segment.objects import facing_plane
+from rom.segment.segment_map import SegmentMap
+from rom.segment.touched_segment import TouchedSegment
 from rom.snapshots import mesh_transfer
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
 
 PRESSED = 0.03  # share of the largest pad pressure above which its relative errors are counted
+Model = Surrogate | TouchedSegment
 FELT = 0.1  # [N] above which relative errors of contact forces are counted
 MARGIN = 5e-5  # [m] from touch, within which a touch decision may be wrong
 
@@ -94,7 +99,31 @@ def check_finer(scene: dict[str, Any], finer: SnapshotSet) -> None:
         raise SnapshotError(f"{finer.path}: must be of a finer mesh than the model's {cells} cells of order {order}")
 
 
-def differences(model: Surrogate, held_out: SnapshotSet) -> dict[str, np.ndarray]:
+def check_plane(segment: SegmentMap | Chain, held_out: SnapshotSet, progress: Progress = quiet) -> dict[str, Any]:
+    """Compare a segment's map before the plane y = side/2 + d with held-out states of that plane, of any mesh.
+
+    Errors are those of points that the map answers; `marked` counts the others: rubber touches, or the force is beyond
+    what was trained.
+
+    Returns:
+        what `check` does of errors and touch decisions; `marked`; cells and order of the set's mesh.
+
+    Raises:
+        SnapshotError: no held-out set, of another finger, or of none before that plane.
+    """
+    description = held_out.description
+    scene, own = description.scene, segment.scene
+    if not description.random or not description.has_obstacle:
+        raise SnapshotError(f"{held_out.path}: must be a held-out set (made with --random) of a scene with a plane")
+    for key in ("geometry", "material", "tendons"):
+        if scene[key] != own[key]:
+            raise SnapshotError(f"{held_out.path}: must have the map's {key}, got {scene[key]}")
+    plane = facing_plane(scene["geometry"]["side"], tuple(scene["obstacle"]["distance"]))
+    found = _errors(TouchedSegment(segment=segment, obstacle=plane), held_out, progress, "mesh")
+    return found | {"mesh": {key: scene["mesh"][key] for key in ("cells", "order")}}
+
+
+def differences(model: Model, held_out: SnapshotSet, progress: Progress = quiet) -> dict[str, np.ndarray]:
     """Errors of a model in the states of a set, of any mesh, by quantity in its unit; shapes (states,).
 
     That of the displacement is the root mean square over the set's nodes.
@@ -102,13 +131,16 @@ def differences(model: Surrogate, held_out: SnapshotSet) -> dict[str, np.ndarray
     points = held_out.random("parameters")
     answer = model.evaluate(points)
     found = {"tip": _norm(answer.tip - held_out.random("tip"))}
+    if isinstance(model, Surrogate) and model.has_field and held_out.description.has_field:
+        field, brought = held_out.random("displacement"), _brought(model.nodes, held_out.nodes)
+        found["displacement"] = np.zeros(len(points))
+        for k, point in enumerate(points):
+            off = brought(model.displacement(point)).reshape(-1, 3) - field[k]
+            found["displacement"][k] = _mean_size(off)
+            progress("checking on held-out states", k + 1, len(points))
     if model.has_obstacle:
         found["touch_distance"] = np.abs(answer.touch_distance - held_out.random("touch_distance"))
         found["contact_force"] = np.abs(answer.contact_force - held_out.random("contact_force"))
-    if model.has_field and held_out.description.has_field:
-        field, brought = held_out.random("displacement"), _brought(model.nodes, held_out.nodes)
-        ours = np.array([brought(model.displacement(point)).reshape(-1, 3) for point in points])
-        found["displacement"] = np.sqrt(np.mean(np.sum((ours - field) ** 2, axis=2), axis=1))
     if model.has_pad:
         found["pad_pressure"] = np.abs(answer.pad_pressure - held_out.random("pad_pressure"))
     return found
@@ -128,46 +160,35 @@ def _brought(own: np.ndarray, others: np.ndarray) -> Callable[[np.ndarray], np.n
     return lambda field: bring(field.reshape(-1, 1))
 
 
-def _errors(model: Surrogate, held_out: SnapshotSet, progress: Progress, of: str) -> dict[str, Any]:
-    """Errors of a model in the states of a set, and wrong touch decisions.
+def _errors(model: Model, held_out: SnapshotSet, progress: Progress, of: str) -> dict[str, Any]:
+    """Errors of a model in the states of a set that it answers, and wrong touch decisions.
 
     Those of states on its own mesh are of the surrogate alone, those of others also of the mesh.
     """
     points = held_out.random("parameters")
     progress("checking on held-out states", 0, len(points))
     answer = model.evaluate(points)
-    error = answer.error if of == "mesh" else answer.error_parts["surrogate"]
+    off = differences(model, held_out, progress)
+    estimated = answer.error if of == "mesh" else answer.error_parts["surrogate"]
+    true = {name: held_out.random(name) for name in off}
+    sizes = {name: np.abs(value) for name, value in true.items()}
+    sizes["tip"] = _norm(true["tip"])
+    counted = {name: np.array(answer.inside) for name in off}
+    if "displacement" in off:
+        sizes["displacement"] = np.array([_mean_size(field) for field in true["displacement"]])
+    if "contact_force" in off:
+        counted["contact_force"] &= true["contact_force"] > FELT
+    if "pad_pressure" in off:
+        counted["pad_pressure"] &= true["pad_pressure"] > PRESSED * true["pad_pressure"].max(initial=0.0)
     result: dict[str, Any] = {"states": len(points), "failed": len(held_out.failures)}
-    tip = held_out.random("tip")
-    result["tip"] = _statistics(_norm(answer.tip - tip), _norm(tip), error["tip"])
-    if model.has_field and held_out.description.has_field:
-        field = held_out.random("displacement").reshape(len(points), -1)
-        ours, brought = np.empty_like(field), _brought(model.nodes, held_out.nodes)
-        for k, point in enumerate(points):
-            ours[k] = brought(model.displacement(point)).ravel()
-            progress("checking on held-out states", k + 1, len(points))
-        whole = error["displacement"] * np.sqrt(len(held_out.nodes))  # it is the root mean square over nodes
-        result["displacement"] = _statistics(_norm(ours - field), _norm(field), whole)
+    result["marked"] = int(np.sum(~np.asarray(answer.inside)))
+    result |= {
+        name: _statistics(off[name][own], sizes[name][own], estimated[name][own]) for name, own in counted.items()
+    }
     if model.has_obstacle:
-        touch, force = held_out.random("touch_distance"), held_out.random("contact_force")
-        touches, felt = force > 0, answer.contact_force > 0
-        result["touch_distance"] = _statistics(
-            np.abs(answer.touch_distance - touch), np.abs(touch), error["touch_distance"]
-        )
-        counted = force > FELT
-        result["contact_force"] = _statistics(
-            np.abs(answer.contact_force - force)[counted], force[counted], error["contact_force"][counted]
-        )
-        if model.has_pad:
-            pressed = held_out.random("pad_pressure")
-            pressing = pressed > PRESSED * pressed.max(initial=0.0)
-            result["pad_pressure"] = _statistics(
-                np.abs(answer.pad_pressure - pressed)[pressing],
-                pressed[pressing],
-                error["pad_pressure"][pressing],
-            )
+        touches, felt = true["contact_force"] > 0, answer.contact_force > 0
         wrong = (answer.touch_distance > points[:, -1]) != touches
-        close = np.abs(touch - points[:, -1]) <= MARGIN
+        close = np.abs(true["touch_distance"] - points[:, -1]) <= MARGIN
         result["touch"] = {
             "count": len(points),
             "touching": int(touches.sum()),
@@ -179,6 +200,11 @@ def _errors(model: Surrogate, held_out: SnapshotSet, progress: Progress, of: str
         }
     progress("checking on held-out states", len(points), len(points))
     return result
+
+
+def _mean_size(field: np.ndarray) -> float:
+    """Root mean square over nodes, of shape (nodes, 3)."""
+    return float(np.sqrt(np.mean(np.sum(field**2, axis=1))))
 
 
 def _chosen(scene: dict[str, Any], expected: dict[str, Any], found: dict[str, Any]) -> dict[str, Any]:

@@ -163,6 +163,7 @@ class TouchedSegment(PickledByFields):
             touch_distance=out[..., 4],
             pad_pressure=None,
             error=errors,
+            error_parts={"surrogate": errors},
             inside=inside,
         )
 
