@@ -109,10 +109,9 @@ def certify(
     as_json: AsJson = False,
 ) -> None:
     """Solve with the full-order model, from the surrogate's own field, what the surrogate answers: is it true?"""
-    from fingerfem.certify import Certifier
-    from rom.surrogate import Surrogate
+    from fingerfem.certify import Certifier, load
 
-    certifier = Certifier(Surrogate.load(model_file))
+    certifier = Certifier(load(model_file))
     found = certifier.certify(**read_loads(certifier.full_order.scene, loads or []))
     finish(found.as_json(), as_json, 0 if found.covered else NOTHING_USABLE)
 
@@ -140,7 +139,7 @@ def snapshots(
         Path | None,
         typer.Option(
             metavar="SET/",
-            help="Begin held-out or pressed states at those of a training set, of any mesh, or of a segment's map.",
+            help="Begin held-out or pressed states at those of another set of the same finger, of any mesh.",
         ),
     ] = None,
     progress: Annotated[

@@ -1,9 +1,10 @@
-"""A surrogate's answer beside the full-order model's, which begins at the surrogate's own displacement field."""
+"""A model's answer beside the full-order model's, which begins at a surrogate's own displacement field."""
 
 from __future__ import annotations
 
 import contextlib
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,16 +14,23 @@ from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.model import FingerModel
 from fingerfem.scene.scene import Scene
+from rom.checked_file import kind_of
 from rom.native.answer import Answer
+from rom.segment import segment_map
+from rom.segment.objects import facing_plane
+from rom.segment.segment_map import SegmentMap
+from rom.segment.touched_segment import TouchedSegment
 from rom.surrogate import Surrogate
+
+NEAREST = 1e-4  # of a plane before a segment's map, whose model knows no nearest one [m]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Certificate:
-    """What a surrogate said at one point, and what is true on its mesh.
+    """What a model said at one point, and what is true on its mesh.
 
     Attributes:
-        answer: the surrogate's.
+        answer: the model's.
         tip: displacement of the tip plate's centre by the full-order model, shape (3,) [m].
         contact_force: likewise [N]; None without a plane.
         factorisations: that the full-order model needed.
@@ -46,7 +54,7 @@ class Certificate:
 
     @property
     def covered(self) -> bool:
-        """Whether the surrogate's own estimates cover them; they say nothing of a point that is not inside."""
+        """Whether the model's own estimates cover them; they say nothing of a point that is not inside."""
         estimated = self.answer.error_parts["surrogate"]
         return bool(self.answer.inside) and all(error <= estimated[name] for name, error in self.errors.items())
 
@@ -70,20 +78,34 @@ class Certificate:
         }
 
 
-class Certifier:
-    """Solves with the full-order model what a surrogate answers.
-
-    Args:
-        model: it must know the displacement field.
+def load(file: Path) -> Surrogate | TouchedSegment:
+    """The model of a file; a segment's map stands before the plane y = side/2 + d.
 
     Raises:
-        ValueError: it does not.
+        ModelError: no file, or none of these.
+    """
+    if kind_of(file) != segment_map.KIND:
+        return Surrogate.load(file)
+    segment = SegmentMap.load(file)
+    geometry = segment.scene["geometry"]
+    return TouchedSegment(segment=segment, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))
+
+
+class Certifier:
+    """Solves with the full-order model what a model answers.
+
+    Args:
+        model: a surrogate that knows the displacement field, at which the full-order model begins; or a segment's map
+            before the plane y = side/2 + d: its field is not near enough, and the full-order model begins at rest.
+
+    Raises:
+        ValueError: a surrogate that does not know the field.
     """
 
-    def __init__(self, model: Surrogate):
-        if not model.has_field:
+    def __init__(self, model: Surrogate | TouchedSegment):
+        if isinstance(model, Surrogate) and not model.has_field:
             raise ValueError("model must know the displacement to be certified (sampling.store), got one that does not")
-        self.model, self.full_order = model, FingerModel(Scene.model_validate(model.scene))
+        self.model, self.full_order = model, FingerModel(Scene.model_validate(_scene(model)))
         self._numbering = NodeOrder(self.full_order.problem)
 
     def certify(self, tensions: ArrayLike, distance: float | None = None) -> Certificate:
@@ -98,33 +120,43 @@ class Certifier:
         newton, problem = full_order.continuation.newton, full_order.problem
         before, began = newton.factorisations, self._solve(pulled, distance)
         return Certificate(
-            answer=self.model.evaluate(self._point(pulled, distance)),
+            answer=self.model.evaluate(_point(self.model, pulled, distance)),
             tip=problem.tip(),
             contact_force=None if distance is None or problem.contact is None else problem.contact.force(),
             factorisations=newton.factorisations - before,
             began=began,
         )
 
-    def _point(self, pulled: np.ndarray, distance: float | None) -> np.ndarray:
-        away = [np.inf if distance is None else distance] if self.model.has_obstacle else []
-        return np.append(pulled, away)
-
-    def _begin(self, pulled: np.ndarray, distance: float | None) -> None:
-        field = self.model.displacement(self._point(pulled, distance))
-        self.full_order.continuation.start(pulled, distance, self._numbering.scatter(field))
+    def _begin(self, model: Surrogate, pulled: np.ndarray, distance: float | None) -> None:
+        """Solve from the surrogate's field."""
+        continuation = self.full_order.continuation
+        field = model.displacement(_point(model, pulled, distance))
+        continuation.start(pulled, distance, self._numbering.scatter(field))
+        continuation.newton.solve()
 
     def _solve(self, pulled: np.ndarray, distance: float | None) -> str:
         """Solve from the nearest start that leads there; which it was."""
-        continuation = self.full_order.continuation
-        self._begin(pulled, distance)
-        with contextlib.suppress(NotConverged):
-            continuation.newton.solve()
-            return "field"
-        try:  # which nodes press is not known to a micrometre: the plane comes
-            self._begin(pulled, None)
-            continuation.newton.solve()
-            continuation.advance(pulled, distance)
-            return "free"
-        except (LoadNotReached, NotConverged):
-            self.full_order.solve(pulled, distance, sensitivities=False)
-            return "rest"
+        if isinstance(self.model, Surrogate):
+            with contextlib.suppress(NotConverged):
+                self._begin(self.model, pulled, distance)
+                return "field"
+            with contextlib.suppress(LoadNotReached, NotConverged):
+                # Which nodes press is not known to a micrometre: the plane comes.
+                self._begin(self.model, pulled, None)
+                self.full_order.continuation.advance(pulled, distance)
+                return "free"
+        self.full_order.solve(pulled, distance, sensitivities=False)
+        return "rest"
+
+
+def _scene(model: Surrogate | TouchedSegment) -> dict[str, Any]:
+    """What the full-order model solves, as plain data."""
+    if isinstance(model, Surrogate):
+        return model.scene
+    nearest, farthest = model.obstacle.distances
+    plane = {"distance": [max(nearest, NEAREST), farthest], "method": "penalty"}
+    return {key: value for key, value in model.scene.items() if key != "load"} | {"obstacle": plane}
+
+
+def _point(model: Surrogate | TouchedSegment, pulled: np.ndarray, distance: float | None) -> np.ndarray:
+    return np.append(pulled, [np.inf if distance is None else distance] if model.has_obstacle else [])

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.continuation import Continuation
-from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.equilibrium.self_intersection import Surface
 from fingerfem.equilibrium.state import State, observe
 from fingerfem.scene.scene import Scene
@@ -97,40 +96,6 @@ class FingerModel:
             raise ValueError(
                 f"wrenches must have forces up to load.force, {self.scene.load.force:g} N, got {largest:g}"
             )
-
-    def solve_near(
-        self,
-        tensions: ArrayLike,
-        distance: float | None,
-        displacement: np.ndarray,
-        wrenches: ArrayLike | None = None,
-    ) -> None:
-        """Go to the equilibrium near a displacement that is about it, and stay there.
-
-        Where an obstacle is expected to press, these wrenches take its place at first: so no active set is guessed.
-
-        Args:
-            tensions: shape (tendons,) [N].
-            distance: of the obstacle [m]; None leaves it away.
-            displacement: of this rank's nodes, shape (3 nodes,) [m].
-            wrenches: what the obstacle presses on the plates with, shape (plates, 6) [N, N m]; without an obstacle the
-                load itself.
-
-        Raises:
-            NotConverged: no equilibrium was found from there.
-        """
-        continuation, newton = self.continuation, self.continuation.newton
-        pressed = None if wrenches is None else np.asarray(wrenches, float)
-        continuation.start(tensions, None, displacement, pressed)
-        count, _ = newton.solve()
-        if distance is not None:
-            continuation.start(tensions, distance, self.problem.displacement.copy())
-            try:
-                more, _ = newton.solve("plain")
-            except NotConverged:
-                more, _ = newton.solve("line search")
-            count += more
-        continuation.iterations = count
 
     def take(self, state: State) -> None:
         """Be in a state that was solved before: its displacement and its loads."""

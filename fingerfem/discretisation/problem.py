@@ -59,20 +59,11 @@ class Problem(Assembly):
         self._tangent = self.tangent_with(self.supports)
         self.tensions = np.zeros(len(scene.tendons))
         self.distance: float | None = None  # None: the plane is away
+        self.plates = PlateLoads(scene, self.mesh, self.space) if scene.load is not None else None
         self.wrenches = np.zeros((len(scene.geometry.segments), 6))
         self._tip_volume = scene.geometry.plate * scene.geometry.side**2
         self._tendon_cells = [self._cells_of(k) for k in range(len(scene.tendons))]
         self.rest_lengths = np.array([self.tendon_length(k) for k in range(len(scene.tendons))])  # [m]
-
-    @property
-    def plates(self) -> PlateLoads | None:
-        """The plates that the scene presses on; None without a load."""
-        return self.plate_loads if self.scene.load is not None else None
-
-    @cached_property
-    def plate_loads(self) -> PlateLoads:
-        """The plates of whatever scene, for wrenches on the way to a state."""
-        return PlateLoads(self.scene, self.mesh, self.space)
 
     def _contact_stiffness(self) -> float:
         obstacle = self.scene.obstacle
@@ -159,8 +150,8 @@ class Problem(Assembly):
         The caller destroys the vector.
         """
         b = self.vector(self.forms.residual, None if self.contact is None else self.contact.spring_forces())
-        if self.wrenches.any():
-            b.array[:] -= self.plate_loads.forces(self.plate_loads.poses(self.displacement), self.wrenches)
+        if self.plates is not None and self.wrenches.any():
+            b.array[:] -= self.plates.forces(self.plates.poses(self.displacement), self.wrenches)
         reaction = self.copies * self.comm.allreduce(b.array_r[self._clamped].reshape(-1, 3).sum(axis=0))
         if self.scene.is_half:
             reaction[2] = 0.0
@@ -207,9 +198,9 @@ class Problem(Assembly):
 
     def following(self) -> LowRank | None:
         """What following loads take from the tangent; None without any."""
-        if not self.wrenches.any():
+        if self.plates is None or not self.wrenches.any():
             return None
-        found = self.plate_loads.following(self.plate_loads.poses(self.displacement), self.wrenches)
+        found = self.plates.following(self.plates.poses(self.displacement), self.wrenches)
         found.left[:, self.held] = 0.0
         return found
 
@@ -227,8 +218,8 @@ class Problem(Assembly):
             pull = self.contact.force_gradient()
             b.axpy(-distance, pull)
             pull.destroy()
-        if wrenches is not None and wrenches.any():
-            b.array[:] -= self.plate_loads.forces(self.plate_loads.poses(self.displacement), wrenches)
+        if self.plates is not None and wrenches is not None and wrenches.any():
+            b.array[:] -= self.plates.forces(self.plates.poses(self.displacement), wrenches)
             b.array[self.held] = 0.0
         return b
 

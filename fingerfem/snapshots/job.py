@@ -19,7 +19,7 @@ from fingerfem.snapshots import farm
 from fingerfem.snapshots.design import HeldOut, describe
 from fingerfem.snapshots.ledger import Ledger, sentence
 from fingerfem.snapshots.lines.setting import Known
-from fingerfem.snapshots.neighbours import near
+from fingerfem.snapshots.neighbours import KnownSet
 from fingerfem.snapshots.progress import Reporter
 from fingerfem.snapshots.reuse import Donor
 from fingerfem.versions import versions
@@ -41,7 +41,7 @@ class Request:
         until: estimated relative error until which a coarse grid is refined [-].
         budget: time after which no further line is begun [s]; a coarse grid is refined so long.
         reuse: folder of a set of the same finger whose states are taken.
-        near: folder of a training set, or file of a segment's map, at whose states others begin.
+        near: folder of a set at whose states held-out or pressed ones begin.
     """
 
     scene: Scene
@@ -89,7 +89,7 @@ class Job:
         self.description = describe(request.scene, versions(), request.held_out, request.refines)
         self._known = Known(
             donor=Donor(request.reuse, self.description) if request.reuse is not None else None,
-            near=near(request.near, self.description) if request.near is not None else None,
+            near=KnownSet(request.near, self.description) if request.near is not None else None,
         )
         create(folder, self.description)
         aside = set_aside_broken_rounds(folder, self.description)
