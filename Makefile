@@ -17,10 +17,11 @@ AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 demo:
 	docker/run python3 studies/demo.py out/demo
 
-# The tests in the environment train the draft finger once, in out/tests; those without DOLFINx use it again.
+# The tests in the environment train a surrogate of the draft finger once, in out/tests, and try the demo on coarse meshes, in
+# out/tests/demo; those without DOLFINx use them again.
 test: .venv/ready
 	rm -rf out/tests
-	docker/run python3 studies/demo.py out/tests scenes/draft.toml
+	$(MAKE) out/tests/finger.h5
 	docker/run python3 -m pytest -q $(BOTH_CORES) tests/fingerfem tests/studies
 	docker/run mpirun -n 2 python3 -m pytest -q -m mpi
 	.venv/bin/ruff check .
@@ -30,12 +31,16 @@ test: .venv/ready
 	OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -q $(BOTH_CORES) tests/rom tests/control tests/packaging
 
 # Faults once more, under every kind of lock and kill; a thousand solves; rom and control with the environment's packages.
-test-long: out/tests/report.json
+test-long: out/tests/finger.h5
 	docker/run python3 -m pytest -q $(BOTH_CORES) -m long
 	docker/run python3 -m pytest -q $(BOTH_CORES) tests/rom tests/control
 
-out/tests/report.json:
-	docker/run python3 studies/demo.py out/tests scenes/draft.toml
+out/tests/finger.h5:
+	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/draft.toml out/tests/training
+	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/draft.toml out/tests/heldout --random 200 --seed 2018 --near out/tests/training
+	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/standard.toml out/tests/finer --random 24 --seed 2019 --near out/tests/training
+	docker/run python3 studies/demo.py out/tests/demo --quick
+	docker/run python3 -m rom build out/tests/training -o $@ --held-out out/tests/heldout --finer out/tests/finer
 
 # README's numbers and picture, from the last demo.
 readme: demo

@@ -18,11 +18,10 @@ from control import Finger, Gripper, Object, SimulatedPlant
 from control.gripper import Grasp
 from control.model import Model
 from control.motion import Motion
-from rom import BackedSegment, Chain, Surrogate, TouchedSegment
+from rom import BackedSegment, Surrogate, TouchedSegment
 from rom.checked_file import kind_of
 from rom.command_line import NOTHING_USABLE, AsJson, application, columns, millimetres, run, show
 from rom.segment import chain
-from rom.segment.objects import facing_plane
 from rom.terminal import steps
 
 app = application()
@@ -46,10 +45,7 @@ def model_of(file: Path | None, behind: Path | None = None) -> Model:
         if behind is not None:
             raise ValueError(f"behind must stand behind a segment's map, got {file or 'a surrogate'} before it")
         return Surrogate.load(file)
-    segments = Chain.load(file)
-    geometry = segments.scene["geometry"]
-    plane = facing_plane(geometry["side"], (0.0, sum(geometry["segments"])))
-    touched = TouchedSegment(segment=segments, obstacle=plane)
+    touched = TouchedSegment.load(file)
     return touched if behind is None else BackedSegment(touched=touched, surrogate=Surrogate.load(behind))
 
 

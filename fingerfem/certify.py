@@ -16,9 +16,7 @@ from fingerfem.model import FingerModel
 from fingerfem.scene.scene import Scene
 from rom.checked_file import kind_of
 from rom.native.answer import Answer
-from rom.segment import segment_map
-from rom.segment.objects import facing_plane
-from rom.segment.segment_map import SegmentMap
+from rom.segment import chain
 from rom.segment.touched_segment import TouchedSegment
 from rom.surrogate import Surrogate
 
@@ -84,11 +82,9 @@ def load(file: Path) -> Surrogate | TouchedSegment:
     Raises:
         ModelError: no file, or none of these.
     """
-    if kind_of(file) != segment_map.KIND:
+    if kind_of(file) not in chain.KINDS:
         return Surrogate.load(file)
-    segment = SegmentMap.load(file)
-    geometry = segment.scene["geometry"]
-    return TouchedSegment(segment=segment, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))
+    return TouchedSegment.load(file)
 
 
 class Certifier:

@@ -31,17 +31,20 @@ def put(begin: str, text: str) -> None:
 
 def measured(numbers: dict) -> str:
     """The block between the marks."""
-    training, touch, sweep = numbers["training"], numbers["errors"]["touch"], numbers["campaign"]
+    coarse, fine, sweep, held_out = (numbers[name] for name in ("coarse", "fine", "campaign", "heldout"))
+    both = numbers["errors"]["both"]
+    touch = both["touch"]
     return f"""
-The demo's finger (`scenes/demo.toml`, {report.mesh_name(numbers["scene"]["mesh"])}, {numbers["unknowns"]:,} unknowns), trained on {training["states"]} full-order states
-({training["newton_iterations"] / training["states"]:.1f} Newton iterations per state, {training["failed"]} failed). *Surrogate*: against {numbers["errors"]["states"]} held-out random states of its own
-mesh ({numbers["errors"]["calibration_states"]} others calibrated its estimated errors). *Mesh*: {numbers["mesh_errors"]["states"]} random states on it against the same on {report.mesh_name(numbers["total_errors"]["mesh"])}. *Both
-together*: the surrogate against these on the finer mesh, which also tell it what its mesh errs by. Contact forces above 0.1 N:
+The demo's finger (`scenes/demo/`): the map of its segment, from {coarse["states"]} full-order states on {report.mesh_name(numbers["meshes"]["coarse"])}
+({coarse["newton_iterations"] / coarse["states"]:.1f} factorisations per state) and {fine["states"]} on {report.mesh_name(numbers["meshes"]["fine"])} ({numbers["unknowns"]["fine"]:,} unknowns; {fine["newton_iterations"] / fine["states"]:.1f} per state, as they
+begin at the coarse ones), {coarse["failed"] + fine["failed"]} failed; contact is solved for online. Against {both["states"]} held-out states of the fine mesh before a plane,
+solved from rest ({held_out["newton_iterations"] / held_out["states"]:.1f} per state); {both["marked"]} of the answers are marked, as rubber touches or the force is beyond what was trained, and not counted.
+Contact forces above 0.1 N:
 
 {table(report.ERROR_HEADER, report.error_rows(numbers))}
 
 Touch decided correctly in {touch["count"] - touch["wrong"]} of {touch["count"]} states. Contact forces held at
-{numbers["grasp"]["target"]:g} N, fed to the full-order model; the grasp's fingers find d themselves and correct by what they feel:
+{numbers["grasp"]["target"]:g} N, fed to the full-order model on a third mesh, {report.mesh_name(numbers["scene"]["mesh"])}; the grasp's fingers find d themselves and correct by what they feel:
 
 {table(report.HOLD_HEADER, report.hold_rows(numbers))}
 

@@ -1,4 +1,4 @@
-"""The trained draft finger that tests share; `make test` makes it first, by TRAIN."""
+"""The trained draft finger and the demo that tests share; `make test` makes them first, by TRAIN."""
 
 import json
 from dataclasses import replace
@@ -11,15 +11,22 @@ settings.register_profile("no clock", deadline=None, derandomize=True)  # tests 
 settings.load_profile("no clock")
 
 ROOT = Path(__file__).resolve().parents[1]
-TRAIN = "docker/run python3 studies/demo.py out/tests scenes/draft.toml"
+TRAIN = "make out/tests/finger.h5"
 
 
 @pytest.fixture(scope="session")
-def demo() -> Path:
+def trained() -> Path:
+    """The folder of the draft finger's surrogate, finger.h5, and of its sets."""
     folder = ROOT / "out" / "tests"
-    if not (folder / "report.json").exists():
+    if not (folder / "finger.h5").exists():
         pytest.fail(f"these tests need the trained draft finger: make test, or {TRAIN}")
     return folder
+
+
+@pytest.fixture(scope="session")
+def demo(trained) -> Path:
+    """The folder of the demo on coarse meshes."""
+    return trained / "demo"
 
 
 @pytest.fixture(scope="session")
@@ -28,16 +35,16 @@ def report(demo) -> dict:
 
 
 @pytest.fixture(scope="session")
-def surrogate(demo):
+def surrogate(trained):
     """As it errs on its own mesh: what the draft mesh errs by hides all else."""
     from rom import Surrogate
 
-    found = Surrogate.load(demo / "finger.h5")
+    found = Surrogate.load(trained / "finger.h5")
     return replace(found, errors=replace(found.errors, mesh=None))
 
 
 @pytest.fixture(scope="session")
-def held_out(demo):
+def held_out(trained):
     from rom.snapshots.snapshot_set import SnapshotSet
 
-    return SnapshotSet(demo / "heldout")
+    return SnapshotSet(trained / "heldout")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from rom.native.answer import Answer
 from rom.segment import native
 from rom.segment.chain import Chain
 from rom.segment.native import SEGMENT, Touched
-from rom.segment.objects import Object
+from rom.segment.objects import Object, facing_plane
 from rom.segment.segment_map import SegmentMap
 
 CLOSED = 1e-7  # [m]: gaps of contacts that may press, once the solve has ended
@@ -53,6 +54,22 @@ class TouchedSegment(PickledByFields):
     obstacle: Object
     has_obstacle: bool = field(default=True, init=False)
     has_pad: bool = field(default=False, init=False)
+
+    @classmethod
+    def load(cls, path: str | Path) -> TouchedSegment:
+        """Read a map or a chain of maps; it stands before the plane y = side/2 + d, d from 0 to the finger's length.
+
+        Raises:
+            ModelError: no file, neither of these, a damaged one, or one of another format.
+
+        Example:
+            >>> model = TouchedSegment.load("out/demo/finger.h5")
+            >>> model.evaluate([30.0, 0.0, 0.010]).contact_force
+        """
+        segments = Chain.load(path)
+        geometry = segments.scene["geometry"]
+        segment = segments if len(segments.segments) > 1 else segments.segments[0]
+        return cls(segment=segment, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))
 
     @cached_property
     def chain(self) -> Chain:

@@ -37,9 +37,9 @@ def test_a_dense_search_agrees_with_every_flag_of_random_starts(surrogate, force
         assert force - found.residual[i] >= 0.95 * most  # and the answer is nearly the best there is
 
 
-def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(demo):
+def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(trained):
     def control(*words):
-        command = [sys.executable, "-m", "control", words[0], str(demo / "finger.h5"), *words[1:], "--json"]
+        command = [sys.executable, "-m", "control", words[0], str(trained / "finger.h5"), *words[1:], "--json"]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         return done.returncode, json.loads(done.stdout, parse_constant=lambda word: 1 / 0)
 
@@ -84,8 +84,8 @@ def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(demo):
         (["grasp", "--radius", "1.0"], "must lie in the trained box"),
     ],
 )
-def test_bad_input_is_told_and_ends_with_code_2(demo, words, said):
-    command = [sys.executable, "-m", "control", words[0], str(demo / "finger.h5"), *words[1:]]
+def test_bad_input_is_told_and_ends_with_code_2(trained, words, said):
+    command = [sys.executable, "-m", "control", words[0], str(trained / "finger.h5"), *words[1:]]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 2 and done.stdout == ""
     assert said in done.stderr and len(done.stderr.strip().splitlines()) == 1

@@ -49,17 +49,17 @@ def run(*words: str) -> subprocess.CompletedProcess:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
 
 
-def test_the_command_prints_both_answers_and_refuses_in_one_line(demo):
-    done = run(demo / "finger.h5", "F1=50", "F2=20", "d=0.010", "--json")
+def test_the_command_prints_both_answers_and_refuses_in_one_line(trained):
+    done = run(trained / "finger.h5", "F1=50", "F2=20", "d=0.010", "--json")
     found = json.loads(done.stdout)
     assert done.returncode == 0 and found["covered"] and found["inside"]
     force = found["contact_force"]
     assert force["error"] == pytest.approx(abs(force["surrogate"] - force["full_order"]))
     assert force["error"] <= force["estimated_error"]
-    shown = run(demo / "finger.h5", "F1=50", "F2=20", "d=0.010")
+    shown = run(trained / "finger.h5", "F1=50", "F2=20", "d=0.010")
     assert shown.returncode == 0 and "estimated_error" in shown.stdout
     for words, said in (
-        ((demo / "finger.h5", "F1=500"), "F1 must lie in [0, 100] N"),
+        ((trained / "finger.h5", "F1=500"), "F1 must lie in [0, 100] N"),
         ((ROOT / "rom" / "finger.h5", "F1=5"), "must know the displacement"),
     ):
         done = run(*words)

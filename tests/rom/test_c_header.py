@@ -59,8 +59,8 @@ def test_values_and_gradients_are_python_s_to_round_off(surrogate, compiled):
 
 
 @needs_compiler
-def test_the_command_writes_a_header_that_says_what_it_is(demo, tmp_path):
-    command = [sys.executable, "-m", "rom", "export", str(demo / "finger.h5"), str(tmp_path / "thumb.h")]
+def test_the_command_writes_a_header_that_says_what_it_is(trained, tmp_path):
+    command = [sys.executable, "-m", "rom", "export", str(trained / "finger.h5"), str(tmp_path / "thumb.h")]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     text = (tmp_path / "thumb.h").read_text()

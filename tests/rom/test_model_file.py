@@ -31,8 +31,8 @@ def test_a_saved_model_is_the_model_bit_for_bit(surrogate, tmp_path):
     assert list(tmp_path.iterdir()) == [tmp_path / "copy.h5"]
 
 
-def test_every_dataset_has_a_unit_and_every_form_names_its_axes(demo):
-    with h5py.File(demo / "finger.h5") as file:
+def test_every_dataset_has_a_unit_and_every_form_names_its_axes(trained):
+    with h5py.File(trained / "finger.h5") as file:
         datasets = []
         file.visititems(lambda name, item: datasets.append(name) if isinstance(item, h5py.Dataset) else None)
         assert datasets and all("unit" in file[name].attrs for name in datasets)
@@ -70,25 +70,25 @@ def refused(file: Path, *rules: str) -> None:
     assert all(rule in str(caught.value) for rule in rules)
 
 
-def test_files_that_are_no_models_are_refused_in_one_line(tmp_path, demo):
+def test_files_that_are_no_models_are_refused_in_one_line(tmp_path, trained):
     (tmp_path / "text.h5").write_text("not HDF5")
     (tmp_path / "empty.h5").write_bytes(b"")
     with h5py.File(tmp_path / "foreign.h5", "w") as file:
         file["data"] = np.arange(5)
     for name in ("text.h5", "empty.h5", "foreign.h5", "nowhere.h5"):
         refused(tmp_path / name)
-    refused(demo)  # a folder
+    refused(trained)  # a folder
 
 
-def test_a_newer_format_is_refused_by_its_number(tmp_path, demo):
+def test_a_newer_format_is_refused_by_its_number(tmp_path, trained):
     file = tmp_path / "newer.h5"
-    file.write_bytes((demo / "finger.h5").read_bytes().replace(b"format 4,", b"format 5,", 1))
+    file.write_bytes((trained / "finger.h5").read_bytes().replace(b"format 4,", b"format 5,", 1))
     refused(file, "must be a model of format 4, got format 5")
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.999])
-def test_truncated_files_are_refused(tmp_path, demo, share):
-    whole = (demo / "finger.h5").read_bytes()
+def test_truncated_files_are_refused(tmp_path, trained, share):
+    whole = (trained / "finger.h5").read_bytes()
     file = tmp_path / "short.h5"
     file.write_bytes(whole[: int(share * len(whole))])
     refused(file)
@@ -105,18 +105,18 @@ def test_truncated_files_are_refused(tmp_path, demo, share):
     ],
     ids=["number", "map", "dataset", "attribute", "limits"],
 )
-def test_altered_files_are_refused(tmp_path, demo, change):
+def test_altered_files_are_refused(tmp_path, trained, change):
     file = tmp_path / "altered.h5"
-    file.write_bytes((demo / "finger.h5").read_bytes())
+    file.write_bytes((trained / "finger.h5").read_bytes())
     with h5py.File(file, "r+") as stored:
         change(stored)
     refused(file, "damaged")
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_flipped_bits_never_give_a_wrong_answer(tmp_path, demo, surrogate, seed):
+def test_flipped_bits_never_give_a_wrong_answer(tmp_path, trained, surrogate, seed):
     """Either the file is refused, or nothing that counts was changed."""
-    whole = bytearray((demo / "finger.h5").read_bytes())
+    whole = bytearray((trained / "finger.h5").read_bytes())
     random = np.random.default_rng(seed)
     for _ in range(3):
         whole[random.integers(len(whole))] ^= 1 << int(random.integers(8))
@@ -130,9 +130,9 @@ def test_flipped_bits_never_give_a_wrong_answer(tmp_path, demo, surrogate, seed)
     assert np.array_equal(model.evaluate(point).tip, surrogate.evaluate(point).tip)
 
 
-def test_other_functions_than_hermite_s_are_refused_in_one_line(demo, tmp_path):
+def test_other_functions_than_hermite_s_are_refused_in_one_line(trained, tmp_path):
     damaged = tmp_path / "linear.h5"
-    shutil.copy(demo / "finger.h5", damaged)
+    shutil.copy(trained / "finger.h5", damaged)
     with h5py.File(damaged, "r+") as file:
         file["free"].attrs["functions"] = "linear"
     contents = damaged.read_bytes()

@@ -41,8 +41,8 @@ def test_tip_field_and_touch_distance_are_right_on_fresh_random_states(errors):
     assert errors["touch_distance"]["p95_absolute"] < 2e-6
 
 
-def test_no_more_contact_states_than_asked_for_were_solved(demo):
-    touching = SnapshotSet(demo / "training").states_of("contact", "contact_force") > 0
+def test_no_more_contact_states_than_asked_for_were_solved(trained):
+    touching = SnapshotSet(trained / "training").states_of("contact", "contact_force") > 0
     assert 450 < touching.sum() <= 800
 
 
@@ -54,8 +54,8 @@ def test_the_model_file_carries_the_accuracy_that_was_measured(surrogate, errors
             assert errors[quantity][name] == pytest.approx(value, rel=1e-2, abs=1e-9)
 
 
-def test_snapshots_it_was_trained_on_are_met(surrogate, demo):
-    training = SnapshotSet(demo / "training")
+def test_snapshots_it_was_trained_on_are_met(surrogate, trained):
+    training = SnapshotSet(trained / "training")
     points, tips = training.states_of("free", "parameters")[:, :2], training.states_of("free", "tip")
     answer = surrogate.evaluate(np.column_stack([points, np.full(len(points), np.inf)]))
     assert np.abs(answer.tip - tips).max() < 5e-5 * 0.05
@@ -207,9 +207,9 @@ def test_a_saved_model_is_the_model(surrogate, tmp_path):
     assert list(tmp_path.iterdir()) == [tmp_path / "copy.h5"]
 
 
-def test_a_looser_tolerance_keeps_fewer_terms_says_so_and_says_larger_errors(surrogate, demo, held_out, caplog):
+def test_a_looser_tolerance_keeps_fewer_terms_says_so_and_says_larger_errors(surrogate, trained, held_out, caplog):
     with caplog.at_level("INFO"):
-        loose = Surrogate.load(demo / "finger.h5", tolerance=3e-2)
+        loose = Surrogate.load(trained / "finger.h5", tolerance=3e-2)
     assert f"regime 0 {loose.terms['regime 0']} of {surrogate.terms['regime 0']}" in caplog.text
     full, few = (check(model, held_out) for model in (surrogate, loose))
     assert few["terms"]["regime 0"] < full["terms"]["regime 0"] / 2
@@ -223,7 +223,7 @@ def test_a_looser_tolerance_keeps_fewer_terms_says_so_and_says_larger_errors(sur
     assert np.mean(true <= answer.error["contact_force"]) > 0.8  # it is not calibrated with fewer terms
     assert answer.error["contact_force"].mean() > surrogate.evaluate(points[touching]).error["contact_force"].mean()
     with pytest.raises(ModelError, match="tolerance must be"):
-        Surrogate.load(demo / "finger.h5", tolerance=-1.0)
+        Surrogate.load(trained / "finger.h5", tolerance=-1.0)
 
 
 def rom(*arguments: object) -> subprocess.CompletedProcess:
@@ -231,13 +231,13 @@ def rom(*arguments: object) -> subprocess.CompletedProcess:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
 
 
-def test_build_check_and_info_agree(demo, tmp_path):
+def test_build_check_and_info_agree(trained, tmp_path):
     model = tmp_path / "model.h5"
-    options = "--held-out", demo / "heldout", "--tolerance", "1e-2", "--json"  # a small model, soon built
-    built = rom("build", demo / "training", "-o", model, *options)
+    options = "--held-out", trained / "heldout", "--tolerance", "1e-2", "--json"  # a small model, soon built
+    built = rom("build", trained / "training", "-o", model, *options)
     assert built.returncode == 0, built.stderr
     checked, told = (
-        json.loads(rom(*words, "--json").stdout) for words in (("check", model, demo / "heldout"), ("info", model))
+        json.loads(rom(*words, "--json").stdout) for words in (("check", model, trained / "heldout"), ("info", model))
     )
     assert told == json.loads(built.stdout)
     assert checked["contact_force"]["median"] < 0.02
@@ -246,17 +246,17 @@ def test_build_check_and_info_agree(demo, tmp_path):
     assert told["accuracy"]["tip"]["median"] == pytest.approx(checked["tip"]["median"], rel=1e-2)
 
 
-def test_sets_in_the_wrong_place_are_refused(demo, tmp_path):
+def test_sets_in_the_wrong_place_are_refused(trained, tmp_path):
     for words in (
-        ("build", demo / "heldout", "-o", tmp_path / "m.h5"),
-        ("check", demo / "finger.h5", demo / "training"),
+        ("build", trained / "heldout", "-o", tmp_path / "m.h5"),
+        ("check", trained / "finger.h5", trained / "training"),
         ("build", tmp_path, "-o", tmp_path / "m.h5"),
-        ("info", demo / "report.json"),
+        ("info", trained / "report.json"),
         ("info", tmp_path / "nowhere.h5"),
-        ("build", demo / "training", "-o", tmp_path / "nowhere" / "m.h5"),
+        ("build", trained / "training", "-o", tmp_path / "nowhere" / "m.h5"),
     ):
         done = rom(*words)
         assert done.returncode == 2
         assert len(done.stderr.strip().splitlines()) == 1
     with pytest.raises(SnapshotError, match="training set"):
-        SnapshotSet(demo / "training").random("tip")
+        SnapshotSet(trained / "training").random("tip")

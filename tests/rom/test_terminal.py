@@ -10,8 +10,8 @@ ROM = [sys.executable, "-m", "rom"]
 NOTHING = "stopped by Ctrl-C; nothing was written, the same command begins again"
 
 
-def test_build_shows_how_far_it_is_and_says_in_sentences_what_falls_short(demo, tmp_path):
-    model, sets = tmp_path / "finger.h5", [str(demo / "training"), "--held-out", str(demo / "heldout")]
+def test_build_shows_how_far_it_is_and_says_in_sentences_what_falls_short(trained, tmp_path):
+    model, sets = tmp_path / "finger.h5", [str(trained / "training"), "--held-out", str(trained / "heldout")]
     seen = shown([*ROM, "build", *sets, "-o", str(model), "--terms", "2"])
     assert seen.code == 0 and model.exists()
     seen.assert_readable()
@@ -27,8 +27,8 @@ def test_build_shows_how_far_it_is_and_says_in_sentences_what_falls_short(demo, 
     assert "rom build --terms allows more" in text
 
 
-def test_check_shows_a_bar_with_colours_unless_these_are_not_wanted(demo):
-    command = [*ROM, "check", str(demo / "finger.h5"), str(demo / "heldout")]
+def test_check_shows_a_bar_with_colours_unless_these_are_not_wanted(trained):
+    command = [*ROM, "check", str(trained / "finger.h5"), str(trained / "heldout")]
     for settings, colours in (({}, True), ({"NO_COLOR": "1"}, False)):
         seen = shown(command, **settings)
         assert seen.code == 0 and seen.bars and seen.coloured == colours
@@ -36,8 +36,8 @@ def test_check_shows_a_bar_with_colours_unless_these_are_not_wanted(demo):
         seen.assert_readable()
 
 
-def test_in_a_pipe_there_are_no_bars_and_no_control_sequences(demo):
-    command = [*ROM, "check", str(demo / "finger.h5"), str(demo / "heldout")]
+def test_in_a_pipe_there_are_no_bars_and_no_control_sequences(trained):
+    command = [*ROM, "check", str(trained / "finger.h5"), str(trained / "heldout")]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and "\x1b" not in done.stdout + done.stderr and "━" not in done.stderr
 
@@ -49,7 +49,7 @@ def test_bad_input_is_one_sentence_that_is_broken_between_words(tmp_path):
 
 
 @pytest.mark.parametrize("times", [1, 3])
-def test_ctrl_c_ends_build_in_one_line_and_leaves_no_file(demo, tmp_path, times):
-    command = [*ROM, "build", str(demo / "training"), "-o", str(tmp_path / "finger.h5")]
+def test_ctrl_c_ends_build_in_one_line_and_leaves_no_file(trained, tmp_path, times):
+    command = [*ROM, "build", str(trained / "training"), "-o", str(tmp_path / "finger.h5")]
     shown(command, interrupt_at="separating", times=times).assert_interrupted(NOTHING)
     assert not list(tmp_path.iterdir())

@@ -1,38 +1,49 @@
-"""The demo's promises, read from the report it wrote."""
+"""The demo's promises, read from the report it wrote; its meshes are coarse here."""
 
 import json
 
 import pytest
 
-from rom import Surrogate
+from rom import SegmentMap
 
 
-def test_every_held_force_is_within_three_percent_of_the_target_by_the_full_order_model(report):
-    errors = [*report["grasp"]["force_errors"], *[hold["force_error"] for hold in report["holds"]]]
-    assert len(errors) == 8
-    assert max(errors) < 0.03
+def test_every_held_force_is_near_the_target_by_the_full_order_model(report):
+    """Without feedback it is off by what a few states on a coarse mesh teach."""
+    assert len(report["grasp"]["force_errors"]) == 3 and max(report["grasp"]["force_errors"]) < 0.005
+    assert len(report["holds"]) == 5
+    assert max(hold["force_error"] for hold in report["holds"]) < 0.06
 
 
 def test_the_grasp_found_the_object(report):
     grasp = report["grasp"]
     assert grasp["status"] == ["converged"] * 3
-    assert max(grasp["distance_errors"]) < 1e-4
-    assert grasp["centre"] == pytest.approx(grasp["true_centre"], abs=1e-4)
+    assert max(grasp["distance_errors"]) < 2e-4
+    assert grasp["centre"] == pytest.approx(grasp["true_centre"], abs=2e-4)
 
 
 def test_every_full_order_state_of_training_and_check_converged(report):
-    assert report["training"]["failed"] == report["heldout"]["failed"] == 0
-    lines = 80 * 9  # of a free state and eight in contact; some do not touch, some have states between regimes
-    assert 0.8 * lines < report["training"]["states"] < 1.3 * lines
+    parts = [report[name] for name in ("coarse", "fine", "heldout")]
+    assert [part["failed"] for part in parts] == [0, 0, 0]
+    assert [part["states"] for part in parts] == [24 * 5, 8 * 5, 6 * 4]
 
 
-def test_held_out_states_begin_near_by(report):
-    """From rest they take 25 iterations."""
-    assert report["heldout"]["newton_iterations"] < 12 * report["heldout"]["states"]
+def test_fine_states_begin_at_coarse_ones(report):
+    """From rest they take twice the factorisations."""
+    per_state = {name: report[name]["newton_iterations"] / report[name]["states"] for name in ("coarse", "fine")}
+    assert per_state["fine"] < 0.6 * per_state["coarse"]
+
+
+def test_few_fine_states_remove_most_of_what_the_coarse_mesh_errs_by(report):
+    coarse, both = (report["errors"][name] for name in ("coarse", "both"))
+    assert both["states"] == coarse["states"] == 24
+    for quantity in ("tip", "touch_distance", "contact_force"):
+        assert both[quantity]["median"] < 0.3 * coarse[quantity]["median"], quantity
+    assert both["contact_force"]["coverage"] >= 0.8
+    assert both["touch"]["wrong"] == 0
 
 
 def test_reached_and_out_of_reach_are_told_apart(report):
-    assert report["reach"]["status"] == "converged" and report["reach"]["verified_miss"] < 2e-4
+    assert report["reach"]["status"] == "converged" and report["reach"]["verified_miss"] < 5e-4
     assert report["unreachable"]["status"] == "unreachable"
 
 
@@ -42,17 +53,12 @@ def test_the_report_shows_its_pictures_and_numbers(report, demo):
         assert f'src="{picture}"' in page
         assert (demo / picture).read_bytes().startswith(b"\x89PNG")
         assert (demo / picture).stat().st_size > 10_000
-    assert f"{100 * report['errors']['contact_force']['median']:.2g}%" in page
+    assert f"{100 * report['errors']['both']['contact_force']['median']:.2g}%" in page
     assert json.loads((demo / "report.json").read_text()) == report
 
 
-def test_the_mesh_s_part_of_the_error_is_measured_and_estimated(report, demo):
-    mesh, total = report["mesh_errors"], report["total_errors"]
-    assert mesh["states"] == total["states"] == 24 and total["taught"]
-    assert mesh["mesh"] == total["mesh"] == {"cells": [10, 5], "order": 2}
-    # Of the draft mesh by far the larger part.
-    assert mesh["contact_force"]["median"] > 10 * report["errors"]["contact_force"]["median"]
-    assert total["contact_force"]["median"] == pytest.approx(mesh["contact_force"]["median"], rel=0.2)
-    model = Surrogate.load(demo / "finger.h5")
-    assert model.errors.mesh is not None
-    assert model.accuracy["against_finer_mesh"]["contact_force"] == total["contact_force"]
+def test_the_model_says_what_it_was_made_of(report, demo):
+    model = SegmentMap.load(demo / "finger.h5")
+    assert model.scene["mesh"]["cells"] == report["meshes"]["fine"]["cells"]
+    assert model.provenance["states"] == 40 and model.provenance["coarse"]["states"] == 120
+    assert model.accuracy["contact_force"] == report["errors"]["both"]["contact_force"]

@@ -151,14 +151,14 @@ def test_a_finger_that_is_none_is_refused_as_such(side, open_table, tmp_path):
     assert "\n" not in str(refused.value)
 
 
-def test_the_cheapest_says_what_it_expects_and_check_what_was_got(open_table, demo, tmp_path):
+def test_the_cheapest_says_what_it_expects_and_check_what_was_got(open_table, trained, tmp_path):
     """Its lines of states are the first of the demo's, the same finger on the same mesh; one is left to solve."""
     file, folder = tmp_path / "scene.toml", tmp_path / "set"
     file.write_text('preset = "draft"\n' + as_toml(open_table))
     description = describe(load_scene(file), versions())
     create(folder, description)
     for task in list(description.tasks)[1:]:
-        shutil.copy(task_file(demo / "training", task), task_file(folder, task))
+        shutil.copy(task_file(trained / "training", task), task_file(folder, task))
     told = subprocess.run(command(2, file, folder), cwd=ROOT, capture_output=True, text=True)
     expected = load_scene(file).expected
     assert told.returncode == 0 and f"expected: {expected}" in told.stderr, told.stderr
@@ -169,7 +169,7 @@ def test_the_cheapest_says_what_it_expects_and_check_what_was_got(open_table, de
         text=True,
     )
     assert built.returncode == 0, built.stderr
-    model, fresh = Surrogate.load(tmp_path / "model.h5"), SnapshotSet(demo / "heldout")
+    model, fresh = Surrogate.load(tmp_path / "model.h5"), SnapshotSet(trained / "heldout")
     found = check(model, fresh)
     got = found["chosen"]
     assert got["asked"] == "preset draft" and got["quantity"] == "contact_force"

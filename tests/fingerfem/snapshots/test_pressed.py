@@ -144,6 +144,68 @@ def test_held_out_states_measure_the_map_that_is_built(pressed_scene, pressed_se
     assert other.returncode == 2 and "must be a held-out set" in other.stderr
 
 
+@pytest.fixture(scope="module")
+def finer_scene(pressed_scene, tmp_path_factory) -> Path:
+    """The same finger on twice as many cells, with fewer lines."""
+    text = pressed_scene.read_text().replace("cells = [10, 5]", "cells = [20, 5]").replace("lines = 15", "lines = 6")
+    file = tmp_path_factory.mktemp("finer") / "finer.toml"
+    file.write_text(text)
+    return file
+
+
+def test_states_that_begin_at_those_of_a_coarser_mesh_are_those_from_rest(finer_scene, pressed_set, tmp_path):
+    rest = run(2, finer_scene, tmp_path / "rest")
+    near = run(2, finer_scene, tmp_path / "near", "--near", str(pressed_set))
+    assert near["failed"] == rest["failed"] == 0 and near["states"] == rest["states"] == 24
+    assert near["newton_iterations"] < 0.6 * rest["newton_iterations"]
+    true, found = (read_pressed_states(SnapshotSet(tmp_path / name)) for name in ("rest", "near"))
+    assert found.poses == pytest.approx(true.poses, abs=1e-8)
+    assert found.jacobians == pytest.approx(true.jacobians, rel=1e-6, abs=1e-6)
+    held_out, same = (
+        run(2, finer_scene, tmp_path / f"held-out {k}", *options)
+        for k, options in enumerate((["--random", "4"], ["--random", "4", "--near", str(pressed_set)]))
+    )
+    assert same["states"] == held_out["states"] == 4 and same["failed"] == 0
+    true, found = (read_pressed_states(SnapshotSet(tmp_path / f"held-out {k}")) for k in (0, 1))
+    assert found.poses == pytest.approx(true.poses, abs=1e-8)
+
+
+def test_few_states_on_a_finer_mesh_correct_the_map_of_a_coarse_one(finer_scene, pressed_set, tmp_path):
+    run(2, finer_scene, tmp_path / "fine", "--near", str(pressed_set))
+    table = finer_scene.read_text().replace('store = ["displacement", "channel_shortening"]', "store = []")
+    plane = table.replace(f"[load]\nforce = {FORCE}\nfriction_angle = 0.2", "[obstacle]\ndistance = [0.004, 0.03]")
+    (tmp_path / "plane.toml").write_text(plane.replace("lines = 6\nwrenches = 3\n", ""))
+    run(2, tmp_path / "plane.toml", tmp_path / "held-out", "--random", "6", "--distances", "4", "--seed", "1")
+
+    def rom(*words: str) -> dict:
+        words = ("build", *words, "--terms", "300", "--held-out", str(tmp_path / "held-out"), "--json")
+        done = subprocess.run([sys.executable, "-m", "rom", *words], cwd=ROOT, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)["accuracy"]
+
+    file = tmp_path / "both.h5"
+    before = rom(str(pressed_set), "-o", str(tmp_path / "coarse.h5"))
+    after = rom(str(tmp_path / "fine"), "-o", str(file), "--coarse", str(pressed_set))
+    assert after["mesh"] == {"cells": [20, 5], "order": 1} and after["marked"] < 8
+    for quantity in ("tip", "touch_distance", "contact_force"):
+        assert after[quantity]["median"] < 0.4 * before[quantity]["median"], quantity
+    assert after["touch"]["wrong"] <= before["touch"]["wrong"]
+    segment = SegmentMap.load(file)
+    assert segment.provenance["coarse"]["states"] == 60 and segment.provenance["states"] == 24
+    fine = read_pressed_states(SnapshotSet(tmp_path / "fine"))
+    off = np.abs(segment.shortening(fine.inputs) - fine.shortenings)
+    assert np.quantile(off, 0.9) < 2 * segment.shortening_error
+    coarse = SnapshotSet(pressed_set)
+    assert np.array_equal(segment.displacements.nodes, coarse.nodes)
+    done = subprocess.run(
+        [sys.executable, "-m", "rom", "build", str(pressed_set), "-o", str(file), "--coarse", str(tmp_path / "fine")],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 2 and "must be of a coarser mesh than the fine set's" in done.stderr
+
+
 def test_what_a_load_does_not_go_with_is_refused(pressed_scene):
     scene = load_scene(pressed_scene)
     with pytest.raises(SceneError, match="load must be left out of a scene whose grid is refined"):

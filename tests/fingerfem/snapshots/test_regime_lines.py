@@ -45,9 +45,9 @@ def test_they_add_states_to_the_regimes_that_had_few(training):
     assert sum(all_of_them[key] > grid[key] for key in small) >= 0.75 * len(small)
 
 
-def test_states_between_regimes_find_their_ends(demo):
+def test_states_between_regimes_find_their_ends(trained):
     """No two states beside each other on a line differ in regime and are far apart."""
-    training, apart = SnapshotSet(demo / "training"), []
+    training, apart = SnapshotSet(trained / "training"), []
     for task in training.description.lines:
         stored = training.task(task)
         touching = stored["contact_force"] > 0

@@ -66,8 +66,8 @@ def test_many_processes_may_build_at_once_in_a_cold_cache(tmp_path):
 
 
 @pytest.mark.parametrize("missing", [{"PATH": "/nowhere"}, {"CC": "false"}, {"CC": "no-such-compiler"}])
-def test_without_a_library_and_a_compiler_the_command_says_so_in_one_line(demo, tmp_path, missing):
-    command = [sys.executable, "-m", "control", "hold", str(demo / "finger.h5"), "--distance", "0.01"]
+def test_without_a_library_and_a_compiler_the_command_says_so_in_one_line(trained, tmp_path, missing):
+    command = [sys.executable, "-m", "control", "hold", str(trained / "finger.h5"), "--distance", "0.01"]
     done = subprocess.run(command, env=without(tmp_path, **missing), capture_output=True, text=True)
     assert done.returncode == 2
     (line,) = done.stderr.splitlines()

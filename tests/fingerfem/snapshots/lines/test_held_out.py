@@ -34,9 +34,9 @@ def test_states_do_not_depend_on_where_they_began_and_take_fewer_iterations(scen
     assert not near.failures and near.iterations < rest.iterations  # of the demo's finer set a third
 
 
-def test_states_of_the_demo_are_those_from_rest(demo):
+def test_states_of_the_demo_are_those_from_rest(trained):
     """A sample of the states that its report's errors are measured on."""
-    held_out = SnapshotSet(demo / "heldout")
+    held_out = SnapshotSet(trained / "heldout")
     model = FingerModel(load_scene(ROOT / "scenes" / "draft.toml"))
     felt = np.flatnonzero(held_out.random("contact_force") > 0)
     for k in [*felt[::30], *np.flatnonzero(held_out.random("contact_force") == 0)[::60]]:

@@ -1,0 +1,39 @@
+"""A fit corrected by few states of a body that is a little softer: what they say of each other without one another."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from rom.segment import regression
+from rom.segment.contact_error import relative_force_errors
+from rom.segment.index_set import index_set
+from tests.rom.segment import rod
+
+SOFTER = 1.04  # of all loads: what a stiff mesh leaves out
+
+
+def softer(count: int, seed: int):
+    """States of the rod under loads that count for more."""
+    known = rod.states(count, seed)
+    return replace(known, inputs=known.inputs / SOFTER, jacobians=known.jacobians * SOFTER)
+
+
+def samples(states) -> regression.Samples:
+    return regression.Samples(inputs=states.inputs, values=states.poses, jacobians=states.jacobians, lines=states.lines)
+
+
+def test_few_states_correct_a_fit_and_say_how_well(segment):
+    few, held_out = softer(12, 5), softer(40, 6)
+    powers = index_set(np.repeat([1.0, 1.25, 2.25], [2, 3, 3]), 3.0, 2, 4)
+    known = {tuple(row) for row in segment.pose.powers.tolist()}
+    powers = np.array([row for row in powers.tolist() if tuple(row) in known])
+    both, predicted = regression.correction(segment.pose, samples(few), rod.BOX, powers)
+    alone, _ = regression.regression(samples(few), rod.BOX, powers)
+
+    def errors(polynomial) -> float:
+        return float(np.nanmedian(relative_force_errors(held_out, polynomial.value(held_out.inputs))))
+
+    assert errors(both) < 0.1 * errors(segment.pose) and errors(both) < 0.1 * errors(alone)
+    left_out = float(np.nanmedian(relative_force_errors(few, predicted)))
+    assert 0.5 * errors(both) < left_out < 3 * errors(both)
+    assert np.array_equal(both.powers, segment.pose.powers)  # no term more
