@@ -20,14 +20,13 @@ from rom.fit import layout
 from rom.fit.contact_response import ContactResponse
 from rom.fit.displacement import FittedDisplacement
 from rom.fit.free_response import FreeResponse
-from rom.fit.mesh_error import MeshError, place_errors
+from rom.fit.mesh_error import COVERAGE, MeshError, covering, place_errors
 from rom.held_out import check_finer, differences, split
 from rom.native import answer
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.snapshots.training_states import TrainingStates
 from rom.surrogate import Surrogate
 
-COVERAGE = 95  # percent of states whose error is to be at most the estimated one
 CALIBRATED = 98  # percent of calibration states that are scaled to be covered, so that of others COVERAGE are
 AROUND = 8  # states whose errors a cell goes by
 PLACES = "tip", "touch_distance", "displacement"  # quantities that a mesh errs by in shares of the tip's way
@@ -147,15 +146,15 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
     left = {name: np.maximum(off - estimated[name], 0.0) for name, off in differences(model, finer).items()}
     size = np.linalg.norm(found.tip, axis=1)
     shares: dict[str, Any] = dict.fromkeys(PLACES, 0.0)
-    shares |= {name: _conformal(left[name] / size) for name in PLACES if name in left}
+    shares |= {name: covering(left[name] / size) for name in PLACES if name in left}
     for name, row in (("contact_force", answer.FORCE), ("pad_pressure", answer.PAD)):
         touched = out[:, row] > 0 if name in left else np.zeros(len(points), bool)
         if touched.any():
             by_place = place_errors(model.kernel, points, out, row, size)
             pair = _shares(left[name][touched], out[touched, row], by_place[touched])
-            covering = MeshError(**shares | {name: pair}).of(model.kernel, points, out)[name]
-            some = covering > 0  # where only one of the meshes touches among them
-            factor = _conformal(left[name][some] / covering[some])
+            told = MeshError(**shares | {name: pair}).of(model.kernel, points, out)[name]
+            some = told > 0  # where only one of the meshes touches among them
+            factor = covering(left[name][some] / told[some])
             shares[name] = factor * pair[0], factor * pair[1]
     used = {"set": finer.description.held_out_id, "states": len(points)} | {
         key: finer.description.scene["mesh"][key] for key in ("cells", "order")
@@ -177,17 +176,6 @@ def _shares(off: np.ndarray, force: np.ndarray, by_place: np.ndarray) -> tuple[f
     matrix = np.column_stack([force * weight, by_place * weight, np.eye(n), -np.eye(n)])
     found = linprog(cost, A_eq=matrix, b_eq=off * weight)
     return float(found.x[0]), float(max(found.x[1], LEAST_PLACE))
-
-
-def _conformal(ratios: np.ndarray) -> float:
-    """The smallest of these that covers a further one of their kind with 95 % probability.
-
-    Of n fewer than 19 none does: the largest covers it with the probability n / (n + 1).
-    """
-    if not len(ratios):
-        return 0.0
-    rank = int(np.ceil((len(ratios) + 1) * COVERAGE / 100))
-    return float(np.sort(ratios)[min(rank, len(ratios)) - 1])
 
 
 def _scale(true: np.ndarray, estimated: np.ndarray) -> float:

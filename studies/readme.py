@@ -38,7 +38,7 @@ def measured(numbers: dict) -> str:
 The demo's finger (`scenes/demo/`): the map of its segment, from {coarse["states"]} full-order states on {report.mesh_name(numbers["meshes"]["coarse"])}
 ({coarse["newton_iterations"] / coarse["states"]:.1f} factorisations per state) and {fine["states"]} on {report.mesh_name(numbers["meshes"]["fine"])} ({numbers["unknowns"]["fine"]:,} unknowns; {fine["newton_iterations"] / fine["states"]:.1f} per state, as they
 begin at the coarse ones), {coarse["failed"] + fine["failed"]} failed; contact is solved for online. Against {both["states"]} held-out states of the fine mesh before a plane,
-solved from rest ({held_out["newton_iterations"] / held_out["states"]:.1f} per state); {both["marked"]} of the answers are marked, as rubber touches or the force is beyond what was trained, and not counted.
+which begin at the same on the coarse one ({held_out["newton_iterations"] / held_out["states"]:.1f} per state); {both["marked"]} of the answers are marked, as rubber touches or the force is beyond what was trained, and not counted.
 Contact forces above 0.1 N:
 
 {table(report.ERROR_HEADER, report.error_rows(numbers))}

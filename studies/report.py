@@ -162,7 +162,7 @@ third mesh, {mesh_name(numbers["scene"]["mesh"])}, and that model verified every
 <img src="s11.png" alt="deformed finger, four load cases">
 <p>Axial second Piola-Kirchhoff stress S11 of four load cases; the plate is grey, the obstacle tan.</p>
 <h2>How far from the truth</h2>
-<p>Against {held_out["states"]} held-out states before a plane, solved from rest on the fine mesh; in {held_out["marked"]} of them rubber
+<p>Against {held_out["states"]} held-out states before a plane on the fine mesh; in {held_out["marked"]} of them rubber
 touches, or the force is beyond what was trained: these answers are marked, and not counted. Contact forces above 0.1 N.</p>
 {table(ERROR_HEADER, error_rows(numbers))}
 <p>Touch decided right in {touch["count"] - touch["wrong"]} of {touch["count"]} states ({touch["right"]:.1%}); contact force is compared

@@ -13,6 +13,7 @@ import numpy as np
 
 from rom.native import answer
 
+COVERAGE = 95  # percent of states whose error is to be at most the estimated one
 NO_SHARES = 0.0, 0.0
 PAST = 1e-6  # [m]: how far past touch contact's stiffness is asked for where it is not touched yet
 
@@ -67,3 +68,14 @@ def place_errors(kernel: Any, points: np.ndarray, out: np.ndarray, row: int, shi
     left = shifts[near] - np.maximum(gaps[near], 0.0)
     found[near] = left * np.abs(answer.slopes_by_distance(kernel, past, row))
     return found
+
+
+def covering(errors: np.ndarray) -> float:
+    """The smallest of these, shape (n,), that covers a further one of their kind with 95 % probability (conformal).
+
+    Of n fewer than 19 none does: the largest covers it with the probability n / (n + 1).
+    """
+    if not len(errors):
+        return 0.0
+    rank = int(np.ceil((len(errors) + 1) * COVERAGE / 100))
+    return float(np.sort(errors)[min(rank, len(errors)) - 1])

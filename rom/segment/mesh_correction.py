@@ -15,6 +15,7 @@ from itertools import count
 import numpy as np
 
 from rom.fit.chebyshev import Polynomial
+from rom.fit.mesh_error import covering
 from rom.segment.contact_error import relative_force_errors
 from rom.segment.field import Field, pod_modes, single
 from rom.segment.index_set import index_set, pure_degree
@@ -61,8 +62,8 @@ def corrected(before: SegmentMap, coarse: SnapshotSet, fine: SnapshotSet) -> Seg
     return replace(
         before,
         pose=pose,
-        force_error=quantiles(errors)["p95"],
-        place_error=quantiles(places[states.forces == 0])["p95"],
+        force_error=covering(errors[~np.isnan(errors)]),
+        place_error=covering(places[states.forces == 0]),
         corners=corners,
         skin=skin,
         skin_error=_percentile(skin_off, 3),
