@@ -147,7 +147,7 @@ def test_held_out_states_measure_the_map_that_is_built(pressed_scene, pressed_se
 @pytest.fixture(scope="module")
 def finer_scene(pressed_scene, tmp_path_factory) -> Path:
     """The same finger on twice as many cells, with fewer lines."""
-    text = pressed_scene.read_text().replace("cells = [10, 5]", "cells = [20, 5]").replace("lines = 15", "lines = 6")
+    text = pressed_scene.read_text().replace("cells = [10, 5]", "cells = [20, 5]").replace("lines = 15", "lines = 12")
     file = tmp_path_factory.mktemp("finer") / "finer.toml"
     file.write_text(text)
     return file
@@ -156,7 +156,7 @@ def finer_scene(pressed_scene, tmp_path_factory) -> Path:
 def test_states_that_begin_at_those_of_a_coarser_mesh_are_those_from_rest(finer_scene, pressed_set, tmp_path):
     rest = run(2, finer_scene, tmp_path / "rest")
     near = run(2, finer_scene, tmp_path / "near", "--near", str(pressed_set))
-    assert near["failed"] == rest["failed"] == 0 and near["states"] == rest["states"] == 24
+    assert near["failed"] == rest["failed"] == 0 and near["states"] == rest["states"] == 48
     assert near["newton_iterations"] < 0.6 * rest["newton_iterations"]
     true, found = (read_pressed_states(SnapshotSet(tmp_path / name)) for name in ("rest", "near"))
     assert found.poses == pytest.approx(true.poses, abs=1e-8)
@@ -173,8 +173,10 @@ def test_states_that_begin_at_those_of_a_coarser_mesh_are_those_from_rest(finer_
 def test_few_states_on_a_finer_mesh_correct_the_map_of_a_coarse_one(finer_scene, pressed_set, tmp_path):
     run(2, finer_scene, tmp_path / "fine", "--near", str(pressed_set))
     table = finer_scene.read_text().replace('store = ["displacement", "channel_shortening"]', "store = []")
-    plane = table.replace(f"[load]\nforce = {FORCE}\nfriction_angle = 0.2", "[obstacle]\ndistance = [0.004, 0.03]")
-    (tmp_path / "plane.toml").write_text(plane.replace("lines = 6\nwrenches = 3\n", ""))
+    plane = table.replace(
+        f"[load]\nforce = {FORCE}\nfriction_angle = 0.2", '[obstacle]\nmethod = "penalty"\ndistance = [0.004, 0.03]'
+    )
+    (tmp_path / "plane.toml").write_text(plane.replace("lines = 12\nwrenches = 3\n", ""))
     run(2, tmp_path / "plane.toml", tmp_path / "held-out", "--random", "6", "--distances", "4", "--seed", "1")
 
     def rom(*words: str) -> dict:
@@ -188,10 +190,10 @@ def test_few_states_on_a_finer_mesh_correct_the_map_of_a_coarse_one(finer_scene,
     after = rom(str(tmp_path / "fine"), "-o", str(file), "--coarse", str(pressed_set))
     assert after["mesh"] == {"cells": [20, 5], "order": 1} and after["marked"] < 8
     for quantity in ("tip", "touch_distance", "contact_force"):
-        assert after[quantity]["median"] < 0.4 * before[quantity]["median"], quantity
+        assert after[quantity]["median"] < 0.5 * before[quantity]["median"], quantity
     assert after["touch"]["wrong"] <= before["touch"]["wrong"]
     segment = SegmentMap.load(file)
-    assert segment.provenance["coarse"]["states"] == 60 and segment.provenance["states"] == 24
+    assert segment.provenance["coarse"]["states"] == 60 and segment.provenance["states"] == 48
     fine = read_pressed_states(SnapshotSet(tmp_path / "fine"))
     off = np.abs(segment.shortening(fine.inputs) - fine.shortenings)
     assert np.quantile(off, 0.9) < 2 * segment.shortening_error
