@@ -2,8 +2,9 @@
 
 What a finer mesh changes in a pose is small and as smooth in tensions and wrench as the pose itself. So the fine
 states are fitted by what they say beyond the coarse map, by products of a low degree (a control variate, see
-rom.snapshots.mesh_transfer). The map is then of the fine mesh, and its error, of fine states predicted without their
-lines, counts both fits. Nodes and points of the rubber stay where the coarse mesh has them.
+rom.snapshots.mesh_transfer). The map is then of the fine mesh. Its error counts both fits: that of fine states
+predicted without their lines, and that of the coarse map, which has seen these tensions. Nodes and points of the rubber
+stay where the coarse mesh has them.
 """
 
 from __future__ import annotations
@@ -62,8 +63,8 @@ def corrected(before: SegmentMap, coarse: SnapshotSet, fine: SnapshotSet) -> Seg
     return replace(
         before,
         pose=pose,
-        force_error=covering(errors[~np.isnan(errors)]),
-        place_error=covering(places[states.forces == 0]),
+        force_error=float(np.hypot(covering(errors[~np.isnan(errors)]), before.force_error)),
+        place_error=float(np.hypot(covering(places[states.forces == 0]), before.place_error)),
         corners=corners,
         skin=skin,
         skin_error=_percentile(skin_off, 3),
