@@ -49,7 +49,7 @@ Touch decided correctly in {touch["count"] - touch["wrong"]} of {touch["count"]}
 {table(report.HOLD_HEADER, report.hold_rows(numbers))}
 
 The authors' sweep of {sweep["starts"]:,} holds: {sweep["converged"]:,} converged, {sweep["unreachable"]:,} unreachable and flagged,
-{sweep["failed"]} failed, {sweep["out_of_limits"]} outside the limits; {sweep["mean_us"]:.0f} µs per solve on average and {sweep["p99_us"]:.0f} µs at the 99th percentile
+{sweep["failed"]} without an answer (`out_of_domain`: so near that rubber may touch the plane, too), {sweep["out_of_limits"]} outside the limits; {sweep["mean_us"]:.0f} µs per solve on average and {sweep["p99_us"]:.0f} µs at the 99th percentile
 on the machine that measured this (the authors report 7,160 µs and 31,000 µs at worst on theirs).
 """
 
