@@ -79,7 +79,7 @@ class Newton:
         most = self.options.searches if strategy == "line search" else self.options.iterations
         start = problem.fields.u.x.array.copy()
         problem.fields.previous.x.array[:] = start
-        first, moved, iteration, last = None, np.inf, 0, np.inf
+        first, moved, iteration, last, kept = None, np.inf, 0, np.inf, False
         while True:
             residual, _ = problem.residual()
             norm = residual.norm() / problem.force_scale
@@ -87,13 +87,16 @@ class Newton:
             # Where steel is very stiff against the rubber, round-off keeps the residual up; what Newton's method still
             # moves then tells that there is nothing left to do.
             settled = norm <= self.options.noise and moved <= self.options.settled * problem.scene.geometry.length
-            if (norm <= self.options.tolerance or settled) and problem.smallest_volume_ratio() > 0:
+            if (norm <= self.options.tolerance or settled) and not kept and problem.smallest_volume_ratio() > 0:
                 residual.destroy()
                 if problem.contact is not None and problem.contact.lets_go():
                     continue
                 return iteration, self._linearisation() if iteration else None
             serves = iteration > 0 and strategy != "line search" and norm < self.options.near
-            serves, last = serves and norm <= self.options.contraction * last, norm
+            # What a step with old factors leaves is small in the residual, not yet in the soft finger: one step more.
+            last_step = kept and (norm <= self.options.tolerance or settled)
+            serves, last = last_step or (serves and norm <= self.options.contraction * last), norm
+            kept = serves and not last_step
             reason = self._hopeless(norm, first, iteration, most) if not serves else None
             if reason is None and not serves:
                 reason, iteration = self._factorise(), iteration + 1
