@@ -251,7 +251,7 @@ def test_sets_in_the_wrong_place_are_refused(trained, tmp_path):
         ("build", trained / "heldout", "-o", tmp_path / "m.h5"),
         ("check", trained / "finger.h5", trained / "training"),
         ("build", tmp_path, "-o", tmp_path / "m.h5"),
-        ("info", trained / "report.json"),
+        ("info", trained / "demo" / "report.json"),
         ("info", tmp_path / "nowhere.h5"),
         ("build", trained / "training", "-o", tmp_path / "nowhere" / "m.h5"),
     ):
