@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import os
 import signal
+from types import FrameType
 
 INTERRUPTED = 128 + signal.SIGINT
 NOTHING_KEPT = "stopped by Ctrl-C; nothing was written, the same command begins again"
@@ -26,13 +27,26 @@ def interruptible(line: str = NOTHING_KEPT) -> None:
     still importing; so a command calls this before it imports what takes long, and again where something is kept.
     """
 
-    def stop(*_) -> None:
+    def stop(_: int, frame: FrameType | None) -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second one shall not disturb the end
+        if _importing(frame):
+            if first_rank():
+                _say(line)
+            os._exit(INTERRUPTED)  # an exception would be lost where a module tries whether another is there
         if first_rank():
             atexit.register(_say, line)  # after all that contexts still say, such as a bar
         raise Interruption(INTERRUPTED)
 
     signal.signal(signal.SIGINT, stop)
+
+
+def _importing(frame: FrameType | None) -> bool:
+    """Whether this frame runs, directly or not, because a module is being imported."""
+    while frame is not None:
+        if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _say(line: str) -> None:
