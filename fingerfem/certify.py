@@ -57,11 +57,11 @@ class Certificate:
         return bool(self.answer.inside) and all(error <= estimated[name] for name, error in self.errors.items())
 
     def as_json(self) -> dict[str, Any]:
-        """Plain data: a quantity's surrogate, full-order value, error and estimated error, in [m] and [N]."""
+        """Plain data: of each quantity the model's answer, full-order value, error, estimated error, in [m] and [N]."""
         full_order = {"tip": self.tip.tolist(), "contact_force": self.contact_force}
         quantities = {
             name: {
-                "surrogate": np.asarray(getattr(self.answer, name)).tolist(),
+                "answer": np.asarray(getattr(self.answer, name)).tolist(),
                 "full_order": full_order[name],
                 "error": error,
                 "estimated_error": float(self.answer.error_parts["surrogate"][name]),

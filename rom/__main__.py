@@ -14,7 +14,7 @@ from typing import Annotated
 import typer
 
 from rom.checked_file import kind_of
-from rom.command_line import AsJson, application, errors, run, show
+from rom.command_line import AsJson, application, check_lines, errors, run, show
 from rom.segment import chain, segment_map
 from rom.segment.chain import Chain
 from rom.segment.segment_map import SegmentMap
@@ -110,7 +110,7 @@ def build_segment(
     snapshots: SnapshotSet, terms: int | None, held_out: Path | None, coarse: Path | None = None
 ) -> SegmentMap:
     """The map of a set of pressed states, measured on held-out ones, or on those of the plane, if there are any."""
-    from rom.segment import build
+    from rom.segment.training import build
 
     states = None if held_out is None else SnapshotSet(held_out)
     with steps() as progress:
@@ -122,7 +122,7 @@ def build_segment(
 def check_segment(segment: SegmentMap, held_out: SnapshotSet) -> dict:
     """What a map errs by in held-out states: pressed ones of its own mesh, or those of the plane, of any mesh."""
     if held_out.description.has_load:
-        from rom.segment import build
+        from rom.segment.training import build
 
         return build.check(segment, held_out)
     from rom.held_out import check_plane
@@ -199,37 +199,6 @@ def export_model(
     from rom.c_header import export
 
     export(Surrogate.load(model, tolerance=tolerance), output)
-
-
-def check_lines(report: dict) -> list[str]:
-    """What `check` found, for people."""
-    lines = []
-    if "states" in report:
-        lines = [f"{report['states']} held-out states, {report['failed']} failed", *errors(report)]
-    if report.get("calibration_states"):
-        lines[0] += f"; {report['calibration_states']} others calibrated the model's estimated errors"
-    if report.get("marked"):
-        lines.append(f"{report['marked']} states are beyond what was trained, or rubber touches: marked, not counted")
-    if "covered" in report:
-        lines.append(f"{report['covered']:.0%} of the contact forces are within the estimate")
-    if "touch" in report:
-        touch = report["touch"]
-        lines.append(f"touch is decided rightly in {touch['count'] - touch['wrong']} of {touch['count']} states")
-        if touch["wrong"]:
-            far = f"{touch['wrong_beyond_margin']} of {touch['wrong']}"
-            lines[-1] += f"; {far} wrong ones are farther than {1e6 * touch['margin']:g} um from touch"
-    if "chosen" in report:
-        chosen = report["chosen"]
-        got = f", got {chosen['got']:.2%}" if "got" in chosen else ""
-        quantity = chosen["quantity"].replace("_", " ")
-        lines.append(f"{chosen['asked']}: expected {chosen['error']:.2%} of {quantity} at the 95th percentile{got}")
-    if "against" in report:
-        mesh = report["against"]["mesh"]
-        cells = " x ".join(map(str, mesh["cells"]))
-        taught = ", which told the model what its mesh errs by" if report["against"]["taught"] else ""
-        lines.append(f"against {cells} cells of order {mesh['order']}{taught}, mesh and surrogate together:")
-        lines += check_lines(report["against"])
-    return lines
 
 
 def parameter_lines(parameters: list[dict]) -> list[str]:

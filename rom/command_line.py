@@ -70,6 +70,37 @@ def errors(report: dict[str, Any]) -> list[str]:
     return columns([head, *rows]) if rows else []
 
 
+def check_lines(report: dict) -> list[str]:
+    """What `rom check` found, for people."""
+    lines = []
+    if "states" in report:
+        lines = [f"{report['states']} held-out states, {report['failed']} failed", *errors(report)]
+    if report.get("calibration_states"):
+        lines[0] += f"; {report['calibration_states']} others calibrated the model's estimated errors"
+    if report.get("marked"):
+        lines.append(f"{report['marked']} states are beyond what was trained, or rubber touches: marked, not counted")
+    if "covered" in report:
+        lines.append(f"{report['covered']:.0%} of the contact forces are within the estimate")
+    if "touch" in report:
+        touch = report["touch"]
+        lines.append(f"touch is decided rightly in {touch['count'] - touch['wrong']} of {touch['count']} states")
+        if touch["wrong"]:
+            far = f"{touch['wrong_beyond_margin']} of {touch['wrong']}"
+            lines[-1] += f"; {far} wrong ones are farther than {1e6 * touch['margin']:g} um from touch"
+    if "chosen" in report:
+        chosen = report["chosen"]
+        got = f", got {chosen['got']:.2%}" if "got" in chosen else ""
+        quantity = chosen["quantity"].replace("_", " ")
+        lines.append(f"{chosen['asked']}: expected {chosen['error']:.2%} of {quantity} at the 95th percentile{got}")
+    if "against" in report:
+        mesh = report["against"]["mesh"]
+        cells = " x ".join(map(str, mesh["cells"]))
+        taught = ", which told the model what its mesh errs by" if report["against"]["taught"] else ""
+        lines.append(f"against {cells} cells of order {mesh['order']}{taught}, mesh and surrogate together:")
+        lines += check_lines(report["against"])
+    return lines
+
+
 def _strict(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _strict(item) for key, item in value.items()}

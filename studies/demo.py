@@ -37,11 +37,11 @@ from fingerfem import FingerModel, State, load_scene
 from fingerfem.full_order_plant import FullOrderPlant
 from fingerfem.output.pictures import Deformed, draw
 from rom.held_out import check_plane
-from rom.segment import build
-from rom.segment.mesh_correction import corrected
 from rom.segment.objects import facing_plane
 from rom.segment.segment_map import SegmentMap
 from rom.segment.touched_segment import TouchedSegment
+from rom.segment.training import build
+from rom.segment.training.mesh_correction import corrected
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.terminal import Progress, steps
 from studies import report, sets

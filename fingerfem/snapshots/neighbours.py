@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,28 +20,6 @@ from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.model import FingerModel
 from rom.snapshots import mesh_transfer
 from rom.snapshots.snapshot_set import Description, SnapshotError, SnapshotSet, read_task
-
-
-class Near(Protocol):
-    """Brings a model to an equilibrium near to a state, or raises NotConverged or LoadNotReached."""
-
-    def begin(
-        self,
-        model: FingerModel,
-        numbering: NodeOrder,
-        tensions: np.ndarray,
-        distance: float | None = None,
-        wrenches: np.ndarray | None = None,
-    ) -> None:
-        """Go there.
-
-        Args:
-            model: that is brought.
-            numbering: of its nodes.
-            tensions: of the state, shape (tensions,) [N].
-            distance: of the plane, if it is touched [m].
-            wrenches: on the plates, if there are any, shape (plates, 6) [N, N m].
-        """
 
 
 class _State(NamedTuple):
@@ -67,6 +45,7 @@ class KnownSet:
     def __init__(self, path: str | Path, description: Description):
         self._snapshots = snapshots = SnapshotSet(path)
         own = snapshots.description
+        self._interpolation: Callable[[np.ndarray], np.ndarray] | None = None  # to the nodes of the one model
         self._is_of_another_mesh = own.fingerprint != description.fingerprint
         if own.random and not self._is_of_another_mesh:
             raise SnapshotError(f"{path}: must be a training set to begin at, or of another mesh, got a held-out set")
@@ -102,7 +81,18 @@ class KnownSet:
         distance: float | None = None,
         wrenches: np.ndarray | None = None,
     ) -> None:
-        """See `Near`."""
+        """Bring a model to an equilibrium near to a state.
+
+        Args:
+            model: that is brought.
+            numbering: of its nodes.
+            tensions: of the state, shape (tensions,) [N].
+            distance: of the plane, if it is touched [m].
+            wrenches: on the plates, if there are any, shape (plates, 6) [N, N m].
+
+        Raises:
+            NotConverged, LoadNotReached: there is no way to it.
+        """
         known = self._nearest(tensions, distance, wrenches)
         bring = self._bring(numbering.nodes) if self._is_of_another_mesh else None
         field = known.displacement if bring is None else bring(known.displacement.reshape(-1, 1)).reshape(-1, 3)
@@ -115,8 +105,6 @@ class KnownSet:
         if self._interpolation is None:
             self._interpolation = mesh_transfer.interpolation(self._snapshots.nodes, nodes)
         return self._interpolation
-
-    _interpolation: Callable[[np.ndarray], np.ndarray] | None = None  # to the nodes of the one model
 
     def _nearest(self, tensions: np.ndarray, distance: float | None, wrenches: np.ndarray | None) -> _State:
         if "pressed" in self._points:

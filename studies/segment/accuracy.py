@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from rom.segment import build
-from rom.segment.contact_error import gap_by_force, relative_force_errors
-from rom.segment.mirrors import with_images
-from rom.segment.pose_fit import best_fit
 from rom.segment.segment_map import quantiles
+from rom.segment.training import build
+from rom.segment.training.contact_error import gap_by_force, relative_force_errors
+from rom.segment.training.mirrors import with_images
+from rom.segment.training.pose_fit import best_fit
 from rom.snapshots.pressed_states import PressedStates, read_pressed_states
 from studies.runner import Run
 from studies.segment import maps

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from rom import Chain, Cylinder, TouchedSegment
-from rom.segment import build
 from rom.segment.objects import Object, facing_plane
 from rom.segment.segment_map import quantiles
+from rom.segment.training import build
 from rom.snapshots.snapshot_set import SnapshotSet
 from studies import sets
 from studies.runner import ROOT, Run

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from rom.segment import build
 from rom.segment.segment_map import SegmentMap
+from rom.segment.training import build
 from rom.snapshots.snapshot_set import SnapshotSet
 from studies import sets
 from studies.runner import ROOT, Run

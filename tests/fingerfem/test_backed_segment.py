@@ -7,8 +7,8 @@ from farm import ROOT, run
 from control import Finger
 from rom import BackedSegment, Sphere, Surrogate, TouchedSegment
 from rom.checked_file import ModelError
-from rom.segment.build import train
 from rom.segment.objects import facing_plane
+from rom.segment.training.build import train
 from rom.snapshots.snapshot_set import SnapshotSet
 
 FORCE = 3.0  # that the map is trained with [N]; the surrogate knows more

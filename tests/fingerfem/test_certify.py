@@ -54,7 +54,7 @@ def test_the_command_prints_both_answers_and_refuses_in_one_line(trained):
     found = json.loads(done.stdout)
     assert done.returncode == 0 and found["covered"] and found["inside"]
     force = found["contact_force"]
-    assert force["error"] == pytest.approx(abs(force["surrogate"] - force["full_order"]))
+    assert force["error"] == pytest.approx(abs(force["answer"] - force["full_order"]))
     assert force["error"] <= force["estimated_error"]
     shown = run(trained / "finger.h5", "F1=50", "F2=20", "d=0.010")
     assert shown.returncode == 0 and "estimated_error" in shown.stdout

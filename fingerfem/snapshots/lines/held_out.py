@@ -10,7 +10,7 @@ from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.lines.setting import Arrays, Setting
-from fingerfem.snapshots.neighbours import Near
+from fingerfem.snapshots.neighbours import KnownSet
 from fingerfem.snapshots.recorder import Recorder
 from rom.snapshots.description import Line
 
@@ -80,7 +80,7 @@ def _stay() -> None:
 class HeldOutSolver:
     """Solves held-out states from rest; or from known states near by, and from rest where these do not lead there."""
 
-    def __init__(self, model: FingerModel, numbering: NodeOrder, near: Near | None = None):
+    def __init__(self, model: FingerModel, numbering: NodeOrder, near: KnownSet | None = None):
         self._model, self._numbering, self._near = model, numbering, near
 
     def solve(self, tensions: np.ndarray, distances: Sequence[float]) -> Recorder:

@@ -11,7 +11,7 @@ import numpy as np
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.model import FingerModel
-from fingerfem.snapshots.neighbours import Near
+from fingerfem.snapshots.neighbours import KnownSet
 from fingerfem.snapshots.recorder import Recorder
 from fingerfem.snapshots.reuse import Donor
 from rom.snapshots.description import Description, Line
@@ -27,7 +27,7 @@ class Known(NamedTuple):
     """States of other sets that save work: a donor's are taken where they fit, others begin near what is known."""
 
     donor: Donor | None = None
-    near: Near | None = None
+    near: KnownSet | None = None
 
 
 NOTHING_KNOWN = Known()

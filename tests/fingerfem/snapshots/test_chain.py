@@ -10,7 +10,7 @@ from farm import ROOT, run
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
 from rom import Chain, SegmentMap
-from rom.segment.build import train
+from rom.segment.training.build import train
 from rom.snapshots.snapshot_set import SnapshotSet
 
 pytestmark = pytest.mark.long

@@ -8,10 +8,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from rom.fit.chebyshev import Polynomial
-from rom.segment import pose_fit
-from rom.segment.build import few_products, skin_fit
-from rom.segment.mirrors import with_images
 from rom.segment.segment_map import SegmentMap, quantiles
+from rom.segment.training import pose_fit
+from rom.segment.training.build import few_products, skin_fit
+from rom.segment.training.mirrors import with_images
 from rom.snapshots.pressed_states import PressedStates
 
 LENGTH, PLATE, SIDE, YOUNG, OFFSET = 0.049, 0.001, 0.010, 1.1e7, 0.004

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 
 from rom.fit.chebyshev import Polynomial, products
+from rom.snapshots.pressed_states import PressedStates
 
 DERIVATIVES = 0.3  # weight of a derivative by an input scaled to [-1, 1], beside a value [-]
 RIDGE = 1e-12  # of the normal equations' largest entry: no wrench of one force has a moment along it, so that some
@@ -33,6 +34,13 @@ class Samples:
     values: np.ndarray
     jacobians: np.ndarray
     lines: np.ndarray
+
+    @classmethod
+    def of(cls, states: PressedStates, values: np.ndarray, jacobians: np.ndarray) -> Samples:
+        """Of what pressed states say, shapes (n, ...) and (n, ..., p)."""
+        n, p = states.inputs.shape
+        flat = {"values": values.reshape(n, -1), "jacobians": jacobians.reshape(n, -1, p)}
+        return cls(inputs=states.inputs, lines=states.lines, **flat)
 
 
 def regression(samples: Samples, box: np.ndarray, powers: np.ndarray) -> tuple[Polynomial, np.ndarray]:

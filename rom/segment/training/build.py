@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from rom.fit.chebyshev import Polynomial, total_degree
-from rom.segment.contact_error import relative_force_errors
-from rom.segment.field import field_fit
-from rom.segment.index_set import index_set, pure_degree
-from rom.segment.mesh_correction import corrected
-from rom.segment.mirrors import with_images
-from rom.segment.pose_fit import best_fit
-from rom.segment.regression import Samples, regression
 from rom.segment.segment_map import SegmentMap, quantiles
+from rom.segment.training.contact_error import relative_force_errors
+from rom.segment.training.field_fit import field_fit
+from rom.segment.training.index_set import index_set, pure_degree
+from rom.segment.training.mesh_correction import corrected
+from rom.segment.training.mirrors import with_images
+from rom.segment.training.pose_fit import best_fit
+from rom.segment.training.regression import Samples, regression
 from rom.snapshots import mesh_transfer
 from rom.snapshots.pressed_states import PressedStates, read_pressed_states
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
@@ -100,31 +100,18 @@ def corner_fit(states: PressedStates, box: np.ndarray) -> Polynomial | None:
 
     What presses on the plate bends it a hundredth as much.
     """
-    n, p = states.inputs.shape
     if not states.corners.shape[1]:
         return None
     tensions = total_degree(states.tensions, BENDING)
-    known = Samples(
-        inputs=states.inputs,
-        values=states.corners.reshape(n, -1),
-        jacobians=states.corner_jacobians.reshape(n, -1, p),
-        lines=states.lines,
-    )
+    known = Samples.of(states, states.corners, states.corner_jacobians)
     return regression(known, box, np.pad(tensions, [(0, 0), (0, 6)]))[0]
 
 
 def skin_fit(states: PressedStates, box: np.ndarray, powers: np.ndarray) -> tuple[Polynomial | None, float]:
     """The rubber's points by products of the inputs, and the 95th percentile of their errors [m]."""
-    n, p = states.inputs.shape
     if not states.skin.shape[1]:
         return None, np.nan
-    known = Samples(
-        inputs=states.inputs,
-        values=states.skin.reshape(n, -1),
-        jacobians=states.skin_jacobians.reshape(n, -1, p),
-        lines=states.lines,
-    )
-    found, predicted = regression(known, box, powers)
+    found, predicted = regression(Samples.of(states, states.skin, states.skin_jacobians), box, powers)
     off = np.linalg.norm(predicted.reshape(states.skin.shape) - states.skin, axis=2)
     return found, float(np.quantile(off, 0.95))
 
@@ -133,13 +120,7 @@ def shortening_fit(states: PressedStates, box: np.ndarray, powers: np.ndarray) -
     """The tendons' shortenings by products of the inputs, and the 95th percentile of their errors [m]."""
     if not states.shortenings.shape[1]:
         return None, np.nan
-    known = Samples(
-        inputs=states.inputs,
-        values=states.shortenings,
-        jacobians=states.shortening_jacobians,
-        lines=states.lines,
-    )
-    found, predicted = regression(known, box, powers)
+    found, predicted = regression(Samples.of(states, states.shortenings, states.shortening_jacobians), box, powers)
     return found, float(np.quantile(np.abs(predicted - states.shortenings), 0.95))
 
 

@@ -1,6 +1,6 @@
 """The least-squares fit of poses by tensions and wrench, and the index set that predicts best what is left out.
 
-A line is left out whole, images included, as its states are alike (rom.segment.regression).
+A line is left out whole, images included, as its states are alike (rom.segment.training.regression).
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rom.fit.chebyshev import Polynomial
-from rom.segment.contact_error import relative_force_errors
-from rom.segment.index_set import index_set
-from rom.segment.regression import Samples, regression
+from rom.segment.training.contact_error import relative_force_errors
+from rom.segment.training.index_set import index_set
+from rom.segment.training.regression import Samples, regression
 from rom.snapshots.pressed_states import PressedStates
 from rom.terminal import Progress, quiet
 
@@ -103,8 +103,7 @@ def fit(
     states: PressedStates, box: np.ndarray, powers: np.ndarray, weights: tuple[float, float, float], degree: float
 ) -> PoseFit:
     """The fit of the products of these powers, shape (k, t + 6)."""
-    known = Samples(inputs=states.inputs, values=states.poses, jacobians=states.jacobians, lines=states.lines)
-    polynomial, poses = regression(known, box, powers)
+    polynomial, poses = regression(Samples.of(states, states.poses, states.jacobians), box, powers)
     return PoseFit(
         polynomial=polynomial,
         weights=weights,

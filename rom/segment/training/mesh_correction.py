@@ -17,13 +17,14 @@ import numpy as np
 
 from rom.fit.chebyshev import Polynomial
 from rom.fit.mesh_error import covering
-from rom.segment.contact_error import relative_force_errors
-from rom.segment.field import Field, pod_modes, single
-from rom.segment.index_set import index_set, pure_degree
-from rom.segment.mirrors import with_images
-from rom.segment.pose_fit import SHARE
-from rom.segment.regression import Samples, correction
+from rom.segment.field import Field
 from rom.segment.segment_map import SegmentMap, quantiles
+from rom.segment.training.contact_error import relative_force_errors
+from rom.segment.training.field_fit import pod_modes, single
+from rom.segment.training.index_set import index_set, pure_degree
+from rom.segment.training.mirrors import with_images
+from rom.segment.training.pose_fit import SHARE
+from rom.segment.training.regression import Samples, correction
 from rom.snapshots.pressed_states import PressedStates, read_pressed_states, seen_from_plate
 from rom.snapshots.snapshot_set import SnapshotSet
 
@@ -50,15 +51,14 @@ def corrected(before: SegmentMap, coarse: SnapshotSet, fine: SnapshotSet) -> Seg
         return float(np.nanquantile(relative_force_errors(states, poses), SHARE))
 
     tried = [
-        (correction(before.pose, _samples(states, states.poses, states.jacobians), box, powers))
+        correction(before.pose, Samples.of(states, states.poses, states.jacobians), box, powers)
         for powers in _sets(weights, states, before.pose.powers)
     ]
     pose, poses = min(tried, key=lambda found: left_out(found[1]))
     errors = relative_force_errors(states, poses)
     places = np.linalg.norm(poses[:, :3] - states.poses[:, :3], axis=1)
-    n, p = own.inputs.shape
-    corners, _ = _others(before.corners, own, own.corners.reshape(n, -1), own.corner_jacobians.reshape(n, -1, p), box)
-    skin, skin_off = _others(before.skin, own, own.skin.reshape(n, -1), own.skin_jacobians.reshape(n, -1, p), box)
+    corners, _ = _others(before.corners, own, own.corners, own.corner_jacobians, box)
+    skin, skin_off = _others(before.skin, own, own.skin, own.skin_jacobians, box)
     shortenings, short_off = _others(before.shortenings, own, own.shortenings, own.shortening_jacobians, box)
     return replace(
         before,
@@ -85,10 +85,6 @@ def corrected(before: SegmentMap, coarse: SnapshotSet, fine: SnapshotSet) -> Seg
     )
 
 
-def _samples(states: PressedStates, values: np.ndarray, jacobians: np.ndarray) -> Samples:
-    return Samples(inputs=states.inputs, values=values, jacobians=jacobians, lines=states.lines)
-
-
 def _sets(weights: tuple[float, ...], states: PressedStates, among: np.ndarray) -> Iterator[np.ndarray]:
     """Index sets of few products, all of them among others."""
     n, p = states.inputs.shape
@@ -111,10 +107,12 @@ def _others(
     """The correction of values that predicts best, and what is off where lines are left out, shape (n, m)."""
     if before is None:
         return None, np.zeros((0, 0))
-    samples = _samples(states, values, jacobians)
+    samples = Samples.of(states, values, jacobians)
     tried = [correction(before, samples, box, powers) for powers in _sets((1.0, 1.0, 1.8), states, before.powers)]
-    found, predicted = min(tried, key=lambda one: float(np.quantile(np.abs(one[1] - values).max(axis=1), SHARE)))
-    return found, predicted - values
+    found, predicted = min(
+        tried, key=lambda one: float(np.quantile(np.abs(one[1] - samples.values).max(axis=1), SHARE))
+    )
+    return found, predicted - samples.values
 
 
 def _percentile(off: np.ndarray, size: int) -> float:

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from rom.segment import regression
-from rom.segment.contact_error import relative_force_errors
-from rom.segment.index_set import index_set
+from rom.segment.training import regression
+from rom.segment.training.contact_error import relative_force_errors
+from rom.segment.training.index_set import index_set
 from tests.rom.segment import rod
 
 SOFTER = 1.04  # of all loads: what a stiff mesh leaves out
@@ -19,7 +19,7 @@ def softer(count: int, seed: int):
 
 
 def samples(states) -> regression.Samples:
-    return regression.Samples(inputs=states.inputs, values=states.poses, jacobians=states.jacobians, lines=states.lines)
+    return regression.Samples.of(states, states.poses, states.jacobians)
 
 
 def test_few_states_correct_a_fit_and_say_how_well(segment):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rom.segment.contact_error import relative_force_errors
-from rom.segment.index_set import index_set
-from rom.segment.mirrors import mirrors, with_images
+from rom.segment.training.contact_error import relative_force_errors
+from rom.segment.training.index_set import index_set
+from rom.segment.training.mirrors import mirrors, with_images
 from rom.snapshots.rigid_motion import motions, rotations
 from tests.rom.segment import rod
 
