@@ -25,7 +25,8 @@ except ModuleNotFoundError:
 import fingerfem
 from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.output.rows import finish
-from fingerfem.scene.durations import seconds as duration
+from fingerfem.scene.amounts import percentage
+from fingerfem.scene.amounts import seconds as duration
 from rom.terminal import log_lines, say
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -130,10 +131,10 @@ def snapshots(
     ] = 1,
     ranks_per_finger: Annotated[int, typer.Option(min=1, help="Ranks that solve one finger together.")] = 1,
     until: Annotated[
-        float | None, typer.Option(help="Refine a coarse grid until this estimated relative error.")
+        str | None, typer.Option(help='Add states until this error of the contact force is expected: "1 %" or 0.01.')
     ] = None,
     budget: Annotated[
-        str | None, typer.Option(help="Refine a coarse grid for so long: 90s, 30min, 2h; then finish lines at hand.")
+        str | None, typer.Option(help="Add states for so long: 90s, 30min, 2h; then finish lines at hand.")
     ] = None,
     reuse: Annotated[
         Path | None, typer.Option(metavar="SET/", help="Take the states it has from another set of the same finger.")
@@ -174,7 +175,7 @@ def snapshots(
         scene=scene,
         folder=folder,
         held_out=HeldOut(count=random, seed=seed, distances=distances) if random else None,
-        until=until,
+        until=None if until is None else _share("until", until),
         budget=duration("budget", budget) if budget is not None else math.inf,
         reuse=reuse,
         near=near,
@@ -190,6 +191,14 @@ def snapshots(
     found = job.run(progress)
     if job.is_first:
         finish(found, as_json, NOTHING_USABLE if job.is_unusable else 0)
+
+
+def _share(name: str, text: str) -> float:
+    """A share [-], as a number or in percent."""
+    try:
+        return float(text)
+    except ValueError:
+        return percentage(name, text)
 
 
 def _terminated(*_) -> None:

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from fingerfem.scene.durations import seconds
+from fingerfem.scene.amounts import percentage, seconds
 
 FRONT = Path(__file__).with_name("front.json")
 KEYS = ("accuracy", "budget", "preset")
@@ -109,7 +108,7 @@ def _choice(key: str, value: Any, choices: list[dict[str, Any]]) -> dict[str, An
         return named[value]
     errors, costs = ([one["expected"][what] for one in choices] for what in ("error", "core_seconds"))
     if key == "accuracy":
-        wanted = _share(value)
+        wanted = percentage("accuracy", value)
         found = [one for one, error in zip(choices, errors, strict=True) if error <= wanted]
         if not found:
             raise ValueError(f'accuracy must be at least "{100 * min(errors):.2g} %", the best measured, got "{value}"')
@@ -119,11 +118,3 @@ def _choice(key: str, value: Any, choices: list[dict[str, Any]]) -> dict[str, An
     if not found:
         raise ValueError(f'budget must be at least "{min(costs):.0f}s" of core time for this finger, got "{value}"')
     return min(found, key=lambda one: one["expected"]["error"])
-
-
-def _share(text: Any) -> float:
-    """A percentage such as "1 %" [-]."""
-    match = re.fullmatch(r"\s*([0-9]*\.?[0-9]+)\s*%\s*", text) if isinstance(text, str) else None
-    if match is None or not 0 < float(match[1]) < 100:
-        raise ValueError(f'accuracy must be a share such as "1 %", above 0 and below 100 %, got {text!r}')
-    return float(match[1]) / 100

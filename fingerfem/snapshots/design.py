@@ -57,6 +57,7 @@ class HeldOut:
 FINEST = {"tension": 17, "contact": 33}  # nodes of a grid that is refined
 FIRST = 4  # every how many-th of them it begins with
 MOST_TENSIONS = 3  # on such a grid
+FIRST_LINES, MOST_LINES = 16, 512  # of a sequence that grows
 SCATTER, LINES, ALONG, SEED = (
     3,
     40,
@@ -74,7 +75,8 @@ def describe(
         scene: the scene; its sampling says how fine a grid is that is not refined.
         versions: of the software.
         held_out: points to solve instead of a grid.
-        refines: whether a coarse grid is refined where the surrogate's error is largest.
+        refines: whether states are added as the surrogate's error needs them: to a coarse grid where it is largest;
+            of a scene with a load, more lines of their sequence.
 
     Raises:
         SceneError: no tendon bends the finger towards its plane, there are too many tensions to refine, or the obstacle
@@ -85,16 +87,16 @@ def describe(
             f"obstacle must be the plane y = side/2 + d to train on it, got another {scene.obstacle.shape}"
         )
     lead = _lead(scene)
-    if refines and scene.load is not None:
-        raise SceneError("load must be left out of a scene whose grid is refined, got one")
-    if refines and len(scene.tendons) > MOST_TENSIONS:
+    if refines and scene.load is None and len(scene.tendons) > MOST_TENSIONS:
         raise SceneError(f"tendons must be at most {MOST_TENSIONS} to refine their grid, got {len(scene.tendons)}")
     parameters = scene.parameters
     box = np.array([[parameter["lower"], parameter["upper"]] for parameter in parameters])
     tensions = box[: len(scene.tendons)]
-    along_tension = FINEST["tension"] if refines else scene.sampling.tension_nodes
-    along_contact = FINEST["contact"] if refines else scene.sampling.contact_nodes
-    scattered = [] if held_out or refines else _scattered(scene, tensions)
+    on_grid, in_order = refines and scene.load is None, refines and scene.load is not None
+    along_tension = FINEST["tension"] if on_grid else scene.sampling.tension_nodes
+    along_contact = FINEST["contact"] if on_grid else scene.sampling.contact_nodes
+    lines = MOST_LINES if in_order else _lines(scene)
+    scattered = [] if held_out or on_grid else _scattered(tensions, lines)
     if scattered:
         along_tension, along_contact = 2, scene.sampling.contact_nodes if _asks(scene, "contact_nodes") else ALONG
     points = held_out.points(scene, box) if held_out else []
@@ -106,10 +108,11 @@ def describe(
         tension_nodes=[_cosine(low, high, along_tension).tolist() for low, high in tensions],
         onset_nodes=_half_cosine(along_tension).tolist(),
         contact_nodes=_half_cosine(along_contact).tolist(),
-        strides=_strides(len(parameters), len(tensions), lead) if refines else [1] * len(parameters),
+        strides=_strides(len(parameters), len(tensions), lead) if on_grid else [1] * len(parameters),
         random=points,
         scattered=scattered,
         wrenches=_pressing(scene, len(scattered)) if scene.load is not None and scattered else [],
+        begins_with=FIRST_LINES if in_order else 0,
         versions=versions,
     )
 
@@ -118,14 +121,21 @@ def _asks(scene: Scene, name: str) -> bool:
     return name in scene.sampling.model_fields_set
 
 
-def _scattered(scene: Scene, box: np.ndarray) -> list[list[float]]:
-    """Tensions of scattered lines [N], dense at the box's walls as Chebyshev nodes are; none for a grid."""
+def _lines(scene: Scene) -> int:
+    """How many scattered lines a scene asks for; none for a grid."""
+    count = len(scene.tendons)
+    if scene.sampling.lines is not None:
+        return scene.sampling.lines
+    if scene.load is None and (count < SCATTER or _asks(scene, "tension_nodes")):
+        return 0
+    return LINES * count
+
+
+def _scattered(box: np.ndarray, lines: int) -> list[list[float]]:
+    """Tensions of scattered lines [N], dense at the box's walls as Chebyshev nodes are; fewer are the first of more."""
     count = len(box)
-    lines = scene.sampling.lines
-    if lines is None:
-        if scene.load is None and (count < SCATTER or _asks(scene, "tension_nodes")):
-            return []
-        lines = LINES * count
+    if not lines:
+        return []
     corners = [list(corner) for corner in product((0.0, 1.0), repeat=count)]
     # A low-discrepancy sequence: any number of its points fills the box evenly.
     draw = qmc.Sobol(count, seed=SEED).random_base2(int(np.ceil(np.log2(max(lines, 2)))))

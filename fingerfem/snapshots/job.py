@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,10 @@ from fingerfem.snapshots.reuse import Donor
 from fingerfem.versions import versions
 from rom.refinement.next_round import next_round
 from rom.refinement.regime_lines import between_regimes
+from rom.segment.training.rounds import Growth
 from rom.snapshots.description import Description
 from rom.snapshots.folder import create, set_aside_broken_rounds, set_aside_strangers
+from rom.snapshots.plan import Round
 from rom.snapshots.snapshot_set import SnapshotSet
 
 
@@ -38,8 +41,8 @@ class Request:
         scene: of the finger.
         folder: of the set; begun if new, finished if not.
         held_out: points to solve instead of training states.
-        until: estimated relative error until which a coarse grid is refined [-].
-        budget: time after which no further line is begun [s]; a coarse grid is refined so long.
+        until: estimated relative error until which states are added [-].
+        budget: time after which no further line is begun [s]; states are added so long.
         reuse: folder of a set of the same finger whose states are taken.
         near: folder of a set at whose states held-out or pressed ones begin.
     """
@@ -64,7 +67,7 @@ class Request:
 
     @property
     def refines(self) -> bool:
-        """Whether a coarse grid is refined where the surrogate's error is largest."""
+        """Whether states are added as the surrogate's error needs them."""
         return self.until is not None or math.isfinite(self.budget)
 
 
@@ -133,11 +136,20 @@ class Job:
         needed = [task for task, *_ in self.ledger.failures if task in self.description.lines]
         return bool(needed) and not (self.request.held_out and self.ledger.summary()["solved"])
 
-    def _refine(self) -> Callable[[float], Any] | None:
-        if self.request.held_out is not None:
-            return None
-        plan_next = next_round if self.request.refines else between_regimes
-        return lambda tolerance: plan_next(SnapshotSet(self.request.folder), tolerance)
+    def _refine(self) -> Callable[[float], Round] | None:
+        return (
+            None if self.request.held_out else lambda share: self._next_round(SnapshotSet(self.request.folder), share)
+        )
+
+    @cached_property
+    def _next_round(self) -> Callable[[SnapshotSet, float], Round]:
+        """What the set needs next for a relative error."""
+        if not self.request.refines:
+            return between_regimes
+        if not self.description.has_load:
+            return next_round
+        near = self._known.near
+        return Growth(near.coarse if near is not None else None).next_round
 
     def _group(self) -> MPI.Comm:
         count = self.ranks_per_finger
@@ -152,4 +164,4 @@ class Job:
         if work.stopped:
             logging.warning("%s", work.stopped)
         elif self.request.refines and rounds and rounds[-1].finest:
-            logging.warning("the finest grid leaves an estimated error of %.1e", found["estimated_error"])
+            logging.warning("all states that may be added leave an estimated error of %.1e", found["estimated_error"])

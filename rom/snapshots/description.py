@@ -53,6 +53,7 @@ class Description:
         scattered: tensions of lines of a set without a grid, shape (lines, tensions) [N]; empty for one with a grid.
         wrenches: of these lines, on the plates in their own frames, shape (lines, states, 6 plates) [N, N m]; empty for
             a scene without a load.
+        begins_with: how many of these lines a set has at first to which more are added, in their order; 0 has all.
     """
 
     scene: dict[str, Any]
@@ -67,6 +68,7 @@ class Description:
     scattered: list[list[float]]
     versions: dict[str, str]
     wrenches: list[list[list[float]]] = field(default_factory=list)
+    begins_with: int = 0
     format: int = FORMAT
 
     @property
@@ -108,7 +110,7 @@ class Description:
     @property
     def refines(self) -> bool:
         """Whether lines are added round by round."""
-        return any(stride > 1 for stride in self.strides)
+        return any(stride > 1 for stride in self.strides) or self.begins_with > 0
 
     @cached_property
     def lines(self) -> dict[str, Line]:
@@ -116,11 +118,7 @@ class Description:
         if self.random:
             return {f"random-{k}": Line("random", (k,), nodes) for k, nodes in enumerate(self._held_out_lines())}
         if self.wrenches:
-            both = zip(self.scattered, self.wrenches, strict=True)
-            return {
-                f"pressed-{k}": Line("pressed", (k,), tuple(range(1 + len(wrenches))), tuple(tensions))
-                for k, (tensions, wrenches) in enumerate(both)
-            }
+            return {f"pressed-{k}": self.pressed_line(k) for k in range(self.begins_with or len(self.wrenches))}
         if self.scattered:
             return {f"scattered-{k}": self.scattered_line(k, tensions) for k, tensions in enumerate(self.scattered)}
         lead, path = self.strides[self.lead], self.strides[-1]
@@ -142,7 +140,9 @@ class Description:
         return [tuple(points) for _, points in together]
 
     def has(self, line: Line) -> bool:
-        """Whether a line can be one of this set: on its grid, or scattered in its box."""
+        """Whether a line can be one of this set: on its grid, scattered in its box, or the next of its sequence."""
+        if line.kind == "pressed":
+            return line.index[0] < len(self.wrenches) and line == self.pressed_line(line.index[0])
         if line.kind == "scattered":
             box = zip(self.parameters, line.tensions, strict=False)
             within = [one["lower"] <= tension <= one["upper"] for one, tension in box]
@@ -162,6 +162,10 @@ class Description:
         """The first line of free states at a combination of the other tensions."""
         nodes = range(0, len(self.tension_nodes[self.lead]), self.strides[self.lead])
         return Line("free", (j,), tuple(nodes))
+
+    def pressed_line(self, k: int) -> Line:
+        """The k-th line of a free state and pressed ones."""
+        return Line("pressed", (k,), tuple(range(1 + len(self.wrenches[k]))), tuple(self.scattered[k]))
 
     def scattered_line(self, k: int, tensions: Sequence[float]) -> Line:
         """The k-th line at tensions of its own [N]."""

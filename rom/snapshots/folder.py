@@ -52,6 +52,7 @@ def create(path: str | Path, description: Description) -> None:
         "strides",
         "random",
         "scattered",
+        "begins_with",
         "versions",
         "stored",
     ):
@@ -62,6 +63,7 @@ def create(path: str | Path, description: Description) -> None:
                 "scattered": "other tensions",
                 "stored": "other quantities",
                 "strides": "another first grid",
+                "begins_with": "other first lines",
             }
             what = named.get(name, f"other {name.replace('_', ' ')}")
             raise SnapshotError(f"{path}: holds a set of {what}; choose a new folder")

@@ -44,22 +44,14 @@ def corrected(before: SegmentMap, coarse: SnapshotSet, fine: SnapshotSet) -> Seg
     description = fine.description
     own = read_pressed_states(fine, on=coarse)
     states = with_images(own, description.scene)
-    box = np.column_stack([before.pose.lower, before.pose.upper])
     weights = tuple(before.provenance["weights"])
 
-    def left_out(poses: np.ndarray) -> float:
-        return float(np.nanquantile(relative_force_errors(states, poses), SHARE))
-
-    tried = [
-        correction(before.pose, Samples.of(states, states.poses, states.jacobians), box, powers)
-        for powers in _sets(weights, states, before.pose.powers)
-    ]
-    pose, poses = min(tried, key=lambda found: left_out(found[1]))
+    pose, poses = corrected_pose(before.pose, weights, states)
     errors = relative_force_errors(states, poses)
     places = np.linalg.norm(poses[:, :3] - states.poses[:, :3], axis=1)
-    corners, _ = _others(before.corners, own, own.corners, own.corner_jacobians, box)
-    skin, skin_off = _others(before.skin, own, own.skin, own.skin_jacobians, box)
-    shortenings, short_off = _others(before.shortenings, own, own.shortenings, own.shortening_jacobians, box)
+    corners, _ = _others(before.corners, own, own.corners, own.corner_jacobians)
+    skin, skin_off = _others(before.skin, own, own.skin, own.skin_jacobians)
+    shortenings, short_off = _others(before.shortenings, own, own.shortenings, own.shortening_jacobians)
     return replace(
         before,
         pose=pose,
@@ -68,7 +60,7 @@ def corrected(before: SegmentMap, coarse: SnapshotSet, fine: SnapshotSet) -> Seg
         corners=corners,
         skin=skin,
         skin_error=_percentile(skin_off, 3),
-        displacements=None if before.displacements is None else _field(before.displacements, fine, coarse, own, box),
+        displacements=None if before.displacements is None else _field(before.displacements, fine, coarse, own),
         shortenings=shortenings,
         shortening_error=_percentile(short_off, 1),
         scene=description.scene,
@@ -83,6 +75,24 @@ def corrected(before: SegmentMap, coarse: SnapshotSet, fine: SnapshotSet) -> Seg
             "coarse": before.provenance | {"mesh": coarse.description.scene["mesh"]},
         },
     )
+
+
+def corrected_pose(
+    before: Polynomial, weights: tuple[float, ...], states: PressedStates
+) -> tuple[Polynomial, np.ndarray]:
+    """Poses of a coarse mesh, corrected by those products of fine states that predict best.
+
+    Args:
+        before: poses of the coarse mesh.
+        weights: of its products.
+        states: of the fine mesh, n with their images.
+
+    Returns:
+        the polynomial; and poses without each one's line, shape (n, 7).
+    """
+    samples = Samples.of(states, states.poses, states.jacobians)
+    tried = [correction(before, samples, powers) for powers in _sets(weights, states, before.powers)]
+    return min(tried, key=lambda one: float(np.nanquantile(relative_force_errors(states, one[1]), SHARE)))
 
 
 def _sets(weights: tuple[float, ...], states: PressedStates, among: np.ndarray) -> Iterator[np.ndarray]:
@@ -102,13 +112,13 @@ def _sets(weights: tuple[float, ...], states: PressedStates, among: np.ndarray) 
 
 
 def _others(
-    before: Polynomial | None, states: PressedStates, values: np.ndarray, jacobians: np.ndarray, box: np.ndarray
+    before: Polynomial | None, states: PressedStates, values: np.ndarray, jacobians: np.ndarray
 ) -> tuple[Polynomial | None, np.ndarray]:
     """The correction of values that predicts best, and what is off where lines are left out, shape (n, m)."""
     if before is None:
         return None, np.zeros((0, 0))
     samples = Samples.of(states, values, jacobians)
-    tried = [correction(before, samples, box, powers) for powers in _sets((1.0, 1.0, 1.8), states, before.powers)]
+    tried = [correction(before, samples, powers) for powers in _sets((1.0, 1.0, 1.8), states, before.powers)]
     found, predicted = min(
         tried, key=lambda one: float(np.quantile(np.abs(one[1] - samples.values).max(axis=1), SHARE))
     )
@@ -120,7 +130,7 @@ def _percentile(off: np.ndarray, size: int) -> float:
     return float(np.quantile(np.linalg.norm(off.reshape(-1, size), axis=1), 0.95)) if off.size else np.nan
 
 
-def _field(before: Field, fine: SnapshotSet, coarse: SnapshotSet, states: PressedStates, box: np.ndarray) -> Field:
+def _field(before: Field, fine: SnapshotSet, coarse: SnapshotSet, states: PressedStates) -> Field:
     """The coarse field with modes of what the fine states differ from it by."""
     n, p = states.inputs.shape
     everywhere = np.arange(len(coarse.nodes))
@@ -131,7 +141,7 @@ def _field(before: Field, fine: SnapshotSet, coarse: SnapshotSet, states: Presse
     nothing = replace(before.amounts, coefficients=np.zeros((len(before.amounts.powers), len(modes))))
     jacobians = np.einsum("nmp,km->nkp", changes.reshape(n, -1, p), modes, optimize=True)
     jacobians -= np.einsum("nlp,lm,km->nkp", slopes, before.modes, modes, optimize=True)
-    amounts, off = _others(nothing, states, beyond @ modes.T, jacobians, box)
+    amounts, off = _others(nothing, states, beyond @ modes.T, jacobians)
     assert amounts is not None
     left = beyond - (beyond @ modes.T + off) @ modes
     most = np.linalg.norm(left.reshape(n, -1, 3), axis=2).max(axis=1)

@@ -60,7 +60,7 @@ def best_fit(states: PressedStates, box: np.ndarray, terms: int, progress: Progr
         terms: most of them.
         progress: is told how many fits were made.
     """
-    most = min(terms, int(states.inputs.size * (1 + 1 / states.inputs.shape[1]) / ROWS))
+    most = _most(states, terms)
     tried: dict[tuple[float, float], PoseFit] = {}
     total = len(FORCES) + len(MOMENTS) + 1
 
@@ -77,6 +77,16 @@ def best_fit(states: PressedStates, box: np.ndarray, terms: int, progress: Progr
         best = min(best, attempt(force, best.weights[2]), key=lambda one: one.score)
     progress("fitting poses", total, total)
     return best
+
+
+def first_fit(states: PressedStates, box: np.ndarray, terms: int) -> PoseFit:
+    """The fit with the weights that a search begins with: soon made, and seldom much worse; arguments of `best_fit`."""
+    return _largest(states, box, (1.0, *FIRST_WEIGHTS), _most(states, terms))
+
+
+def _most(states: PressedStates, terms: int) -> int:
+    """Products that so many states bear."""
+    return min(terms, int(states.inputs.size * (1 + 1 / states.inputs.shape[1]) / ROWS))
 
 
 def _largest(states: PressedStates, box: np.ndarray, weights: tuple[float, float, float], most: int) -> PoseFit:

@@ -83,18 +83,15 @@ def regression(samples: Samples, box: np.ndarray, powers: np.ndarray) -> tuple[P
     return Polynomial(lower=lower, upper=box[:, 1], powers=powers, coefficients=coefficients), predicted
 
 
-def correction(
-    before: Polynomial, samples: Samples, box: np.ndarray, powers: np.ndarray
-) -> tuple[Polynomial, np.ndarray]:
+def correction(before: Polynomial, samples: Samples, powers: np.ndarray) -> tuple[Polynomial, np.ndarray]:
     """A polynomial that is known, and what samples say beyond it; the values predicted without each one's line.
 
     Args:
         before: what is known.
         samples: of n states.
-        box: lowest and highest of every input, shape (p, 2).
         powers: of the products that are added, some of those that are known.
     """
     values, slopes = before.value_and_gradient(samples.inputs)
     beyond = replace(samples, values=samples.values - values, jacobians=samples.jacobians - slopes)
-    found, predicted = regression(beyond, box, powers)
+    found, predicted = regression(beyond, np.column_stack([before.lower, before.upper]), powers)
     return before.plus(found), values + predicted

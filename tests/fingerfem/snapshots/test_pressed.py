@@ -211,8 +211,6 @@ def test_few_states_on_a_finer_mesh_correct_the_map_of_a_coarse_one(finer_scene,
 
 def test_what_a_load_does_not_go_with_is_refused(pressed_scene):
     scene = load_scene(pressed_scene)
-    with pytest.raises(SceneError, match="load must be left out of a scene whose grid is refined"):
-        describe(scene, {}, refines=True)
     with pytest.raises(SceneError, match="distances must be 1"):
         describe(scene, {}, HeldOut(count=2, distances=2))
     table = scene.model_dump()

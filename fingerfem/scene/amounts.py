@@ -1,4 +1,4 @@
-"""Times as people write them."""
+"""Times and shares as people write them: 30min, 1 %."""
 
 from __future__ import annotations
 
@@ -18,3 +18,15 @@ def seconds(name: str, text: Any) -> float:
     if found is None or float(found[1]) == 0:
         raise ValueError(f"{name} must be a time such as 90s, 30min or 2h, got {text!r}")
     return float(found[1]) * UNITS[found[2]]
+
+
+def percentage(name: str, text: Any) -> float:
+    """A share such as "1 %" [-].
+
+    Raises:
+        ValueError: it is none; the line begins with `name`.
+    """
+    match = re.fullmatch(r"\s*([0-9]*\.?[0-9]+)\s*%\s*", text) if isinstance(text, str) else None
+    if match is None or not 0 < float(match[1]) < 100:
+        raise ValueError(f'{name} must be a share such as "1 %", above 0 and below 100 %, got {text!r}')
+    return float(match[1]) / 100
