@@ -51,6 +51,9 @@ def build(
         Path | None,
         typer.Option(metavar="FINER/", help="Held-out states on a finer mesh: estimated errors then count the mesh's."),
     ] = None,
+    fields: Annotated[
+        bool, typer.Option("--fields/--no-fields", help="Keep displacements in a map's file: most of its size.")
+    ] = True,
     as_json: AsJson = False,
 ) -> None:
     """Separate a snapshot set and write the model file; of a scene with a load, fit the map of its segment."""
@@ -58,12 +61,10 @@ def build(
     check_folder(output)
     snapshots = SnapshotSet(folder)
     if snapshots.description.has_load:
-        unknown = {"tolerance": tolerance, "finer": finer}
-        name = next((name for name, value in unknown.items() if value is not None), None)
-        if name is not None:
-            raise ValueError(f"{name} must be left out for a set of a scene with a load, got one")
-        segment = build_segment(snapshots, terms, held_out, coarse)
-        segment.save(output)
+        if tolerance is not None:
+            raise ValueError("tolerance must be left out for a set of a scene with a load, got one")
+        segment = build_segment(snapshots, terms, held_out, coarse, finer)
+        (segment if fields else segment.without_displacements()).save(output)
         show_segments(segment_summary(segment), as_json)
         return
     from rom.build import train
@@ -107,15 +108,20 @@ def held_out_of(training: SnapshotSet, folder: Path) -> SnapshotSet:
 
 
 def build_segment(
-    snapshots: SnapshotSet, terms: int | None, held_out: Path | None, coarse: Path | None = None
+    snapshots: SnapshotSet, terms: int | None, held_out: Path | None, coarse: Path | None, finer: Path | None
 ) -> SegmentMap:
     """The map of a set of pressed states, measured on held-out ones, or on those of the plane, if there are any."""
+    from rom.error_model import map_with_mesh_error
+    from rom.held_out import check_finer
     from rom.segment.training import build
 
-    states = None if held_out is None else SnapshotSet(held_out)
+    states, others, told = (None if folder is None else SnapshotSet(folder) for folder in (held_out, coarse, finer))
+    if told is not None:
+        check_finer(snapshots.description.scene, told)
     with steps() as progress:
-        others = None if coarse is None else SnapshotSet(coarse)
         segment = build.train(snapshots, terms or build.TERMS, others, progress=progress)
+    if told is not None:
+        segment = map_with_mesh_error(segment, told)
     return segment if states is None else segment.with_accuracy(check_segment(segment, states))
 
 
@@ -240,7 +246,7 @@ def chain_summary(made: Chain) -> dict:
     return {
         "scene": made.scene["name"],
         "tensions": made.tension_parameters,
-        "contact_force_error": made.force_error,
+        "contact_force_error": made.force_error * made.finer_mesh_factor("contact_force"),
         "place_error_m": made.place_error,
         "segments": parts,
     }
@@ -252,7 +258,7 @@ def segment_summary(segment: SegmentMap) -> dict:
         "scene": segment.scene["name"],
         "parameters": segment.parameters,
         "terms": len(segment.pose.powers),
-        "contact_force_error": segment.force_error,
+        "contact_force_error": segment.force_error * segment.finer_mesh_factors.get("contact_force", 1.0),
         "accuracy": segment.accuracy or "not measured: build with --held-out",
         "provenance": segment.provenance,
     }

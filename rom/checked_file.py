@@ -74,7 +74,7 @@ def _check(path: Path, kind: str, number: int) -> None:
     if words[0] != kind:
         raise ModelError(f"{path}: must be a {kind}, got a {words[0]}")
     if words[1] != f"format {number}":
-        raise ModelError(f"{path}: must be a model of format {number}, got {words[1]}")
+        raise ModelError(f"{path}: must be a model of format {number}, got {words[1]}; build it again")
     if words[2] != f"sha256 {hashlib.sha256(contents[BLOCK:]).hexdigest()}":
         raise ModelError(f"{path}: is damaged: its checksum is not that of its contents")
 

@@ -21,8 +21,9 @@ from rom.fit.contact_response import ContactResponse
 from rom.fit.displacement import FittedDisplacement
 from rom.fit.free_response import FreeResponse
 from rom.fit.mesh_error import COVERAGE, MeshError, covering, place_errors
-from rom.held_out import check_finer, differences, split
+from rom.held_out import before_plane, check_finer, differences, split
 from rom.native import answer
+from rom.segment.segment_map import SegmentMap
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.snapshots.training_states import TrainingStates
 from rom.surrogate import Surrogate
@@ -156,14 +157,42 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
             some = told > 0  # where only one of the meshes touches among them
             factor = covering(left[name][some] / told[some])
             shares[name] = factor * pair[0], factor * pair[1]
-    used = {"set": finer.description.held_out_id, "states": len(points)} | {
-        key: finer.description.scene["mesh"][key] for key in ("cells", "order")
-    }
     return replace(
         model,
         errors=replace(model.errors, mesh=MeshError(**shares)),
-        provenance=model.provenance | {"mesh_error": used},
+        provenance=model.provenance | {"mesh_error": _told(finer)},
     )
+
+
+def map_with_mesh_error(segment: SegmentMap, finer: SnapshotSet) -> SegmentMap:
+    """A segment's map whose estimated errors are scaled to what held-out states on a finer mesh show.
+
+    They stand before the plane y = side/2 + d. Every estimate times a factor is the conformal quantile: the guarantee
+    and its limits are those of `with_mesh_error`.
+
+    Raises:
+        SnapshotError: not such states of the map's finger on a finer mesh, or too few that touch.
+    """
+    model = before_plane(segment, finer)
+    check_finer(segment.scene, finer)
+    answers = model.evaluate(finer.random("parameters"))
+    touched = answers.inside & (answers.contact_force > 0) & (finer.random("contact_force") > 0)
+    if touched.sum() < FEWEST:
+        raise SnapshotError(f"{finer.path}: must have {FEWEST} states that touch, or nothing tells what forces err by")
+    counted = {"tip": answers.inside, "touch_distance": answers.inside, "contact_force": touched}
+    off, estimated = differences(model, finer), answers.error_parts["surrogate"]
+    return replace(
+        segment,
+        finer_mesh_factors={name: covering(off[name][own] / estimated[name][own]) for name, own in counted.items()},
+        provenance=segment.provenance | {"mesh_error": _told(finer)},
+    )
+
+
+def _told(finer: SnapshotSet) -> dict[str, Any]:
+    """Which states told what a mesh errs by."""
+    mesh = finer.description.scene["mesh"]
+    used = {"set": finer.description.held_out_id, "states": len(finer.random("parameters"))}
+    return used | {key: mesh[key] for key in ("cells", "order")}
 
 
 def _shares(off: np.ndarray, force: np.ndarray, by_place: np.ndarray) -> tuple[float, float]:

@@ -88,11 +88,15 @@ def check_finer(scene: dict[str, Any], finer: SnapshotSet) -> None:
     """Refuse what is no held-out set of a model's finger on a finer mesh than its scene's.
 
     Raises:
-        SnapshotError: a training set, one of another finger, or of a mesh that is not finer.
+        SnapshotError: a training set, one of another finger, or of a mesh that is not finer; or, for a scene with a
+            load, not before the plane y = side/2 + d.
     """
     if not finer.description.random:
         raise SnapshotError(f"{finer.path}: must be a held-out set (made with --random), got a training set")
-    mesh_transfer.check_finger(finer, scene, "the model")
+    if scene.get("load") is not None:
+        _check_plane_of(scene, finer)
+    else:
+        mesh_transfer.check_finger(finer, scene, "the model")
     mesh, own = finer.description.scene["mesh"], scene["mesh"]
     if _fineness(mesh) <= _fineness(own):
         cells, order = " x ".join(map(str, own["cells"])), own["order"]
@@ -111,16 +115,32 @@ def check_plane(segment: SegmentMap | Chain, held_out: SnapshotSet, progress: Pr
     Raises:
         SnapshotError: no held-out set, of another finger, or of none before that plane.
     """
+    model, mesh = before_plane(segment, held_out), held_out.description.scene["mesh"]
+    found = _errors(model, held_out, progress, "mesh")
+    return found | {"mesh": {key: mesh[key] for key in ("cells", "order")}}
+
+
+def before_plane(segment: SegmentMap | Chain, held_out: SnapshotSet) -> TouchedSegment:
+    """A segment's map before the plane of a held-out set.
+
+    Raises:
+        SnapshotError: no held-out set, of another finger, or of none before the plane y = side/2 + d.
+    """
+    _check_plane_of(segment.scene, held_out)
+    scene = held_out.description.scene
+    plane = facing_plane(scene["geometry"]["side"], tuple(scene["obstacle"]["distance"]))
+    return TouchedSegment(segment=segment, obstacle=plane)
+
+
+def _check_plane_of(own: dict[str, Any], held_out: SnapshotSet) -> None:
+    """Refuse what are no held-out states of a finger before the plane."""
     description = held_out.description
-    scene, own = description.scene, segment.scene
+    scene = description.scene
     if not description.random or not description.has_obstacle:
         raise SnapshotError(f"{held_out.path}: must be a held-out set (made with --random) of a scene with a plane")
     for key in ("geometry", "material", "tendons"):
         if scene[key] != own[key]:
             raise SnapshotError(f"{held_out.path}: must have the map's {key}, got {scene[key]}")
-    plane = facing_plane(scene["geometry"]["side"], tuple(scene["obstacle"]["distance"]))
-    found = _errors(TouchedSegment(segment=segment, obstacle=plane), held_out, progress, "mesh")
-    return found | {"mesh": {key: scene["mesh"][key] for key in ("cells", "order")}}
 
 
 def differences(model: Model, held_out: SnapshotSet, progress: Progress = quiet) -> dict[str, np.ndarray]:

@@ -97,12 +97,25 @@ class Chain(PickledByFields):
         """Relative error of contact forces: of the segment that is worst [-]."""
         return max(one.force_error for one in self.segments)
 
+    def finer_mesh_factor(self, quantity: str) -> float:
+        """Times how much its estimated error covers what states on a finer mesh showed; 1 if nobody looked [-]."""
+        return max(one.finer_mesh_factors.get(quantity, 1.0) for one in self.segments)
+
     @property
     def place_error(self) -> float:
         """Of the free tip plate [m]: each segment's, and as that one bends besides, by what stands on it."""
+        return self._at_tip([one.place_error for one in self.segments])
+
+    @property
+    def place_error_by_force(self) -> float:
+        """What a contact force adds to that [m/N]."""
+        return self._at_tip([one.place_error_by_force for one in self.segments])
+
+    def _at_tip(self, errors: Sequence[float]) -> float:
+        """What errors of every segment's place make at the tip plate."""
         lengths = self.scene["geometry"]["segments"]
         shares = [1 + 2 * sum(lengths[k + 1 :]) / length for k, length in enumerate(lengths)]  # a rod of one curvature
-        return float(sum(share * one.place_error for share, one in zip(shares, self.segments, strict=True)))
+        return float(sum(share * error for share, error in zip(shares, errors, strict=True)))
 
     @property
     def skin_error(self) -> float:
@@ -126,9 +139,8 @@ class Chain(PickledByFields):
         own = np.zeros((len(self.segments), len(self.tensions)), int)
         for k, one in enumerate(self.segments):
             own[k, : one.tensions] = [self.tensions.index(name) for name in one.names[: one.tensions]]
-        return native.chain_struct(
-            [one.struct for one in self.segments], own, self.rest, self.skin_error, self.force_error, self.place_error
-        )
+        errors = self.finer_mesh_factor("contact_force") * np.array([self.force_error, self.place_error])
+        return native.chain_struct([one.struct for one in self.segments], own, self.rest, self.skin_error, *errors)
 
     def place(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> ChainPlaced:
         """Where the plates are.

@@ -103,6 +103,7 @@ def find_object(
     if not np.isfinite(points).all():
         raise ValueError(f"distances must be finite, got {distances!r}")
     guess = np.asarray(model.obstacle.centre, float)
+    share = model.chain.finer_mesh_factor("contact_force") * model.chain.force_error
 
     def moved(way: np.ndarray) -> TouchedSegment:
         return replace(model, obstacle=replace(model.obstacle, centre=tuple(guess + STEP * way)))
@@ -121,7 +122,7 @@ def find_object(
         off[near] = stiffness * (touch - points[:, -1])[near]
         by_place = np.where(pressed[:, None], found.by_object[:, FORCE, :3], 0.0)
         by_place[near] = stiffness * found.by_object[near, TOUCH, :3]
-        error = there.segment.force_error * force
+        error = share * force
         return off - felt, STEP * by_place, np.hypot(np.maximum(noise, LEAST), error)
 
     ends = np.full(3, within / STEP)

@@ -21,8 +21,8 @@ from rom.segment import native
 from rom.segment.field import Field
 from rom.snapshots.rigid_motion import motions, rotations
 
-KIND, FORMAT = "fingerfem segment map", 1
-PLAIN = ("parameters", "scene", "accuracy", "provenance")
+KIND, FORMAT = "fingerfem segment map", 2
+PLAIN = ("parameters", "scene", "accuracy", "provenance", "finer_mesh_factors")
 
 
 class Placed(NamedTuple):
@@ -58,6 +58,9 @@ class SegmentMap(PickledByFields):
         shortening_error: of these, 95th percentile [m].
         force_error: relative error of contact forces, 95th percentile of states predicted without their lines [-].
         place_error: of the free plate, likewise [m].
+        place_error_by_force: what a force on the plate adds to that, a newton, likewise [m/N].
+        finer_mesh_factors: by quantity, times how much its estimated error covers what states on a finer mesh showed;
+            empty if nobody looked.
         accuracy: measured on held-out states; empty if nobody did.
         scene: the trained scene as plain data.
         provenance: what it was made from.
@@ -71,6 +74,7 @@ class SegmentMap(PickledByFields):
     pose: Polynomial
     force_error: float
     place_error: float
+    place_error_by_force: float
     scene: dict[str, Any]
     provenance: dict[str, Any]
     corners: Polynomial | None = None
@@ -79,6 +83,7 @@ class SegmentMap(PickledByFields):
     displacements: Field | None = None
     shortenings: Polynomial | None = None
     shortening_error: float = np.nan
+    finer_mesh_factors: dict[str, float] = field(default_factory=dict)
     accuracy: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -169,6 +174,10 @@ class SegmentMap(PickledByFields):
         """The same, whose error has been measured."""
         return replace(self, accuracy=accuracy)
 
+    def without_displacements(self) -> SegmentMap:
+        """The same map without the field of its nodes, which is most of a file."""
+        return replace(self, displacements=None)
+
     def save(self, path: str | Path) -> None:
         """Write the map: the file is whole or absent."""
         checked_file.save(Path(path), KIND, FORMAT, self.write)
@@ -178,7 +187,7 @@ class SegmentMap(PickledByFields):
         for name in PLAIN:
             file.attrs[name] = json.dumps(getattr(self, name))
         file.attrs["force_error"], file.attrs["place_error"] = self.force_error, self.place_error
-        file.attrs["skin_error"] = self.skin_error
+        file.attrs["place_error_by_force"], file.attrs["skin_error"] = self.place_error_by_force, self.skin_error
         if self.corners is not None:
             checked_file.dataset(file, "corner_powers", self.corners.powers, "-")
             checked_file.dataset(file, "corner_coefficients", self.corners.coefficients, "m")
@@ -226,6 +235,7 @@ class SegmentMap(PickledByFields):
             **{name: json.loads(file.attrs[name]) for name in PLAIN},
             force_error=float(file.attrs["force_error"]),
             place_error=float(file.attrs["place_error"]),
+            place_error_by_force=float(file.attrs["place_error_by_force"]),
             skin_error=float(file.attrs["skin_error"]),
             pose=polynomial(""),
             corners=polynomial("corner_") if "corner_powers" in file else None,

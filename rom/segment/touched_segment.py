@@ -100,7 +100,7 @@ class TouchedSegment(PickledByFields):
 
     def tip_error(self, way: float) -> float:
         """Estimated error of the free tip [m], the same a way [m] from where it rests."""
-        return self.chain.place_error
+        return self.chain.finer_mesh_factor("tip") * self.chain.place_error
 
     @cached_property
     def lead(self) -> int:
@@ -163,26 +163,39 @@ class TouchedSegment(PickledByFields):
             ModelError: the wrong number of parameters.
         """
         found = self.answers(parameters)
-        unknown = np.where(found.evaluations > 0, 0.0, np.inf)
-        force = self.chain.force_error * found.out[:, 3]
-        force = force + self.chain.place_error * np.abs(found.jacobians[:, 3, -1]) + unknown
-        errors = {
-            "tip": self.chain.place_error + unknown,
-            "contact_force": force,
-            "touch_distance": np.full(len(force), self.chain.place_error),
-        }
+        parts = self._errors(found)
         out, inside = found.out, found.inside
         if np.ndim(parameters) == 1:
-            out, inside, errors = out[0], inside[0], {name: error[0] for name, error in errors.items()}
+            out, inside = out[0], inside[0]
+            parts = {of: {name: error[0] for name, error in errors.items()} for of, errors in parts.items()}
         return Answer(
             tip=out[..., :3],
             contact_force=out[..., 3],
             touch_distance=out[..., 4],
             pad_pressure=None,
-            error=errors,
-            error_parts={"surrogate": errors},
+            error={name: sum(errors[name] for errors in parts.values()) for name in parts["surrogate"]},
+            error_parts=parts,
             inside=inside,
         )
+
+    def _errors(self, found: Touched) -> dict[str, dict[str, np.ndarray]]:
+        """Estimated errors of the surrogate, and of its mesh if states on a finer one told, by quantity [m, N, m]."""
+        chain, force = self.chain, found.out[:, 3]
+        unknown = np.where(found.evaluations > 0, 0.0, np.inf)
+        expected = {
+            "tip": chain.place_error + chain.place_error_by_force * force,
+            "contact_force": chain.force_error * force + chain.place_error * np.abs(found.jacobians[:, 3, -1]),
+            "touch_distance": np.full(len(force), chain.place_error),
+        }
+        factors = {name: chain.finer_mesh_factor(name) for name in expected}
+        own = {name: min(factors[name], 1.0) * error for name, error in expected.items()}
+        own["tip"], own["contact_force"] = own["tip"] + unknown, own["contact_force"] + unknown
+        if not any(one.finer_mesh_factors for one in chain.segments):
+            return {"surrogate": own}
+        return {
+            "surrogate": own,
+            "mesh": {name: max(factors[name] - 1.0, 0.0) * error for name, error in expected.items()},
+        }
 
     def contact_forces(self, parameters: ArrayLike) -> list[ContactForce]:
         """Where the object presses at one point, shape (p,), and how much; none where nothing is known.

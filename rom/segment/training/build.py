@@ -9,7 +9,7 @@ import numpy as np
 
 from rom.fit.chebyshev import Polynomial, total_degree
 from rom.segment.segment_map import SegmentMap, quantiles
-from rom.segment.training.contact_error import relative_force_errors
+from rom.segment.training.contact_error import place_errors, relative_force_errors
 from rom.segment.training.field_fit import field_fit
 from rom.segment.training.index_set import index_set, pure_degree
 from rom.segment.training.mesh_correction import corrected
@@ -57,6 +57,7 @@ def train(
     states = with_images(own, description.scene)
     box = np.array([[one["lower"], one["upper"]] for one in description.parameters])
     found = best_fit(states, box, terms, progress)
+    free, by_force = place_errors(states, found.left_out_places, lambda errors: quantiles(errors)["p95"])
     few = few_products(found.weights, own)
     corners = corner_fit(own, box)
     skin, skin_error = skin_fit(own, box, few)
@@ -65,7 +66,8 @@ def train(
         parameters=description.parameters,
         pose=found.polynomial,
         force_error=quantiles(found.left_out)["p95"],
-        place_error=quantiles(found.left_out_places[states.forces == 0])["p95"],
+        place_error=free,
+        place_error_by_force=by_force,
         corners=corners,
         skin=skin,
         skin_error=skin_error,

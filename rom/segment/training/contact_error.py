@@ -8,6 +8,8 @@ normal. As the plate turns, the normal turns in its frame, and the wrench with i
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from rom.snapshots.pressed_states import PressedStates
@@ -31,6 +33,20 @@ def relative_force_errors(states: PressedStates, poses: np.ndarray) -> np.ndarra
     off = gaps(poses, points, there) - gaps(states.poses, points, there)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(np.abs(off / (states.forces * gap_by_force(states))))
+
+
+def place_errors(states: PressedStates, off: np.ndarray, most: Callable[[np.ndarray], float]) -> tuple[float, float]:
+    """Errors of the plate's place: of the free one [m], and what a force adds to that [m/N].
+
+    Args:
+        states: n of them.
+        off: how far each is from where it is predicted, shape (n,) [m].
+        most: the error that is told, of all there are.
+    """
+    pressed = states.forces > 0
+    free = most(off[~pressed])
+    added = np.maximum(off[pressed] - free, 0.0) / states.forces[pressed]
+    return free, most(added)
 
 
 def _contacts(states: PressedStates) -> tuple[np.ndarray, np.ndarray]:

@@ -19,7 +19,7 @@ from rom.fit.chebyshev import Polynomial
 from rom.fit.mesh_error import covering
 from rom.segment.field import Field
 from rom.segment.segment_map import SegmentMap, quantiles
-from rom.segment.training.contact_error import relative_force_errors
+from rom.segment.training.contact_error import place_errors, relative_force_errors
 from rom.segment.training.field_fit import pod_modes, single
 from rom.segment.training.index_set import index_set, pure_degree
 from rom.segment.training.mirrors import with_images
@@ -45,10 +45,9 @@ def corrected(before: SegmentMap, coarse: SnapshotSet, fine: SnapshotSet) -> Seg
     own = read_pressed_states(fine, on=coarse)
     states = with_images(own, description.scene)
     weights = tuple(before.provenance["weights"])
-
     pose, poses = corrected_pose(before.pose, weights, states)
     errors = relative_force_errors(states, poses)
-    places = np.linalg.norm(poses[:, :3] - states.poses[:, :3], axis=1)
+    free, by_force = place_errors(states, np.linalg.norm(poses[:, :3] - states.poses[:, :3], axis=1), covering)
     corners, _ = _others(before.corners, own, own.corners, own.corner_jacobians)
     skin, skin_off = _others(before.skin, own, own.skin, own.skin_jacobians)
     shortenings, short_off = _others(before.shortenings, own, own.shortenings, own.shortening_jacobians)
@@ -56,7 +55,8 @@ def corrected(before: SegmentMap, coarse: SnapshotSet, fine: SnapshotSet) -> Seg
         before,
         pose=pose,
         force_error=float(np.hypot(covering(errors[~np.isnan(errors)]), before.force_error)),
-        place_error=float(np.hypot(covering(places[states.forces == 0]), before.place_error)),
+        place_error=float(np.hypot(free, before.place_error)),
+        place_error_by_force=float(np.hypot(by_force, before.place_error_by_force)),
         corners=corners,
         skin=skin,
         skin_error=_percentile(skin_off, 3),

@@ -122,6 +122,7 @@ def fitted(count: int = 60, terms: int = 500) -> tuple[SegmentMap, pose_fit.Pose
         pose=own,
         force_error=quantiles(found.left_out)["p95"],
         place_error=float(np.quantile(found.left_out_places, 0.95)),
+        place_error_by_force=0.0,
         skin=skin,
         skin_error=skin_error,
         scene=SCENE,
