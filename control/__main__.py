@@ -41,9 +41,9 @@ def model_of(file: Path | None, behind: Path | None = None) -> Model:
         file: the model's.
         behind: of a surrogate, which is asked where a segment's map knows nothing.
     """
-    if file is None or kind_of(file) not in chain.KINDS:
+    if file is not None and kind_of(file) not in chain.KINDS:
         if behind is not None:
-            raise ValueError(f"behind must stand behind a segment's map, got {file or 'a surrogate'} before it")
+            raise ValueError(f"behind must stand behind a segment's map, got {file} before it")
         return Surrogate.load(file)
     touched = TouchedSegment.load(file)
     return touched if behind is None else BackedSegment(touched=touched, surrogate=Surrogate.load(behind))

@@ -101,7 +101,7 @@ class Certifier:
     def __init__(self, model: Surrogate | TouchedSegment):
         if isinstance(model, Surrogate) and not model.has_field:
             raise ValueError("model must know the displacement to be certified (sampling.store), got one that does not")
-        self.model, self.full_order = model, FingerModel(Scene.model_validate(_scene(model)))
+        self.model, self.full_order = model, FingerModel(Scene.model_validate(full_order_scene(model)))
         self._numbering = NodeOrder(self.full_order.problem)
 
     def certify(self, tensions: ArrayLike, distance: float | None = None) -> Certificate:
@@ -145,8 +145,8 @@ class Certifier:
         return "rest"
 
 
-def _scene(model: Surrogate | TouchedSegment) -> dict[str, Any]:
-    """What the full-order model solves, as plain data."""
+def full_order_scene(model: Surrogate | TouchedSegment) -> dict[str, Any]:
+    """What the full-order model of a model solves, as plain data: for a segment's map, its mesh before the plane."""
     if isinstance(model, Surrogate):
         return model.scene
     nearest, farthest = model.obstacle.distances

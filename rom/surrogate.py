@@ -22,7 +22,7 @@ from rom.separation.separated_form import tables
 
 logger = logging.getLogger(__name__)
 
-SHIPPED = Path(__file__).with_name("finger.h5")  # made by `make model`
+SHIPPED = Path(__file__).with_name("plane.h5")  # made by `make plane`
 
 
 @dataclass(frozen=True, kw_only=True)

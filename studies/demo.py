@@ -50,19 +50,15 @@ SCENES = Path(__file__).resolve().parents[1] / "scenes" / "demo"
 CALLER = "FINGERFEM_CALLER"  # tells the farm that the demo says what is kept when it is stopped
 SHOW_CURSOR = "\x1b[?25h"  # which a bar hides, and a killed rank does not bring back
 HELD_OUT = ["--random", "8", "--distances", "4", "--seed", "2018"]
-# Other scenes before the plane: of the fingers that are driven, on neither of the meshes trained on; and of the coarse
-# mesh, at whose states the held-out ones begin.
-BEFORE_A_PLANE: dict[str, dict] = {
-    "plants": {"mesh": {"cells": [10, 5], "order": 2}},
-    "coarse-plane": {"mesh": {"cells": [20, 5], "order": 1}, "sampling": {"store": ["displacement"]}},
-}
+# The fingers that are driven are on neither of the meshes trained on.
+PLANTS = {"mesh": {"cells": [10, 5], "order": 2}}
 # Meshes that are soon solved, and lines of states.
 QUICK: dict[str, dict] = {
     "coarse": {"mesh": {"cells": [10, 5], "order": 1}, "sampling": {"lines": 24}},
     "fine": {"mesh": {"cells": [20, 5], "order": 1}, "sampling": {"lines": 8}},
     "plane": {"mesh": {"cells": [20, 5], "order": 1}},
     "plants": {"mesh": {"cells": [20, 5], "order": 1}},
-    "coarse-plane": {"mesh": {"cells": [10, 5], "order": 1}, "sampling": {"store": ["displacement"]}},
+    "plane_coarse": {"mesh": {"cells": [10, 5], "order": 1}},
 }
 CASES = [([50.0, 0.0], None), ([100.0, 0.0], None), ([50.0, 0.0], 0.005), ([60.0, 60.0], 0.008)]
 TARGET = 1.0  # [N]
@@ -111,8 +107,8 @@ def wait_for(words: list[str]) -> int:
 
 def scene_file(name: str, out: Path, quick: bool) -> Path:
     """The file of one of the demo's scenes."""
-    own = SCENES / f"{'plane' if name in BEFORE_A_PLANE else name}.toml"
-    changes = (QUICK if quick else BEFORE_A_PLANE).get(name, {})
+    own = SCENES / f"{'plane' if name == 'plants' else name}.toml"
+    changes = QUICK[name] if quick else PLANTS if name == "plants" else {}
     if not changes:
         return own
     file = out / f"{name}.toml"
@@ -127,7 +123,7 @@ def trained(out: Path, quick: bool) -> tuple[TouchedSegment, dict]:
     say("training: few states on a fine mesh, each begins at the coarse one")
     fine, on_fine = farm(scene_file("fine", out, quick), out / "fine", "--near", str(out / "coarse"))
     say("held-out: full-order states before a plane, on the coarse mesh from rest, then on the fine one")
-    farm(scene_file("coarse-plane", out, quick), out / "heldout-coarse", *HELD_OUT)
+    farm(scene_file("plane_coarse", out, quick), out / "heldout-coarse", *HELD_OUT)
     near = "--near", str(out / "heldout-coarse")
     fresh, held_out = farm(scene_file("plane", out, quick), out / "heldout", *HELD_OUT, *near)
     say("the map: fit the coarse states, correct them by the fine ones, check them against the held-out ones")

@@ -22,6 +22,8 @@ from rom.segment.segment_map import SegmentMap
 
 CLOSED = 1e-7  # [m]: gaps of contacts that may press, once the solve has ended
 
+SHIPPED = Path(__file__).parents[1] / "finger.h5"  # made by `make model`
+
 
 class ContactForce(NamedTuple):
     """What the object does to a plate at a point.
@@ -56,17 +58,20 @@ class TouchedSegment(PickledByFields):
     has_pad: bool = field(default=False, init=False)
 
     @classmethod
-    def load(cls, path: str | Path) -> TouchedSegment:
+    def load(cls, path: str | Path | None = None) -> TouchedSegment:
         """Read a map or a chain of maps; it stands before the plane y = side/2 + d, d from 0 to the finger's length.
+
+        Args:
+            path: the file; None reads the finger that comes along.
 
         Raises:
             ModelError: no file, neither of these, a damaged one, or one of another format.
 
         Example:
-            >>> model = TouchedSegment.load("out/demo/finger.h5")
+            >>> model = TouchedSegment.load()
             >>> model.evaluate([30.0, 0.0, 0.010]).contact_force
         """
-        segments = Chain.load(path)
+        segments = Chain.load(path or SHIPPED)
         geometry = segments.scene["geometry"]
         segment = segments if len(segments.segments) > 1 else segments.segments[0]
         return cls(segment=segment, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))

@@ -5,16 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from control import campaign
-from control.least_squares import STATIONARY
-from rom import Surrogate
-from studies.control.models import PAPER_US, TARGET, model, names
+from control.least_squares import OUTSIDE, STATIONARY
+from control.model import Model
+from rom.native.answer import FORCE
+from studies.control import models
+from studies.control.models import PAPER_US, TARGET, names
 from studies.runner import Run
 
-GRID = 40_000  # points of a dense search
+GRID = 2_500  # points of a dense search
 CROSSINGS = 45  # bisections
 
 
-def dense_search(surrogate: Surrogate, found: campaign.Campaign) -> dict:
+def dense_search(model: Model, found: campaign.Campaign) -> dict:
     """Every answer that is called unreachable, sought on a grid of tensions, and along its edges that cross the target.
 
     A fitted force may jump where regimes meet; an edge across a jump crosses the target without ever holding it.
@@ -26,7 +28,7 @@ def dense_search(surrogate: Surrogate, found: campaign.Campaign) -> dict:
 
     def force(tensions: np.ndarray, distance: float) -> np.ndarray:
         points = np.column_stack([tensions.reshape(-1, len(lower)), np.full(tensions[..., 0].size, distance)])
-        return np.asarray(surrogate.evaluate(points).contact_force).reshape(tensions.shape[:-1])
+        return np.asarray(model.outputs(points)[:, FORCE]).reshape(tensions.shape[:-1])
 
     flagged = np.flatnonzero(found.status == STATIONARY)
     wrong, jumps, target = 0, 0, found.contact_force
@@ -52,11 +54,12 @@ def dense_search(surrogate: Surrogate, found: campaign.Campaign) -> dict:
 
 def solves(run: Run, name: str) -> dict:
     """Random starts and the authors' sweep, every flag looked at."""
-    surrogate, starts = model(run, name), 1000 if run.quick else 10_000
+    answered, starts = models.model(run, name), 1000 if run.quick else 10_000
     found: dict = {"paper_us": PAPER_US[name]}
     for kind, sweep in (("random", False), ("sweep", True)):
-        result = campaign.run(surrogate, starts, TARGET, sweep)
-        found[kind] = result.as_json() | {"dense_search": dense_search(surrogate, result)}
+        result = campaign.run(answered, starts, TARGET, sweep)
+        outside = int(np.sum(result.status == OUTSIDE))
+        found[kind] = result.as_json() | {"dense_search": dense_search(answered, result), "out_of_domain": outside}
     return found
 
 

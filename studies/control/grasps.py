@@ -10,7 +10,7 @@ import numpy as np
 from control import Flaws, Gripper, Limits, Object, SimulatedPlant
 from control.grasp_forces import carries
 from control.loop import run
-from rom import Surrogate
+from control.model import Model
 from studies.control.models import model
 from studies.runner import Run, say
 
@@ -81,9 +81,9 @@ def grasped(gripper: Gripper, random: np.random.Generator) -> dict:
     return known | {"fate": fate, "reason": "", "hardest": hardest, "force_error": float(errors.max())}
 
 
-def campaign(surrogate: Surrogate, grasps: int, seed: int) -> dict:
+def campaign(known: Model, grasps: int, seed: int) -> dict:
     """Many grasps: counts by fate, and those that failed."""
-    gripper, random = Gripper(surrogate, limits=Limits(rate=MOTOR)), np.random.default_rng(seed)
+    gripper, random = Gripper(known, limits=Limits(rate=MOTOR)), np.random.default_rng(seed)
     found = []
     for i in range(grasps):
         found.append(grasped(gripper, random))
@@ -103,5 +103,5 @@ def campaign(surrogate: Surrogate, grasps: int, seed: int) -> dict:
 
 
 def measure(run: Run) -> dict:
-    """With the draft finger."""
+    """With the finger that comes along."""
     return campaign(model(run, "one segment"), 50 if run.quick else 500, seed=2018)

@@ -9,22 +9,22 @@ import numpy as np
 
 from control import Flaws, Gripper, Limits, SimulatedPlant
 from control.loop import run as run_loop
+from control.model import Model
 from control.plant import Dead, Plant, Slipping
-from rom import Surrogate
 from studies.control.models import TARGET, model
 from studies.runner import Run
 
 DISTANCES = 0.010, 0.012, 0.008  # [m] of the planes before the fingers
 
 
-def timed(surrogate: Surrogate, periods: int) -> dict:
+def timed(known: Model, periods: int) -> dict:
     """Three fingers at 1 kHz, with a flawed sensor: closing, squeezing and holding."""
-    gripper = Gripper(surrogate, limits=Limits(rate=500.0))
+    gripper = Gripper(known, limits=Limits(rate=500.0))
     options = gripper.options(TARGET, noise=0.01, delay=3)
     flaws = Flaws(noise=0.01, resolution=0.005, delay=3, force_error=0.05)
 
     def once(count: int) -> dict:
-        plants = [SimulatedPlant(surrogate, d, flaws, seed=k) for k, d in enumerate(DISTANCES)]
+        plants = [SimulatedPlant(known, d, flaws, seed=k) for k, d in enumerate(DISTANCES)]
         report = run_loop(gripper.grips(TARGET, options), plants, count)
         return report.as_json() | {"forces": [plant.contact_force for plant in plants]}
 
@@ -32,12 +32,12 @@ def timed(surrogate: Surrogate, periods: int) -> dict:
     return once(periods)
 
 
-def trouble(surrogate: Surrogate, picture: Path) -> list[tuple[int, int, str]]:
+def trouble(known: Model, picture: Path) -> list[tuple[int, int, str]]:
     """A target that jumps, a tendon that slips, a sensor that dies for a while: drawn, and what the loop said."""
-    gripper = Gripper(surrogate, limits=Limits(rate=500.0))
+    gripper = Gripper(known, limits=Limits(rate=500.0))
     options = gripper.options(TARGET, noise=0.01, delay=3)
     flaws = Flaws(noise=0.01, resolution=0.005, delay=3, force_error=0.05)
-    plants = [SimulatedPlant(surrogate, d, flaws, seed=k) for k, d in enumerate(DISTANCES)]
+    plants = [SimulatedPlant(known, d, flaws, seed=k) for k, d in enumerate(DISTANCES)]
     broken: list[Plant] = [Slipping(plants[0], 0, 0.8, 1400), Dead(plants[1], 1800, 2100), plants[2]]
     forces: list[list[float]] = []
 
@@ -58,7 +58,7 @@ def trouble(surrogate: Surrogate, picture: Path) -> list[tuple[int, int, str]]:
             lw=1.4,
             label=f"finger {i}, d = {1e3 * DISTANCES[i]:g} mm (thin: felt)",
         )
-        lower.plot(seconds, report.tensions[:, i, surrogate.lead], color=colour, lw=1.4)
+        lower.plot(seconds, report.tensions[:, i, known.lead], color=colour, lw=1.4)
     upper.plot(seconds, wanted, color="0.3", lw=1, ls="--", label="target")
     for at, what in (
         (1.0, "target jumps"),
@@ -71,7 +71,7 @@ def trouble(surrogate: Surrogate, picture: Path) -> list[tuple[int, int, str]]:
         upper.text(at + 0.01, 0.06, what, fontsize=8, rotation=90, va="bottom")
     upper.set(ylabel="contact force [N]")
     upper.legend(frameon=False, fontsize=8, loc="upper left")
-    lower.set(xlabel="time [s]", ylabel=f"tension of {surrogate.names[surrogate.lead]} [N]")
+    lower.set(xlabel="time [s]", ylabel=f"tension of {known.parameters[known.lead]['name']} [N]")
     figure.savefig(picture, dpi=110)
     plt.close(figure)
     return report.events
@@ -79,6 +79,6 @@ def trouble(surrogate: Surrogate, picture: Path) -> list[tuple[int, int, str]]:
 
 def measure(run: Run) -> dict:
     """Times, and a picture of the trouble in the study's folder."""
-    surrogate = model(run, "one segment")
-    events = trouble(surrogate, run.folder / "loop.png")
-    return timed(surrogate, 1000 if run.quick else 20_000) | {"events": events}
+    known = model(run, "one segment")
+    events = trouble(known, run.folder / "loop.png")
+    return timed(known, 1000 if run.quick else 20_000) | {"events": events}

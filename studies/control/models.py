@@ -1,15 +1,20 @@
-"""The models that the controllers are measured with, from the sets of the surrogate's study."""
+"""The models that the controllers are measured with."""
 
 from __future__ import annotations
 
-from rom import Surrogate
+from dataclasses import replace
+
+from control.model import Model
+from rom import Surrogate, TouchedSegment
 from rom.build import train
 from rom.error_model import calibrated
+from rom.segment.objects import facing_plane
 from rom.separation.alternating_directions import EnrichmentOptions
 from studies.runner import Run
 from studies.surrogate import accuracy
 
 TARGET = 1.0  # [N]
+DISTANCES = 0.001, 0.031  # [m] of the paper's plane
 # Mean solve of Chenevier et al., PLoS ONE 2018, table 1 [us].
 PAPER_US = {
     "one segment": 7160.0,
@@ -22,10 +27,18 @@ def names(run: Run) -> list[str]:
     return list(PAPER_US)[: 1 if run.quick else None]
 
 
-def model(run: Run, name: str) -> Surrogate:
-    """A trained and calibrated model, from its file if it is there."""
-    file = run.folder / f"{name.replace(', ', '-').replace(' ', '-')}.h5"
+def model(run: Run, name: str) -> Model:
+    """The finger that comes along, before the paper's plane; of two segments, the surrogate of another study's sets."""
+    if name == "one segment":
+        touched = TouchedSegment.load()
+        return replace(touched, obstacle=facing_plane(touched.scene["geometry"]["side"], DISTANCES))
+    return two_segments(run)
+
+
+def two_segments(run: Run) -> Surrogate:
+    """A trained and calibrated surrogate, from its file if it is there."""
+    file = run.folder / "two-segments.h5"
     if not file.exists():
-        training, held_out = accuracy.sets_of(run, {"one segment": "draft"}.get(name, name))
+        training, held_out = accuracy.sets_of(run, "two segments")
         calibrated(train(training, EnrichmentOptions()), held_out).save(file)
     return Surrogate.load(file)

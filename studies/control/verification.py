@@ -1,7 +1,7 @@
 """What is held, fed to the full-order model, as figures 7 and 8 of the paper.
 
 Random starts, distances and contact forces; every answer that is converged is solved again by the full-order model of
-the scene that the surrogate was trained on, from rest.
+the mesh that the model was trained on, from rest.
 """
 
 from __future__ import annotations
@@ -9,20 +9,22 @@ from __future__ import annotations
 import numpy as np
 
 from control import Finger
+from control.model import Model
 from fingerfem import FingerModel
+from fingerfem.certify import full_order_scene
 from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.scene.scene import Scene
-from rom import Surrogate
+from rom import Surrogate, TouchedSegment
 from studies.control.models import model, names
 from studies.runner import Run
 
-CASES, QUICK_CASES, SEED = 30, 10, 2018
+CASES, QUICK_CASES, SEED = 20, 4, 2018
 FORCES = 0.25, 4.0  # [N], two octaves on both sides of the paper's 1 N
 
 
-def answers(surrogate: Surrogate, cases: int, seed: int) -> list[dict]:
+def answers(known: Model, cases: int, seed: int) -> list[dict]:
     """Held answers: `cases` that are converged, of random starts, distances and contact forces."""
-    finger, (lower, upper) = Finger(surrogate), surrogate.limits
+    finger, (lower, upper) = Finger(known), known.limits
     random = np.random.default_rng(seed)
     found: list[dict] = []
     while len(found) < cases:
@@ -37,7 +39,7 @@ def answers(surrogate: Surrogate, cases: int, seed: int) -> list[dict]:
                     "distance": float(distance),
                     "tensions": motion.tensions.tolist(),
                     "estimated_error": motion.error,
-                    "tip": surrogate.evaluate(point).tip.tolist(),
+                    "tip": known.evaluate(point).tip.tolist(),
                 }
             )
     return found
@@ -79,11 +81,12 @@ def measure(run: Run) -> dict[str, dict]:
     """By scene: a summary, and every case."""
     found = {}
     for name in names(run):
-        surrogate = model(run, name)
-        full_order = FingerModel(Scene(**surrogate.scene))
+        known = model(run, name)
+        assert isinstance(known, Surrogate | TouchedSegment)
+        full_order = FingerModel(Scene(**full_order_scene(known)))
         cases = [
             run.once(f"{name}, answer {k + 1}", verified, case, full_order)
-            for k, case in enumerate(answers(surrogate, QUICK_CASES if run.quick else CASES, SEED))
+            for k, case in enumerate(answers(known, QUICK_CASES if run.quick else CASES, SEED))
         ]
         found[name] = summary(cases) | {"each": cases}
     return found

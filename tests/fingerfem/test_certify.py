@@ -60,7 +60,7 @@ def test_the_command_prints_both_answers_and_refuses_in_one_line(trained):
     assert shown.returncode == 0 and "estimated_error" in shown.stdout
     for words, said in (
         ((trained / "finger.h5", "F1=500"), "F1 must lie in [0, 100] N"),
-        ((ROOT / "rom" / "finger.h5", "F1=5"), "must know the displacement"),
+        ((ROOT / "rom" / "plane.h5", "F1=5"), "must know the displacement"),
     ):
         done = run(*words)
         assert done.returncode == 2 and said in done.stderr and len(done.stderr.splitlines()) == 1

@@ -9,9 +9,9 @@ from rom.native import levels
 ROOT = Path(__file__).resolve().parents[2]
 HOLD = """
 from control import Finger
-from rom import Surrogate
+from rom import TouchedSegment
 import rom
-print(Finger(Surrogate.load()).hold(1.0, 0.010).status, rom.__file__)
+print(Finger(TouchedSegment.load()).hold(1.0, 0.010).status, rom.__file__)
 """
 
 
