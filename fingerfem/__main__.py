@@ -129,6 +129,9 @@ def snapshots(
     distances: Annotated[
         int, typer.Option(min=1, help="Distances of the plane at each held-out point's tensions: cheaper by the state.")
     ] = 1,
+    points: Annotated[
+        Path | None, typer.Option(metavar="POINTS.csv", help="Held-out points of your own: F1,F2,d and lines of them.")
+    ] = None,
     ranks_per_finger: Annotated[int, typer.Option(min=1, help="Ranks that solve one finger together.")] = 1,
     until: Annotated[
         str | None, typer.Option(help='Add states until this error of the contact force is expected: "1 %" or 0.01.')
@@ -159,6 +162,7 @@ def snapshots(
     # PETSc, too, would wait for killed ranks; and its signal handlers hang in MPI_Abort where mpirun itself is gone.
     petsc4py.init(["-no_signal_handler"], comm=MPI.COMM_SELF)
     from fingerfem.snapshots.design import HeldOut
+    from fingerfem.snapshots.given_points import GivenPoints
     from fingerfem.snapshots.job import Job, Request
     from fingerfem.snapshots.progress import STYLES
 
@@ -168,13 +172,19 @@ def snapshots(
         raise ValueError(f"progress must be one of {', '.join(STYLES)}, got {progress}")
     if world.size % ranks_per_finger:
         raise ValueError(f"ranks-per-finger must divide the number of ranks, {world.size}, got {ranks_per_finger}")
+    if random and points is not None:
+        raise ValueError(f"random must not be given with points, got {random}")
     if distances > 1 and not random:
         raise ValueError(f"distances must be given with random, got {distances}")
     scene = fingerfem.load_scene(scene_file)
     request = Request(
         scene=scene,
         folder=folder,
-        held_out=HeldOut(count=random, seed=seed, distances=distances) if random else None,
+        held_out=HeldOut(count=random, seed=seed, distances=distances)
+        if random
+        else GivenPoints(points)
+        if points is not None
+        else None,
         until=None if until is None else _share("until", until),
         budget=duration("budget", budget) if budget is not None else math.inf,
         reuse=reuse,

@@ -10,6 +10,7 @@ from scipy.stats import qmc
 
 from fingerfem.scene.scene import Scene, SceneError
 from fingerfem.snapshots import wrenches
+from fingerfem.snapshots.given_points import GivenPoints
 from rom.snapshots.body import Body
 from rom.snapshots.snapshot_set import Description
 
@@ -67,7 +68,7 @@ SCATTER, LINES, ALONG, SEED = (
 
 
 def describe(
-    scene: Scene, versions: dict[str, str], held_out: HeldOut | None = None, refines: bool = False
+    scene: Scene, versions: dict[str, str], held_out: HeldOut | GivenPoints | None = None, refines: bool = False
 ) -> Description:
     """The set of states to solve for a scene.
 

@@ -18,6 +18,7 @@ from fingerfem.model import FingerModel
 from fingerfem.scene.scene import Scene
 from fingerfem.snapshots import farm
 from fingerfem.snapshots.design import HeldOut, describe
+from fingerfem.snapshots.given_points import GivenPoints
 from fingerfem.snapshots.ledger import Ledger, sentence
 from fingerfem.snapshots.lines.setting import Known
 from fingerfem.snapshots.neighbours import KnownSet
@@ -49,7 +50,7 @@ class Request:
 
     scene: Scene
     folder: Path
-    held_out: HeldOut | None = None
+    held_out: HeldOut | GivenPoints | None = None
     until: float | None = None
     budget: float = math.inf
     reuse: Path | None = None
@@ -59,11 +60,11 @@ class Request:
         if self.until is not None and not 0 < self.until < 1:
             raise ValueError(f"until must lie in (0, 1), got {self.until}")
         if self.held_out is not None and (self.refines or self.reuse is not None):
-            raise ValueError(f"random must not be given with until, budget or reuse, got {self.held_out.count}")
+            raise ValueError("random or points must not be given with until, budget or reuse, got both")
         if self.scene.load is not None and self.reuse is not None:
             raise ValueError(f"reuse must be left out for a scene with a load, got {self.reuse}")
         if self.near is not None and self.held_out is None and self.scene.load is None:
-            raise ValueError(f"near must be given with random, or for a scene with a load, got {self.near}")
+            raise ValueError(f"near must be given with random or points, or for a scene with a load, got {self.near}")
 
     @property
     def refines(self) -> bool:

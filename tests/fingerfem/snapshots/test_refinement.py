@@ -121,7 +121,7 @@ def test_four_tensions_are_too_many_to_refine(tmp_path):
         (("--budget", "0s"), "budget must be a time such as 90s, 30min or 2h, got '0s'"),
         (("--until", "0"), "until must lie in (0, 1), got 0.0"),
         (("--until", "nan"), "until must lie in (0, 1), got nan"),
-        (("--until", "0.1", "--random", "3"), "random must not be given with until, budget or reuse, got 3"),
+        (("--until", "0.1", "--random", "3"), "random or points must not be given with until, budget or reuse"),
     ],
 )
 def test_goals_that_make_no_sense_are_refused_in_one_line(options, words, planar, tmp_path):
