@@ -32,7 +32,18 @@ from rom.snapshots.files import write_whole
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 # In this order: later ones use the snapshot sets of earlier ones.
-STUDIES = ("solver", "training", "surrogate", "control", "tradeoff", "segment", "extremes", "required", "figures")
+STUDIES = (
+    "solver",
+    "training",
+    "surrogate",
+    "control",
+    "tradeoff",
+    "segment",
+    "coverage",
+    "extremes",
+    "required",
+    "figures",
+)
 OUT = ROOT / "out" / "docs"
 COMMIT = "FINGERFEM_COMMIT"  # the Makefile's word for where the checkout is
 

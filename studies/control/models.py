@@ -28,11 +28,14 @@ def names(run: Run) -> list[str]:
 
 
 def model(run: Run, name: str) -> Model:
-    """The finger that comes along, before the paper's plane; of two segments, the surrogate of another study's sets."""
-    if name == "one segment":
-        touched = TouchedSegment.load()
-        return replace(touched, obstacle=facing_plane(touched.scene["geometry"]["side"], DISTANCES))
-    return two_segments(run)
+    """The finger that comes along; of two segments, a surrogate of another study's sets."""
+    return finger() if name == "one segment" else two_segments(run)
+
+
+def finger() -> TouchedSegment:
+    """The finger that comes along, before the paper's plane."""
+    touched = TouchedSegment.load()
+    return replace(touched, obstacle=facing_plane(touched.scene["geometry"]["side"], DISTANCES))
 
 
 def two_segments(run: Run) -> Surrogate:

@@ -1,0 +1,1 @@
+"""Whether what the finger that comes along says of its error is true: docs/coverage.md."""
