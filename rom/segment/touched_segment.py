@@ -159,7 +159,10 @@ class TouchedSegment(PickledByFields):
         return native.touches(self.touching, found, by_object=by_object)
 
     def evaluate(self, parameters: ArrayLike) -> Answer:
-        """Tip, contact force and touch distance at tensions [N] and d [m], shape (p,) or (n, p).
+        """Tip, contact force and the distance at which the free finger touches, at tensions [N] and d [m].
+
+        Args:
+            parameters: shape (p,) or (n, p).
 
         Where no equilibrium was found on the object's approach, the answer is not inside, and its error infinite. It is
         not inside either where the equilibrium is not stable, or rubber may touch.
@@ -168,8 +171,10 @@ class TouchedSegment(PickledByFields):
             ModelError: the wrong number of parameters.
         """
         found = self.answers(parameters)
-        parts = self._errors(found)
+        rubber = self._rubber_touch(np.atleast_2d(np.asarray(parameters, float)))
+        parts = self._errors(found, rubber)
         out, inside = found.out, found.inside
+        out[:, 4] = np.maximum(out[:, 4], rubber)
         if np.ndim(parameters) == 1:
             out, inside = out[0], inside[0]
             parts = {of: {name: error[0] for name, error in errors.items()} for of, errors in parts.items()}
@@ -183,14 +188,22 @@ class TouchedSegment(PickledByFields):
             inside=inside,
         )
 
-    def _errors(self, found: Touched) -> dict[str, dict[str, np.ndarray]]:
-        """Estimated errors of the surrogate, and of its mesh if states on a finer one told, by quantity [m, N, m]."""
+    def _rubber_touch(self, points: np.ndarray) -> np.ndarray:
+        """The distance at which the free finger's rubber would touch, shape (n,) [m]; minus infinity if unknown."""
+        farthest, free = self.obstacle.distances[1], np.zeros(6 * len(self.chain.segments))
+        return np.array([farthest - self.rubber_gap(np.append(point[:-1], farthest), free) for point in points])
+
+    def _errors(self, found: Touched, rubber: np.ndarray) -> dict[str, dict[str, np.ndarray]]:
+        """Estimated errors of the surrogate, and of its mesh if states on a finer one told, by quantity [m, N, m].
+
+        Where the rubber touches before any plate, the touch distance errs as its points do.
+        """
         chain, force = self.chain, found.out[:, 3]
         unknown = np.where(found.evaluations > 0, 0.0, np.inf)
         expected = {
             "tip": chain.place_error + chain.place_error_by_force * force,
             "contact_force": chain.force_error * force + chain.place_error * np.abs(found.jacobians[:, 3, -1]),
-            "touch_distance": np.full(len(force), chain.place_error),
+            "touch_distance": chain.place_error + np.where(rubber > found.out[:, 4], chain.skin_error, 0.0),
         }
         factors = {name: chain.finer_mesh_factor(name) for name in expected}
         own = {name: min(factors[name], 1.0) * error for name, error in expected.items()}

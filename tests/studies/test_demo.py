@@ -3,8 +3,11 @@
 import json
 
 import pytest
+from farm import ROOT
 
-from rom import SegmentMap
+from fingerfem import FingerModel, load_scene
+from fingerfem.scene.scene import Scene
+from rom import SegmentMap, TouchedSegment
 
 
 def test_every_held_force_is_near_the_target_by_the_full_order_model(report):
@@ -62,3 +65,13 @@ def test_the_model_says_what_it_was_made_of(report, demo):
     assert model.scene["mesh"]["cells"] == report["meshes"]["fine"]["cells"]
     assert model.provenance["states"] == 40 and model.provenance["coarse"]["states"] == 120
     assert model.accuracy["contact_force"] == report["errors"]["both"]["contact_force"]
+
+
+def test_the_touch_distance_is_the_rubber_s_where_that_touches_first(report, demo):
+    """Tendon F2 bends the finger beside the plane: the plate is 0.4 mm farther from it than the bulging rubber."""
+    model, tensions = TouchedSegment.load(demo / "finger.h5"), [0.4, 88.0]
+    scene = load_scene(ROOT / "scenes" / "demo" / "plane.toml").model_dump(exclude_none=True)
+    true = FingerModel(Scene(**scene | {"mesh": report["meshes"]["fine"]})).solve(tensions, sensitivities=False)
+    answer = model.evaluate([*tensions, 0.02])
+    assert true.touch_distance > model.outputs([[*tensions, 0.02]])[0, 4] + 2e-4
+    assert abs(answer.touch_distance - true.touch_distance) < min(answer.error["touch_distance"], 1e-4)

@@ -28,7 +28,7 @@ def test_few_states_correct_a_fit_and_say_how_well(segment):
     known = {tuple(row) for row in segment.pose.powers.tolist()}
     powers = np.array([row for row in powers.tolist() if tuple(row) in known])
     both, predicted = regression.correction(segment.pose, samples(few), powers)
-    alone, _ = regression.regression(samples(few), powers)
+    alone, _ = regression.regression(samples(few), rod.BOX, powers)
 
     def errors(polynomial) -> float:
         return float(np.nanmedian(relative_force_errors(held_out, polynomial.value(held_out.inputs))))
