@@ -21,6 +21,13 @@ def at_random(model: TouchedSegment, count: int, random: np.random.Generator) ->
     return lower + random.random((count, len(lower))) * (upper - lower)
 
 
+def in_fours(model: TouchedSegment, count: int, random: np.random.Generator) -> np.ndarray:
+    """The same, four distances of the plane at each of the tensions: soon solved."""
+    points = np.repeat(at_random(model, count // 4, random), 4, axis=0)
+    points[:, -1] = at_random(model, len(points), random)[:, -1]
+    return points[np.lexsort((-points[:, -1], np.arange(len(points)) // 4))]
+
+
 def held(model: TouchedSegment, count: int, random: np.random.Generator) -> np.ndarray:
     """Where a controller holds random forces on random planes, from random starts."""
     finger, found = Finger(model), list[list[float]]()
