@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.surrogate import Surrogate
+from control.model import Model
 
 
 def shortest(call: Callable[[], Any], repeats: int = 3) -> float:
@@ -41,7 +41,7 @@ def quantiles(errors: np.ndarray) -> dict[str, float]:
     }
 
 
-def random_points(model: Surrogate, count: int) -> np.ndarray:
+def random_points(model: Model, count: int) -> np.ndarray:
     """Random parameters of a model's box, shape (count, parameters)."""
     lower, upper = model.limits
     return lower + np.random.default_rng(0).random((count, len(lower))) * (upper - lower)

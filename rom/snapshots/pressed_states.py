@@ -78,7 +78,7 @@ def read_pressed_states(snapshots: SnapshotSet, on: SnapshotSet | None = None) -
         raise SnapshotError(f"{snapshots.path}: must be a set of a scene with a load, got one without")
     if len(description.scene["geometry"]["segments"]) > 1:
         raise SnapshotError(f"{snapshots.path}: must be of one segment, which others follow, got several")
-    parts = [(k, snapshots.task(name)) for k, name in enumerate(snapshots.plan.lines)]
+    parts = [(k, snapshots.task(name)) for k, name in enumerate(snapshots.tasks)]
     if not any(part["converged"].any() for _, part in parts):
         raise SnapshotError(f"{snapshots.path}: must have states with an answer, got none")
 
@@ -144,7 +144,7 @@ def seen_from_plate(
     """
     moved, changes = [], []
     bring = None if on is snapshots else mesh_transfer.interpolation(snapshots.nodes, on.nodes[nodes])
-    for name in snapshots.plan.lines:
+    for name in snapshots.tasks:
         stored = read_task(snapshots.path, name, ("converged", "displacement", "displacement_jacobian"))
         fields = stored["displacement"][stored["converged"]]
         slopes = stored["displacement_jacobian"][stored["converged"]].astype(float)

@@ -133,6 +133,11 @@ class SnapshotSet:
         fewer.__dict__["_tasks"] = {name: arrays for name, arrays in self._tasks.items() if name in tasks}
         return fewer
 
+    @property
+    def tasks(self) -> list[str]:
+        """Names of the tasks that are solved, in the order they were planned in."""
+        return list(self._tasks)
+
     def task(self, name: str) -> dict[str, np.ndarray]:
         """The arrays of a task that is solved, shapes (states, ...), without the fields."""
         return self._tasks[name]

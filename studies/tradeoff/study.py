@@ -1,5 +1,5 @@
 """The parts of docs/tradeoff.md."""
 
-from studies.tradeoff import tradeoff
+from studies.tradeoff import maps, tradeoff
 
-PARTS = {"tradeoff": tradeoff.measure}
+PARTS = {"tradeoff": tradeoff.measure, "maps": maps.measure}

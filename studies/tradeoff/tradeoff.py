@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from control import Finger, campaign
+from control.model import Model
 from rom.build import train
 from rom.held_out import FELT
 from rom.separation.alternating_directions import EnrichmentOptions
@@ -195,7 +196,7 @@ class Truth:
             "contact_force": quantiles(np.abs(force - true)[felt] / true[felt]) | {"count": int(felt.sum())},
         }
 
-    def held(self, model: Surrogate) -> dict:
+    def held(self, model: Model) -> dict:
         """Error of contact forces that a model holds, by the reference's derivatives at the tensions it is asked near.
 
         The reference's own force is the target, its tensions the start; the model answers others, not far, and what
