@@ -149,6 +149,9 @@ def snapshots(
             help="Begin held-out or pressed states at those of another set of the same finger, of any mesh.",
         ),
     ] = None,
+    coarse: Annotated[
+        bool, typer.Option("--coarse", help="Solve on the scene's coarse mesh, in place of its own.")
+    ] = False,
     progress: Annotated[
         str, typer.Option(help="bar, plain or json lines on stderr; auto: a bar on a terminal, which mpirun is not.")
     ] = "auto",
@@ -177,6 +180,10 @@ def snapshots(
     if distances > 1 and not random:
         raise ValueError(f"distances must be given with random, got {distances}")
     scene = fingerfem.load_scene(scene_file)
+    if world.rank == 0 and scene.expected is not None and not random:
+        logging.info("expected: %s", scene.expected)
+    if coarse:
+        scene = scene.on_coarse_mesh()
     request = Request(
         scene=scene,
         folder=folder,
@@ -190,8 +197,6 @@ def snapshots(
         reuse=reuse,
         near=near,
     )
-    if world.rank == 0 and scene.expected is not None and not random:
-        logging.info("expected: %s", scene.expected)
     job = Job(request=request, world=world, ranks_per_finger=ranks_per_finger)
     if ranks_per_finger == 1:
         signal.signal(signal.SIGTERM, _terminated)

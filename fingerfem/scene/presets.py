@@ -25,14 +25,16 @@ LONGEST, PLAIN = 1e6, {"cells": [20, 5]}  # no finger is longer [-]; cells of a 
 
 
 @cache
-def front() -> list[dict[str, Any]]:
+def front(pressed: bool = False) -> list[dict[str, Any]]:
     """The presets, and what no other choice beats in both cost and error of the contact force; cheapest first.
 
-    Each has `cells`, `order`, `lines` [a tension], `tolerance`; `preset`, its name or None; and as measured
-    `contact_force`, `contact_force_of_mesh`, `contact_force_of_surrogate` and the same of `displacement`
-    (95th percentile, relative [-]), `core_seconds` [s], `states`.
+    Of scenes with a load (`pressed`), which are trained as maps, or of the others, trained before one plane. Each has
+    `cells`, `order`, `lines` [a tension], `tolerance`; `preset`, its name or None; and as measured `contact_force`,
+    `contact_force_of_mesh`, `contact_force_of_surrogate` and the same of `displacement` (95th percentile, relative
+    [-]), `core_seconds` [s], `states`. Of a map the whole error alone is known, and there is no `tolerance`; its
+    `coarse` has `cells`, `order` and `lines` [a tension] of the mesh whose states it corrects, or is None.
     """
-    return json.loads(FRONT.read_text())["choices"]
+    return json.loads(FRONT.read_text())["maps" if pressed else "choices"]
 
 
 def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, Any]:
@@ -50,7 +52,7 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
         return table
     if len(asked) > 1:
         raise ValueError(f"{asked[1]} must be left out where {asked[0]} is given, got {table[asked[1]]!r}")
-    for part, keys in (("mesh", OF_MESH), ("sampling", OF_SAMPLING)):
+    for part, keys in (("mesh", OF_MESH), ("sampling", OF_SAMPLING), ("coarse", (*OF_MESH, "lines"))):
         if not isinstance(table.get(part, {}), dict):
             return table  # told as such
         for key in keys:
@@ -63,40 +65,57 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
         longest = math.nan
     if not 0 < longest < LONGEST:
         return table | {"mesh": PLAIN}  # whatever is wrong with finger or tendons is told as such
-    quantity = "contact_force" if table.get("obstacle") else "displacement"
-    choices = [_fitted(one, longest, fitting, bodies, tensions, quantity) for one in front()]
+    pressed = bool(table.get("load"))
+    quantity = "contact_force" if pressed or table.get("obstacle") else "displacement"
+    choices = [_fitted(one, longest, fitting, bodies, tensions, quantity) for one in front(pressed)]
     one = _choice(asked[0], table[asked[0]], choices)
-    return table | {
-        "mesh": table.get("mesh", {}) | {key: one[key] for key in OF_MESH},
-        "sampling": table.get("sampling", {}) | {"lines": one["lines"]},
-        "expected": one["expected"],
-    }
+    return (
+        table
+        | {
+            "mesh": table.get("mesh", {}) | {key: one[key] for key in OF_MESH},
+            "sampling": table.get("sampling", {}) | {"lines": one["lines"]},
+            "expected": one["expected"],
+        }
+        | ({"coarse": one["coarse"]} if one["coarse"] else {})
+    )
 
 
 def _fitted(
     one: dict[str, Any], longest: float, fitting: Callable[[int], int], bodies: int, tensions: int, quantity: str
 ) -> dict[str, Any]:
     """A measured choice on another finger, with what to expect of it."""
-    along, measured = one["cells"]
-    across = fitting(measured)
-    fitted = max(math.ceil(along * longest - 1e-9), 3)  # a cell of the front may be as long as is accepted
+    cells, coarse = _cells(one, longest, fitting), one.get("coarse")
     lines = max(LINES, round(one["lines"] * tensions))
     more_lines = lines / (one["lines"] * TENSIONS)
+    more_cells = cells[0] * bodies / one["cells"][0] * (cells[1] / one["cells"][1]) ** 2
     return {
-        "cells": [fitted, across],
+        "cells": cells,
         "order": one["order"],
         "lines": lines,
+        "coarse": coarse
+        and {
+            "cells": _cells(coarse, longest, fitting),
+            "order": coarse["order"],
+            "lines": max(LINES, round(coarse["lines"] * tensions)),
+        },
         "preset": one["preset"],
         "expected": {
             "quantity": quantity,
             "error": one[quantity],
-            "error_of_mesh": one[f"{quantity}_of_mesh"],
-            "error_of_surrogate": one[f"{quantity}_of_surrogate"],
-            "core_seconds": one["core_seconds"] * more_lines * fitted * bodies / along * (across / measured) ** 2,
+            "error_of_mesh": one.get(f"{quantity}_of_mesh"),
+            "error_of_surrogate": one.get(f"{quantity}_of_surrogate"),
+            "core_seconds": one["core_seconds"] * more_lines * more_cells,
             "states": round(one["states"] * more_lines),
-            "tolerance": one["tolerance"],
+            "tolerance": one.get("tolerance"),
         },
     }
+
+
+def _cells(one: dict[str, Any], longest: float, fitting: Callable[[int], int]) -> list[int]:
+    """Cells along and across another finger, of the shape of those measured."""
+    along, across = one["cells"]
+    # A cell of the front may be as long as is accepted.
+    return [max(math.ceil(along * longest - 1e-9), 3), fitting(across)]
 
 
 def _choice(key: str, value: Any, choices: list[dict[str, Any]]) -> dict[str, Any]:

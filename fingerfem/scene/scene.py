@@ -11,9 +11,9 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 from fingerfem.scene.grid_lines import fitting, grid_lines
 from fingerfem.scene.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff
 from fingerfem.scene.presets import KEYS, chosen
-from fingerfem.scene.tables import Expected, Geometry, Load, Mesh, Obstacle, Outline, Sampling, Table, Tendon
+from fingerfem.scene.tables import Coarse, Expected, Geometry, Load, Mesh, Obstacle, Outline, Sampling, Table, Tendon
 
-NOT_OF_THE_FINGER = {"name", "sampling", "expected", *KEYS}
+NOT_OF_THE_FINGER = {"name", "sampling", "expected", "coarse", *KEYS}
 
 
 class SceneError(ValueError):
@@ -24,7 +24,7 @@ class Scene(Table):
     """One scene: everything the full-order model needs to know.
 
     In place of mesh and sampling it may have `accuracy` ("1 %" of the contact force), `budget` ("20min" of core time)
-    or `preset`; what these chose is then `mesh`, `sampling` and `expected`.
+    or `preset`; what these chose is then `mesh`, `coarse`, `sampling` and `expected`.
     """
 
     name: str
@@ -38,6 +38,7 @@ class Scene(Table):
     obstacle: Obstacle | None = None
     load: Load | None = None
     mesh: Mesh
+    coarse: Coarse | None = None
     sampling: Sampling = Sampling()
 
     @model_validator(mode="before")
@@ -175,8 +176,23 @@ class Scene(Table):
 
     @model_serializer(mode="wrap")
     def _without_what_is_not_named(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A scene without a load is as it was before there were loads."""
-        return {key: value for key, value in serialise(self).items() if key != "load" or value is not None}
+        """A scene without a load or a coarse mesh is as it was before there were any."""
+        later = "load", "coarse"
+        return {key: value for key, value in serialise(self).items() if key not in later or value is not None}
+
+    def on_coarse_mesh(self) -> Scene:
+        """The same scene on its coarse mesh, with the lines of that.
+
+        Raises:
+            SceneError: it has none.
+        """
+        if self.coarse is None:
+            raise SceneError("coarse must name a mesh (cells, order, lines) for states on it, got a scene without")
+        table = self.model_dump(mode="json", exclude_unset=True, exclude={"coarse", "expected", *KEYS})
+        lines = {} if self.coarse.lines is None else {"lines": self.coarse.lines}
+        mesh = {"cells": self.coarse.cells, "order": self.coarse.order}
+        table |= {"mesh": table["mesh"] | mesh, "sampling": table.get("sampling", {}) | lines}
+        return Scene.model_validate(table)
 
     def fingerprint(self) -> str:
         """Hash of all that changes the finger's answers; name and sampling do not."""

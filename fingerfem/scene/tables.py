@@ -224,26 +224,39 @@ class Sampling(Table):
     store: list[Quantity] = ["displacement"]
 
 
+class Coarse(Table):
+    """A mesh on which states are cheap: many on it are corrected by few on the scene's own; `--coarse` solves them.
+
+    `lines` is how many; if absent, as many as the scene's sampling has.
+    """
+
+    cells: Annotated[list[Annotated[int, Field(ge=1, le=4000)]], Field(min_length=2, max_length=2)]
+    order: Annotated[int, Field(ge=1, le=2)] = 1
+    lines: Annotated[int, Field(ge=3, le=10_000)] | None = None
+
+
 class Expected(Table):
     """What the mesh, sampling and terms that an accuracy, a budget or a preset chose are expected to give, see presets.
 
-    Errors are relative [-], of the contact force or, without an obstacle, of the displacement, at the 95th
-    percentile of states on the finger that the front was measured on.
+    Errors are relative [-], of the contact force or, where nothing touches, of the displacement, at the 95th
+    percentile of states on the finger that the front was measured on. Of a map, which has a load in place of an
+    obstacle, the whole error alone is known.
     """
 
     quantity: Literal["contact_force", "displacement"]
     error: float
-    error_of_mesh: float
-    error_of_surrogate: float
+    error_of_mesh: float | None = None
+    error_of_surrogate: float | None = None
     core_seconds: float
     states: int
-    tolerance: float
+    tolerance: float | None = None
 
     def __str__(self) -> str:
-        shares = [f"{100 * share:.2g} %" for share in (self.error, self.error_of_mesh, self.error_of_surrogate)]
+        shares = {"the mesh": self.error_of_mesh, "the surrogate": self.error_of_surrogate}
+        known = ", ".join(f"{100 * share:.2g} % of {name}" for name, share in shares.items() if share is not None)
         return (
-            f"{self.quantity.replace('_', ' ')} within {shares[0]} at the 95th percentile ({shares[1]} of the mesh, "
-            f"{shares[2]} of the surrogate), {self.states} states, {self.core_seconds / 60:.2g} core-minutes"
+            f"{self.quantity.replace('_', ' ')} within {100 * self.error:.2g} % at the 95th percentile"
+            f"{f' ({known})' if known else ''}, {self.states} states, {self.core_seconds / 60:.2g} core-minutes"
         )
 
 

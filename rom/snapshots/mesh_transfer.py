@@ -16,7 +16,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
-OWN = {"name", "mesh", "sampling", "accuracy", "budget", "preset", "expected"}  # of a scene: what may differ
+OWN = {"name", "mesh", "coarse", "sampling", "accuracy", "budget", "preset", "expected"}  # of a scene: what may differ
 
 
 def check_pair(fine: SnapshotSet, coarse: SnapshotSet) -> None:

@@ -10,21 +10,46 @@ import matplotlib.pyplot as plt
 from fingerfem.scene.presets import FRONT
 from studies.readme import put
 from studies.runner import DOCS, templates
-from studies.tradeoff.tradeoff import PRESETS, front
+from studies.tradeoff.maps import DRAFT, FINE, MapTraining
+from studies.tradeoff.tradeoff import PRESETS, error_of, front
 
 BEGIN = "<!-- presets: written by `make docs` -->"  # in README
+WORTH = "total", "contact_force", "p95"  # the error that models are compared by
 USUAL = 3e-4  # tolerance of the separation
+MAP_PRESETS = {
+    "draft": MapTraining(DRAFT, 56),
+    "standard": MapTraining(FINE, 16, (DRAFT, 56)),
+    "fine": MapTraining(FINE, 32, (DRAFT, 112)),
+}
 NAMES = {"mor": "e_MOR", "total": "total"}
 
 
 def prepare(found: dict, folder: Path) -> dict:
     """Write picture, front and README's table; the choices that a scene has."""
-    draw(found["tradeoff"], DOCS / "tradeoff.png")
+    draw(found["tradeoff"], found["maps"], DOCS / "tradeoff.png")
     listed = choices(found["tradeoff"])
-    FRONT.write_text(json.dumps({"choices": listed}, indent=1) + "\n")
-    presets = templates().get_template("tradeoff/presets.md.j2").render(choices=listed)
+    maps = map_choices(found["maps"])
+    FRONT.write_text(json.dumps({"choices": listed, "maps": maps}, indent=1) + "\n")
+    presets = templates().get_template("tradeoff/presets.md.j2").render(choices=listed, maps=maps)
     put(BEGIN, f"\n{presets}\n")
-    return {"choices": listed, "mesh_of": mesh_of}
+    return {"choices": listed, "map_choices": maps, "mesh_of": mesh_of, "ahead": ahead(found)}
+
+
+def ahead(found: dict) -> list[dict]:
+    """Of every surrogate of the front, the cheapest map that errs as little, or None, and how much cheaper it is."""
+    plain, maps, listed = found["tradeoff"], found["maps"]["maps"], []
+    best = [row for row in plain["models"] if row["name"] in plain["front"]]
+    for row in sorted(best, key=lambda row: row["core_seconds"]):
+        as_good = [one for one in maps if error_of(one, WORTH) <= error_of(row, WORTH)]
+        cheapest = min(as_good, key=lambda one: one["core_seconds"], default=None)
+        listed.append(
+            {
+                "surrogate": row,
+                "map": cheapest,
+                "cheaper": cheapest and row["core_seconds"] / cheapest["core_seconds"],
+            }
+        )
+    return listed
 
 
 def choices(found: dict) -> list[dict]:
@@ -62,8 +87,25 @@ def _choice(row: dict, of_mesh: dict[str, dict]) -> dict:
     return found | {key: row[key] for key in ("core_seconds", "states", "bytes", "terms", "query_us")}
 
 
-def draw(found: dict, file: Path) -> None:
-    """Cost against error of every model, and both parts of the error against the states of the draft mesh."""
+def map_choices(found: dict) -> list[dict]:
+    """The same of scenes with a load, which are trained as maps."""
+    names = {training.name: preset for preset, training in MAP_PRESETS.items()}
+    listed = []
+    for row in found["maps"]:
+        one, coarse, total = row["training"], row["training"]["coarse"], row["total"]
+        if row["name"] not in {*found["front"], *names}:
+            continue
+        choice = {"cells": one["mesh"]["cells"], "order": one["mesh"]["order"], "lines": one["lines"] / 2}
+        on_coarse = coarse and {"cells": coarse[0]["cells"], "order": coarse[0]["order"], "lines": coarse[1] / 2}
+        choice |= {"coarse": on_coarse, "preset": names.get(row["name"])}
+        choice |= {quantity: total[quantity]["p95"] for quantity in ("contact_force", "displacement", "held_force")}
+        choice |= {"contact_force_median": total["contact_force"]["median"]}
+        listed.append(choice | {key: row[key] for key in ("core_seconds", "states", "bytes", "terms", "query_us")})
+    return sorted(listed, key=lambda one: one["core_seconds"])
+
+
+def draw(found: dict, maps: dict, file: Path) -> None:
+    """Cost against error of every model and map, and both parts of the error against the states of the draft mesh."""
     usual = [row for row in found["models"] if row["training"]["tolerance"] == USUAL]
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
     kinds: dict[str, list[dict]] = {}
@@ -72,7 +114,10 @@ def draw(found: dict, file: Path) -> None:
     for label, rows in sorted(kinds.items()):
         left.loglog(*_curve(rows, "total"), "s" if label == "two meshes" else "o", label=label)
     best = [next(row for row in found["models"] if row["name"] == name) for name in found["front"]]
-    left.loglog(*_curve(best, "total"), "k-", lw=1, label="front")
+    left.loglog(*_curve(best, "total"), "k-", lw=1, label="front of surrogates of a plane")
+    left.loglog(*_curve(maps["maps"], "total"), "^", color="tab:red", label="maps")
+    best = [next(row for row in maps["maps"] if row["name"] == name) for name in maps["front"]]
+    left.loglog(*_curve(best, "total"), "-", color="tab:red", lw=1, label="front of maps")
     left.set(xlabel="training [core-seconds]", title="against the reference")
     for label, colour in (("20 x 5, order 1", "tab:blue"), ("10 x 5, order 2", "tab:orange")):
         rows = sorted(kinds.get(label, []), key=lambda row: row["states"])
