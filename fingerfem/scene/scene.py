@@ -101,6 +101,11 @@ class Scene(Table):
             if self.mesh.symmetry and not self.obstacle.is_mirrored:
                 raise ValueError("mesh.symmetry must be false where the obstacle is not its own mirror image, got true")
         grid_lines(self.outline, self.mesh, self.is_half)
+        if self.coarse is not None:
+            try:
+                grid_lines(self.outline, self._coarse_mesh(self.coarse), self.is_half)
+            except ValueError as error:
+                raise ValueError(str(error).replace("mesh.", "coarse.", 1)) from None
         return self
 
     @model_validator(mode="after")
@@ -190,9 +195,11 @@ class Scene(Table):
             raise SceneError("coarse must name a mesh (cells, order, lines) for states on it, got a scene without")
         table = self.model_dump(mode="json", exclude_unset=True, exclude={"coarse", "expected", *KEYS})
         lines = {} if self.coarse.lines is None else {"lines": self.coarse.lines}
-        mesh = {"cells": self.coarse.cells, "order": self.coarse.order}
-        table |= {"mesh": table["mesh"] | mesh, "sampling": table.get("sampling", {}) | lines}
-        return Scene.model_validate(table)
+        table["sampling"] = table.get("sampling", {}) | lines
+        return Scene.model_validate(table | {"mesh": self._coarse_mesh(self.coarse)})
+
+    def _coarse_mesh(self, coarse: Coarse) -> Mesh:
+        return self.mesh.model_copy(update={"cells": coarse.cells, "order": coarse.order})
 
     def fingerprint(self) -> str:
         """Hash of all that changes the finger's answers; name and sampling do not."""

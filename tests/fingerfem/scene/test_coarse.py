@@ -60,6 +60,11 @@ def test_a_coarse_mesh_is_no_other_finger_and_its_own_scene_is_one(pressed):
         plain.on_coarse_mesh()
 
 
+def test_a_coarse_mesh_that_does_not_fit_is_refused_as_such(pressed):
+    with pytest.raises(ValueError, match=r"coarse\.cells\[0\] must leave no cell"):
+        Scene.model_validate(pressed | {"mesh": {"cells": [20, 5]}, "coarse": {"cells": [4, 5]}})
+
+
 def test_a_mesh_of_two_is_not_chosen_and_given(pressed):
     with pytest.raises(ValueError, match=r"coarse\.cells must be left out where preset chooses it"):
         Scene.model_validate(pressed | {"preset": "standard", "coarse": {"cells": [10, 5]}})
@@ -67,7 +72,7 @@ def test_a_mesh_of_two_is_not_chosen_and_given(pressed):
 
 def test_two_commands_solve_both_meshes_of_one_scene(pressed, tmp_path):
     file = tmp_path / "scene.toml"
-    meshes = {"mesh": {"cells": [10, 5]}, "coarse": {"cells": [8, 5], "lines": 4}, "sampling": {"lines": 3}}
+    meshes = {"mesh": {"cells": [14, 5]}, "coarse": {"cells": [10, 5], "lines": 4}, "sampling": {"lines": 3}}
     file.write_text(as_toml(pressed | meshes))
     words = [sys.executable, "-m", "fingerfem", "snapshots", str(file)]
     for folder, options in (("coarse", ["--coarse"]), ("fine", ["--near", str(tmp_path / "coarse")])):
@@ -75,5 +80,5 @@ def test_two_commands_solve_both_meshes_of_one_scene(pressed, tmp_path):
     coarse, fine = SnapshotSet(tmp_path / "coarse"), SnapshotSet(tmp_path / "fine")
     check_pair(fine, coarse)
     assert len(coarse.tasks) == 4 and len(fine.tasks) == 3 and not coarse.failures and not fine.failures
-    assert coarse.description.scene["mesh"]["cells"] == [8, 5]
+    assert coarse.description.scene["mesh"]["cells"] == [10, 5]
     assert fine.iterations / fine.states < coarse.iterations / coarse.states
