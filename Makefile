@@ -50,7 +50,7 @@ readme: demo
 # scaled on 60 states of a still finer one and measured on 60 others: some fifteen minutes on two cores; it resumes.
 SNAPSHOTS = docker/run mpirun -n 2 python3 -m fingerfem snapshots
 model:
-	$(SNAPSHOTS) scenes/demo/coarse.toml out/model/coarse --until "0.3 %"
+	$(SNAPSHOTS) scenes/demo/fine.toml out/model/coarse --coarse --until "0.3 %"
 	$(SNAPSHOTS) scenes/demo/fine.toml out/model/fine --until "0.7 %" --near out/model/coarse
 	$(SNAPSHOTS) scenes/demo/plane_coarse.toml out/model/finest-coarse --random 15 --distances 4 --seed 2019
 	$(SNAPSHOTS) scenes/demo/plane_finest.toml out/model/finest --random 15 --distances 4 --seed 2019 --near out/model/finest-coarse

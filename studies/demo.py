@@ -54,8 +54,11 @@ HELD_OUT = ["--random", "8", "--distances", "4", "--seed", "2018"]
 PLANTS = {"mesh": {"cells": [10, 5], "order": 2}}
 # Meshes that are soon solved, and lines of states.
 QUICK: dict[str, dict] = {
-    "coarse": {"mesh": {"cells": [10, 5], "order": 1}, "sampling": {"lines": 24}},
-    "fine": {"mesh": {"cells": [20, 5], "order": 1}, "sampling": {"lines": 8}},
+    "fine": {
+        "mesh": {"cells": [20, 5], "order": 1},
+        "coarse": {"cells": [10, 5], "order": 1, "lines": 24},
+        "sampling": {"lines": 8},
+    },
     "plane": {"mesh": {"cells": [20, 5], "order": 1}},
     "plants": {"mesh": {"cells": [20, 5], "order": 1}},
     "plane_coarse": {"mesh": {"cells": [10, 5], "order": 1}},
@@ -119,7 +122,7 @@ def scene_file(name: str, out: Path, quick: bool) -> Path:
 def trained(out: Path, quick: bool) -> tuple[TouchedSegment, dict]:
     """Train the map on all cores, measure it on held-out states of the fine mesh, save."""
     say("training: many full-order states on a coarse mesh, on all cores")
-    coarse, on_coarse = farm(scene_file("coarse", out, quick), out / "coarse")
+    coarse, on_coarse = farm(scene_file("fine", out, quick), out / "coarse", "--coarse")
     say("training: few states on a fine mesh, each begins at the coarse one")
     fine, on_fine = farm(scene_file("fine", out, quick), out / "fine", "--near", str(out / "coarse"))
     say("held-out: full-order states before a plane, on the coarse mesh from rest, then on the fine one")

@@ -20,10 +20,10 @@ UNTIL = "0.4 %"
 
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory):
-    """The demo's coarse finger on half the cells, pressed less hard."""
-    text = (ROOT / "scenes" / "demo" / "coarse.toml").read_text().replace("[20, 5]", "[10, 5]").replace("15.0", "4.0")
+    """The demo's finger on few cells, pressed less hard."""
+    text = (ROOT / "scenes" / "demo" / "fine.toml").read_text().replace("15.0", "4.0")
     file = tmp_path_factory.mktemp("scene") / "pressed.toml"
-    file.write_text(text.split("[sampling]")[0] + "[sampling]\nlines = 20\n")
+    file.write_text(text.split("[mesh]")[0] + "[mesh]\ncells = [10, 5]\n[sampling]\nlines = 20\n")
     return file
 
 
