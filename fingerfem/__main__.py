@@ -25,8 +25,8 @@ except ModuleNotFoundError:
 import fingerfem
 from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.output.rows import finish
-from fingerfem.scene.amounts import percentage
 from fingerfem.scene.amounts import seconds as duration
+from fingerfem.scene.amounts import share
 from rom.terminal import log_lines, say
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -192,7 +192,7 @@ def snapshots(
         else GivenPoints(points)
         if points is not None
         else None,
-        until=None if until is None else _share("until", until),
+        until=None if until is None else share("until", until),
         budget=duration("budget", budget) if budget is not None else math.inf,
         reuse=reuse,
         near=near,
@@ -206,14 +206,6 @@ def snapshots(
     found = job.run(progress)
     if job.is_first:
         finish(found, as_json, NOTHING_USABLE if job.is_unusable else 0)
-
-
-def _share(name: str, text: str) -> float:
-    """A share [-], as a number or in percent."""
-    try:
-        return float(text)
-    except ValueError:
-        return percentage(name, text)
 
 
 def _terminated(*_) -> None:

@@ -30,3 +30,15 @@ def percentage(name: str, text: Any) -> float:
     if match is None or not 0 < float(match[1]) < 100:
         raise ValueError(f'{name} must be a share such as "1 %", above 0 and below 100 %, got {text!r}')
     return float(match[1]) / 100
+
+
+def share(name: str, text: str) -> float:
+    """A share as a number, or as in `percentage` [-].
+
+    Raises:
+        ValueError: it is none; the line begins with `name`.
+    """
+    try:
+        return float(text)
+    except ValueError:
+        return percentage(name, text)

@@ -185,11 +185,6 @@ class SnapshotSet:
         """
         return np.concatenate([self._values(task, name)[rows] for task, rows in self._rows(kind)])
 
-    @property
-    def has_pad_slopes(self) -> bool:
-        """Whether the pad's pressure has its derivatives."""
-        return all("pad_pressure_jacobian" in states for states in self._tasks.values())
-
     def count(self, kind: str) -> int:
         """Number of free states that have an answer, or of contact states that touch."""
         found = self._rows(kind)

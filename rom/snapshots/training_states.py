@@ -74,7 +74,8 @@ def read_training_states(snapshots: SnapshotSet, stored: Collection[str] | None 
     for kind in ("free", "contact") if description.has_obstacle else ("free",):
         if not snapshots.count(kind):
             raise SnapshotError(f"{snapshots.path}: must have {kind} states with an answer, got none")
-    if "pad_pressure" in description.stored and not snapshots.has_pad_slopes:
+    with_slopes = all("pad_pressure_jacobian" in snapshots.task(name) for name in snapshots.tasks)
+    if "pad_pressure" in description.stored and not with_slopes:
         raise SnapshotError(
             f"{snapshots.path}: must have derivatives of pad_pressure, which older versions did not store"
         )
