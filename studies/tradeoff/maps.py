@@ -19,7 +19,7 @@ from studies import sets
 from studies.control.models import DISTANCES
 from studies.measures import call_times, random_points
 from studies.runner import ROOT, Run
-from studies.tradeoff.tradeoff import DRAFT, SQUARE, Mesh, Study, front, full, quick
+from studies.tradeoff.tradeoff import DRAFT, SQUARE, Mesh, Study, costs, front, full, quick
 
 FINE = Mesh((24, 6), 2)
 PRESSED = ROOT / "scenes" / "demo" / "fine.toml"  # the draft scene's finger, which anything may press on
@@ -105,9 +105,7 @@ def row(sets_: Sets, one: MapTraining) -> dict:
     return {
         "name": one.name,
         "training": asdict(one),
-        "states": sum(part.states for part in trained),
-        "failed": sum(len(part.failures) for part in trained),
-        "core_seconds": sum(part.core_seconds for part in trained),
+        **costs(trained),
         "terms": len(segment.pose.powers),
         "bytes": file.stat().st_size,
         "query_us": call_times(model.value_and_jacobian, random_points(model, 3000))["p50_us"],

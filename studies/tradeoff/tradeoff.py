@@ -232,6 +232,15 @@ def mesh_row(study: Study, mesh: Mesh) -> dict:
     }
 
 
+def costs(trained: list[SnapshotSet]) -> dict:
+    """What the sets of a model cost together."""
+    return {
+        "states": sum(part.states for part in trained),
+        "failed": sum(len(part.failures) for part in trained),
+        "core_seconds": sum(part.core_seconds for part in trained),
+    }
+
+
 def model_row(study: Study, one: Training) -> dict:
     """What a model costs and errs."""
     own = study.training(one.mesh, one.sampling)
@@ -248,9 +257,7 @@ def model_row(study: Study, one: Training) -> dict:
     return {
         "name": one.name,
         "training": asdict(one),
-        "states": sum(part.states for part in trained),
-        "failed": sum(len(part.failures) for part in trained),
-        "core_seconds": sum(part.core_seconds for part in trained),
+        **costs(trained),
         "terms": sum(model.terms.values()),
         "bytes": file.stat().st_size,
         "bytes_without_field": replace(model, displacements=None).bytes,
