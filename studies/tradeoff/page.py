@@ -10,14 +10,14 @@ import matplotlib.pyplot as plt
 from fingerfem.scene.presets import FRONT
 from studies.readme import put
 from studies.runner import DOCS, templates
-from studies.tradeoff.maps import DRAFT, FINE, MapTraining
+from studies.tradeoff.maps import DRAFT, FINE, SQUARE, MapTraining
 from studies.tradeoff.tradeoff import PRESETS, error_of, front
 
 BEGIN = "<!-- presets: written by `make docs` -->"  # in README
 WORTH = "total", "contact_force", "p95"  # the error that models are compared by
 USUAL = 3e-4  # tolerance of the separation
 MAP_PRESETS = {
-    "draft": MapTraining(DRAFT, 56),
+    "draft": MapTraining(SQUARE, 8, (DRAFT, 28)),
     "standard": MapTraining(FINE, 16, (DRAFT, 56)),
     "fine": MapTraining(FINE, 32, (DRAFT, 112)),
 }
