@@ -49,6 +49,7 @@ def test_the_table_of_parameters_names_every_key_of_a_scene():
         "obstacle": ["Obstacle"],
         "mesh": ["Mesh"],
         "load": ["Load"],
+        "coarse": ["Coarse"],
     }
     tables |= {"material": ["NeoHookean", "MooneyRivlin", "SaintVenantKirchhoff"], "sampling": ["Sampling"]}
     keys = {(table, key) for table, names in tables.items() for name in names for key in schema[name]["properties"]}
