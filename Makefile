@@ -69,7 +69,7 @@ plane:
 wheel:
 	$(PYTHON) -m pip wheel -q --disable-pip-version-check --no-deps -w dist .
 
-# All generated pages of docs/, README's numbers and the front that presets choose from: some 100 minutes on two cores. What is
+# All generated pages of docs/, README's numbers and the front that presets choose from: some two hours on two cores. What is
 # measured is kept in out/docs, so that the same command goes on after an interruption; python3 -m studies.runner NAME makes one page.
 # Other packages, which the surrogate is compared with, come from PyPI, in an environment beside.
 docs: readme out/docs/others/ready
