@@ -43,12 +43,36 @@ class Flaws:
     force_error: float = 0.0
 
 
+class Sensor:
+    """A force sensor with flaws.
+
+    Attributes:
+        age: of the last reading [s].
+
+    Args:
+        flaws: its own.
+        seed: of the noise.
+    """
+
+    def __init__(self, flaws: Flaws, seed: int = 0):
+        self.age = 0.0
+        self._flaws, self._random = flaws, np.random.default_rng(seed)
+        self._forces: list[float] = []
+
+    def read(self, contact_force: float) -> float:
+        """What it says of a contact force now [N]."""
+        flaws = self._flaws
+        self._forces = [*self._forces[-flaws.delay :], contact_force] if flaws.delay else [contact_force]
+        self.age = flaws.period * (len(self._forces) - 1)
+        felt = self._forces[0] + flaws.noise * float(self._random.standard_normal())
+        return felt if flaws.resolution == 0 else flaws.resolution * round(felt / flaws.resolution)
+
+
 class SimulatedPlant:
     """A finger played by a surrogate, in front of a plane that the controller does not know.
 
     Attributes:
         contact_force: the true one, after the last pull [N].
-        age: of the last reading [s].
 
     Args:
         model: the surrogate.
@@ -58,10 +82,14 @@ class SimulatedPlant:
     """
 
     def __init__(self, model: Model, distance: float, flaws: Flaws | None = None, seed: int = 0):
-        self.contact_force, self.age = 0.0, 0.0
+        self.contact_force = 0.0
         self._model, self._distance, self._flaws = model, distance, flaws or Flaws()
-        self._random = np.random.default_rng(seed)
-        self._forces: list[float] = []
+        self._sensor = Sensor(self._flaws, seed)
+
+    @property
+    def age(self) -> float:
+        """Of the last reading [s]."""
+        return self._sensor.age
 
     def pull(self, tensions: ArrayLike) -> float:
         """See Plant.
@@ -69,15 +97,12 @@ class SimulatedPlant:
         Raises:
             ValueError: tensions or plane outside the trained box: the model cannot play such a finger.
         """
-        flaws, point = self._flaws, np.append(np.asarray(tensions, float), self._distance)
+        point = np.append(np.asarray(tensions, float), self._distance)
         found = self._model.evaluate(point)
         if not found.inside:
             raise ValueError(f"tensions and d must lie in the trained box, got {point.tolist()}")
-        self.contact_force = (1 + flaws.force_error) * float(found.contact_force)
-        self._forces = [*self._forces[-flaws.delay :], self.contact_force] if flaws.delay else [self.contact_force]
-        self.age = flaws.period * (len(self._forces) - 1)
-        felt = self._forces[0] + flaws.noise * float(self._random.standard_normal())
-        return felt if flaws.resolution == 0 else flaws.resolution * round(felt / flaws.resolution)
+        self.contact_force = (1 + self._flaws.force_error) * float(found.contact_force)
+        return self._sensor.read(self.contact_force)
 
 
 class Slipping:

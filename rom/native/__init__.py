@@ -210,6 +210,7 @@ EVALUATION = Library("evaluation", [HERE / "kernel.h", HERE / "evaluation.h"], [
 _SEGMENT = HERE.parent / "segment" / "native"
 _SOURCES = (
     "map.c",
+    "inverse.c",
     "chain.c",
     "objects.c",
     "objects_contacts.c",

@@ -82,6 +82,12 @@ typedef struct {
 int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *pose,
                     double *motion);
 
+/* The wrench, (6), that the plate bears where its centre, (3) [m], and its quaternion, (4), are seen from the clamp: the
+ * inverse of the map, by Newton's method from the wrench given; and its stiffness, (6, 6), by motions R^T dc, R^T dtheta.
+ * Returns the number of evaluations; negative if it found none: then the wrench is that of the nearest pose. */
+int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, const double *centre,
+                   const double *quaternion, double *wrench, double *stiffness, int32_t *inside);
+
 /* Where all plates of a chain are: centres, (plates, 3) [m], rotations, (plates, 3, 3), and motions by tensions and
  * wrenches, (plates, 6, tensions + 6 plates); returns 1 if every segment's inputs lie in its box. */
 int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *centres,

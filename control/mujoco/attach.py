@@ -1,0 +1,161 @@
+"""A finger as bodies of a MuJoCo model: a plate at every segment's end, free to move before the one it is held by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rom import Chain, SegmentMap
+
+# A rod's mass m and length L condensed to its end by the cubic shapes of a bent rod (Guyan, AIAA J. 3, 1965): a rigid body
+# of mass 13/35 m whose centre lies 11/78 L behind the end, with moment (1/105 - 13/35 (11/78)^2) m L^2 about it.
+END_MASS, END_ARM = 13 / 35, 11 / 78
+END_MOMENT = 1 / 105 - END_MASS * END_ARM**2
+STIFF = (
+    0.99,
+    0.999,
+    1e-5,
+    0.5,
+    2.0,
+)  # impedance of contacts: MuJoCo's own gives way by millimetres under a light plate
+FAST = 2.0  # time constant of contacts, in steps: MuJoCo's least
+
+
+@dataclass(frozen=True)
+class Attached:
+    """A finger in a MuJoCo model.
+
+    Attributes:
+        name: of it; its bodies' names begin so.
+        chain: its maps, from clamp to tip.
+        plates: names of its plates' bodies, from clamp to tip.
+        joints: names of the joints of every plate: three slides along the axes of what holds it, and a ball.
+        relaxation: of the rubber [s]: a force on a plate that moves is as much larger as it would be so much later.
+    """
+
+    name: str
+    chain: Chain
+    plates: tuple[str, ...]
+    joints: tuple[tuple[str, ...], ...]
+    relaxation: float
+
+
+def attach(
+    spec: mujoco.MjSpec,
+    segment: SegmentMap | Chain,
+    palm: str,
+    position: ArrayLike = (0.0, 0.0, 0.0),
+    quaternion: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+    name: str = "finger",
+    relaxation: float = 0.005,
+    density: float = 1100.0,
+    friction: float = 0.0,
+) -> Attached:
+    """Mount a finger on a body of a model that is not compiled yet.
+
+    Args:
+        spec: the model.
+        segment: the finger's map, or its chain of maps.
+        palm: name of the body that holds it; "world" for none.
+        position: of the clamp's middle on that body [m].
+        quaternion: of the clamp, w first: x is the finger's axis, y points to what it bends towards.
+        name: of the finger.
+        relaxation: of the rubber [s], its damping over its stiffness (Kelvin-Voigt); 5 ms if nothing is known.
+        density: of rubber and plates [kg/m^3].
+        friction: of the plates [-]. MuJoCo takes the larger of both sides': with 0 the object's counts.
+
+    Raises:
+        ValueError: no such body, or numbers that cannot be.
+
+    Example:
+        >>> spec = mujoco.MjSpec.from_file("hand.xml")
+        >>> finger = attach(spec, SegmentMap.load("finger.h5"), "palm", position=(0.025, 0.0, 0.0))
+        >>> simulation = Simulation(spec.compile(), [finger])
+    """
+    parent = spec.body(palm)
+    if parent is None:
+        raise ValueError(f"palm must be a body of the model, got {palm!r}")
+    place, turned = np.asarray(position, float), np.asarray(quaternion, float)
+    if place.shape != (3,) or not np.isfinite(place).all():
+        raise ValueError(f"position must be three lengths [m], got {position}")
+    if turned.shape != (4,) or not (np.isfinite(turned).all() and turned.any()):
+        raise ValueError(f"quaternion must be four numbers, not all 0, got {quaternion}")
+    for what, value, least in (
+        ("relaxation", relaxation, relaxation >= 0),
+        ("density", density, density > 0),
+        ("friction", friction, friction >= 0),
+    ):
+        if not (least and np.isfinite(value)):
+            raise ValueError(f"{what} must be a number that is not negative, the density above 0, got {value}")
+    chain = segment if isinstance(segment, Chain) else Chain([segment])
+    half, lengths = chain.half_lengths, chain.scene["geometry"]["segments"]
+    section, plate = 4 * half[1] * half[2], 8 * density * float(np.prod(half))
+    plates, joints = [], []
+    body = parent.add_body(name=f"{name} clamp", pos=place, quat=turned / np.linalg.norm(turned))
+    rubber = [density * section * (length - 2 * half[0]) for length in lengths]
+    _weigh(body, (1 - END_MASS) * rubber[0], 0.0, np.full(3, rubber[0] * (half[1] ** 2 + half[2] ** 2)))
+    for k, length in enumerate(lengths):
+        before = half[0] if k else 0.0  # a plate's centre lies half a plate before the clamp of the next
+        body = body.add_body(name=f"{name} plate {k}", pos=[before + length - half[0], 0.0, 0.0])
+        plates.append(body.name)
+        end, arm = END_MASS * rubber[k], half[0] + END_ARM * length
+        mass = plate + end + ((1 - END_MASS) * rubber[k + 1] if k + 1 < len(lengths) else 0.0)
+        centre = -end * arm / mass
+        bent = end * arm**2 + END_MOMENT * rubber[k] * length**2 - mass * centre**2
+        sides = plate / 3 * (np.sum(half**2) - half**2)
+        own = sides + np.array([rubber[k] * (half[1] ** 2 + half[2] ** 2) / 9, bent, bent])
+        _weigh(body, mass, centre, own)
+        names = tuple(f"{body.name} {kind}" for kind in ("x", "y", "z", "turn"))
+        for joint, axis in zip(names[:3], np.eye(3), strict=True):
+            body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
+        body.add_joint(name=names[3], type=mujoco.mjtJoint.mjJNT_BALL)
+        joints.append(names)
+        body.add_geom(
+            name=body.name,
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=half,
+            mass=0.0,
+            friction=[friction, 0.0, 0.0],
+            solref=[FAST * spec.option.timestep, 1.0],
+            solimp=STIFF,
+            solmix=1e6,  # how stiff a contact is, its plate says
+            rgba=[0.2, 0.2, 0.22, 1.0],
+        )
+    return Attached(name, chain, tuple(plates), tuple(joints), relaxation)
+
+
+def attach_gripper(
+    spec: mujoco.MjSpec, segment: SegmentMap | Chain, palm: str, fingers: int = 3, radius: float = 0.025, **options: Any
+) -> list[Attached]:
+    """Mount fingers evenly around the z axis of a body, as `control.Gripper` has them; they point along -z.
+
+    Args:
+        spec, segment, palm: see `attach`.
+        fingers: how many.
+        radius: of the circle that their surfaces stand on [m].
+        options: see `attach`.
+
+    Raises:
+        ValueError: less than one finger; see `attach`.
+    """
+    if fingers < 1:
+        raise ValueError(f"fingers must be at least 1, got {fingers}")
+    side = 2 * segment.half_lengths[1]
+    found = []
+    for k, angle in enumerate(2 * np.pi * np.arange(fingers) / fingers):
+        out = np.array([np.cos(angle), np.sin(angle), 0.0])
+        down = np.array([0.0, 0.0, -1.0])
+        frame, quaternion = np.column_stack([down, -out, np.cross(down, -out)]), np.zeros(4)
+        mujoco.mju_mat2Quat(quaternion, frame.ravel())
+        found.append(attach(spec, segment, palm, (radius + side / 2) * out, quaternion, name=f"finger {k}", **options))
+    return found
+
+
+def _weigh(body: mujoco.MjsBody, mass: float, centre: float, inertia: np.ndarray) -> None:
+    """Say a body's mass [kg], its centre along x [m] and its moments about that [kg m^2]."""
+    body.explicitinertial, body.mass = True, mass
+    body.ipos, body.inertia = [centre, 0.0, 0.0], inertia

@@ -1,0 +1,71 @@
+"""Fingers of a simulation as the plants that controllers drive."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from numpy.typing import ArrayLike
+
+from control.mujoco.simulation import Simulation
+from control.plant import Flaws, Sensor
+
+
+class MujocoPlant:
+    """One finger of a simulation: a pull takes a period of its time.
+
+    Fingers take turns in a period, each a share of it after the one before: whichever is pulled, the simulation goes on
+    until that finger's share of its own period has passed.
+
+    Attributes:
+        contact_force: the true one, after the last pull [N].
+        age: of the last reading [s].
+
+    Args:
+        simulation: that it is in.
+        finger: which of its fingers.
+        period: from pull to pull [s].
+        flaws: of its sensor; none if left out.
+        seed: of the noise.
+    """
+
+    def __init__(
+        self, simulation: Simulation, finger: int, period: float = 0.01, flaws: Flaws | None = None, seed: int = 0
+    ):
+        if not period >= simulation.model.opt.timestep:
+            raise ValueError(f"period must be at least a step, {simulation.model.opt.timestep:g} s, got {period:g} s")
+        self.contact_force = 0.0
+        self._simulation, self._finger, self._period = simulation, finger, period
+        self._sensor = Sensor(flaws or Flaws(period=period), seed)
+        self._turn = period * (finger + 1) / len(simulation.fingers)
+        self._begun: float | None = None
+        self._pulls = 0
+
+    @property
+    def age(self) -> float:
+        """Of the last reading [s]."""
+        return self._sensor.age
+
+    def pull(self, tensions: ArrayLike) -> float:
+        """See control.plant.Plant.
+
+        Raises:
+            ValueError: tensions that the map was not trained for.
+        """
+        simulation = self._simulation
+        if self._begun is None:
+            period = self._period
+            self._begun = period * int(simulation.time / period + 1e-9)
+        simulation.pull(self._finger, tensions)
+        simulation.advance(self._begun + self._pulls * self._period + self._turn)
+        self._pulls += 1
+        self.contact_force = float(simulation.contact_forces()[self._finger])
+        return self._sensor.read(self.contact_force)
+
+
+def plants(
+    simulation: Simulation, period: float = 0.01, flaws: Sequence[Flaws | None] | Flaws | None = None, seed: int = 0
+) -> list[MujocoPlant]:
+    """All fingers of a simulation, with flaws of all or of each."""
+    count = len(simulation.fingers)
+    each = [flaws] * count if flaws is None or isinstance(flaws, Flaws) else list(flaws)
+    return [MujocoPlant(simulation, k, period, one, seed + k) for k, one in enumerate(each)]

@@ -1,0 +1,248 @@
+"""Steps of a MuJoCo model with fingers: what their rubber pulls at the plates, implicitly, and what they feel.
+
+With a map's inverse the rubber is a spring of six directions between a plate and what holds it: force f(q), stiffness K,
+damping D = relaxation K. A step of MuJoCo's with the inertia M + h D + h^2 K and the force f - (D + h K) v is the linearly
+implicit Euler step (Deuflhard, Hairer, Zugck, Numer. Math. 51, 1987). Contacts and friction are solved with that inertia,
+too, so that a plate is as stiff before them as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from control.mujoco.attach import FAST, Attached
+from rom.segment.inverse_map import InverseMap
+
+SIZE = 0.005  # [m]: a turn by one radian counts as this way where stiffness is looked at
+
+
+@dataclass
+class Held:
+    """Where a plate was last that its map knew, shape (7,); its force and stiffness there, shapes (6,) and (6, 6)."""
+
+    position: np.ndarray
+    force: np.ndarray
+    stiffness: np.ndarray
+
+
+@dataclass(frozen=True)
+class Spring:
+    """One segment's rubber in a compiled model.
+
+    Attributes:
+        inverse: of its map.
+        finger, pulled: whose it is, and which of that one's tensions are its own.
+        body: of its plate.
+        position: where its seven coordinates begin.
+        velocity: where its six velocities begin.
+        inertia: places of the lower triangle of its block of MuJoCo's inertia, row by row, shape (21,).
+        offset: of its plate's centre from what holds it, undeformed, shape (3,) [m], seen from the clamp.
+        relaxation: [s].
+        held: where it was last that the map knew.
+    """
+
+    inverse: InverseMap
+    finger: int
+    pulled: list[int]
+    body: int
+    position: int
+    velocity: int
+    inertia: np.ndarray
+    offset: np.ndarray
+    relaxation: float
+    held: Held
+
+
+class Simulation:
+    """A compiled model with fingers, and its state.
+
+    Attributes:
+        model, data: MuJoCo's; controls of anything but the fingers are the user's.
+        wanted: tensions that every finger's motors are told, shape (fingers, tensions) [N], see `pull`.
+        tensions: that they pull now, which follow at `rate`.
+        fingers: as attached.
+        left: whether a finger left what its map was trained for since `reset`, shape (fingers,): tensions or wrench beyond.
+        lost: likewise, whether it was where its map has no pose. Its force is then linear about where it was last known;
+            nothing that it touches is to be believed.
+
+    Args:
+        model: compiled after all fingers were attached.
+        fingers: as `attach` returned them, all with the same number of tensions.
+        rate: most that a motor changes its tension [N/s].
+
+    Raises:
+        ValueError: no fingers, or of different kinds; a solver or an integrator that a step cannot be made with.
+    """
+
+    def __init__(self, model: mujoco.MjModel, fingers: Sequence[Attached], rate: float = 500.0):
+        if not fingers or len({len(one.chain.tensions) for one in fingers}) > 1:
+            raise ValueError("fingers must be at least one, all with the same number of tensions")
+        if model.opt.integrator not in (mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtIntegrator.mjINT_IMPLICITFAST):
+            raise ValueError("integrator must be Euler or implicitfast: others take several stages in a step")
+        if model.opt.solver == mujoco.mjtSolver.mjSOL_PGS or model.opt.noslip_iterations:
+            raise ValueError("solver must be Newton or CG, without noslip: others keep the inertia without the rubber")
+        if not 0 < rate < np.inf:
+            raise ValueError(f"rate must be above 0 N/s, got {rate}")
+        self.model, self.fingers, self.rate = model, list(fingers), rate
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND  # islands have copies of the inertia
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # what fails is to be seen
+        self.data = mujoco.MjData(model)
+        self.wanted = np.zeros((len(fingers), len(fingers[0].chain.tensions)))
+        self.tensions = np.zeros_like(self.wanted)
+        self._springs = [spring for k, one in enumerate(fingers) for spring in self._springs_of(k, one)]
+        self._finger_of = np.full(model.ngeom, -1)
+        for spring in self._springs:
+            first = model.body_geomadr[spring.body]
+            self._finger_of[first : first + model.body_geomnum[spring.body]] = spring.finger
+        plates = self._finger_of >= 0
+        model.geom_solref[plates, 0] = FAST * model.opt.timestep
+        self.reset()
+
+    def _springs_of(self, finger: int, attached: Attached) -> list[Spring]:
+        model, chain, found = self.model, attached.chain, []
+        for segment, plate, joints in zip(chain.segments, attached.plates, attached.joints, strict=True):
+            joint = model.joint(joints[0]).id
+            body, first = model.body(plate).id, int(model.jnt_dofadr[joint])
+            rows = [first + i for i in range(6)]
+            last = model.M_rowadr[rows] + model.M_rownnz[rows] - 1  # the diagonal's place ends a row
+            inertia = np.array([last[i] - (i - j) for i in range(6) for j in range(i + 1)])
+            if not np.array_equal(model.M_colind[inertia], [first + j for i in range(6) for j in range(i + 1)]):
+                raise ValueError(f"MuJoCo must keep the inertia of {plate!r} as one block")
+            names = segment.names[: segment.tensions]
+            found.append(
+                Spring(
+                    inverse=InverseMap(segment),
+                    finger=finger,
+                    pulled=[chain.tensions.index(name) for name in names],
+                    body=body,
+                    position=int(model.jnt_qposadr[joint]),
+                    velocity=first,
+                    inertia=inertia,
+                    offset=segment.rest,
+                    relaxation=attached.relaxation,
+                    held=Held(np.zeros(7), np.zeros(6), np.zeros((6, 6))),
+                )
+            )
+        return found
+
+    @property
+    def time(self) -> float:
+        """[s]."""
+        return float(self.data.time)
+
+    def reset(self) -> None:
+        """Fingers at rest without tensions; everything else as the model says."""
+        mujoco.mj_resetData(self.model, self.data)
+        self.wanted[:], self.tensions[:] = 0.0, 0.0
+        self.left = np.zeros(len(self.fingers), bool)
+        self.lost = np.zeros(len(self.fingers), bool)
+        for spring in self._springs:
+            spring.inverse.forget()
+            spring.held.position[:] = self.data.qpos[spring.position : spring.position + 7]
+        mujoco.mj_forward(self.model, self.data)
+
+    def step(self) -> None:
+        """One step of the model.
+
+        Raises:
+            FloatingPointError: the model's motion has no bounds any more.
+        """
+        model, data, h = self.model, self.data, self.model.opt.timestep
+        self.tensions += np.clip(self.wanted - self.tensions, -self.rate * h, self.rate * h)
+        mujoco.mj_step1(model, data)
+        for spring in self._springs:
+            force, stiffness = self._pull(spring)
+            first, later = spring.velocity, (spring.relaxation + h) * stiffness
+            data.qfrc_applied[first : first + 6] = -force - later @ data.qvel[first : first + 6]
+            data.M[spring.inertia] += h * later[_LOWER]
+        mujoco.mj_factorM(model, data)
+        mujoco.mj_step2(model, data)
+        if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(data.qpos).all():
+            raise FloatingPointError(
+                f"the motion has no bounds any more after {data.time:g} s: a shorter step may help"
+            )
+
+    def _pull(self, spring: Spring) -> tuple[np.ndarray, np.ndarray]:
+        """Force and stiffness of a spring, see `generalised`."""
+        inverse, at, held = spring.inverse, spring.position, spring.held
+        place = self.data.qpos[at : at + 7]
+        inverse.find(self.tensions[spring.finger, spring.pulled], spring.offset + place[:3], place[3:])
+        self.left[spring.finger] |= not inverse.inside
+        if inverse.converged:
+            rotation = np.empty(9)
+            mujoco.mju_quat2Mat(rotation, place[3:])
+            held.position[:] = place
+            held.force, held.stiffness = generalised(inverse, rotation.reshape(3, 3))
+            return held.force, held.stiffness
+        self.lost[spring.finger] = True
+        inverse.forget()
+        turn, back, relative = np.zeros(3), np.zeros(4), np.zeros(4)
+        mujoco.mju_negQuat(back, held.position[3:])
+        mujoco.mju_mulQuat(relative, back, place[3:])
+        mujoco.mju_quat2Vel(turn, relative, 1.0)
+        moved = np.concatenate([place[:3] - held.position[:3], turn])
+        return held.force + held.stiffness @ moved, held.stiffness
+
+    def advance(self, time: float) -> None:
+        """Step until a time [s]."""
+        while self.data.time < time - 0.5 * self.model.opt.timestep:
+            self.step()
+
+    def contact_forces(self) -> np.ndarray:
+        """What presses on every finger's plates, normal to where it touches, shape (fingers,) [N]."""
+        found, force = np.zeros(len(self.fingers)), np.zeros(6)
+        for k, pair in enumerate(self.data.contact.geom):
+            fingers = self._finger_of[pair]
+            if fingers.max() < 0:
+                continue
+            mujoco.mj_contactForce(self.model, self.data, k, force)
+            for finger in fingers[fingers >= 0]:
+                found[finger] += force[0]
+        return found
+
+    def wrenches(self) -> list[np.ndarray]:
+        """That hold every finger's plates where they are, shape (plates, 6) each, in their frames [N, N m]."""
+        return [
+            np.array([spring.inverse.wrench for spring in self._springs if spring.finger == k])
+            for k in range(len(self.fingers))
+        ]
+
+    def pull(self, finger: int, tensions: ArrayLike) -> None:
+        """Tell a finger's motors to pull its tendons, shape (tensions,) [N]; at once, but no faster than `rate`.
+
+        Raises:
+            ValueError: not one for each, not finite, or beyond what its map was trained for.
+        """
+        wanted, known = np.asarray(tensions, float), self.fingers[finger].chain.tension_parameters
+        lower, upper = (np.array([one[end] for one in known]) for end in ("lower", "upper"))
+        if wanted.shape != lower.shape or not np.all((wanted >= lower) & (wanted <= upper)):
+            raise ValueError(f"tensions must be from {lower.tolist()} to {upper.tolist()} N, got {wanted.tolist()}")
+        self.wanted[finger] = wanted
+
+
+_LOWER = np.tril_indices(6)
+
+
+def generalised(inverse: InverseMap, rotation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A wrench and its stiffness by MuJoCo's velocities of a plate: along the clamp's axes, and about its own.
+
+    Returns:
+        shape (6,) [N, N m]; shape (6, 6), symmetric, without what would push a plate away.
+    """
+    force = inverse.wrench.copy()
+    stiffness = inverse.stiffness.copy()
+    f = force[:3]
+    stiffness[:3, 3:] -= np.array([[0.0, -f[2], f[1]], [f[2], 0.0, -f[0]], [-f[1], f[0], 0.0]])  # the frame turns
+    turn = np.eye(6)
+    turn[:3, :3] = rotation
+    force[:3] = rotation @ f
+    stiffness = turn @ stiffness @ turn.T
+    scale = np.array([1.0, 1.0, 1.0, SIZE, SIZE, SIZE])
+    values, vectors = np.linalg.eigh((stiffness + stiffness.T) / 2 / np.outer(scale, scale))
+    vectors *= scale[:, None]
+    return force, (vectors * np.maximum(values, 0.0)) @ vectors.T

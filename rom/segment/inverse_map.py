@@ -1,0 +1,64 @@
+"""The map of a segment read backwards: where the plate is -> the wrench it bears, for whoever moves plates himself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rom.segment.native import SEGMENT, pointer
+from rom.segment.segment_map import SegmentMap
+
+
+@dataclass
+class InverseMap:
+    """The wrench that the plate of one finger bears, followed from pose to pose.
+
+    Every call begins at the wrench found last, so that it takes two or three evaluations of the map.
+
+    Attributes:
+        wrench: force and moment about the plate's centre, in its frame, shape (6,) [N, N m]: what holds the plate where it
+            is. Rubber and tendons pull at it with the opposite.
+        stiffness: how it changes as the plate moves by R^T dc and turns by R^T dtheta, shape (6, 6).
+        inside: whether tensions and wrench lie where the map was trained.
+        converged: whether the map has such a pose; if not, the wrench is that of the nearest pose that was found.
+
+    Args:
+        segment: the map.
+
+    Example:
+        >>> inverse = InverseMap(SegmentMap.load("finger.h5"))
+        >>> inverse.find([20.0, 0.0], [0.047, 0.012, 0.0], [0.97, 0.0, 0.0, 0.24])
+        >>> inverse.wrench
+    """
+
+    segment: SegmentMap
+
+    def __post_init__(self) -> None:
+        self.wrench, self.stiffness = np.zeros(6), np.zeros((6, 6))
+        self.inside, self.converged = True, True
+        self._tensions, self._centre, self._quaternion = np.zeros(self.segment.tensions), np.zeros(3), np.zeros(4)
+        self._inside = np.zeros(1, np.int32)
+        arrays = (self._tensions, self._centre, self._quaternion, self.wrench, self.stiffness)
+        self._given = [pointer(array) for array in arrays] + [pointer(self._inside, "int32_t[]")]
+
+    def find(self, tensions: ArrayLike, centre: ArrayLike, quaternion: ArrayLike) -> int:
+        """Find the wrench of a pose.
+
+        Args:
+            tensions: shape (t,) [N].
+            centre: of the plate, seen from the clamp, shape (3,) [m].
+            quaternion: of its frame, w first, shape (4,) [-].
+
+        Returns:
+            evaluations of the map.
+        """
+        self._tensions[:], self._centre[:], self._quaternion[:] = tensions, centre, quaternion
+        evaluations = int(SEGMENT.functions.fingerfem_bear(self.segment.struct, *self._given))
+        self.inside, self.converged = bool(self._inside[0]), evaluations > 0
+        return abs(evaluations)
+
+    def forget(self) -> None:
+        """Begin without a wrench."""
+        self.wrench[:] = 0.0

@@ -1,0 +1,227 @@
+import numpy as np
+import pytest
+
+mujoco = pytest.importorskip("mujoco")
+
+from control import Gripper  # noqa: E402
+from control.grasp_controller import GraspOptions  # noqa: E402
+from control.motion import Limits  # noqa: E402
+from control.mujoco import Simulation, attach, attach_gripper, plants  # noqa: E402
+from rom import Chain, TouchedSegment  # noqa: E402
+
+WALL = 0.010  # [m], the paper's d
+SCENE = """
+<mujoco>
+  <option timestep="{step}" gravity="0 0 {gravity}" cone="elliptic" impratio="10"/>
+  <worldbody>
+    <body name="palm" pos="0 0 0.1" euler="{euler}">
+      <geom name="wall" type="plane" pos="0 {wall} 0" zaxis="0 -1 0" size="1 1 1" friction="0 0 0"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+TABLE = """
+<mujoco>
+  <option timestep="0.001" cone="elliptic" impratio="10"/>
+  <worldbody>
+    <geom name="table" type="plane" size="1 1 0.1"/>
+    <body name="palm" pos="0 0 0.062">
+      <joint name="lift" type="slide" axis="0 0 1"/>
+      <geom type="cylinder" size="0.04 0.005" pos="0 0 0.006" mass="0.5"/>
+    </body>
+    <body name="object" pos="0.002 0.001 0.0201">
+      <freejoint/>
+      <geom type="box" size="0.012 0.012 0.02" mass="0.05" friction="{friction} 0.001 0.0001" condim="4"/>
+    </body>
+  </worldbody>
+  <actuator><position name="lift" joint="lift" kp="5000" kv="200"/></actuator>
+</mujoco>
+"""
+
+
+@pytest.fixture(scope="module")
+def segment():
+    return TouchedSegment.load().segment
+
+
+def before_a_wall(segment, step=0.001, gravity=0.0, euler="0 0 0", wall=0.005 + WALL):
+    spec = mujoco.MjSpec.from_string(SCENE.format(step=step, gravity=gravity, euler=euler, wall=wall))
+    return compiled(spec, segment)
+
+
+def compiled(spec, segment):
+    finger = attach(spec, segment, "palm")
+    return Simulation(spec.compile(), [finger])
+
+
+def rested(simulation, tensions, seconds=0.5):
+    simulation.pull(0, tensions)
+    simulation.advance(simulation.time + seconds)
+    return float(simulation.contact_forces()[0])
+
+
+@pytest.mark.parametrize("tensions", [(20.0, 0.0), (30.0, 0.0), (40.0, 10.0)])
+def test_a_finger_at_rest_presses_as_its_map_says(segment, tensions):
+    model = TouchedSegment.load()
+    expected = float(model.evaluate([*tensions, WALL]).contact_force)
+    assert expected > 0.1
+    simulation = before_a_wall(segment)
+    assert rested(simulation, tensions) == pytest.approx(expected, rel=0.004)
+    assert not simulation.left.any() and not simulation.lost.any()
+
+
+def test_without_contact_and_gravity_a_plate_rests_where_the_map_has_it(segment):
+    simulation = before_a_wall(segment, wall=1.0)
+    assert rested(simulation, (25.0, 15.0)) == 0.0
+    expected = segment.place([25.0, 15.0, *np.zeros(6)])
+    np.testing.assert_allclose(segment.rest + simulation.data.qpos[:3], expected.centre, atol=1e-8)
+    assert np.abs(simulation.wrenches()[0]).max() < 1e-5
+
+
+def test_the_rotation_of_the_mount_does_not_matter(segment):
+    upright, turned = (before_a_wall(segment, euler=euler) for euler in ("0 0 0", "50 -110 75"))
+    assert rested(turned, (30.0, 5.0)) == pytest.approx(rested(upright, (30.0, 5.0)), rel=1e-6)
+
+
+def test_half_the_step_changes_a_held_force_little(segment):
+    forces = [rested(before_a_wall(segment, step=step, gravity=-9.81), (30.0, 5.0)) for step in (0.001, 0.0005)]
+    assert abs(forces[0] / forces[1] - 1) < 0.01
+    assert forces[0] != forces[1]
+
+
+def test_a_finger_rings_as_heavy_and_as_stiff_as_it_is(segment):
+    """Released from a push, a plate rings at a frequency of its mass matrix and the map's stiffness."""
+    spec = mujoco.MjSpec.from_string(SCENE.format(step=2e-5, gravity=0.0, euler="0 0 0", wall=1.0))
+    finger = attach(spec, segment, "palm", relaxation=0.0)
+    simulation = Simulation(spec.compile(), [finger])
+    yielding = segment.place(np.zeros(8)).motion[:, 2:]
+    mass = np.zeros((6, 6))
+    mujoco.mj_fullM(simulation.model, simulation.data, mass)
+    expected = np.sqrt(np.linalg.eigvals(np.linalg.inv(yielding @ mass)).real.min())
+    simulation.data.qpos[1] = 0.05 * yielding[1, 1]
+    simulation.data.qpos[3:7] = [1.0, 0.0, 0.0, 0.5 * 0.05 * yielding[5, 1]]
+    heights = []
+    for _ in range(4000):
+        simulation.step()
+        heights.append(simulation.data.qpos[1])
+    rising = np.flatnonzero(np.diff(np.sign(heights)) > 0)
+    period = np.diff(rising).mean() * 2e-5
+    assert 2 * np.pi / period == pytest.approx(expected, rel=0.05)
+
+
+def test_nothing_is_ever_nan_whatever_is_done_to_a_plate(segment):
+    random = np.random.default_rng(22)
+    simulation = before_a_wall(segment, euler="200 30 -80", gravity=-9.81)
+    body = simulation.model.body("finger plate 0").id
+    for _ in range(20):
+        simulation.reset()
+        simulation.pull(0, random.uniform(0, 100, 2))
+        simulation.data.xfrc_applied[body] = np.append(random.normal(0, 30, 3), random.normal(0, 0.2, 3))
+        try:
+            simulation.advance(0.05)
+        except FloatingPointError as error:
+            assert "shorter step" in str(error)
+            continue
+        assert np.isfinite(simulation.data.qpos).all() and np.isfinite(simulation.contact_forces()).all()
+        assert np.isfinite(simulation.wrenches()[0]).all()
+
+
+def test_a_push_beyond_what_was_trained_is_marked(segment):
+    simulation = before_a_wall(segment, wall=1.0)
+    simulation.data.xfrc_applied[simulation.model.body("finger plate 0").id, 0] = -40.0
+    simulation.advance(0.05)
+    assert simulation.left.all()
+    simulation.reset()
+    assert not simulation.left.any() and not simulation.lost.any()
+
+
+def test_a_chain_rests_where_its_maps_have_it(segment):
+    chain = Chain([segment, segment])
+    spec = mujoco.MjSpec.from_string(SCENE.format(step=0.001, gravity=0.0, euler="0 0 0", wall=1.0))
+    finger = attach(spec, chain, "palm")
+    simulation = Simulation(spec.compile(), [finger])
+    simulation.pull(0, [20.0, 8.0])
+    simulation.advance(1.0)
+    placed = chain.place([20.0, 8.0])
+    palm = simulation.data.body("palm").xpos
+    for name, centre in zip(finger.plates, placed.centres, strict=True):
+        np.testing.assert_allclose(simulation.data.body(name).xpos - palm, centre, atol=1e-6)
+
+
+def test_work_of_tendons_around_a_closed_loop_is_what_damping_takes(segment):
+    """Without friction: slowly, next to nothing; and the less the slower."""
+
+    def net(seconds):
+        simulation = before_a_wall(segment)
+        rested(simulation, (20.0, 0.0))
+        angles = np.linspace(0, 2 * np.pi, int(seconds / 0.001) + 1)
+        work = exchanged = 0.0
+        before = _shortening(simulation, segment)
+        for angle in angles[1:]:
+            simulation.wanted[0] = [20 + 10 * np.sin(angle), 10 - 10 * np.cos(angle)]
+            simulation.step()
+            after = _shortening(simulation, segment)
+            done = simulation.tensions[0] * (after - before)
+            work, exchanged, before = work + done.sum(), exchanged + np.abs(done).sum(), after
+        return work / exchanged
+
+    fast, slow = net(2.0), net(8.0)
+    assert abs(slow) < 1e-3
+    assert abs(slow) < abs(fast) / 2
+
+
+def _shortening(simulation, segment):
+    inputs = [*simulation.tensions[0], *simulation.wrenches()[0][0]]
+    return segment.shortening(np.clip(inputs, segment.pose.lower, segment.pose.upper))
+
+
+def test_a_gripper_picks_up_a_box_with_its_controllers_unchanged(segment):
+    spec = mujoco.MjSpec.from_string(TABLE.format(friction=0.6))
+    fingers = attach_gripper(spec, segment, "palm")
+    simulation = Simulation(spec.compile(), fingers)
+    gripper = Gripper(TouchedSegment.load(), limits=Limits(rate=100.0))
+    options = GraspOptions(period=0.01, tolerance=0.02, approach_step=1.0, squeeze_steps=10, pulls=1000)
+    grasp = gripper.grasp(1.0, plants(simulation), options)
+    assert grasp.converged
+    before = simulation.data.body("object").xpos[2]
+    for k in range(100):
+        simulation.data.ctrl[0] = 0.05 * (k + 1) / 100
+        simulation.advance(simulation.time + 0.01)
+    simulation.advance(simulation.time + 0.5)
+    assert simulation.data.body("object").xpos[2] > before + 0.045
+    np.testing.assert_allclose(simulation.contact_forces(), 1.0, rtol=0.1)
+    assert not simulation.left.any() and not simulation.lost.any()
+
+
+def test_what_is_too_slippery_for_a_force_is_left_behind(segment):
+    spec = mujoco.MjSpec.from_string(TABLE.format(friction=0.05))
+    fingers = attach_gripper(spec, segment, "palm")
+    simulation = Simulation(spec.compile(), fingers)
+    options = GraspOptions(period=0.01, tolerance=0.02, approach_step=1.0, squeeze_steps=10, pulls=1000)
+    Gripper(TouchedSegment.load(), limits=Limits(rate=100.0)).grasp(1.0, plants(simulation), options)
+    for k in range(100):
+        simulation.data.ctrl[0] = 0.05 * (k + 1) / 100
+        simulation.advance(simulation.time + 0.01)
+    assert simulation.data.body("object").xpos[2] < 0.03
+
+
+def test_what_cannot_be_is_refused(segment):
+    spec = mujoco.MjSpec.from_string(SCENE.format(step=0.001, gravity=0.0, euler="0 0 0", wall=1.0))
+    for given, said in [
+        ({"palm": "nobody"}, "palm must be a body"),
+        ({"palm": "palm", "position": [0, np.nan, 0]}, "position must be"),
+        ({"palm": "palm", "quaternion": [0, 0, 0, 0]}, "quaternion must be"),
+        ({"palm": "palm", "density": 0.0}, "density must be"),
+        ({"palm": "palm", "relaxation": -1.0}, "relaxation must be"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            attach(spec, segment, **given)
+    simulation = compiled(spec, segment)
+    for tensions in ([1.0], [np.nan, 0.0], [101.0, 0.0]):
+        with pytest.raises(ValueError, match="tensions must be"):
+            simulation.pull(0, tensions)
+    with pytest.raises(ValueError, match="period must be"):
+        plants(simulation, period=1e-5)
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    with pytest.raises(ValueError, match="integrator must be"):
+        Simulation(spec.compile(), simulation.fingers)

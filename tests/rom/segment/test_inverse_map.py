@@ -1,0 +1,60 @@
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from rom import TouchedSegment
+from rom.segment.inverse_map import InverseMap
+
+
+@pytest.fixture(scope="module")
+def segment():
+    return TouchedSegment.load().segment
+
+
+def seen(placed):
+    """Centre and quaternion, w first."""
+    return placed.centre, Rotation.from_matrix(placed.rotation).as_quat()[[3, 0, 1, 2]]
+
+
+def random_inputs(segment, random, force):
+    tensions = random.uniform(0, 60, 2)
+    pressed = random.standard_normal(3)
+    pressed *= force * random.random() / np.linalg.norm(pressed)
+    at = random.uniform(-1, 1, 3) * segment.half_lengths
+    return np.concatenate([tensions, pressed, np.cross(at, pressed)])
+
+
+def test_it_finds_the_wrench_that_made_a_pose(segment):
+    random, inverse = np.random.default_rng(22), InverseMap(segment)
+    for _ in range(200):
+        inputs = random_inputs(segment, random, 2.0)
+        inverse.forget()
+        inverse.find(inputs[:2], *seen(segment.place(inputs)))
+        assert inverse.converged and inverse.inside
+        np.testing.assert_allclose(inverse.wrench, inputs[2:], atol=1e-7)
+
+
+def test_its_stiffness_is_that_of_the_map(segment):
+    random, inverse = np.random.default_rng(23), InverseMap(segment)
+    inputs = random_inputs(segment, random, 2.0)
+    placed = segment.place(inputs)
+    inverse.find(inputs[:2], *seen(placed))
+    np.testing.assert_allclose(inverse.stiffness @ placed.motion[:, 2:], np.eye(6), atol=1e-6)
+
+
+def test_from_pose_to_pose_it_takes_few_evaluations(segment):
+    inverse, most = InverseMap(segment), 0
+    for share in np.linspace(0, 1, 50):
+        inputs = np.array([40 * share, 10 * share, -share, -2 * share, 0.5 * share, 0, 0, 0])
+        most = max(most, inverse.find(inputs[:2], *seen(segment.place(inputs))))
+        np.testing.assert_allclose(inverse.wrench, inputs[2:], atol=1e-7)
+    assert most <= 4
+
+
+def test_what_has_no_wrench_says_so_in_finite_numbers(segment):
+    random, inverse = np.random.default_rng(24), InverseMap(segment)
+    for k in range(300):
+        centre = random.standard_normal(3) if k % 3 else np.full(3, np.nan)
+        inverse.find([np.nan if k % 2 else 30.0, 20.0], centre, random.standard_normal(4) * (k % 5))
+        assert np.isfinite(inverse.wrench).all() and np.isfinite(inverse.stiffness).all()
+        assert not (inverse.converged and inverse.inside)
