@@ -73,6 +73,7 @@ class SimulatedPlant:
 
     Attributes:
         contact_force: the true one, after the last pull [N].
+        age: of the last reading [s].
 
     Args:
         model: the surrogate.
@@ -82,14 +83,9 @@ class SimulatedPlant:
     """
 
     def __init__(self, model: Model, distance: float, flaws: Flaws | None = None, seed: int = 0):
-        self.contact_force = 0.0
+        self.contact_force, self.age = 0.0, 0.0
         self._model, self._distance, self._flaws = model, distance, flaws or Flaws()
         self._sensor = Sensor(self._flaws, seed)
-
-    @property
-    def age(self) -> float:
-        """Of the last reading [s]."""
-        return self._sensor.age
 
     def pull(self, tensions: ArrayLike) -> float:
         """See Plant.
@@ -102,7 +98,8 @@ class SimulatedPlant:
         if not found.inside:
             raise ValueError(f"tensions and d must lie in the trained box, got {point.tolist()}")
         self.contact_force = (1 + self._flaws.force_error) * float(found.contact_force)
-        return self._sensor.read(self.contact_force)
+        felt, self.age = self._sensor.read(self.contact_force), self._sensor.age
+        return felt
 
 
 class Slipping:

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from rom import Chain, SegmentMap
 
-# A rod's mass m and length L condensed to its end by the cubic shapes of a bent rod (Guyan, AIAA J. 3, 1965): a rigid body
-# of mass 13/35 m whose centre lies 11/78 L behind the end, with moment (1/105 - 13/35 (11/78)^2) m L^2 about it.
+# A rod's mass m and length L condensed to its end by the cubic shapes of a bent rod (Guyan, AIAA J. 3, 1965): a rigid
+# body of mass 13/35 m whose centre lies 11/78 L behind the end, with moment (1/105 - 13/35 (11/78)^2) m L^2 about it.
 END_MASS, END_ARM = 13 / 35, 11 / 78
 END_MOMENT = 1 / 105 - END_MASS * END_ARM**2
 STIFF = (
@@ -21,7 +21,7 @@ STIFF = (
     1e-5,
     0.5,
     2.0,
-)  # impedance of contacts: MuJoCo's own gives way by millimetres under a light plate
+)  # impedance of contacts: MuJoCo's own gives way by millimetres
 FAST = 2.0  # time constant of contacts, in steps: MuJoCo's least
 
 
@@ -81,9 +81,9 @@ def attach(
         raise ValueError(f"palm must be a body of the model, got {palm!r}")
     place, turned = np.asarray(position, float), np.asarray(quaternion, float)
     if place.shape != (3,) or not np.isfinite(place).all():
-        raise ValueError(f"position must be three lengths [m], got {position}")
+        raise ValueError(f"position must be three lengths [m], got {place.tolist()}")
     if turned.shape != (4,) or not (np.isfinite(turned).all() and turned.any()):
-        raise ValueError(f"quaternion must be four numbers, not all 0, got {quaternion}")
+        raise ValueError(f"quaternion must be four numbers, not all 0, got {turned.tolist()}")
     for what, value, least in (
         ("relaxation", relaxation, relaxation >= 0),
         ("density", density, density > 0),
@@ -129,12 +129,19 @@ def attach(
 
 
 def attach_gripper(
-    spec: mujoco.MjSpec, segment: SegmentMap | Chain, palm: str, fingers: int = 3, radius: float = 0.025, **options: Any
+    spec: mujoco.MjSpec,
+    segment: SegmentMap | Chain,
+    palm: str,
+    fingers: int = 3,
+    radius: float = 0.025,
+    **options: Any,
 ) -> list[Attached]:
     """Mount fingers evenly around the z axis of a body, as `control.Gripper` has them; they point along -z.
 
     Args:
-        spec, segment, palm: see `attach`.
+        spec: the model.
+        segment: the map of every finger, or its chain of maps.
+        palm: name of the body that holds them.
         fingers: how many.
         radius: of the circle that their surfaces stand on [m].
         options: see `attach`.

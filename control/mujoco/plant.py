@@ -33,17 +33,12 @@ class MujocoPlant:
     ):
         if not period >= simulation.model.opt.timestep:
             raise ValueError(f"period must be at least a step, {simulation.model.opt.timestep:g} s, got {period:g} s")
-        self.contact_force = 0.0
+        self.contact_force, self.age = 0.0, 0.0
         self._simulation, self._finger, self._period = simulation, finger, period
         self._sensor = Sensor(flaws or Flaws(period=period), seed)
         self._turn = period * (finger + 1) / len(simulation.fingers)
         self._begun: float | None = None
         self._pulls = 0
-
-    @property
-    def age(self) -> float:
-        """Of the last reading [s]."""
-        return self._sensor.age
 
     def pull(self, tensions: ArrayLike) -> float:
         """See control.plant.Plant.
@@ -59,7 +54,8 @@ class MujocoPlant:
         simulation.advance(self._begun + self._pulls * self._period + self._turn)
         self._pulls += 1
         self.contact_force = float(simulation.contact_forces()[self._finger])
-        return self._sensor.read(self.contact_force)
+        felt, self.age = self._sensor.read(self.contact_force), self._sensor.age
+        return felt
 
 
 def plants(

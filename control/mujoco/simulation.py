@@ -1,9 +1,9 @@
 """Steps of a MuJoCo model with fingers: what their rubber pulls at the plates, implicitly, and what they feel.
 
-With a map's inverse the rubber is a spring of six directions between a plate and what holds it: force f(q), stiffness K,
-damping D = relaxation K. A step of MuJoCo's with the inertia M + h D + h^2 K and the force f - (D + h K) v is the linearly
-implicit Euler step (Deuflhard, Hairer, Zugck, Numer. Math. 51, 1987). Contacts and friction are solved with that inertia,
-too, so that a plate is as stiff before them as it is.
+With a map's inverse the rubber is a spring of six directions between a plate and what holds it: force f(q), stiffness
+K, damping D = relaxation K. A step of MuJoCo's with the inertia M + h D + h^2 K and the force f - (D + h K) v is the
+linearly implicit Euler step (Deuflhard, Hairer, Zugck, Numer. Math. 51, 1987). Contacts and friction are solved with
+that inertia, too, so that a plate is as stiff before them as it is.
 """
 
 from __future__ import annotations
@@ -66,9 +66,10 @@ class Simulation:
         wanted: tensions that every finger's motors are told, shape (fingers, tensions) [N], see `pull`.
         tensions: that they pull now, which follow at `rate`.
         fingers: as attached.
-        left: whether a finger left what its map was trained for since `reset`, shape (fingers,): tensions or wrench beyond.
-        lost: likewise, whether it was where its map has no pose. Its force is then linear about where it was last known;
-            nothing that it touches is to be believed.
+        left: whether a finger left what its map was trained for since `reset`, shape (fingers,): tensions or wrench
+            beyond.
+        lost: likewise, whether it was where its map has no pose. Its force is then linear about where it was last
+            known; nothing that it touches is to be believed.
 
     Args:
         model: compiled after all fingers were attached.

@@ -18,8 +18,8 @@ class InverseMap:
     Every call begins at the wrench found last, so that it takes two or three evaluations of the map.
 
     Attributes:
-        wrench: force and moment about the plate's centre, in its frame, shape (6,) [N, N m]: what holds the plate where it
-            is. Rubber and tendons pull at it with the opposite.
+        wrench: force and moment about the plate's centre, in its frame, shape (6,) [N, N m]: what holds the plate
+            where it is. Rubber and tendons pull at it with the opposite.
         stiffness: how it changes as the plate moves by R^T dc and turns by R^T dtheta, shape (6, 6).
         inside: whether tensions and wrench lie where the map was trained.
         converged: whether the map has such a pose; if not, the wrench is that of the nearest pose that was found.
