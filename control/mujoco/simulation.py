@@ -23,9 +23,10 @@ SIZE = 0.005  # [m]: a turn by one radian counts as this way where stiffness is 
 
 @dataclass
 class Held:
-    """Where a plate was last that its map knew, shape (7,); its force and stiffness there, shapes (6,) and (6, 6)."""
+    """Where a plate was last that its map knew, shape (7,); its wrench, force and stiffness there, (6,), (6,), (6, 6)."""
 
     position: np.ndarray
+    wrench: np.ndarray
     force: np.ndarray
     stiffness: np.ndarray
 
@@ -126,7 +127,7 @@ class Simulation:
                     inertia=inertia,
                     offset=segment.rest,
                     relaxation=attached.relaxation,
-                    held=Held(np.zeros(7), np.zeros(6), np.zeros((6, 6))),
+                    held=Held(np.zeros(7), np.zeros(6), np.zeros(6), np.zeros((6, 6))),
                 )
             )
         return found
@@ -144,6 +145,7 @@ class Simulation:
         self.lost = np.zeros(len(self.fingers), bool)
         for spring in self._springs:
             spring.inverse.forget()
+            spring.held.wrench[:] = 0.0
             spring.held.position[:] = self.data.qpos[spring.position : spring.position + 7]
         mujoco.mj_forward(self.model, self.data)
 
@@ -177,11 +179,11 @@ class Simulation:
         if inverse.converged:
             rotation = np.empty(9)
             mujoco.mju_quat2Mat(rotation, place[3:])
-            held.position[:] = place
+            held.position[:], held.wrench[:] = place, inverse.wrench
             held.force, held.stiffness = generalised(inverse, rotation.reshape(3, 3))
             return held.force, held.stiffness
         self.lost[spring.finger] = True
-        inverse.forget()
+        inverse.wrench[:] = held.wrench  # from there it tries again
         turn, back, relative = np.zeros(3), np.zeros(4), np.zeros(4)
         mujoco.mju_negQuat(back, held.position[3:])
         mujoco.mju_mulQuat(relative, back, place[3:])
