@@ -23,7 +23,7 @@ SIZE = 0.005  # [m]: a turn by one radian counts as this way where stiffness is 
 
 @dataclass
 class Held:
-    """Where a plate was last that its map knew, shape (7,); its wrench, force and stiffness there, (6,), (6,), (6, 6)."""
+    """Where a plate was last that its map knew, (7,); its wrench, force and stiffness there, (6,), (6,) and (6, 6)."""
 
     position: np.ndarray
     wrench: np.ndarray
