@@ -125,6 +125,16 @@ def attach(
             solmix=1e6,  # how stiff a contact is, its plate says
             rgba=[0.2, 0.2, 0.22, 1.0],
         )
+        # What distances are measured from, see control.mujoco.rubber: it touches nothing and is not seen.
+        body.add_geom(
+            name=f"{body.name} rubber",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=half,
+            mass=0.0,
+            contype=0,
+            conaffinity=0,
+            group=5,
+        )
     return Attached(name, chain, tuple(plates), tuple(joints), relaxation)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.mujoco.attach import FAST, Attached
+from control.mujoco.rubber import Rubber
 from rom.segment.inverse_map import InverseMap
 
 SIZE = 0.005  # [m]: a turn by one radian counts as this way where stiffness is looked at
@@ -45,6 +46,7 @@ class Spring:
         offset: of its plate's centre from what holds it, undeformed, shape (3,) [m], seen from the clamp.
         relaxation: [s].
         held: where it was last that the map knew.
+        rubber: what of it may touch something.
     """
 
     inverse: InverseMap
@@ -57,6 +59,7 @@ class Spring:
     offset: np.ndarray
     relaxation: float
     held: Held
+    rubber: Rubber
 
 
 class Simulation:
@@ -71,6 +74,8 @@ class Simulation:
             beyond.
         lost: likewise, whether it was where its map has no pose. Its force is then linear about where it was last
             known; nothing that it touches is to be believed.
+        rubbed: likewise, whether its rubber may have touched something when `advance` had ended: the map knows of
+            plates that touch alone.
 
     Args:
         model: compiled after all fingers were attached.
@@ -107,6 +112,7 @@ class Simulation:
 
     def _springs_of(self, finger: int, attached: Attached) -> list[Spring]:
         model, chain, found = self.model, attached.chain, []
+        own = np.isin(model.geom_bodyid, [model.body(plate).id for plate in attached.plates])
         for segment, plate, joints in zip(chain.segments, attached.plates, attached.joints, strict=True):
             joint = model.joint(joints[0]).id
             body, first = model.body(plate).id, int(model.jnt_dofadr[joint])
@@ -127,6 +133,7 @@ class Simulation:
                     inertia=inertia,
                     offset=segment.rest,
                     relaxation=attached.relaxation,
+                    rubber=Rubber(model, segment, plate, own),
                     held=Held(np.zeros(7), np.zeros(6), np.zeros(6), np.zeros((6, 6))),
                 )
             )
@@ -143,6 +150,7 @@ class Simulation:
         self.wanted[:], self.tensions[:] = 0.0, 0.0
         self.left = np.zeros(len(self.fingers), bool)
         self.lost = np.zeros(len(self.fingers), bool)
+        self.rubbed = np.zeros(len(self.fingers), bool)
         for spring in self._springs:
             spring.inverse.forget()
             spring.held.wrench[:] = 0.0
@@ -195,6 +203,16 @@ class Simulation:
         """Step until a time [s]."""
         while self.data.time < time - 0.5 * self.model.opt.timestep:
             self.step()
+        self.rubbed |= self.rubber_gaps() < [one.chain.skin_error for one in self.fingers]
+
+    def rubber_gaps(self) -> np.ndarray:
+        """Least distance of every finger's rubber from what is no part of it, shape (fingers,) [m]; inf beyond 3 mm."""
+        found = np.full(len(self.fingers), np.inf)
+        for spring in self._springs:
+            inputs = np.concatenate([self.tensions[spring.finger, spring.pulled], spring.inverse.wrench])
+            gap = spring.rubber.gap(self.model, self.data, inputs)
+            found[spring.finger] = min(found[spring.finger], gap)
+        return found
 
     def contact_forces(self) -> np.ndarray:
         """What presses on every finger's plates, normal to where it touches, shape (fingers,) [N]."""

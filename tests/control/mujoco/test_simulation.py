@@ -8,7 +8,7 @@ from control import Gripper  # noqa: E402
 from control.grasp_controller import GraspOptions  # noqa: E402
 from control.motion import Limits  # noqa: E402
 from control.mujoco import Simulation, attach, attach_gripper, plants  # noqa: E402
-from rom import Chain, TouchedSegment  # noqa: E402
+from rom import Chain, Sphere, TouchedSegment  # noqa: E402
 from rom.segment.inverse_map import InverseMap  # noqa: E402
 
 WALL = 0.010  # [m], the paper's d
@@ -136,6 +136,27 @@ def test_a_push_beyond_what_was_trained_is_marked(segment):
     assert (simulation.left | simulation.lost).all()
     simulation.reset()
     assert not simulation.left.any() and not simulation.lost.any()
+
+
+@pytest.mark.parametrize(
+    ("centre", "radius", "touches"),
+    [
+        ((0.030, 0.0188, 0.0), 0.008, False),
+        ((0.040, 0.0200, 0.002), 0.008, True),
+        ((0.025, -0.010, 0.0), 0.006, False),
+        ((0.020, 0.0, 0.012), 0.006, False),
+    ],
+)
+def test_rubber_that_comes_near_is_noticed_as_by_the_map(segment, centre, radius, touches):
+    ball = f'<geom type="sphere" size="{radius}" pos="{centre[0]} {centre[1]} {centre[2]}"/>'
+    scene = f'<mujoco><option gravity="0 0 0"/><worldbody><body name="palm"/>{ball}</worldbody></mujoco>'
+    simulation = compiled(mujoco.MjSpec.from_string(scene), segment)
+    rested(simulation, (20.0, 5.0))
+    object_ = Sphere(centre=centre, radius=radius, direction=(0, 1, 0), distances=(-0.01, 0.02))
+    model = TouchedSegment(segment=segment, obstacle=object_)
+    expected = model.rubber_gap(np.array([20.0, 5.0, 0.0]), simulation.wrenches()[0].ravel())
+    assert simulation.rubber_gaps()[0] == pytest.approx(expected, abs=6e-5)
+    assert simulation.rubbed[0] == touches
 
 
 def test_a_chain_rests_where_its_maps_have_it(segment):
