@@ -9,10 +9,11 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from rom.segment.native import rubber_boxes
 from rom.segment.segment_map import SegmentMap
 
 NEAR = 0.003  # [m]: gaps that are looked for
-EDGES, PARTS = 4, 4  # of a section; boxes between two stations that the map knows
+BOXES = 24  # from clamp to plate
 
 
 class Rubber:
@@ -29,41 +30,27 @@ class Rubber:
         self._segment, self._body = segment, model.body(plate).id
         self._probe = model.geom(f"{plate} rubber").id
         collides = (model.geom_contype > 0) | (model.geom_conaffinity > 0)
-        self._others = np.flatnonzero(collides & ~own & (np.arange(model.ngeom) != self._probe))
-        bounds = model.geom_rbound[self._others]
-        self._reach = np.where(bounds > 0, bounds, np.inf)  # planes have no end
-        self._sections = np.zeros((0, 0))
-        if segment.skin is not None:
-            stations = segment.skin.coefficients.shape[1] // (3 * EDGES)
-            places = np.linspace(0, stations - 1, PARTS * (stations - 1) + 1)
-            self._sections = np.array([np.interp(places, np.arange(stations), row) for row in np.eye(stations)]).T
+        others = collides & ~own & (np.arange(model.ngeom) != self._probe)
+        flat = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE
+        self._planes, self._others = np.flatnonzero(others & flat), np.flatnonzero(others & ~flat)
+        self._bounds = model.geom_rbound[self._others]
 
     def gap(self, model: mujoco.MjModel, data: mujoco.MjData, inputs: np.ndarray) -> float:
         """Least distance from anything, at tensions and wrench, shape (t + 6,) [m]; infinite if nothing is near."""
-        skin = self._segment.skin
-        if skin is None:
-            return np.inf
-        held = np.clip(inputs, skin.lower, skin.upper)
-        known = skin.value(held[None])[0].reshape(-1, EDGES, 3)
         rotation = data.xmat[self._body].reshape(3, 3)
-        corners = np.einsum("ps,sei->pei", self._sections, known) @ rotation.T + data.xpos[self._body]
-        before, after = corners[:-1], corners[1:]
-        both, centres = (before + after) / 2, (before + after).mean(axis=1) / 2
-        along, across = (after - before).mean(axis=1), both[:, 1] + both[:, 3] - both[:, 0] - both[:, 2]
-        lengths = np.linalg.norm(along, axis=1)
-        x = along / lengths[:, None]
-        y = across - np.sum(across * x, axis=1)[:, None] * x
-        widths = np.linalg.norm(y, axis=1)
-        y /= widths[:, None]
-        z = np.cross(x, y)
-        depths = np.abs(np.sum((both[:, 2] + both[:, 3] - both[:, 0] - both[:, 1]) * z, axis=1))
-        halves = np.column_stack([lengths / 2, widths / 4, depths / 4])
-        away = np.linalg.norm(centres[:, None] - data.geom_xpos[self._others], axis=2)
-        near = away < self._reach + np.linalg.norm(halves, axis=1)[:, None] + NEAR
+        boxes = rubber_boxes(self._segment.struct, inputs, data.xpos[self._body], rotation, BOXES)
+        if boxes is None:
+            return np.inf
+        centres, halves, axes = boxes
         least = np.inf
-        for k, j in np.argwhere(near):
+        for plane in self._planes:
+            normal = data.geom_xmat[plane, 2::3]
+            behind = (np.abs(normal @ axes) * halves).sum(axis=1)
+            least = min(least, float(((centres - data.geom_xpos[plane]) @ normal - behind).min()))
+        reach = np.linalg.norm(halves, axis=1)[:, None] + self._bounds + NEAR
+        away = centres[:, None] - data.geom_xpos[self._others]
+        for k, j in np.argwhere(np.einsum("kji,kji->kj", away, away) < reach * reach):
             model.geom_size[self._probe], data.geom_xpos[self._probe] = halves[k], centres[k]
-            data.geom_xmat[self._probe] = np.column_stack([x[k], y[k], z[k]]).ravel()
-            found = mujoco.mj_geomDistance(model, data, self._probe, int(self._others[j]), NEAR, None)
-            least = min(least, found) if found < NEAR else least
-        return float(least)
+            data.geom_xmat[self._probe] = axes[k].ravel()
+            least = min(least, mujoco.mj_geomDistance(model, data, self._probe, int(self._others[j]), NEAR, None))
+        return float(least) if least < NEAR else np.inf

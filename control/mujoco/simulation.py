@@ -19,8 +19,6 @@ from control.mujoco.attach import FAST, Attached
 from control.mujoco.rubber import Rubber
 from rom.segment.inverse_map import InverseMap
 
-SIZE = 0.005  # [m]: a turn by one radian counts as this way where stiffness is looked at
-
 
 @dataclass
 class Held:
@@ -179,16 +177,14 @@ class Simulation:
             )
 
     def _pull(self, spring: Spring) -> tuple[np.ndarray, np.ndarray]:
-        """Force and stiffness of a spring, see `generalised`."""
+        """Force and stiffness of a spring, see `InverseMap.spring`."""
         inverse, at, held = spring.inverse, spring.position, spring.held
         place = self.data.qpos[at : at + 7]
         inverse.find(self.tensions[spring.finger, spring.pulled], spring.offset + place[:3], place[3:])
         self.left[spring.finger] |= not inverse.inside
         if inverse.converged:
-            rotation = np.empty(9)
-            mujoco.mju_quat2Mat(rotation, place[3:])
             held.position[:], held.wrench[:] = place, inverse.wrench
-            held.force, held.stiffness = generalised(inverse, rotation.reshape(3, 3))
+            held.force, held.stiffness = inverse.spring()
             return held.force, held.stiffness
         self.lost[spring.finger] = True
         inverse.wrench[:] = held.wrench  # from there it tries again
@@ -247,23 +243,3 @@ class Simulation:
 
 
 _LOWER = np.tril_indices(6)
-
-
-def generalised(inverse: InverseMap, rotation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A wrench and its stiffness by MuJoCo's velocities of a plate: along the clamp's axes, and about its own.
-
-    Returns:
-        shape (6,) [N, N m]; shape (6, 6), symmetric, without what would push a plate away.
-    """
-    force = inverse.wrench.copy()
-    stiffness = inverse.stiffness.copy()
-    f = force[:3]
-    stiffness[:3, 3:] -= np.array([[0.0, -f[2], f[1]], [f[2], 0.0, -f[0]], [-f[1], f[0], 0.0]])  # the frame turns
-    turn = np.eye(6)
-    turn[:3, :3] = rotation
-    force[:3] = rotation @ f
-    stiffness = turn @ stiffness @ turn.T
-    scale = np.array([1.0, 1.0, 1.0, SIZE, SIZE, SIZE])
-    values, vectors = np.linalg.eigh((stiffness + stiffness.T) / 2 / np.outer(scale, scale))
-    vectors *= scale[:, None]
-    return force, (vectors * np.maximum(values, 0.0)) @ vectors.T

@@ -42,6 +42,8 @@ class InverseMap:
         self._inside = np.zeros(1, np.int32)
         arrays = (self._tensions, self._centre, self._quaternion, self.wrench, self.stiffness)
         self._given = [pointer(array) for array in arrays] + [pointer(self._inside, "int32_t[]")]
+        self._spring = np.zeros(6), np.zeros((6, 6))
+        self._spring_given = [*self._given[2:5], *map(pointer, self._spring)]
 
     def find(self, tensions: ArrayLike, centre: ArrayLike, quaternion: ArrayLike) -> int:
         """Find the wrench of a pose.
@@ -58,6 +60,15 @@ class InverseMap:
         evaluations = int(SEGMENT.functions.fingerfem_bear(self.segment.struct, *self._given))
         self.inside, self.converged = bool(self._inside[0]), evaluations > 0
         return abs(evaluations)
+
+    def spring(self) -> tuple[np.ndarray, np.ndarray]:
+        """What was found last as a spring between plate and clamp, by motions along the clamp's axes, turns about its own.
+
+        Returns:
+            force, shape (6,) [N, N m]; stiffness, shape (6, 6), symmetric, without what would push the plate away.
+        """
+        SEGMENT.functions.fingerfem_spring(self.segment.struct, *self._spring_given)
+        return self._spring[0].copy(), self._spring[1].copy()
 
     def forget(self) -> None:
         """Begin without a wrench."""

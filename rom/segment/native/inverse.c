@@ -98,3 +98,38 @@ int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, con
     }
     return -EVALUATIONS;
 }
+
+void fingerfem_spring(const fingerfem_segment *segment, const double *quaternion, const double *wrench,
+                      const double *stiffness, double *force, double *seen)
+{
+    enum { W = FINGERFEM_WRENCH };
+    const double size = segment->half_lengths[1], *f = wrench;
+    const double pose[7] = {0.0, 0.0, 0.0, quaternion[0], quaternion[1], quaternion[2], quaternion[3]};
+    /* The force turns with the plate: R (K dx + turn x f). */
+    const double follows[3][3] = {{0.0, f[2], -f[1]}, {-f[2], 0.0, f[0]}, {f[1], -f[0], 0.0}};
+    double rotation[9], own[W * W], half[W * W], work[2 * W * W];
+    map_rotation(pose, rotation);
+    memcpy(own, stiffness, sizeof own);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) own[W * i + 3 + j] += follows[i][j];
+    /* Motions along the clamp's axes from both sides, turns by their size. */
+    for (int i = 0; i < W; i++)
+        for (int j = 0; j < W; j++) {
+            double sum = 0.0;
+            for (int k = 0; k < 3; k++) sum += rotation[3 * (j % 3) + k] * own[W * i + k];
+            half[W * i + j] = j < 3 ? sum : own[W * i + j] / size;
+        }
+    for (int i = 0; i < W; i++)
+        for (int j = 0; j < W; j++) {
+            double sum = 0.0;
+            for (int k = 0; k < 3; k++) sum += rotation[3 * (i % 3) + k] * half[W * k + j];
+            seen[W * i + j] = i < 3 ? sum : half[W * i + j] / size;
+        }
+    small_nonnegative(W, seen, work);
+    for (int i = 0; i < W; i++)
+        for (int j = 0; j < W; j++) seen[W * i + j] *= (i < 3 ? 1.0 : size) * (j < 3 ? 1.0 : size);
+    for (int i = 0; i < 3; i++) {
+        force[i] = rotation[3 * i] * f[0] + rotation[3 * i + 1] * f[1] + rotation[3 * i + 2] * f[2];
+        force[3 + i] = wrench[3 + i];
+    }
+}

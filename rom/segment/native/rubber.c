@@ -117,3 +117,61 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     }
     return least;
 }
+
+/* Corners of the rubber's section at a share of its length between clamp and the last place that is known. */
+static void section_at(const fingerfem_segment *segment, const float *points, double share, const double *centre,
+                       const double *rotation, double (*corners)[3])
+{
+    const double place = share * (segment->stations - 1);
+    const int first = place < segment->stations - 1 ? (int)place : segment->stations - 2;
+    for (int edge = 0; edge < EDGES; edge++) {
+        const float *one = points + 3 * (EDGES * first + edge), *next = one + 3 * EDGES;
+        double seen[3];
+        for (int i = 0; i < 3; i++) seen[i] = one[i] + (place - first) * (next[i] - one[i]);
+        for (int i = 0; i < 3; i++)
+            corners[edge][i] = centre[i] + rotation[3 * i] * seen[0] + rotation[3 * i + 1] * seen[1] + rotation[3 * i + 2] * seen[2];
+    }
+}
+
+/* Make a vector's length 1; returns it. */
+static double unit(double *vector)
+{
+    const double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+    for (int i = 0; i < 3; i++) vector[i] /= length;
+    return length;
+}
+
+int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *centre,
+                           const double *rotation, int count, double *centres, double *halves, double *axes)
+{
+    float points[segment->skin_numbers + 1];
+    double sections[2][EDGES][3];
+    if (!segment->skin_terms || segment->stations < 2) return 0;
+    skin(segment, inputs, points);
+    section_at(segment, points, 0.0, centre, rotation, sections[0]);
+    for (int k = 0; k < count; k++) {
+        const double(*before)[3] = sections[k % 2], (*after)[3] = sections[(k + 1) % 2];
+        double x[3], y[3], depth[3], along = 0.0;
+        section_at(segment, points, (k + 1.0) / count, centre, rotation, sections[(k + 1) % 2]);
+        for (int i = 0; i < 3; i++) {
+            double both[EDGES];
+            for (int edge = 0; edge < EDGES; edge++) both[edge] = 0.5 * (before[edge][i] + after[edge][i]);
+            centres[3 * k + i] = 0.25 * (both[0] + both[1] + both[2] + both[3]);
+            x[i] = 0.25 * (after[0][i] + after[1][i] + after[2][i] + after[3][i]) - 0.25 * (before[0][i] + before[1][i] + before[2][i] + before[3][i]);
+            y[i] = 0.5 * (both[2] + both[3] - both[0] - both[1]);
+            depth[i] = 0.5 * (both[1] + both[3] - both[0] - both[2]);
+        }
+        halves[3 * k] = 0.5 * unit(x);
+        for (int i = 0; i < 3; i++) along += x[i] * y[i];
+        for (int i = 0; i < 3; i++) y[i] -= along * x[i];
+        halves[3 * k + 1] = 0.5 * unit(y);
+        const double z[3] = {x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
+        halves[3 * k + 2] = 0.5 * fabs(depth[0] * z[0] + depth[1] * z[1] + depth[2] * z[2]);
+        for (int i = 0; i < 3; i++) {
+            axes[9 * k + 3 * i] = x[i];
+            axes[9 * k + 3 * i + 1] = y[i];
+            axes[9 * k + 3 * i + 2] = z[i];
+        }
+    }
+    return 1;
+}

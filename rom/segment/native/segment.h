@@ -88,6 +88,12 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
 int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, const double *centre,
                    const double *quaternion, double *wrench, double *stiffness, int32_t *inside);
 
+/* The same as a spring between plate and clamp: force, (6), and stiffness, (6, 6), by motions along the clamp's axes and
+ * turns about the plate's own. The stiffness is symmetric, without directions in which it would push the plate away: a
+ * turn by one radian counts as the plate's half side there. */
+void fingerfem_spring(const fingerfem_segment *segment, const double *quaternion, const double *wrench,
+                      const double *stiffness, double *force, double *seen);
+
 /* Where all plates of a chain are: centres, (plates, 3) [m], rotations, (plates, 3, 3), and motions by tensions and
  * wrenches, (plates, 6, tensions + 6 plates); returns 1 if every segment's inputs lie in its box. */
 int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *centres,
@@ -114,6 +120,12 @@ double fingerfem_touch_error(const fingerfem_touching *touching, const double *o
 /* Least distance of the rubber's points from the object, at an answer [m]; infinite where nothing is known of them. The
  * map knows nothing of rubber that touches: what may touch, below skin_error, is no answer. */
 double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench);
+
+/* The rubber of a segment as boxes, one after another from clamp to plate: the centre, (3) [m], half lengths, (3) [m], and
+ * axes, (3, 3), of each of `count`, by inputs, (tensions + 6), and the place of its plate; `count` at most as many as it
+ * has places. Returns 0 where nothing is known of it. */
+int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *centre,
+                           const double *rotation, int count, double *centres, double *halves, double *axes);
 
 /* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, of which by_objects
  * may be NULL, wrenches,

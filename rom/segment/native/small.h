@@ -38,4 +38,8 @@ int small_solve(int size, double *matrix, int columns, double *right);
 
 /* Number of negative eigenvalues of a matrix's symmetric part, by the signs of its pivots (Sylvester); it is spoilt. */
 int small_negative(int size, double *matrix);
+
+/* The symmetric part of a matrix, (size, size), in its place, with its negative eigenvalues set to 0 (by Jacobi's method);
+ * `work` holds 2 size^2 numbers. */
+void small_nonnegative(int size, double *matrix, double *work);
 #endif
