@@ -35,6 +35,9 @@ class GraspOptions:
         squeeze_steps: pulls from touch to the held force.
         tolerance: a held force this near its target is held [-].
         period: from pull to pull [s], for ages of readings and rates of tensions.
+        settling: in which a finger follows its tensions [s]; no faster are readings believed.
+        dead_band: a force this near its target is not corrected [-]. With friction it is wanted: whoever turns round
+            feels the contact stick, and the force change the wrong way at first.
         patience: pulls without a usable reading before a sensor counts as failed.
         pulls: most of a finger.
     """
@@ -45,6 +48,8 @@ class GraspOptions:
     squeeze_steps: int = 3
     tolerance: float = 0.005
     period: float = 1e-3
+    settling: float = 0.0
+    dead_band: float = 0.0
     patience: int = 20
     pulls: int = 5000
 
@@ -54,12 +59,20 @@ class GraspOptions:
                 raise ValueError(f"{name} must be above 0, got {getattr(self, name)}")
         if not 0 <= self.noise < np.inf:
             raise ValueError(f"noise must be at least 0 N, got {self.noise}")
+        for name, unit in (("settling", " s"), ("dead_band", "")):
+            if not 0 <= getattr(self, name) < np.inf:
+                raise ValueError(f"{name} must be at least 0{unit}, got {getattr(self, name)}")
 
     def gain(self, target: float) -> float:
         """Share of a reading's news that is believed: noise then moves the held force by a third of its tolerance."""
         if self.noise == 0:
-            return 1.0
-        return float(np.clip(2 * (self.tolerance * target / (3 * self.noise)) ** 2, 1 / PAST, 1.0))
+            return self.fastest
+        return float(np.clip(2 * (self.tolerance * target / (3 * self.noise)) ** 2, 1 / PAST, self.fastest))
+
+    @property
+    def fastest(self) -> float:
+        """Most of a reading's news that may be believed in a pull [-]."""
+        return self.period / max(self.period, self.settling)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,7 +211,7 @@ class Grip:
 
     def _squeeze(self, felt: float, then: np.ndarray) -> None:
         self._seen += 1
-        gain = max(self._gain, 1 / self._seen)
+        gain = max(self._gain, min(1 / self._seen, self._options.fastest))
         self.felt += max(self._smooth, 1 / self._seen) * (felt - self.felt)
         if self._lost(felt) or self._missing:
             return
@@ -206,7 +219,7 @@ class Grip:
         self._aim = min(self._aim + self._target / self._options.squeeze_steps, self._target)
         if self.stage == "hold":
             self._aim = self._target
-        believed = 1.0 if self._surprised >= SURPRISED else gain
+        believed = self._options.fastest if self._surprised >= SURPRISED else gain
         tensions, found = grip(self._known, then, felt, self.tensions, self._aim, self.distance, believed, self._rules)
         held, self.distance = found.status, found.distance
         self._judge(felt, found.expected)
@@ -221,6 +234,8 @@ class Grip:
         if held != CONVERGED:
             self.status = "unreachable" if np.isfinite(self.distance) else "out_of_domain"
             return
+        if self._close_enough():
+            tensions = self.tensions
         change = self._finger.limits.rate * self._options.period
         change_wanted = tensions - self.tensions
         longest = float(np.abs(change_wanted).max())
@@ -235,6 +250,11 @@ class Grip:
         if self.status == "converged" and not np.isfinite(self._trusted):
             self._trusted, self._held = self.distance, True
             self._cap = self._most()
+
+    def _close_enough(self) -> bool:
+        """Whether what is felt needs no correction; while it squeezes, what is above its aim waits for that."""
+        band = self._options.dead_band * self._target
+        return band > 0 and min(self._aim, self._target - band) <= self.felt <= self._target + band
 
     def _lost(self, felt: float) -> bool:
         """Whether contact is lost: then it closes again, but not much beyond where it held something."""

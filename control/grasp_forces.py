@@ -24,6 +24,8 @@ class Object:
         mass: [kg].
         friction: coefficient between it and the fingers [-].
         admissible_force: of one finger, above which it is crushed [N].
+        lean: most that its faces may lean from what fingers press along, any way [rad]: it takes as much from the
+            angle of friction.
         down: direction of gravity in the gripper's axes: along the fingers to their tips, then the plane of
             Gripper.directions; shape (3,) [-].
     """
@@ -32,6 +34,7 @@ class Object:
     friction: float
     admissible_force: float
     down: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    lean: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("mass", "friction", "admissible_force"):
@@ -39,11 +42,18 @@ class Object:
                 raise ValueError(f"{name} must be above 0, got {getattr(self, name)}")
         if np.shape(self.down) != (3,) or not 1e-9 < np.linalg.norm(self.down) < 1e9:
             raise ValueError(f"down must be a direction, got {self.down}")
+        if not 0 <= self.lean <= np.pi / 2:
+            raise ValueError(f"lean must be from 0 to a right angle, got {self.lean}")
 
     @property
     def weight(self) -> float:
         """Its weight [N]."""
         return self.mass * GRAVITY
+
+    @property
+    def grip(self) -> float:
+        """Friction that is left, however its faces lean [-]; 0 if none is."""
+        return float(np.tan(max(np.arctan(self.friction) - self.lean, 0.0)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,8 +88,11 @@ def targets(directions: np.ndarray, held: Object, margin: float = 0.1) -> Target
     """
     if not 0 <= margin < np.inf:
         raise ValueError(f"margin must be at least 0, got {margin}")
-    least, pattern = _least(directions, held)
     most, nothing = held.admissible_force, np.full(len(directions), np.nan)
+    if held.grip == 0:
+        reason = f"faces that may lean by {np.degrees(held.lean):.3g} degrees slip at a friction of {held.friction:.3g}"
+        return Targets(contact_forces=nothing, least=np.inf, most=most, reason=reason)
+    least, pattern = _least(directions, held)
     if not np.isfinite(least):
         return Targets(contact_forces=nothing, least=least, most=most, reason="no contact forces balance its weight")
     if least * (1 + margin) ** 2 > most:
@@ -141,7 +154,7 @@ def _balance(directions: np.ndarray, held: Object) -> tuple[np.ndarray, np.ndarr
     moments = [np.concatenate([none, none, np.ones(n)])]
     moments += [np.concatenate([none, directions[:, a], none]) for a in (0, 1)]
     angles = 2 * np.pi * np.arange(SIDES) / SIDES
-    inner = held.friction * np.cos(np.pi / SIDES)
+    inner = held.grip * np.cos(np.pi / SIDES)
     cone = [
         np.concatenate([-inner * np.eye(n)[i], np.cos(angle) * np.eye(n)[i], np.sin(angle) * np.eye(n)[i]])
         for i in range(n)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.mujoco.attach import FAST, Attached
+from control.mujoco.coulomb import correct
 from control.mujoco.rubber import Rubber
 from rom.segment.inverse_map import InverseMap
 
@@ -170,6 +171,7 @@ class Simulation:
             data.qfrc_applied[first : first + 6] = -force - later @ data.qvel[first : first + 6]
             data.M[spring.inertia] += h * later[_LOWER]
         mujoco.mj_factorM(model, data)
+        correct(model, data, np.flatnonzero((self._finger_of[data.contact.geom] >= 0).any(axis=1)))
         mujoco.mj_step2(model, data)
         if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(data.qpos).all():
             raise FloatingPointError(
