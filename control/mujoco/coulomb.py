@@ -25,7 +25,7 @@ def correct(model: mujoco.MjModel, data: mujoco.MjData, contacts: np.ndarray) ->
     own = contacts[(all_.dim[contacts] > 1) & (all_.efc_address[contacts] >= 0)]
     if not len(own):
         return 0
-    normal, frictional = all_.efc_address[own], DIRECTIONS < all_.dim[own, None] - 1
+    normal, frictional = all_.efc_address[own], all_.dim[own, None] - 1 > DIRECTIONS
     along = np.minimum(normal[:, None] + 1 + DIRECTIONS, data.nefc - 1)
     friction = all_.friction[own] * frictional
     wanted, accelerations = data.efc_aref[normal].copy(), np.empty(data.nefc)

@@ -62,7 +62,7 @@ class InverseMap:
         return abs(evaluations)
 
     def spring(self) -> tuple[np.ndarray, np.ndarray]:
-        """The pose found last as a spring between plate and clamp, by motions along the clamp's axes and turns about its own.
+        """The pose found last as a spring, by motions along the clamp's axes and turns about the plate's own.
 
         Returns:
             force, shape (6,) [N, N m]; stiffness, shape (6, 6), symmetric, without what would push the plate away.

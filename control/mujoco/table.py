@@ -1,0 +1,101 @@
+"""A table, a solid on it, and a gripper of three fingers above, on a mount of six axes."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from control.gripper import Gripper
+from control.mujoco.attach import attach_gripper
+from control.mujoco.simulation import Simulation
+from control.mujoco.solids import Solid
+from rom import SegmentMap
+
+STEP = 0.001  # [s]
+AXES = ("x", "y", "z", "roll", "pitch", "yaw")
+# Of the mount's axes along and about x, y, z: armature [kg, kg m^2], stiffness [N/m, N m/rad] and damping, that of an arm
+# which follows in 30 ms.
+MOUNT = {"slide": (2.0, 2e4, 400.0), "hinge": (0.005, 50.0, 1.0)}
+SCENE = """
+<mujoco>
+  <option timestep="{step}" cone="elliptic" impratio="100"/>
+  <visual><headlight ambient="0.4 0.4 0.4"/><global offwidth="1280" offheight="960"/><map znear="0.005"/></visual>
+  <asset>
+    <texture name="table" type="2d" builtin="checker" rgb1=".86 .86 .84" rgb2=".8 .8 .78" width="256" height="256"/>
+    <material name="table" texture="table" texrepeat="40 40"/>
+    {asset}
+  </asset>
+  <worldbody>
+    <light pos="0.2 -0.3 0.5" dir="-0.3 0.5 -0.8" castshadow="true" diffuse="0.5 0.5 0.5"/>
+    <geom name="table" type="plane" size="1 1 0.1" friction="1" material="table"/>
+    <body name="palm" pos="0 0 {palm}" gravcomp="1">
+      {joints}
+      <geom type="cylinder" size="0.035 0.004" pos="0 0 0.005" mass="0.5" rgba="0.35 0.37 0.42 1"/>
+    </body>
+    <body name="object" pos="{x} {y} {z}" quat="{quat}">
+      <freejoint/>
+      <geom name="object" {geom} mass="{mass}" friction="{friction} 0.001 0.0001" condim="4" rgba="0.85 0.55 0.2 1"/>
+    </body>
+  </worldbody>
+  <actuator>{actuators}</actuator>
+</mujoco>
+"""
+
+
+def table(
+    gripper: Gripper,
+    segment: SegmentMap,
+    solid: Solid,
+    error: np.ndarray,
+    turn: float = 0.0,
+    step: float = STEP,
+) -> Simulation:
+    """A solid on a table under a gripper's fingers, which would meet it where it is to be grasped.
+
+    Args:
+        gripper: of three fingers or how many it has.
+        segment: the map of each.
+        solid: which.
+        error: of the gripper's place above it, shape (3,) [m].
+        turn: of the solid about its axis [rad].
+        step: of the simulation [s].
+
+    Returns:
+        a simulation whose controls are the mount's axes (AXES) [m, rad]; bodies "palm" and "object".
+    """
+    joints, actuators = "", ""
+    for k, name in enumerate(AXES):
+        kind, axis = ("slide", "hinge")[k // 3], " ".join(str(int(i == k % 3)) for i in range(3))
+        heavy, stiff, damped = MOUNT[kind]
+        joints += f'<joint name="{name}" type="{kind}" axis="{axis}" armature="{heavy}"/>'
+        actuators += f'<position name="{name}" joint="{name}" kp="{stiff}" kv="{damped}" timeconst="0.03"/>'
+    vertices = " ".join(f"{x:.7g}" for x in solid.corners.ravel())
+    size = " ".join(map(str, solid.size))
+    text = SCENE.format(
+        step=step,
+        asset="" if size else f'<mesh name="object" vertex="{vertices}" inertia="exact"/>',
+        palm=solid.grasped + tip_height(gripper, segment, solid.radius) + error[2],
+        joints=joints,
+        x=error[0],
+        y=error[1],
+        z=solid.middle + 1e-5,
+        quat=f"{np.cos(turn / 2)} 0 0 {np.sin(turn / 2)}",
+        geom=f'type="{solid.shape}" size="{size}"' if size else 'type="mesh" mesh="object"',
+        mass=solid.mass,
+        friction=solid.friction,
+        actuators=actuators,
+    )
+    spec = mujoco.MjSpec.from_string(text)
+    fingers = attach_gripper(spec, segment, "palm", len(gripper.fingers), gripper.radius)
+    return Simulation(spec.compile(), fingers)
+
+
+def tip_height(gripper: Gripper, segment: SegmentMap, radius: float) -> float:
+    """How far below the palm a free finger's plate reaches, bent to touch a face at a radius [m]."""
+    finger, lead = gripper.fingers[0], gripper.model.lead
+    inputs = np.zeros((200, segment.tensions + 6))
+    inputs[:, lead] = np.linspace(finger.lower[lead], finger.upper[lead], len(inputs))
+    placed = segment.place(inputs)
+    half = segment.half_lengths
+    edge = placed.centre + placed.rotation @ [half[0], half[1], 0.0]
+    return float(np.interp(gripper.radius - radius + half[1], edge[:, 1], edge[:, 0]))
