@@ -1,8 +1,8 @@
 """Coulomb's law for the contacts of plates, which MuJoCo has in a convex relaxation only.
 
-There forces and relative accelerations are dual to each other, and what slides is lifted off: its normal acceleration is
-larger than wanted by the friction times the tangential one that is missing. Wanted is then less by as much, found by
-repetition, as De Saxce and Feng have it (Math. Comput. Model. 28, 1998): what is left is sliding along the surface.
+There forces and relative accelerations are dual to each other, and what slides is lifted off: its normal acceleration
+is larger than wanted by the friction times the tangential one that is missing. Wanted is then less by as much, found
+by repetition, as De Saxce and Feng have it (Math. Comput. Model. 28, 1998): what is left slides along the surface.
 """
 
 from __future__ import annotations
@@ -29,10 +29,11 @@ def correct(model: mujoco.MjModel, data: mujoco.MjData, contacts: np.ndarray) ->
     along = np.minimum(normal[:, None] + 1 + DIRECTIONS, data.nefc - 1)
     friction = all_.friction[own] * frictional
     wanted, accelerations = data.efc_aref[normal].copy(), np.empty(data.nefc)
-    before = np.zeros(len(own))
+    before, repetitions = np.zeros(len(own)), 0
     mujoco.mj_fwdActuation(model, data)
     mujoco.mj_fwdAcceleration(model, data)
-    for k in range(1, REPETITIONS + 1):
+    while repetitions < REPETITIONS:
+        repetitions += 1
         mujoco.mj_fwdConstraint(model, data)
         mujoco.mj_mulJacVec(model, data, accelerations, data.qacc)
         missing = friction * (accelerations - data.efc_aref)[along]
@@ -42,4 +43,4 @@ def correct(model: mujoco.MjModel, data: mujoco.MjData, contacts: np.ndarray) ->
         if np.all(np.abs(lifted - before) <= CLOSE * (np.abs(wanted) + lifted)):
             break
         before = lifted
-    return k
+    return repetitions

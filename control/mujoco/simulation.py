@@ -20,6 +20,9 @@ from control.mujoco.coulomb import correct
 from control.mujoco.rubber import Rubber
 from rom.segment.inverse_map import InverseMap
 
+LOOKING = 0.005  # [s], from look to look at the rubber, at least
+STICKING = 100.0  # times stiffer than contacts are that which sticks is, at least [-]
+
 
 @dataclass
 class Held:
@@ -73,19 +76,20 @@ class Simulation:
             beyond.
         lost: likewise, whether it was where its map has no pose. Its force is then linear about where it was last
             known; nothing that it touches is to be believed.
-        rubbed: likewise, whether its rubber may have touched something when `advance` had ended: the map knows of
-            plates that touch alone.
+        rubbed: likewise, whether its rubber may have touched something, by a look every 5 ms when `advance` ends: the
+            map knows of plates that touch alone.
 
     Args:
         model: compiled after all fingers were attached.
         fingers: as `attach` returned them, all with the same number of tensions.
         rate: most that a motor changes its tension [N/s].
+        coulomb: whether plates slide by Coulomb's law; else by MuJoCo's own relaxation of it, which takes less time.
 
     Raises:
         ValueError: no fingers, or of different kinds; a solver or an integrator that a step cannot be made with.
     """
 
-    def __init__(self, model: mujoco.MjModel, fingers: Sequence[Attached], rate: float = 500.0):
+    def __init__(self, model: mujoco.MjModel, fingers: Sequence[Attached], rate: float = 500.0, coulomb: bool = True):
         if not fingers or len({len(one.chain.tensions) for one in fingers}) > 1:
             raise ValueError("fingers must be at least one, all with the same number of tensions")
         if model.opt.integrator not in (mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtIntegrator.mjINT_IMPLICITFAST):
@@ -94,15 +98,17 @@ class Simulation:
             raise ValueError("solver must be Newton or CG, without noslip: others keep the inertia without the rubber")
         if not 0 < rate < np.inf:
             raise ValueError(f"rate must be above 0 N/s, got {rate}")
-        self.model, self.fingers, self.rate = model, list(fingers), rate
+        self.model, self.fingers, self.rate, self._coulomb = model, list(fingers), rate, coulomb
+        # Friction is round, and what sticks creeps little: both are for Coulomb's law, see control.mujoco.coulomb.
+        model.opt.cone, model.opt.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, max(model.opt.impratio, STICKING)
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND  # islands have copies of the inertia
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # what fails is to be seen
         self.data = mujoco.MjData(model)
         self.wanted = np.zeros((len(fingers), len(fingers[0].chain.tensions)))
         self.tensions = np.zeros_like(self.wanted)
-        self._springs = [spring for k, one in enumerate(fingers) for spring in self._springs_of(k, one)]
+        self.springs = [spring for k, one in enumerate(fingers) for spring in self._springs_of(k, one)]
         self._finger_of = np.full(model.ngeom, -1)
-        for spring in self._springs:
+        for spring in self.springs:
             first = model.body_geomadr[spring.body]
             self._finger_of[first : first + model.body_geomnum[spring.body]] = spring.finger
         plates = self._finger_of >= 0
@@ -150,7 +156,8 @@ class Simulation:
         self.left = np.zeros(len(self.fingers), bool)
         self.lost = np.zeros(len(self.fingers), bool)
         self.rubbed = np.zeros(len(self.fingers), bool)
-        for spring in self._springs:
+        self._looked = -np.inf
+        for spring in self.springs:
             spring.inverse.forget()
             spring.held.wrench[:] = 0.0
             spring.held.position[:] = self.data.qpos[spring.position : spring.position + 7]
@@ -165,13 +172,14 @@ class Simulation:
         model, data, h = self.model, self.data, self.model.opt.timestep
         self.tensions += np.clip(self.wanted - self.tensions, -self.rate * h, self.rate * h)
         mujoco.mj_step1(model, data)
-        for spring in self._springs:
+        for spring in self.springs:
             force, stiffness = self._pull(spring)
             first, later = spring.velocity, (spring.relaxation + h) * stiffness
             data.qfrc_applied[first : first + 6] = -force - later @ data.qvel[first : first + 6]
             data.M[spring.inertia] += h * later[_LOWER]
         mujoco.mj_factorM(model, data)
-        correct(model, data, np.flatnonzero((self._finger_of[data.contact.geom] >= 0).any(axis=1)))
+        if self._coulomb:
+            correct(model, data, np.flatnonzero((self._finger_of[data.contact.geom] >= 0).any(axis=1)))
         mujoco.mj_step2(model, data)
         if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(data.qpos).all():
             raise FloatingPointError(
@@ -201,12 +209,15 @@ class Simulation:
         """Step until a time [s]."""
         while self.data.time < time - 0.5 * self.model.opt.timestep:
             self.step()
+        if self.data.time < self._looked + LOOKING - 0.5 * self.model.opt.timestep:
+            return
+        self._looked = self.data.time
         self.rubbed |= self.rubber_gaps() < [one.chain.skin_error for one in self.fingers]
 
     def rubber_gaps(self) -> np.ndarray:
         """Least distance of every finger's rubber from what is no part of it, shape (fingers,) [m]; inf beyond 3 mm."""
         found = np.full(len(self.fingers), np.inf)
-        for spring in self._springs:
+        for spring in self.springs:
             inputs = np.concatenate([self.tensions[spring.finger, spring.pulled], spring.inverse.wrench])
             gap = spring.rubber.gap(self.model, self.data, inputs)
             found[spring.finger] = min(found[spring.finger], gap)
@@ -227,7 +238,7 @@ class Simulation:
     def wrenches(self) -> list[np.ndarray]:
         """That hold every finger's plates where they are, shape (plates, 6) each, in their frames [N, N m]."""
         return [
-            np.array([spring.inverse.wrench for spring in self._springs if spring.finger == k])
+            np.array([spring.inverse.wrench for spring in self.springs if spring.finger == k])
             for k in range(len(self.fingers))
         ]
 

@@ -13,28 +13,32 @@ from rom import SegmentMap
 
 STEP = 0.001  # [s]
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
-# Of the mount's axes along and about x, y, z: armature [kg, kg m^2], stiffness [N/m, N m/rad] and damping, that of an arm
-# which follows in 30 ms.
+# Of the mount's axes along and about x, y, z: armature [kg, kg m^2], stiffness [N/m, N m/rad] and damping, those of an
+# arm that follows in 30 ms.
 MOUNT = {"slide": (2.0, 2e4, 400.0), "hinge": (0.005, 50.0, 1.0)}
 SCENE = """
 <mujoco>
   <option timestep="{step}" cone="elliptic" impratio="100"/>
-  <visual><headlight ambient="0.4 0.4 0.4"/><global offwidth="1280" offheight="960"/><map znear="0.005"/></visual>
+  <visual>
+    <headlight ambient="0.4 0.4 0.4" diffuse="0.5 0.5 0.5" specular="0.1 0.1 0.1"/>
+    <global offwidth="1280" offheight="960"/><map znear="0.02"/><rgba haze="0.93 0.95 0.97 1"/>
+  </visual>
   <asset>
-    <texture name="table" type="2d" builtin="checker" rgb1=".86 .86 .84" rgb2=".8 .8 .78" width="256" height="256"/>
-    <material name="table" texture="table" texrepeat="40 40"/>
+    <texture name="table" type="2d" builtin="checker" rgb1=".96 .96 .95" rgb2=".88 .88 .86" width="256" height="256"/>
+    <texture type="skybox" builtin="gradient" rgb1="1 1 1" rgb2=".93 .95 .97" width="64" height="384"/>
+    <material name="table" texture="table" texuniform="true" texrepeat="20 20" specular="0" reflectance="0"/>
     {asset}
   </asset>
   <worldbody>
-    <light pos="0.2 -0.3 0.5" dir="-0.3 0.5 -0.8" castshadow="true" diffuse="0.5 0.5 0.5"/>
-    <geom name="table" type="plane" size="1 1 0.1" friction="1" material="table"/>
+    <light type="directional" pos="0.08 -0.1 0.8" dir="-0.08 0.1 -0.8" diffuse="0.4 0.4 0.4" specular="0.2 0.2 0.2"/>
+    <geom name="table" type="plane" size="0 0 0.1" friction="1" material="table"/>
     <body name="palm" pos="0 0 {palm}" gravcomp="1">
       {joints}
       <geom type="cylinder" size="0.035 0.004" pos="0 0 0.005" mass="0.5" rgba="0.35 0.37 0.42 1"/>
     </body>
     <body name="object" pos="{x} {y} {z}" quat="{quat}">
       <freejoint/>
-      <geom name="object" {geom} mass="{mass}" friction="{friction} 0.001 0.0001" condim="4" rgba="0.85 0.55 0.2 1"/>
+      <geom name="object" {geom} mass="{mass}" friction="{friction} 0.001 0.0001" condim="4" rgba="0.2 0.5 0.8 1"/>
     </body>
   </worldbody>
   <actuator>{actuators}</actuator>

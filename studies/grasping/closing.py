@@ -1,8 +1,8 @@
-"""Fingers that wait for each other at a gentle touch, squeeze together, and judge what they hold."""
+"""Fingers that wait for each other at a gentle touch, look what they have found, and squeeze together."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,40 +18,48 @@ class Closing:
     """Contact forces that fingers are told, from touch to hold.
 
     Attributes:
+        gripper: whose fingers.
         grips: their controllers.
         wanted: contact forces in the end, shape (fingers,) [N].
-        share: of these that they are told now [-].
+        radius: half-width of what is grasped [m]; unknown if it is nan.
+        uncertain: how far from where they should be its faces may be found [m].
+        share: of the contact forces that they are told now [-].
+        doubt: why not to squeeze or to lift; empty if nothing speaks against it.
     """
 
+    gripper: Gripper
     grips: list[Grip]
     wanted: np.ndarray
-    share: float = GENTLY
+    radius: float = np.nan
+    uncertain: float = np.inf
+    share: float = field(default=GENTLY, init=False)
+    doubt: str = field(default="", init=False)
 
     @property
     def ended(self) -> bool:
-        """Whether they are told all and hold it, or one has given up."""
-        given_up = any(grip.done and grip.status != "converged" for grip in self.grips)
-        return given_up or (self.share >= 1.0 and all(grip.done for grip in self.grips))
+        """Whether all hold what is wanted, or are not to go on."""
+        return bool(self.doubt) or (self.share >= 1.0 and all(grip.done for grip in self.grips))
 
     def targets(self) -> np.ndarray:
         """Contact forces from now on, shape (fingers,) [N]: all squeeze once all have touched."""
-        if all(grip.stage == "hold" for grip in self.grips) or self.share > GENTLY:
-            self.share = min(self.share + (1 - GENTLY) * self.grips[0].period / SQUEEZE, 1.0)
+        if any(grip.done and grip.status != "converged" for grip in self.grips):
+            self.doubt = self.failed()
+        elif self.share > GENTLY or all(grip.stage == "hold" for grip in self.grips):
+            self.doubt = self.misplaced()
+            if not self.doubt:
+                self.share = min(self.share + (1 - GENTLY) * self.grips[0].period / SQUEEZE, 1.0)
         return self.share * self.wanted
 
-    def doubt(self, gripper: Gripper, radius: float, uncertain: float) -> str:
-        """Why not to lift; empty if nothing speaks against it.
+    def failed(self) -> str:
+        """Which fingers do not hold, and why."""
+        return ", ".join(
+            f"finger {k}: {grip.status}" for k, grip in enumerate(self.grips) if grip.status != "converged"
+        )
 
-        Args:
-            gripper: whose fingers.
-            radius: half-width of what is grasped [m].
-            uncertain: how far from where they should be its faces may be found [m].
-        """
-        failed = [f"finger {k}: {grip.status}" for k, grip in enumerate(self.grips) if grip.status != "converged"]
-        if failed:
-            return ", ".join(failed)
-        off = np.array([grip.distance for grip in self.grips]) - (gripper.radius - radius)
+    def misplaced(self) -> str:
+        """Which face is not where it should be, so that it is another, or has moved or tipped."""
+        off = np.array([grip.distance for grip in self.grips]) - (self.gripper.radius - self.radius)
         worst = int(np.argmax(np.abs(off)))
-        if abs(off[worst]) > uncertain:
+        if abs(off[worst]) > self.uncertain:
             return f"finger {worst} finds its face {1000 * abs(off[worst]):.1f} mm from where it should be"
         return ""

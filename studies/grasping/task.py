@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from control import Flaws, Gripper, Limits
+from control import Flaws, Gripper, Limits, Object
 from control.grasp_controller import Grip
 from control.loop import run
 from control.mujoco import MujocoPlant, Simulation, plants
 from control.mujoco.solids import POSE_ERROR, Solid, random_solid
 from control.mujoco.table import STEP, table
 from rom import SegmentMap, TouchedSegment
-from studies.grasping.closing import SQUEEZE, Closing
+from studies.grasping.closing import GENTLY, SQUEEZE, Closing
 
 PERIOD = 0.005  # of the controllers [s]
 MOTOR = 200.0  # [N/s], most that a tension changes
@@ -25,16 +25,18 @@ MARGIN = 0.2  # that forces may be off before anything is dropped or crushed [-]
 CRUSHING = 0.02  # [s]: blows of rigid bodies that are shorter crush nothing
 CLOSING = 6.0  # [s], at most
 LIFT, TURN = 0.1, np.pi / 2  # [m], [rad]
-ABOVE = 0.002  # where it is let go [m]: it may have moved by less in the gripper
+FELT = 0.15  # of the held force: a change by so much is the table's, when it is put down [-]
 # Of a phase: its name, axis of the mount, where to [m, rad], how long it takes [s]. A weight bends fingers straighter,
 # which takes contact force away: so slowly that the controllers follow.
 PHASES = (
     ("take its weight", 2, 0.003, 1.0),
     ("lift", 2, LIFT, 1.5),
     ("turn", 5, TURN, 1.5),
-    ("put down", 2, ABOVE, 1.5),
+    ("bring it down", 2, 0.01, 1.5),
 )
-OPENING = 0.6  # [s]
+SLOWLY = 0.005  # [m/s], from there on, until the table is felt
+# Fingers that let go become longer: so it is let go where it cannot be pressed on the table.
+CLEAR, CLEARING, OPENING = 0.002, 0.2, 0.6  # how far above it [m]; how long that and opening take [s]
 SLIPPED = 0.005  # [m]: a solid that moved so far in the gripper is not held
 Look = Callable[[Simulation], None]
 
@@ -93,22 +95,39 @@ class Watch:
             one(self.simulation)
 
 
-def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None, step: float = STEP) -> dict[str, Any]:
+@dataclass(frozen=True, kw_only=True)
+class Prepared:
+    """A trial that has not begun: the gripper, the object that it is to hold, and the simulation."""
+
+    gripper: Gripper
+    held: Object
+    simulation: Simulation
+
+
+def prepare(model: TouchedSegment, one: Trial, step: float = STEP) -> Prepared:
+    """The gripper above the solid, turned so that the faces which its fingers meet lean least."""
+    assert isinstance(model.segment, SegmentMap)
+    gripper, solid = Gripper(model, limits=Limits(rate=MOTOR)), one.solid
+    turn = solid.best_turn(gripper.directions)
+    held = solid.turned(turn).held(gripper.directions)
+    simulation = table(gripper, model.segment, solid, one.error, turn, step)
+    return Prepared(gripper=gripper, held=held, simulation=simulation)
+
+
+def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) -> dict[str, Any]:
     """What becomes of a trial, and why; a row of plain numbers.
 
     Its `fate` is: refused (before anything moves: no contact force would neither drop nor crush it), let go (before it
     is lifted: a finger has not found what it should), held, dropped, or crushed.
     """
-    assert isinstance(model.segment, SegmentMap)
-    gripper, solid = Gripper(model, limits=Limits(rate=MOTOR)), one.solid
-    turn = solid.best_turn(gripper.directions)
-    held = solid.turned(turn).held(gripper.directions)
-    row: dict[str, Any] = {"number": one.number, "lean": held.lean, "pose_error": float(np.linalg.norm(one.error))}
+    begun = prepare(model, one)
+    gripper, simulation, solid = begun.gripper, begun.simulation, one.solid
+    row: dict[str, Any] = {"number": one.number, "lean": begun.held.lean}
+    row |= {"pose_error": float(np.linalg.norm(one.error))}
     row |= {name: getattr(solid, name) for name in ("shape", "mass", "friction", "admissible_force")}
-    wanted = gripper.targets(held, margin=MARGIN)
+    wanted = gripper.targets(begun.held, margin=MARGIN)
     if not wanted.exist:
         return row | {"fate": "refused", "reason": wanted.reason, "impossible": wanted.least > wanted.most}
-    simulation = table(gripper, model.segment, solid, one.error, turn, step)
     watch = Watch(simulation, looks or [])
     row |= perform(gripper, one, wanted.contact_forces, watch)
     if watch.hardest > solid.admissible_force:
@@ -123,9 +142,7 @@ def perform(gripper: Gripper, one: Trial, wanted: np.ndarray, watch: Watch) -> d
     driven = plants(simulation, PERIOD, one.flaws, one.number)
     closing = close(gripper, one, wanted, driven, watch)
     row: dict[str, Any] = {"closing_seconds": simulation.time}
-    doubt = closing.doubt(gripper, one.solid.radius, 2 * POSE_ERROR)
-    if simulation.rubbed.any():
-        doubt = doubt or "rubber may have touched"
+    doubt = closing.doubt or closing.failed() or ("rubber may have touched" if simulation.rubbed.any() else "")
     if doubt:
         return row | {"fate": "let go", "reason": doubt}
     begun, slips, first = below(simulation), {}, len(watch.forces)
@@ -136,18 +153,16 @@ def perform(gripper: Gripper, one: Trial, wanted: np.ndarray, watch: Watch) -> d
             return row | {"fate": "dropped", "reason": f"slipped when it was to {phase}", "slips": slips}
     errors = np.abs(np.array(watch.forces[first:]) / wanted - 1)
     row |= {"slips": slips, "force_error": float(np.percentile(errors, 95))}
-    for finger in range(len(wanted)):
-        simulation.pull(finger, gripper.fingers[finger].lower)
-    simulation.advance(simulation.time + OPENING)
+    put_down(closing.grips, driven, watch)
     return row | {"fate": "held", "reason": "", "tilt": tilt(simulation)}
 
 
 def close(gripper: Gripper, one: Trial, wanted: np.ndarray, driven: list[MujocoPlant], watch: Watch) -> Closing:
     """Close until all fingers hold contact forces, shape (fingers,) [N], one has given up, or it takes too long."""
-    closing = Closing([], wanted)
     options = gripper.options(float(wanted.min()), one.flaws.noise, one.flaws.delay, PERIOD, TOLERANCE)
     options = replace(options, settling=SETTLING, squeeze_steps=round(SQUEEZE / PERIOD), dead_band=TOLERANCE)
-    closing.grips = gripper.grips(closing.share * wanted, options)
+    grips = gripper.grips(GENTLY * wanted, options)
+    closing = Closing(gripper, grips, wanted, one.solid.radius, 2 * POSE_ERROR)
 
     def targets(_: int) -> list[float]:
         watch.look()
@@ -169,6 +184,27 @@ def carry(grips: list[Grip], driven: list[MujocoPlant], axis: int, aim: float, s
         watch.look()
 
     run(grips, driven, steps, move)
+
+
+def put_down(grips: list[Grip], driven: list[MujocoPlant], watch: Watch) -> None:
+    """Go down slowly until the table is felt, a little up, and open.
+
+    The tensions stay on the way: on the table what is held sticks, and whoever pulls less presses harder at first.
+    """
+    simulation, held = watch.simulation, np.array([grip.felt for grip in grips])
+    mount, felt = simulation.data.ctrl, held
+    while mount[2] > 0 and np.abs(felt - held).max() < FELT * held.mean():
+        mount[2] -= SLOWLY * PERIOD
+        felt = np.array([plant.pull(grip.tensions) for grip, plant in zip(grips, driven, strict=True)])
+        watch.look()
+    mount[2] += CLEAR
+    rest = [np.zeros_like(grip.tensions) for grip in grips]
+    for tensions, seconds in (([grip.tensions for grip in grips], CLEARING), (rest, OPENING)):
+        for finger, pulled in enumerate(tensions):
+            simulation.pull(finger, pulled)
+        for _ in range(round(seconds / PERIOD)):
+            simulation.advance(simulation.time + PERIOD)
+            watch.look()
 
 
 def below(simulation: Simulation) -> float:

@@ -90,3 +90,17 @@ def test_the_lightest_and_the_heaviest_balance_alike(mass):
 def test_a_margin_that_is_none_is_refused():
     with pytest.raises(ValueError, match="margin must be at least 0, got nan"):
         targets(THREE, Object(mass=0.1, friction=0.5, admissible_force=5.0), margin=np.nan)
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.1, 0.3])
+def test_leaning_faces_take_from_the_angle_of_friction(lean):
+    held = Object(mass=0.1, friction=0.5, admissible_force=50.0, lean=lean)
+    least = 0.1 * GRAVITY / (3 * np.tan(np.arctan(0.5) - lean))
+    assert targets(THREE, held).least == pytest.approx(least, rel=1 / INSIDE - 1 + 1e-9)
+
+
+def test_faces_that_lean_more_than_the_angle_of_friction_are_refused():
+    found = targets(THREE, Object(mass=0.01, friction=0.5, admissible_force=50.0, lean=0.5))
+    assert not found.exist and found.reason == "faces that may lean by 28.6 degrees slip at a friction of 0.5"
+    with pytest.raises(ValueError, match="lean must be from 0 to a right angle"):
+        Object(mass=0.01, friction=0.5, admissible_force=50.0, lean=-0.1)

@@ -39,6 +39,26 @@ def test_a_noisy_sensor_still_holds(surrogate):
     assert grasp.contact_forces == pytest.approx(np.ones(3), rel=0.03)
 
 
+def test_in_a_dead_band_nothing_is_corrected(surrogate):
+    """The fingers press a tenth harder than the model: a dead band leaves it so, without one it is corrected."""
+    options = {"flaws": Flaws(force_error=0.1), "squeeze_steps": 10, "approach_step": 0.5, "tolerance": 0.15}
+    left, corrected = (close(surrogate, (0.0, 0.0), 0.012, dead_band=band, **options) for band in (0.15, 0.0))
+    assert left.converged and corrected.converged
+    held = [pull.tensions for pull in left.history if pull.finger == 0 and pull.stage == "hold"]
+    assert all(tensions == held[0] for tensions in held[1:])
+    assert np.abs(left.contact_forces - 1).max() > 5 * np.abs(corrected.contact_forces - 1).max()
+    assert np.abs(left.contact_forces - 1).max() < 0.15
+
+
+def test_readings_are_believed_no_faster_than_a_finger_settles(surrogate):
+    options = GraspOptions(period=0.005, settling=0.05)
+    assert options.gain(1.0) == pytest.approx(0.1) and GraspOptions(period=0.005).gain(1.0) == 1.0
+    assert close(surrogate, (0.001, 0.0), 0.012, period=0.005, settling=0.05).converged
+    for wrong in ({"settling": -1.0}, {"dead_band": np.nan}):
+        with pytest.raises(ValueError, match="must be at least 0"):
+            GraspOptions(**wrong)
+
+
 def test_a_touch_that_was_noise_is_not_taken_for_the_object(surrogate):
     class Nervous(SimulatedPlant):
         def pull(self, tensions):

@@ -8,7 +8,7 @@ from control import Gripper  # noqa: E402
 from control.grasp_controller import GraspOptions  # noqa: E402
 from control.motion import Limits  # noqa: E402
 from control.mujoco import Simulation, attach, attach_gripper, plants  # noqa: E402
-from rom import Chain, Sphere, TouchedSegment  # noqa: E402
+from rom import Chain, Sphere, TouchedSegment, friction_history  # noqa: E402
 from rom.segment.inverse_map import InverseMap  # noqa: E402
 
 WALL = 0.010  # [m], the paper's d
@@ -17,7 +17,8 @@ SCENE = """
   <option timestep="{step}" gravity="0 0 {gravity}" cone="elliptic" impratio="10"/>
   <worldbody>
     <body name="palm" pos="0 0 0.1" euler="{euler}">
-      <geom name="wall" type="plane" pos="0 {wall} 0" zaxis="0 -1 0" size="1 1 1" friction="0 0 0"/>
+      <geom name="wall" type="plane" pos="0 {wall} 0" zaxis="0 -1 0" size="1 1 1" condim="4"
+            friction="{friction} 0.001 0.0001"/>
     </body>
   </worldbody>
 </mujoco>
@@ -46,8 +47,9 @@ def segment():
     return TouchedSegment.load().segment
 
 
-def before_a_wall(segment, step=0.001, gravity=0.0, euler="0 0 0", wall=0.005 + WALL):
-    spec = mujoco.MjSpec.from_string(SCENE.format(step=step, gravity=gravity, euler=euler, wall=wall))
+def before_a_wall(segment, step=0.001, gravity=0.0, euler="0 0 0", wall=0.005 + WALL, friction=0):
+    text = SCENE.format(step=step, gravity=gravity, euler=euler, wall=wall, friction=friction)
+    spec = mujoco.MjSpec.from_string(text)
     return compiled(spec, segment)
 
 
@@ -91,9 +93,28 @@ def test_half_the_step_changes_a_held_force_little(segment):
     assert forces[0] != forces[1]
 
 
+@pytest.mark.parametrize("friction", [0.3, 1.0])
+def test_a_finger_that_sticks_and_slides_feels_what_coulomb_s_law_says(segment, friction):
+    """Pulled to 34 N, let go to 31 N: it slides up, sticks, so that less tension presses harder, and slides down."""
+    pulled = [*np.linspace(24, 34, 21), *np.linspace(34, 31, 13)[1:]]
+    model = TouchedSegment.load()
+    history = friction_history(model, [[tension, 0.0, WALL + 0.003] for tension in pulled], friction, increments=2)
+    expected = np.array([one.contact_force for one in history])
+    simulation = before_a_wall(segment, wall=0.005 + WALL + 0.003, friction=friction)
+    simulation.rate, found = 20.0, []
+    rested(simulation, (24.0, 0.0), seconds=1.5)
+    for tension in pulled:
+        simulation.pull(0, (tension, 0.0))
+        simulation.advance(simulation.time + 0.5 / simulation.rate)
+        found.append(float(simulation.contact_forces()[0]))
+    assert np.abs(found - expected).max() < 0.05 * expected.max()
+    turned = pulled.index(34.0)
+    assert expected[turned + 4] > 1.1 * expected[turned] and found[turned + 4] > 1.1 * found[turned]
+
+
 def test_a_finger_rings_as_heavy_and_as_stiff_as_it_is(segment):
     """Released from a push, a plate rings at a frequency of its mass matrix and the map's stiffness."""
-    spec = mujoco.MjSpec.from_string(SCENE.format(step=2e-5, gravity=0.0, euler="0 0 0", wall=1.0))
+    spec = mujoco.MjSpec.from_string(SCENE.format(step=2e-5, gravity=0.0, euler="0 0 0", wall=1.0, friction=0))
     finger = attach(spec, segment, "palm", relaxation=0.0)
     simulation = Simulation(spec.compile(), [finger])
     yielding = segment.place(np.zeros(8)).motion[:, 2:]
@@ -161,7 +182,7 @@ def test_rubber_that_comes_near_is_noticed_as_by_the_map(segment, centre, radius
 
 def test_a_chain_rests_where_its_maps_have_it(segment):
     chain = Chain([segment, segment])
-    spec = mujoco.MjSpec.from_string(SCENE.format(step=0.001, gravity=0.0, euler="0 0 0", wall=1.0))
+    spec = mujoco.MjSpec.from_string(SCENE.format(step=0.001, gravity=0.0, euler="0 0 0", wall=1.0, friction=0))
     finger = attach(spec, chain, "palm")
     simulation = Simulation(spec.compile(), [finger])
     simulation.pull(0, [20.0, 8.0])
@@ -222,7 +243,7 @@ def test_what_is_too_slippery_for_a_force_is_left_behind(segment):
 
 
 def test_what_cannot_be_is_refused(segment):
-    spec = mujoco.MjSpec.from_string(SCENE.format(step=0.001, gravity=0.0, euler="0 0 0", wall=1.0))
+    spec = mujoco.MjSpec.from_string(SCENE.format(step=0.001, gravity=0.0, euler="0 0 0", wall=1.0, friction=0))
     for given, said in [
         ({"palm": "nobody"}, "palm must be a body"),
         ({"palm": "palm", "position": [0, np.nan, 0]}, "position must be"),

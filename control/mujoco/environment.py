@@ -1,0 +1,156 @@
+"""A gymnasium environment: three fingers pick up a solid that is not known, by changing their tensions.
+
+Needs the optional extras: pip install 'fingerfem[mujoco,gymnasium]'. Importing this registers fingerfem/Grasp-v0:
+
+    gymnasium.make_vec("control.mujoco.environment:fingerfem/Grasp-v0", num_envs=4, vectorization_mode="async")
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from control.gripper import Gripper
+from control.mujoco.simulation import Simulation
+from control.mujoco.solids import POSE_ERROR, SHAPES, random_solid
+from control.mujoco.table import table
+from rom import SegmentMap, TouchedSegment
+
+NAME = "fingerfem/Grasp-v0"
+LARGEST = 5.0  # [N]: a contact force that is observed as 1
+FELT = 4.0  # times that, above which no more is observed [-]
+HEIGHT = 0.05  # [m], to which the palm is lifted
+SOON = 5  # steps of 20 ms in a row whose mean force may crush
+DRAWS = 1000  # of solids, until one can be held
+CLOSES, LIFTS = 0.5, 0.75  # shares of an episode: until then the palm stays; until then it is lifted [-]
+
+
+class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
+    """A gripper above a solid of random shape, size, mass, friction, strength and place, which is lifted by itself.
+
+    In the first half of an episode the palm stays, then it is lifted by 50 mm, then it stays there. Observation: all
+    tensions over the largest, contact forces of the fingers over 5 N, height of the palm over 50 mm, share of the
+    episode; shape (fingers tensions + fingers + 2,) [-]. Action: change of every tension over `change`, shape (fingers
+    tensions,), in [-1, 1]. Reward: how much higher the solid has come over 50 mm, so that 1 is all there is; 1 less
+    if it is crushed, which ends the episode, as it does if the solid is lost. What is told besides: see `step`.
+
+    Args:
+        model: of every finger; the one that comes along if left out.
+        shapes: of control.mujoco.solids that are drawn.
+        change: most that a tension changes in a step [N].
+        steps: of an episode.
+        period: of a step [s].
+
+    Raises:
+        ValueError: shapes that there are not, a chain of segments, or numbers that are not above 0.
+    """
+
+    metadata = {"render_modes": []}
+
+    def __init__(
+        self,
+        model: TouchedSegment | None = None,
+        shapes: tuple[str, ...] = SHAPES,
+        change: float = 2.0,
+        steps: int = 200,
+        period: float = 0.02,
+    ):
+        model = model or TouchedSegment.load()
+        if not isinstance(model.segment, SegmentMap):
+            raise ValueError("model must be of one segment, got a chain")
+        if not shapes or not set(shapes) <= set(SHAPES):
+            raise ValueError(f"shapes must be of {', '.join(SHAPES)}, got {shapes}")
+        for name, value in (("change", change), ("steps", steps), ("period", period)):
+            if not 0 < value < np.inf:
+                raise ValueError(f"{name} must be above 0, got {value}")
+        self.gripper, self._segment = Gripper(model), model.segment
+        self._shapes, self.change, self._steps, self._period = shapes, change, steps, period
+        finger = self.gripper.fingers[0]
+        self._lower, self._upper = finger.lower, finger.upper
+        n, tensions = len(self.gripper.fingers), len(finger.lower)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (n * tensions,), np.float32)
+        high = np.concatenate([np.ones(n * tensions), np.full(n, FELT), [2.0, 1.0]]).astype(np.float32)
+        low = np.concatenate([np.zeros(n * tensions + n), [-1.0, 0.0]]).astype(np.float32)
+        self.observation_space = gymnasium.spaces.Box(low, high)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Draw a solid that can be held, and where the gripper stands above it; `options` may say its shape.
+
+        Returns:
+            the observation, see the class; and what is drawn: the solid, and where from [m].
+        """
+        super().reset(seed=seed)
+        shape = (options or {}).get("shape") or str(self.np_random.choice(self._shapes))
+        for _ in range(DRAWS):
+            self.solid = random_solid(self.np_random, shape)
+            turn = self.solid.best_turn(self.gripper.directions)
+            held = self.solid.turned(turn).held(self.gripper.directions)
+            if self.gripper.targets(held, margin=0.2).exist:
+                break
+        else:
+            raise ValueError(f"shape must be one that can be held now and then, got {shape!r}")
+        error = self.np_random.standard_normal(3)
+        error *= POSE_ERROR * self.np_random.random() ** (1 / 3) / np.linalg.norm(error)
+        self.simulation: Simulation = table(self.gripper, self._segment, self.solid, error, turn)
+        self._tensions = np.tile(self._lower, (len(self.gripper.fingers), 1))
+        self._taken, self._past = 0, [np.zeros(len(self.gripper.fingers))]
+        self._rest = self._height = float(self.simulation.data.body("object").xpos[2])
+        return self._observation(), {"solid": self.solid, "error": error}
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Change the tensions; what is felt a period later.
+
+        Returns:
+            observation, reward, whether it was crushed or lost, whether the time is over, and besides: the true contact
+            forces [N], how high the solid was lifted [m], whether it is crushed, and whether a finger left what its map
+            was trained for.
+        """
+        wanted = np.asarray(action, float)
+        if wanted.shape != self.action_space.shape or not np.isfinite(wanted).all():
+            raise ValueError(f"action must be {self._tensions.size} finite numbers, got {action}")
+        change = self.change * np.clip(wanted, -1.0, 1.0).reshape(self._tensions.shape)
+        self._tensions = np.clip(self._tensions + change, self._lower, self._upper)
+        simulation, self._taken = self.simulation, self._taken + 1
+        for finger, tensions in enumerate(self._tensions):
+            simulation.pull(finger, tensions)
+        simulation.data.ctrl[2] = HEIGHT * np.clip((self.elapsed - CLOSES) / (LIFTS - CLOSES), 0.0, 1.0)
+        lost = False
+        try:
+            simulation.advance(self._taken * self._period)
+        except FloatingPointError:
+            lost = True
+        self._past = [*self._past[1 - SOON :], simulation.contact_forces()]
+        crushed = bool(np.mean(self._past, axis=0).max() > self.solid.admissible_force)
+        height = self._height if lost else float(simulation.data.body("object").xpos[2])
+        reward, self._height = float(np.clip((height - self._height) / HEIGHT, -1.0, 1.0)), height
+        told = {
+            "contact_forces": self._past[-1],
+            "lifted": height - self._rest,
+            "crushed": crushed,
+            "beyond": bool((simulation.left | simulation.lost | simulation.rubbed).any()),
+        }
+        return self._observation(), reward - crushed, crushed or lost, self._taken >= self._steps, told
+
+    @property
+    def elapsed(self) -> float:
+        """Share of the episode that is over [-]."""
+        return self._taken / self._steps
+
+    @property
+    def period(self) -> float:
+        """Of a step [s]."""
+        return self._period
+
+    def _observation(self) -> np.ndarray:
+        felt = np.clip(self.simulation.contact_forces() / LARGEST, 0.0, FELT)
+        height = np.clip(self.simulation.data.qpos[2] / HEIGHT, -1.0, 2.0)
+        scaled = (self._tensions / np.maximum(self._upper, 1e-9)).ravel()
+        return np.array([*scaled, *felt, height, min(self.elapsed, 1.0)], np.float32)
+
+
+if NAME not in gymnasium.registry:
+    gymnasium.register(id=NAME, entry_point="control.mujoco.environment:GraspEnvironment")

@@ -1,0 +1,60 @@
+"""The task of docs/grasping.md: solids are picked up, and what is not to be is refused or let go; its physics."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco")
+
+from control.mujoco.solids import SHAPES
+from rom import TouchedSegment
+from studies.grasping import physics
+from studies.grasping.moments import moment
+from studies.grasping.task import attempt, trial
+
+
+@pytest.fixture(scope="module")
+def model():
+    return TouchedSegment.load()
+
+
+@pytest.mark.parametrize("number", [11, 12, 13])
+def test_a_solid_is_lifted_turned_and_put_down(model, number):
+    row = attempt(model, trial(number, SHAPES[number % 5]))
+    assert row["fate"] == "held"
+    assert max(map(abs, row["slips"].values())) < 1e-3
+    assert row["hardest"] < row["admissible_force"]
+    assert not (row["left"] or row["lost"] or row["rubbed"])
+
+
+def test_what_cannot_be_held_is_refused_before_anything_moves(model):
+    row = attempt(model, trial(0, "box"))
+    assert (row["fate"] == "refused" and "N" in row["reason"]) or "slip" in row["reason"]
+    assert "closing_seconds" not in row
+
+
+def test_a_moment_s_wrench_is_its_contact_force_and_what_follows(model):
+    one, seen = trial(12, "cylinder"), []
+
+    def look(simulation):
+        if simulation.time > 3.0 and not seen:
+            seen.append(moment(simulation, one.solid, 1))
+
+    attempt(model, one, [look])
+    (found,) = seen
+    pressed = np.array(found["wrench"]) - found["following"]
+    assert np.linalg.norm(pressed[:3]) == pytest.approx(found["contact_force"], rel=1e-9)
+    assert found["obstacle"]["shape"] == "cylinder" and not found["beyond"]
+    assert found["friction"] < 1.0 * found["contact_force"]
+
+
+def test_closed_loops_do_no_work(model):
+    assert physics.pose_loop(model.segment)["share"] < 1e-3
+    assert physics.tension_loop(model.segment, seconds=10.0)["share"] < 1e-3
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.6])
+def test_a_plate_slides_at_the_angle_of_friction(model, friction):
+    found = physics.sliding(model.segment, friction)
+    assert found["sliding_median"] == pytest.approx(found["angle"], rel=0.03)
+    assert found["largest"] <= found["angle"] * (1 + 1e-6)
+    assert found["creep"] < 0.25 * physics.DRAG
