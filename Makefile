@@ -71,8 +71,10 @@ wheel:
 
 # All generated pages of docs/, README's numbers and the front that presets choose from: some two hours on two cores. What is
 # measured is kept in out/docs, so that the same command goes on after an interruption; python3 -m studies.runner NAME makes one page.
-# Other packages, which the surrogate is compared with, come from PyPI, in an environment beside.
-docs: readme out/docs/others/ready
+# MuJoCo, whose pictures need EGL, and other packages, which the surrogate is compared with, come from PyPI, in environments beside.
+docs: readme out/docs/others/ready .venv/ready
+	@$(AS_ROOT) && apt-get install -qy --no-install-recommends libegl1 libgl1-mesa-dri libopengl0 >/dev/null || true
+	OPENBLAS_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" .venv/bin/python -m studies.grasping.simulated
 	$(MEASURED) python3 -m studies.runner
 	FINGERFEM_COMMIT="$(COMMIT)" out/docs/others/bin/python -m studies.surrogate.others
 	$(MEASURED) python3 -m studies.runner surrogate

@@ -36,8 +36,8 @@ class GraspOptions:
         tolerance: a held force this near its target is held [-].
         period: from pull to pull [s], for ages of readings and rates of tensions.
         settling: in which a finger follows its tensions [s]; no faster are readings believed.
-        dead_band: a force this near its target is not corrected [-]. With friction it is wanted: whoever turns round
-            feels the contact stick, and the force change the wrong way at first.
+        dead_band: a force this near its target is not corrected, at most the tolerance [-]. With friction it is wanted:
+            whoever turns round feels the contact stick, and the force change the wrong way at first.
         patience: pulls without a usable reading before a sensor counts as failed.
         pulls: most of a finger.
     """
@@ -62,6 +62,8 @@ class GraspOptions:
         for name, unit in (("settling", " s"), ("dead_band", "")):
             if not 0 <= getattr(self, name) < np.inf:
                 raise ValueError(f"{name} must be at least 0{unit}, got {getattr(self, name)}")
+        if self.dead_band > self.tolerance:
+            raise ValueError(f"dead_band must be at most the tolerance, {self.tolerance:g}, got {self.dead_band:g}")
 
     def gain(self, target: float) -> float:
         """Share of a reading's news that is believed: noise then moves the held force by a third of its tolerance."""

@@ -39,6 +39,7 @@ STUDIES = (
     "control",
     "tradeoff",
     "segment",
+    "grasping",
     "coverage",
     "extremes",
     "required",

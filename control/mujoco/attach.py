@@ -21,6 +21,10 @@ FAST = 2.0  # time constant of contacts, in steps: MuJoCo's least
 # round [m], and touches what is as near.
 SKIN = 3e-6
 
+# Whatever a model's defaults are for others.
+FREE = {"damping": 0.0, "stiffness": 0.0, "armature": 0.0, "frictionloss": 0.0, "limited": 0, "actfrclimited": 0}
+TOUCHES = {"contype": 1, "conaffinity": 1, "condim": 3, "priority": 0, "gap": 0.0}
+
 
 @dataclass(frozen=True)
 class Attached:
@@ -108,8 +112,8 @@ def attach(
         _weigh(body, mass, centre, own)
         names = tuple(f"{body.name} {kind}" for kind in ("x", "y", "z", "turn"))
         for joint, axis in zip(names[:3], np.eye(3), strict=True):
-            body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
-        body.add_joint(name=names[3], type=mujoco.mjtJoint.mjJNT_BALL)
+            body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, **FREE)
+        body.add_joint(name=names[3], type=mujoco.mjtJoint.mjJNT_BALL, **FREE)
         joints.append(names)
         body.add_geom(
             name=body.name,
@@ -118,6 +122,7 @@ def attach(
             margin=SKIN,
             mass=0.0,
             friction=[friction, 0.0, 0.0],
+            **TOUCHES,
             solref=[FAST * spec.option.timestep, 1.0],
             solimp=STIFF,
             solmix=1e6,  # how stiff a contact is, its plate says
@@ -129,9 +134,8 @@ def attach(
             type=mujoco.mjtGeom.mjGEOM_BOX,
             size=half,
             mass=0.0,
-            contype=0,
-            conaffinity=0,
             group=5,
+            **dict.fromkeys(TOUCHES, 0) | {"condim": 3},
         )
     return Attached(name, chain, tuple(plates), tuple(joints), relaxation)
 

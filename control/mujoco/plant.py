@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from numpy.typing import ArrayLike
 
@@ -24,7 +25,7 @@ class MujocoPlant:
         simulation: that it is in.
         finger: which of its fingers.
         period: from pull to pull [s].
-        flaws: of its sensor; none if left out.
+        flaws: of its sensor, whose readings come with this period; none if left out.
         seed: of the noise.
     """
 
@@ -35,10 +36,9 @@ class MujocoPlant:
             raise ValueError(f"period must be at least a step, {simulation.model.opt.timestep:g} s, got {period:g} s")
         self.contact_force, self.age = 0.0, 0.0
         self._simulation, self._finger, self._period = simulation, finger, period
-        self._sensor = Sensor(flaws or Flaws(period=period), seed)
+        self._sensor = Sensor(replace(flaws or Flaws(), period=period), seed)
         self._turn = period * (finger + 1) / len(simulation.fingers)
-        self._begun: float | None = None
-        self._pulls = 0
+        self._begun: float | None = None  # of its next period [s]
 
     def pull(self, tensions: ArrayLike) -> float:
         """See control.plant.Plant.
@@ -46,13 +46,13 @@ class MujocoPlant:
         Raises:
             ValueError: tensions that the map was not trained for.
         """
-        simulation = self._simulation
-        if self._begun is None:
-            period = self._period
-            self._begun = period * int(simulation.time / period + 1e-9)
+        simulation, period = self._simulation, self._period
+        begun = period * int(simulation.time / period + 1e-9)
+        if self._begun is None or not -1 <= round((begun - self._begun) / period) <= 0:
+            self._begun = begun  # the first pull, or time has gone on or begun anew without this finger
         simulation.pull(self._finger, tensions)
-        simulation.advance(self._begun + self._pulls * self._period + self._turn)
-        self._pulls += 1
+        simulation.advance(self._begun + self._turn)
+        self._begun += period
         self.contact_force = float(simulation.contact_forces()[self._finger])
         felt, self.age = self._sensor.read(self.contact_force), self._sensor.age
         return felt

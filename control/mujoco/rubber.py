@@ -24,10 +24,14 @@ class Rubber:
         segment: its map.
         plate: name of its plate's body.
         own: which geoms belong to the finger, shape (geoms,).
+        first: whether it begins in the clamp, not on another plate.
     """
 
-    def __init__(self, model: mujoco.MjModel, segment: SegmentMap, plate: str, own: np.ndarray):
+    def __init__(self, model: mujoco.MjModel, segment: SegmentMap, plate: str, own: np.ndarray, first: bool):
         self._segment, self._body = segment, model.body(plate).id
+        self._before, half = model.body_parentid[self._body], segment.half_lengths
+        y, z = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([-1.0, 1.0, -1.0, 1.0])
+        self._begins = np.column_stack([np.full(4, 0.0 if first else half[0]), half[1] * y, half[2] * z])
         self._probe = model.geom(f"{plate} rubber").id
         collides = (model.geom_contype > 0) | (model.geom_conaffinity > 0)
         others = collides & ~own & (np.arange(model.ngeom) != self._probe)
@@ -35,10 +39,17 @@ class Rubber:
         self._planes, self._others = np.flatnonzero(others & flat), np.flatnonzero(others & ~flat)
         self._bounds = model.geom_rbound[self._others]
 
+    def boxes(
+        self, data: mujoco.MjData, inputs: np.ndarray, count: int
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        """The rubber from where it begins to the plate, see `rom.segment.native.rubber_boxes`."""
+        begins = data.xpos[self._before] + self._begins @ data.xmat[self._before].reshape(3, 3).T
+        rotation = data.xmat[self._body].reshape(3, 3)
+        return rubber_boxes(self._segment.struct, inputs, begins, data.xpos[self._body], rotation, count)
+
     def gap(self, model: mujoco.MjModel, data: mujoco.MjData, inputs: np.ndarray) -> float:
         """Least distance from anything, at tensions and wrench, shape (t + 6,) [m]; infinite if nothing is near."""
-        rotation = data.xmat[self._body].reshape(3, 3)
-        boxes = rubber_boxes(self._segment.struct, inputs, data.xpos[self._body], rotation, BOXES)
+        boxes = self.boxes(data, inputs, BOXES)
         if boxes is None:
             return np.inf
         centres, halves, axes = boxes

@@ -76,11 +76,12 @@ class Simulation:
             beyond.
         lost: likewise, whether it was where its map has no pose. Its force is then linear about where it was last
             known; nothing that it touches is to be believed.
-        rubbed: likewise, whether its rubber may have touched something, by a look every 5 ms when `advance` ends: the
-            map knows of plates that touch alone.
+        rubbed: likewise, whether its rubber may have touched something, by a look every 5 ms of `advance`: the map
+            knows of plates that touch alone.
 
     Args:
-        model: compiled after all fingers were attached.
+        model: compiled after all fingers were attached. Its contacts are solved with elliptic cones, an impratio of at
+            least 100 and without islands, and nothing resets it by itself.
         fingers: as `attach` returned them, all with the same number of tensions.
         rate: most that a motor changes its tension [N/s].
         coulomb: whether plates slide by Coulomb's law; else by MuJoCo's own relaxation of it, which takes less time.
@@ -107,16 +108,17 @@ class Simulation:
         self.wanted = np.zeros((len(fingers), len(fingers[0].chain.tensions)))
         self.tensions = np.zeros_like(self.wanted)
         self.springs = [spring for k, one in enumerate(fingers) for spring in self._springs_of(k, one)]
-        self._finger_of = np.full(model.ngeom, -1)
+        self._finger_of = np.full(model.ngeom + 1, -1)  # by geom; the last one for none, as of a flex
         for spring in self.springs:
             first = model.body_geomadr[spring.body]
             self._finger_of[first : first + model.body_geomnum[spring.body]] = spring.finger
-        plates = self._finger_of >= 0
+        plates = self._finger_of[:-1] >= 0
         model.geom_solref[plates, 0] = FAST * model.opt.timestep
         self.reset()
 
     def _springs_of(self, finger: int, attached: Attached) -> list[Spring]:
-        model, chain, found = self.model, attached.chain, []
+        model, chain = self.model, attached.chain
+        found: list[Spring] = []
         own = np.isin(model.geom_bodyid, [model.body(plate).id for plate in attached.plates])
         for segment, plate, joints in zip(chain.segments, attached.plates, attached.joints, strict=True):
             joint = model.joint(joints[0]).id
@@ -138,7 +140,7 @@ class Simulation:
                     inertia=inertia,
                     offset=segment.rest,
                     relaxation=attached.relaxation,
-                    rubber=Rubber(model, segment, plate, own),
+                    rubber=Rubber(model, segment, plate, own, first=not found),
                     held=Held(np.zeros(7), np.zeros(6), np.zeros(6), np.zeros((6, 6))),
                 )
             )
@@ -207,15 +209,18 @@ class Simulation:
 
     def advance(self, time: float) -> None:
         """Step until a time [s]."""
-        while self.data.time < time - 0.5 * self.model.opt.timestep:
+        half = 0.5 * self.model.opt.timestep
+        while self.data.time < time - half:
             self.step()
-        if self.data.time < self._looked + LOOKING - 0.5 * self.model.opt.timestep:
-            return
-        self._looked = self.data.time
-        self.rubbed |= self.rubber_gaps() < [one.chain.skin_error for one in self.fingers]
+            if self.data.time > self._looked + LOOKING - half:
+                self._looked = self.data.time
+                self.rubbed |= self.rubber_gaps() < [one.chain.skin_error for one in self.fingers]
 
     def rubber_gaps(self) -> np.ndarray:
-        """Least distance of every finger's rubber from what is no part of it, shape (fingers,) [m]; inf beyond 3 mm."""
+        """Least distance of every finger's rubber from what is no finger's rubber, shape (fingers,) [m].
+
+        Infinite beyond 3 mm. The finger's own plates are left out.
+        """
         found = np.full(len(self.fingers), np.inf)
         for spring in self.springs:
             inputs = np.concatenate([self.tensions[spring.finger, spring.pulled], spring.inverse.wrench])
@@ -224,14 +229,17 @@ class Simulation:
         return found
 
     def contact_forces(self) -> np.ndarray:
-        """What presses on every finger's plates, normal to where it touches, shape (fingers,) [N]."""
+        """What presses on every finger's plates, normal to where it touches, shape (fingers,) [N].
+
+        Where two fingers touch, both feel it; where two plates of one do, it counts once.
+        """
         found, force = np.zeros(len(self.fingers)), np.zeros(6)
         for k, pair in enumerate(self.data.contact.geom):
             fingers = self._finger_of[pair]
             if fingers.max() < 0:
                 continue
             mujoco.mj_contactForce(self.model, self.data, k, force)
-            for finger in fingers[fingers >= 0]:
+            for finger in set(fingers[fingers >= 0].tolist()):
                 found[finger] += force[0]
         return found
 

@@ -13,7 +13,7 @@ from control.mujoco.environment import LARGEST, NAME, GraspEnvironment
 from studies.grasping.closing import GENTLY, Closing
 from studies.runner import Run
 
-EPISODES, QUICK_EPISODES = 60, 4
+EPISODES, QUICK_EPISODES = 40, 4
 LIFTED = 0.045  # of 50 mm [m]
 FORCES = (0.5, 1.0, 2.0)  # that the controllers hold, whatever stands there [N]
 TIMED, ENVIRONMENTS = 150, 2  # steps that are timed; of environments at once

@@ -16,7 +16,6 @@ from PIL import Image
 from control.mujoco import Simulation
 from control.mujoco.solids import SHAPES
 from rom import TouchedSegment
-from rom.segment.native import rubber_boxes
 from studies.grasping.task import LIFT, PERIOD, attempt, trial
 from studies.runner import Run
 
@@ -124,35 +123,34 @@ def rubber(simulation: Simulation) -> list[tuple[np.ndarray, ...]]:
     """Thin boxes that fill all fingers from palm to plates: middle, half lengths [m], axes in columns."""
     data, found = simulation.data, []
     for spring in simulation.springs:
-        segment, clamp = spring.inverse.segment, data.xmat[simulation.model.body_parentid[spring.body]].reshape(3, 3)
-        place, plate = data.xpos[spring.body], data.xmat[spring.body].reshape(3, 3)
+        segment, before = spring.inverse.segment, simulation.model.body_parentid[spring.body]
+        clamp, plate = data.xmat[before].reshape(3, 3), data.xmat[spring.body].reshape(3, 3)
         inputs = np.concatenate([simulation.tensions[spring.finger, spring.pulled], spring.inverse.wrench])
-        known = rubber_boxes(segment.struct, inputs, place, plate, segment.struct.stations - 1)
+        known = spring.rubber.boxes(data, inputs, segment.struct.stations + 1)
         if known is not None:
-            begun = data.xpos[simulation.model.body_parentid[spring.body]]
-            ends = [begun - INTO * clamp[:, 0], begun, place - segment.half_lengths[0] * plate[:, 0]]
-            found += smooth(known, np.array(ends), np.array([clamp, plate]), segment.half_lengths)
+            palm = data.xpos[before] - INTO * clamp[:, 0]
+            found += smooth(known, palm, np.array([clamp, plate]), segment.half_lengths)
     return found
 
 
-def smooth(known: tuple[np.ndarray, ...], ends: np.ndarray, frames: np.ndarray, half: np.ndarray) -> list[tuple]:
+def smooth(known: tuple[np.ndarray, ...], palm: np.ndarray, frames: np.ndarray, half: np.ndarray) -> list[tuple]:
     """A segment's rubber in BOXES boxes along a smooth curve.
 
     Args:
         known: it as boxes, at whose ends its places are known: middles, half lengths, axes in columns.
-        ends: points in the palm, of the clamp, of the plate, shape (3, 3) [m].
+        palm: a point in it, shape (3,) [m].
         frames: axes of the clamp and of the plate, in columns, shape (2, 3, 3).
         half: lengths of its section there, the second and the third [m].
     """
     middles, halves, axes = known
     reach = halves[:, :1] * axes[:, :, 0]
-    points = np.vstack([ends[:2], middles - reach, middles[-1] + reach[-1], ends[2]])
+    points = np.vstack([palm, middles - reach, middles[-1] + reach[-1]])
     at = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     at = 2 * at / at[-1] - 1
     cuts = np.linspace(-1, 1, BOXES + 1)
     line = chebval(cuts, chebfit(at, points, 7)).T
     # The sections' sizes and sides, which change little, are known at the boxes' middles.
-    there = np.concatenate([at[:1], (at[2:-2] + at[3:-1]) / 2, at[-1:]])
+    there = np.concatenate([at[:1], (at[1:-1] + at[2:]) / 2, at[-1:]])
     values = np.hstack([np.vstack([half, halves, half])[:, 1:], np.vstack([frames[:1], axes, frames[1:]])[:, :, 1]])
     sections = chebval((cuts[1:] + cuts[:-1]) / 2, chebfit(there, values, 3)).T
     found = []

@@ -57,6 +57,8 @@ def test_readings_are_believed_no_faster_than_a_finger_settles(surrogate):
     for wrong in ({"settling": -1.0}, {"dead_band": np.nan}):
         with pytest.raises(ValueError, match="must be at least 0"):
             GraspOptions(**wrong)
+    with pytest.raises(ValueError, match=r"dead_band must be at most the tolerance, 0\.005, got 0\.15"):
+        GraspOptions(dead_band=0.15)
 
 
 def test_a_touch_that_was_noise_is_not_taken_for_the_object(surrogate):

@@ -118,19 +118,35 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     return least;
 }
 
-/* Corners of the rubber's section at a share of its length between clamp and the last place that is known. */
-static void section_at(const fingerfem_segment *segment, const float *points, double share, const double *centre,
-                       const double *rotation, double (*corners)[3])
+/* Corners of a section: number 0 is where the rubber begins, then come its stations, then the plate's back. */
+static void section(const fingerfem_segment *segment, const float *points, const double *begins, int number, const double *centre,
+                    const double *rotation, double (*corners)[3])
 {
-    const double place = share * (segment->stations - 1);
-    const int first = place < segment->stations - 1 ? (int)place : segment->stations - 2;
+    if (number == 0) {
+        memcpy(corners, begins, 3 * EDGES * sizeof *begins);
+        return;
+    }
     for (int edge = 0; edge < EDGES; edge++) {
-        const float *one = points + 3 * (EDGES * first + edge), *next = one + 3 * EDGES;
-        double seen[3];
-        for (int i = 0; i < 3; i++) seen[i] = one[i] + (place - first) * (next[i] - one[i]);
+        const double *half = segment->half_lengths;
+        double seen[3] = {-half[0], edge & 2 ? half[1] : -half[1], edge & 1 ? half[2] : -half[2]};
+        for (int i = 0; i < 3 && number <= segment->stations; i++) seen[i] = points[3 * (EDGES * (number - 1) + edge) + i];
         for (int i = 0; i < 3; i++)
             corners[edge][i] = centre[i] + rotation[3 * i] * seen[0] + rotation[3 * i + 1] * seen[1] + rotation[3 * i + 2] * seen[2];
     }
+}
+
+/* Corners of the section at a share of the way over all of them. */
+static void section_at(const fingerfem_segment *segment, const float *points, const double *begins, double share,
+                       const double *centre, const double *rotation, double (*corners)[3])
+{
+    const int last = segment->stations + 1;
+    const double place = share * last;
+    const int first = place < last ? (int)place : last - 1;
+    double next[EDGES][3];
+    section(segment, points, begins, first, centre, rotation, corners);
+    section(segment, points, begins, first + 1, centre, rotation, next);
+    for (int edge = 0; edge < EDGES; edge++)
+        for (int i = 0; i < 3; i++) corners[edge][i] += (place - first) * (next[edge][i] - corners[edge][i]);
 }
 
 /* Make a vector's length 1; returns it. */
@@ -141,18 +157,18 @@ static double unit(double *vector)
     return length;
 }
 
-int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *centre,
+int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *begins, const double *centre,
                            const double *rotation, int count, double *centres, double *halves, double *axes)
 {
     float points[segment->skin_numbers + 1];
     double sections[2][EDGES][3];
-    if (!segment->skin_terms || segment->stations < 2) return 0;
+    if (!segment->skin_terms) return 0;
     skin(segment, inputs, points);
-    section_at(segment, points, 0.0, centre, rotation, sections[0]);
+    section_at(segment, points, begins, 0.0, centre, rotation, sections[0]);
     for (int k = 0; k < count; k++) {
         const double(*before)[3] = sections[k % 2], (*after)[3] = sections[(k + 1) % 2];
         double x[3], y[3], depth[3], along = 0.0;
-        section_at(segment, points, (k + 1.0) / count, centre, rotation, sections[(k + 1) % 2]);
+        section_at(segment, points, begins, (k + 1.0) / count, centre, rotation, sections[(k + 1) % 2]);
         for (int i = 0; i < 3; i++) {
             double both[EDGES];
             for (int edge = 0; edge < EDGES; edge++) both[edge] = 0.5 * (before[edge][i] + after[edge][i]);

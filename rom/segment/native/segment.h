@@ -121,10 +121,10 @@ double fingerfem_touch_error(const fingerfem_touching *touching, const double *o
  * map knows nothing of rubber that touches: what may touch, below skin_error, is no answer. */
 double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench);
 
-/* The rubber of a segment as boxes, one after another from clamp to plate: the centre, (3) [m], half lengths, (3) [m], and
- * axes, (3, 3), of each of `count`, by inputs, (tensions + 6), and the place of its plate; `count` at most as many as it
- * has places. Returns 0 where nothing is known of it. */
-int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *centre,
+/* The rubber of a segment as boxes, one after another: the centre, (3) [m], half lengths, (3) [m], and axes, (3, 3), of each
+ * of `count`, by inputs, (tensions + 6), the corners of the section where it begins, (4, 3) [m], with -y -z, -y z, y -z and
+ * y z, and the place of its plate. Returns 0 where nothing is known of it. */
+int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *begins, const double *centre,
                            const double *rotation, int count, double *centres, double *halves, double *axes);
 
 /* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, of which by_objects

@@ -4,7 +4,7 @@ from scipy.spatial.transform import Rotation
 
 mujoco = pytest.importorskip("mujoco")
 
-from control import Gripper  # noqa: E402
+from control import Flaws, Gripper  # noqa: E402
 from control.grasp_controller import GraspOptions  # noqa: E402
 from control.motion import Limits  # noqa: E402
 from control.mujoco import Simulation, attach, attach_gripper, plants  # noqa: E402
@@ -87,6 +87,33 @@ def test_the_rotation_of_the_mount_does_not_matter(segment):
     assert rested(turned, (30.0, 5.0)) == pytest.approx(rested(upright, (30.0, 5.0)), rel=1e-6)
 
 
+def test_a_model_s_defaults_for_others_do_not_reach_the_finger(segment):
+    hostile = '<default><joint damping="1" armature="0.01"/><geom contype="0" condim="1" gap="0.001"/></default>'
+    forces = []
+    for defaults in ("", hostile):
+        text = SCENE.format(step=0.001, gravity=0.0, euler="0 0 0", wall=0.005 + WALL, friction=0)
+        text = text.replace("<worldbody>", f"{defaults}<worldbody>").replace(
+            'condim="4"', 'condim="4" contype="1" gap="0"'
+        )
+        forces.append(rested(compiled(mujoco.MjSpec.from_string(text), segment), (30.0, 0.0)))
+    assert forces[0] == pytest.approx(forces[1], rel=1e-9) and forces[0] > 1
+
+
+def test_plants_go_on_when_the_user_has_let_time_pass_or_begun_anew(segment):
+    simulation = before_a_wall(segment)
+    (plant,) = plants(simulation, period=0.01, flaws=Flaws(delay=2))
+    for _ in range(5):
+        plant.pull((10.0, 0.0))
+    assert simulation.time == pytest.approx(0.05) and plant.age == pytest.approx(0.02)
+    simulation.advance(1.0)
+    plant.pull((10.0, 0.0))
+    plant.pull((10.0, 0.0))
+    assert simulation.time == pytest.approx(1.02)
+    simulation.reset()
+    plant.pull((10.0, 0.0))
+    assert simulation.time == pytest.approx(0.01)
+
+
 def test_half_the_step_changes_a_held_force_little(segment):
     forces = [rested(before_a_wall(segment, step=step, gravity=-9.81), (30.0, 5.0)) for step in (0.001, 0.0005)]
     assert abs(forces[0] / forces[1] - 1) < 0.01
@@ -136,7 +163,7 @@ def test_nothing_is_ever_nan_whatever_is_done_to_a_plate(segment, tmp_path, monk
     monkeypatch.chdir(tmp_path)  # MuJoCo writes its warnings to where it runs
     random = np.random.default_rng(22)
     simulation = before_a_wall(segment, euler="200 30 -80", gravity=-9.81)
-    body = simulation.model.body("finger plate 0").id
+    body, ended = simulation.model.body("finger plate 0").id, 0
     for _ in range(20):
         simulation.reset()
         simulation.pull(0, random.uniform(0, 100, 2))
@@ -145,9 +172,11 @@ def test_nothing_is_ever_nan_whatever_is_done_to_a_plate(segment, tmp_path, monk
             simulation.advance(0.05)
         except FloatingPointError as error:
             assert "shorter step" in str(error)
+            ended += 1
             continue
         assert np.isfinite(simulation.data.qpos).all() and np.isfinite(simulation.contact_forces()).all()
         assert np.isfinite(simulation.wrenches()[0]).all()
+    assert ended <= 2
 
 
 def test_a_push_beyond_what_was_trained_is_marked(segment):
@@ -166,13 +195,19 @@ def test_a_push_beyond_what_was_trained_is_marked(segment):
         ((0.040, 0.0200, 0.002), 0.008, True),
         ((0.025, -0.010, 0.0), 0.006, False),
         ((0.020, 0.0, 0.012), 0.006, False),
+        ("beside the plate's back", 0.0005, True),
     ],
 )
 def test_rubber_that_comes_near_is_noticed_as_by_the_map(segment, centre, radius, touches):
+    if isinstance(centre, str):  # 1.5 mm behind the plate's middle the rubber is no station's
+        placed = segment.place([20.0, 5.0, *np.zeros(6)])
+        centre = tuple(placed.centre + placed.rotation @ [-0.0015, 0.0053, 0.0])
     ball = f'<geom type="sphere" size="{radius}" pos="{centre[0]} {centre[1]} {centre[2]}"/>'
     scene = f'<mujoco><option gravity="0 0 0"/><worldbody><body name="palm"/>{ball}</worldbody></mujoco>'
     simulation = compiled(mujoco.MjSpec.from_string(scene), segment)
     rested(simulation, (20.0, 5.0))
+    simulation.rubbed[:] = False  # by what it passed on its way
+    simulation.advance(simulation.time + 0.01)
     object_ = Sphere(centre=centre, radius=radius, direction=(0, 1, 0), distances=(-0.01, 0.02))
     model = TouchedSegment(segment=segment, obstacle=object_)
     expected = model.rubber_gap(np.array([20.0, 5.0, 0.0]), simulation.wrenches()[0].ravel())

@@ -1,0 +1,97 @@
+"""The pictures and tables of docs/grasping.md."""
+
+from __future__ import annotations
+
+import shutil
+from collections import Counter
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from studies.runner import DOCS
+
+FATES = ("held", "let go", "dropped", "crushed", "refused")
+REASONS = {  # beginnings of why a solid was not lifted, for people
+    "rubber": "rubber may have touched, which the map does not know",
+    "finds": "a finger found its face more than 8 mm from where it should be: the solid has moved or tipped",
+    "no_contact": "a finger felt nothing up to its highest tension",
+    "lost_contact": "a finger lost what it had felt",
+    "sensor_failed": "a force did not answer to tension",
+    "unreachable": "a finger could not press so hard there",
+    "out_of_domain": "a finger could not press so hard there",
+    "": "a finger did not come to hold its force in time",
+}
+
+
+def prepare(found: dict, folder: Path) -> dict:
+    """Draw, and count by shape and by reason."""
+    for part in found["pictures"].values():
+        shutil.copy(folder / part["file"], DOCS / part["file"])
+    histories(found["physics"]["coulomb"])
+    moments(found["full_order"]["rows"])
+    rows = found["grasps"]["rows"]
+    accepted = [row for row in rows if row["fate"] != "refused"]
+    lifted = [row for row in rows if row["fate"] in ("held", "dropped") or "slips" in row]
+    held = [row for row in rows if row["fate"] == "held"]
+    refused = [row for row in rows if row["fate"] == "refused"]
+    return {
+        "fates": FATES,
+        "shapes": by_shape(rows),
+        "counts": Counter(row["fate"] for row in rows),
+        "total": len(rows),
+        "accepted": len(accepted),
+        "lifted": len(lifted),
+        "impossible": sum("are crushed above" in row["reason"] and row["impossible"] for row in refused),
+        "leaning": sum("lean" in row["reason"] for row in refused),
+        "let_go": reasons([row for row in rows if row["fate"] == "let go"]),
+        "failures": [row for row in rows if row["fate"] in ("dropped", "crushed")],
+        "slip": max(max(map(abs, row["slips"].values())) for row in held),
+        "slip_median": float(np.median([max(map(abs, row["slips"].values())) for row in held])),
+        "force_error": float(np.median([row["force_error"] for row in held])),
+        "force_error_p95": float(np.percentile([row["force_error"] for row in held], 95)),
+        "hardest": max(row["hardest"] / row["admissible_force"] for row in held),
+        "stood": sum(row["tilt"] < np.radians(10) for row in held),
+        "seconds": float(np.median([row["closing_seconds"] for row in held])),
+        "marked": sum(row["left"] or row["lost"] or row["rubbed"] for row in held),
+    }
+
+
+def by_shape(rows: list[dict]) -> list[dict]:
+    """Numbers of fates of every shape."""
+    shapes = dict.fromkeys(row["shape"] for row in rows)
+    return [{"shape": shape} | Counter(row["fate"] for row in rows if row["shape"] == shape) for shape in shapes]
+
+
+def reasons(rows: list[dict]) -> list[tuple[str, int]]:
+    """Why solids were let go, most frequent first."""
+    words = [next(text for key, text in REASONS.items() if key in row["reason"]) for row in rows]
+    return Counter(words).most_common()
+
+
+def histories(rows: list[dict]) -> None:
+    """Contact force along histories of tensions, by three ways to follow Coulomb's law."""
+    figure, every = plt.subplots(1, len(rows), figsize=(10, 3.2), layout="constrained")
+    for axes, row in zip(every, rows, strict=True):
+        axes.plot(row["tension"], row["mujoco"], color="tab:orange", lw=1, label="MuJoCo's contacts alone")
+        axes.plot(row["tension"], row["corrected"], color="tab:blue", lw=2, label="corrected")
+        axes.plot(row["tension"], row["history"], "k--", lw=1, label="quasi-static history")
+        axes.set(title=f"friction {row['friction']:g}", xlabel="lead tension [N]", ylim=(0, 2.2 * max(row["history"])))
+    every[0].set_ylabel("contact force [N]")
+    every[0].legend(frameon=False, fontsize=8)
+    figure.savefig(DOCS / "grasping_friction.png", dpi=110)
+    plt.close(figure)
+
+
+def moments(rows: list[dict]) -> None:
+    """MuJoCo's contact force against the full-order one."""
+    figure, axes = plt.subplots(figsize=(5, 4), layout="constrained")
+    compared = [row for row in rows if row["kind"] == "compared"]
+    for shape in dict.fromkeys(row["shape"] for row in compared):
+        own = [row for row in compared if row["shape"] == shape]
+        axes.loglog([row["full_order"] for row in own], [row["error"] for row in own], "o", ms=5, label=shape)
+    axes.axhline(0.02, color="0.6", lw=1)
+    axes.set(xlabel="full-order contact force [N]", ylabel="relative error in the simulation [-]")
+    axes.legend(frameon=False)
+    figure.savefig(DOCS / "grasping_moments.png", dpi=110)
+    plt.close(figure)
