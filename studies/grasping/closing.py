@@ -24,6 +24,7 @@ class Closing:
         radius: half-width of what is grasped [m]; unknown if it is nan.
         uncertain: how far from where they should be its faces may be found [m].
         share: of the contact forces that they are told now [-].
+        squeezing: whether all have touched.
         doubt: why not to squeeze or to lift; empty if nothing speaks against it.
     """
 
@@ -32,7 +33,8 @@ class Closing:
     wanted: np.ndarray
     radius: float = np.nan
     uncertain: float = np.inf
-    share: float = field(default=GENTLY, init=False)
+    share: float = GENTLY
+    squeezing: bool = field(default=False, init=False)
     doubt: str = field(default="", init=False)
 
     @property
@@ -44,8 +46,8 @@ class Closing:
         """Contact forces from now on, shape (fingers,) [N]: all squeeze once all have touched."""
         if any(grip.done and grip.status != "converged" for grip in self.grips):
             self.doubt = self.failed()
-        elif self.share > GENTLY or all(grip.stage == "hold" for grip in self.grips):
-            self.doubt = self.misplaced()
+        elif self.squeezing or all(grip.stage == "hold" for grip in self.grips):
+            self.squeezing, self.doubt = True, self.misplaced()
             if not self.doubt:
                 self.share = min(self.share + (1 - GENTLY) * self.grips[0].period / SQUEEZE, 1.0)
         return self.share * self.wanted

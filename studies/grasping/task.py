@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from control import Flaws, Gripper, Limits, Object
-from control.grasp_controller import Grip
+from control.grasp_controller import TELL, GraspOptions, Grip
 from control.loop import run
 from control.mujoco import MujocoPlant, Simulation, plants
 from control.mujoco.solids import POSE_ERROR, Solid, random_solid
@@ -128,12 +128,20 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     wanted = gripper.targets(begun.held, margin=MARGIN)
     if not wanted.exist:
         return row | {"fate": "refused", "reason": wanted.reason, "impossible": wanted.least > wanted.most}
+    if wanted.contact_forces.min() < told(one):
+        reason = f"{wanted.contact_forces.min():.2g} N cannot be told from no contact"
+        return row | {"fate": "refused", "reason": reason, "impossible": False}
     watch = Watch(simulation, looks or [])
     row |= perform(gripper, one, wanted.contact_forces, watch)
     if watch.hardest > solid.admissible_force:
         row |= {"fate": "crushed", "reason": f"{watch.hardest:.3g} N on {solid.admissible_force:.3g} N"}
     marks = {name: bool(getattr(simulation, name).any()) for name in ("left", "lost", "rubbed")}
     return row | marks | {"hardest": watch.hardest, "peak": watch.peak, "target": float(wanted.contact_forces.max())}
+
+
+def told(one: Trial) -> float:
+    """Least force that a finger tells from no contact [N]."""
+    return 1.05 * TELL * max(GraspOptions().feel, 3 * one.flaws.noise)
 
 
 def perform(gripper: Gripper, one: Trial, wanted: np.ndarray, watch: Watch) -> dict[str, Any]:
@@ -161,8 +169,8 @@ def close(gripper: Gripper, one: Trial, wanted: np.ndarray, driven: list[MujocoP
     """Close until all fingers hold contact forces, shape (fingers,) [N], one has given up, or it takes too long."""
     options = gripper.options(float(wanted.min()), one.flaws.noise, one.flaws.delay, PERIOD, TOLERANCE)
     options = replace(options, settling=SETTLING, squeeze_steps=round(SQUEEZE / PERIOD), dead_band=TOLERANCE)
-    grips = gripper.grips(GENTLY * wanted, options)
-    closing = Closing(gripper, grips, wanted, one.solid.radius, 2 * POSE_ERROR)
+    share = max(GENTLY, told(one) / float(wanted.min()))
+    closing = Closing(gripper, gripper.grips(share * wanted, options), wanted, one.solid.radius, 2 * POSE_ERROR, share)
 
     def targets(_: int) -> list[float]:
         watch.look()
