@@ -34,6 +34,7 @@ def prepare(found: dict, folder: Path) -> dict:
     accepted = [row for row in rows if row["fate"] != "refused"]
     lifted = [row for row in rows if row["fate"] in ("held", "dropped") or "slips" in row]
     held = [row for row in rows if row["fate"] == "held"]
+    compared = [row for row in found["full_order"]["rows"] if row["kind"] == "compared"]
     refused = [row for row in rows if row["fate"] == "refused"]
     return {
         "fates": FATES,
@@ -53,6 +54,7 @@ def prepare(found: dict, folder: Path) -> dict:
         "hardest": max(row["hardest"] / row["admissible_force"] for row in held),
         "stood": sum(row["tilt"] < np.radians(10) for row in held),
         "seconds": float(np.median([row["closing_seconds"] for row in held])),
+        "off": float(np.median([abs(row["contact_force"] - row["full_order"]) for row in compared])),
         "marked": sum(row["left"] or row["lost"] or row["rubbed"] for row in held),
     }
 
@@ -91,7 +93,10 @@ def moments(rows: list[dict]) -> None:
         own = [row for row in compared if row["shape"] == shape]
         axes.loglog([row["full_order"] for row in own], [row["error"] for row in own], "o", ms=5, label=shape)
     axes.axhline(0.02, color="0.6", lw=1)
-    axes.set(xlabel="full-order contact force [N]", ylabel="relative error in the simulation [-]")
+    axes.set(xlabel="full-order contact force [N]", ylabel="relative error in the simulation")
+    axes.set_xticks([0.2, 0.5, 1.0, 2.0, 5.0], ["0.2", "0.5", "1", "2", "5"], minor=False)
+    axes.set_yticks([0.001, 0.002, 0.005, 0.01, 0.02], ["0.1 %", "0.2 %", "0.5 %", "1 %", "2 %"], minor=False)
+    axes.minorticks_off()
     axes.legend(frameon=False)
     figure.savefig(DOCS / "grasping_moments.png", dpi=110)
     plt.close(figure)
