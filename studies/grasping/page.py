@@ -54,6 +54,7 @@ def prepare(found: dict, folder: Path) -> dict:
         "hardest": max(row["hardest"] / row["admissible_force"] for row in held),
         "stood": sum(row["tilt"] < np.radians(10) for row in held),
         "seconds": float(np.median([row["closing_seconds"] for row in held])),
+        "turned": float(np.degrees(np.arctan(max(row["friction"] / row["contact_force"] for row in compared)))),
         "off": float(np.median([abs(row["contact_force"] - row["full_order"]) for row in compared])),
         "marked": sum(row["left"] or row["lost"] or row["rubbed"] for row in held),
     }
