@@ -15,25 +15,24 @@ CLOSE = 0.01  # of what is wanted, by which a repetition changes it: enough [-]
 DIRECTIONS = np.arange(5)  # of friction: two along the surface, then turning and rolling, as many as a contact has
 
 
-def correct(model: mujoco.MjModel, data: mujoco.MjData, contacts: np.ndarray) -> int:
+def correct(model: mujoco.MjModel, data: mujoco.MjData, contacts: np.ndarray) -> bool:
     """Correct what MuJoCo wants of contacts, by number, between its mj_step1 and mj_step2.
 
     Returns:
-        repetitions, each a solve of the constraints; 0 without friction.
+        whether it settled; if not, what slides is lifted off a little all the same.
     """
     all_ = data.contact
     own = contacts[(all_.dim[contacts] > 1) & (all_.efc_address[contacts] >= 0)]
     if not len(own):
-        return 0
+        return True
     normal, frictional = all_.efc_address[own], all_.dim[own, None] - 1 > DIRECTIONS
     along = np.minimum(normal[:, None] + 1 + DIRECTIONS, data.nefc - 1)
     friction = all_.friction[own] * frictional
     wanted, accelerations = data.efc_aref[normal].copy(), np.empty(data.nefc)
-    before, repetitions = np.zeros(len(own)), 0
+    before = np.zeros(len(own))
     mujoco.mj_fwdActuation(model, data)
     mujoco.mj_fwdAcceleration(model, data)
-    while repetitions < REPETITIONS:
-        repetitions += 1
+    for _ in range(REPETITIONS):
         mujoco.mj_fwdConstraint(model, data)
         mujoco.mj_mulJacVec(model, data, accelerations, data.qacc)
         missing = friction * (accelerations - data.efc_aref)[along]
@@ -41,6 +40,6 @@ def correct(model: mujoco.MjModel, data: mujoco.MjData, contacts: np.ndarray) ->
         data.efc_aref[normal] = wanted - lifted
         data.qacc_warmstart[:] = data.qacc
         if np.all(np.abs(lifted - before) <= CLOSE * (np.abs(wanted) + lifted)):
-            break
+            return True
         before = lifted
-    return repetitions
+    return False

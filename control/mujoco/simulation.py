@@ -78,6 +78,7 @@ class Simulation:
             known; nothing that it touches is to be believed.
         rubbed: likewise, whether its rubber may have touched something, by a look every 5 ms of `advance`: the map
             knows of plates that touch alone.
+        unsettled: steps since `reset` in which Coulomb's law was not found, see control.mujoco.coulomb.
 
     Args:
         model: compiled after all fingers were attached. Its contacts are solved with elliptic cones, an impratio of at
@@ -158,7 +159,7 @@ class Simulation:
         self.left = np.zeros(len(self.fingers), bool)
         self.lost = np.zeros(len(self.fingers), bool)
         self.rubbed = np.zeros(len(self.fingers), bool)
-        self._looked = -np.inf
+        self._looked, self.unsettled = -np.inf, 0
         for spring in self.springs:
             spring.inverse.forget()
             spring.held.wrench[:] = 0.0
@@ -181,7 +182,9 @@ class Simulation:
             data.M[spring.inertia] += h * later[_LOWER]
         mujoco.mj_factorM(model, data)
         if self._coulomb:
-            correct(model, data, np.flatnonzero((self._finger_of[data.contact.geom] >= 0).any(axis=1)))
+            self.unsettled += not correct(
+                model, data, np.flatnonzero((self._finger_of[data.contact.geom] >= 0).any(axis=1))
+            )
         mujoco.mj_step2(model, data)
         if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(data.qpos).all():
             raise FloatingPointError(

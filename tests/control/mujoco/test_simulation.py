@@ -135,6 +135,7 @@ def test_a_finger_that_sticks_and_slides_feels_what_coulomb_s_law_says(segment, 
         simulation.advance(simulation.time + 0.5 / simulation.rate)
         found.append(float(simulation.contact_forces()[0]))
     assert np.abs(found - expected).max() < 0.05 * expected.max()
+    assert simulation.unsettled < 0.02 * simulation.time / simulation.model.opt.timestep
     turned = pulled.index(34.0)
     assert expected[turned + 4] > 1.1 * expected[turned] and found[turned + 4] > 1.1 * found[turned]
 
