@@ -69,8 +69,8 @@ plane:
 wheel:
 	$(PYTHON) -m pip wheel -q --disable-pip-version-check --no-deps -w dist .
 
-# All generated pages of docs/, README's numbers and the front that presets choose from: some two hours on two cores. What is
-# measured is kept in out/docs, so that the same command goes on after an interruption; python3 -m studies.runner NAME makes one page.
+# All generated pages of docs/, README's numbers and the front that presets choose from: some two and a half hours on two cores. What
+# is measured is kept in out/docs, so that the same command goes on after an interruption; python3 -m studies.runner NAME makes one page.
 # MuJoCo, whose pictures need EGL, and other packages, which the surrogate is compared with, come from PyPI, in environments beside.
 docs: readme out/docs/others/ready .venv/ready
 	@$(AS_ROOT) && apt-get install -qy --no-install-recommends libegl1 libgl1-mesa-dri libopengl0 >/dev/null || true

@@ -14,7 +14,7 @@ import numpy as np
 
 from control.gripper import Gripper
 from control.mujoco.simulation import Simulation
-from control.mujoco.solids import POSE_ERROR, SHAPES, random_solid
+from control.mujoco.solids import SHAPES, random_error, random_solid
 from control.mujoco.table import table
 from rom import SegmentMap, TouchedSegment
 
@@ -23,6 +23,7 @@ LARGEST = 5.0  # [N]: a contact force that is observed as 1
 FELT = 4.0  # times that, above which no more is observed [-]
 HEIGHT = 0.05  # [m], to which the palm is lifted
 SOON = 5  # steps of 20 ms in a row whose mean force may crush
+MARGIN = 0.2  # that contact forces may be off before a solid is dropped or crushed [-]
 DRAWS = 1000  # of solids, until one can be held
 CLOSES, LIFTS = 0.5, 0.75  # shares of an episode: until then the palm stays; until then it is lifted [-]
 
@@ -89,12 +90,11 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
             self.solid = random_solid(self.np_random, shape)
             turn = self.solid.best_turn(self.gripper.directions)
             held = self.solid.turned(turn).held(self.gripper.directions)
-            if self.gripper.targets(held, margin=0.2).exist:
+            if self.gripper.targets(held, margin=MARGIN).exist:
                 break
         else:
             raise ValueError(f"shape must be one that can be held now and then, got {shape!r}")
-        error = self.np_random.standard_normal(3)
-        error *= POSE_ERROR * self.np_random.random() ** (1 / 3) / np.linalg.norm(error)
+        error = random_error(self.np_random)
         self.simulation: Simulation = table(self.gripper, self._segment, self.solid, error, turn)
         self._tensions = np.tile(self._lower, (len(self.gripper.fingers), 1))
         self._taken, self._past = 0, [np.zeros(len(self.gripper.fingers))]

@@ -128,9 +128,14 @@ def random_solid(random: np.random.Generator, shape: str) -> Solid:
     )
 
 
-Form = tuple[
-    tuple[float, ...], np.ndarray, float, float
-]  # MuJoCo's size, corners, where it is grasped, half-width there
+def random_error(random: np.random.Generator) -> np.ndarray:
+    """Of a gripper's place, evenly from the ball of POSE_ERROR, shape (3,) [m]."""
+    error = random.standard_normal(3)
+    return error * (POSE_ERROR * random.random() ** (1 / 3) / np.linalg.norm(error))
+
+
+# MuJoCo's size, corners, height at which it is grasped, half-width there.
+Form = tuple[tuple[float, ...], np.ndarray, float, float]
 
 
 def _box(random: np.random.Generator, height: float, radius: float) -> Form:

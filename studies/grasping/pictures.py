@@ -22,7 +22,7 @@ from studies.runner import Run
 FIRST = {"box": 15, "sphere": 11, "cylinder": 12, "cone": 13, "mesh": 9}  # trials from which one that is held is sought
 TRIED = 100  # from there on, of all shapes, before it is given up
 MOVING = "box"  # in the moving picture: one sees it turn
-EVERY = 10  # periods from frame to frame
+EVERY = 12  # periods from frame to frame
 SIZES = {"moving": (360, 400), "still": (200, 220)}  # of a frame, of each solid: width and height [pixels]
 # Where the camera stands: the point it looks at [m], distance [m], azimuth and elevation [degrees].
 EYES = {"moving": ((0.0, 0.0, 0.086), 0.40, 105.0, -18.0), "still": ((0.0, 0.0, 0.138), 0.21, 112.0, -16.0)}
@@ -182,7 +182,7 @@ def measure(run: Run) -> dict[str, Any]:
     model, moving, still = TouchedSegment.load(), run.folder / "grasping.webp", run.folder / "grasping_shapes.png"
     number, frames = filmed(model, MOVING, "moving")
     times = [round(1000 * EVERY * PERIOD)] * (len(frames) - 1) + [LAST]
-    frames[0].save(moving, save_all=True, append_images=frames[1:], duration=times, loop=0, quality=82, method=6)
+    frames[0].save(moving, save_all=True, append_images=frames[1:], duration=times, loop=0, quality=65, method=6)
     shapes = {shape: filmed(model, shape, "still") for shape in SHAPES}
     row = np.hstack([np.asarray(pictures[0]) for _, pictures in shapes.values()])
     Image.fromarray(row).save(still, optimize=True)

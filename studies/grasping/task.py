@@ -12,7 +12,7 @@ from control import Flaws, Gripper, Limits, Object
 from control.grasp_controller import TELL, GraspOptions, Grip
 from control.loop import run
 from control.mujoco import MujocoPlant, Simulation, plants
-from control.mujoco.solids import POSE_ERROR, Solid, random_solid
+from control.mujoco.solids import POSE_ERROR, Solid, random_error, random_solid
 from control.mujoco.table import STEP, table
 from rom import SegmentMap, TouchedSegment
 from studies.grasping.closing import GENTLY, SQUEEZE, Closing
@@ -62,8 +62,7 @@ def trial(number: int, shape: str) -> Trial:
     """The same one for a number, every time."""
     random = np.random.default_rng([2018, number])
     solid = random_solid(random, shape)
-    error = random.standard_normal(3)
-    error *= POSE_ERROR * random.random() ** (1 / 3) / np.linalg.norm(error)
+    error = random_error(random)
     flaws = Flaws(noise=random.uniform(0.002, 0.02), resolution=0.005, delay=int(random.integers(0, 4)), period=PERIOD)
     return Trial(number=number, solid=solid, error=error, flaws=flaws)
 
@@ -128,7 +127,7 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     wanted = gripper.targets(begun.held, margin=MARGIN)
     if not wanted.exist:
         return row | {"fate": "refused", "reason": wanted.reason, "impossible": wanted.least > wanted.most}
-    if wanted.contact_forces.min() < told(one):
+    if wanted.contact_forces.min() < least_felt(one):
         reason = f"{wanted.contact_forces.min():.2g} N cannot be told from no contact"
         return row | {"fate": "refused", "reason": reason, "impossible": False}
     watch = Watch(simulation, looks or [])
@@ -139,8 +138,8 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     return row | marks | {"hardest": watch.hardest, "peak": watch.peak, "target": float(wanted.contact_forces.max())}
 
 
-def told(one: Trial) -> float:
-    """Least force that a finger tells from no contact [N]."""
+def least_felt(one: Trial) -> float:
+    """Least contact force that a finger can tell from none [N]."""
     return 1.05 * TELL * max(GraspOptions().feel, 3 * one.flaws.noise)
 
 
@@ -169,7 +168,7 @@ def close(gripper: Gripper, one: Trial, wanted: np.ndarray, driven: list[MujocoP
     """Close until all fingers hold contact forces, shape (fingers,) [N], one has given up, or it takes too long."""
     options = gripper.options(float(wanted.min()), one.flaws.noise, one.flaws.delay, PERIOD, TOLERANCE)
     options = replace(options, settling=SETTLING, squeeze_steps=round(SQUEEZE / PERIOD), dead_band=TOLERANCE)
-    share = max(GENTLY, told(one) / float(wanted.min()))
+    share = max(GENTLY, least_felt(one) / float(wanted.min()))
     closing = Closing(gripper, gripper.grips(share * wanted, options), wanted, one.solid.radius, 2 * POSE_ERROR, share)
 
     def targets(_: int) -> list[float]:
