@@ -79,6 +79,8 @@ class _Factors:
         try:
             self.ksp.setUp()
         except PETSc.Error as error:
+            if error.__cause__ is not None:
+                raise error.__cause__ from None  # no failure: what a signal's handler raised meanwhile, such as Ctrl-C
             reason = f"PETSc error {error.ierr}"
         else:
             if self.ksp.getPC().getFailedReason() == PETSc.PC.FailedReason.NOERROR:
