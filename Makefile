@@ -2,6 +2,7 @@
 # make test   tests, lint, types, import contracts; make test-long  the repetitions of faults, and what takes long
 # make docs   measure anew what README and docs/ show; make readme  README's numbers alone
 # make model  rom/finger.h5, the trained finger that comes with the repository; make plane  rom/plane.h5; make wheel  dist/*.whl
+# make page   rom/export/viewer.html, what `rom page` writes models into
 # make bench  the short form of all studies, compared with docs/bench.json
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
@@ -12,7 +13,7 @@ COMMIT = $$(git rev-parse --short HEAD)$$(git diff --quiet HEAD -- fingerfem/*.p
 MEASURED = docker/run env FINGERFEM_COMMIT="$(COMMIT)"
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test test-long clean model plane wheel readme docs bench
+.PHONY: demo test test-long clean model plane page wheel readme docs bench
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -22,7 +23,7 @@ demo:
 test: .venv/ready
 	rm -rf out/tests
 	$(MAKE) out/tests/finger.h5
-	docker/run python3 -m pytest -q $(BOTH_CORES) tests/fingerfem tests/studies
+	docker/run python3 -m pytest -q $(BOTH_CORES) tests/fingerfem tests/studies tests/rom/export/test_page.py
 	docker/run mpirun -n 2 python3 -m pytest -q -m mpi
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
@@ -64,6 +65,13 @@ plane:
 	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/standard.toml out/plane/heldout --random 50 --distances 4 --seed 2018
 	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/finer.toml out/plane/finer --random 40 --seed 2019
 	docker/run python3 -m rom build out/plane/training -o rom/plane.h5 --held-out out/plane/heldout --finer out/plane/finer
+
+# rom/export/viewer.html, the page that `python3 -m rom page` writes models into: three.js, and the C that Python calls as
+# WebAssembly. Needs node and npm; a compiler for WebAssembly comes from PyPI.
+page: .venv/ready
+	.venv/bin/python -m pip install -q --disable-pip-version-check ziglang==0.17.1
+	cd rom/export/browser && npm ci --silent
+	PYTHONPATH=. .venv/bin/python rom/export/browser/build.py
 
 # What a machine without a C compiler installs: dist/*.whl.
 wheel:

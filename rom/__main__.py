@@ -1,4 +1,4 @@
-"""python3 -m rom build | chain | check | info | export."""
+"""python3 -m rom build | chain | check | info | export | page."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ from rom.command_line import AsJson, application, check_lines, errors, run, show
 from rom.segment import chain, segment_map
 from rom.segment.chain import Chain
 from rom.segment.segment_map import SegmentMap
+from rom.segment.touched_segment import TouchedSegment
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
-from rom.terminal import log_lines, steps
+from rom.terminal import log_lines, say, steps
 
 app = application()
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
@@ -202,9 +203,30 @@ def export_model(
     ] = 0.0,
 ) -> None:
     """Write a model as one C99 header: values and gradients, without allocation."""
-    from rom.c_header import export
+    from rom.export.c_header import export
 
     export(Surrogate.load(model, tolerance=tolerance), output)
+
+
+@app.command()
+def page(
+    model: ModelFile,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FINGER.html")],
+    tolerance: Annotated[
+        float, typer.Option(min=0, max=0.5, help="Keep only the terms this relative error needs.")
+    ] = 0.0,
+) -> None:
+    """Write a page for a browser: the finger bends as sliders move, offline and with nothing but the file."""
+    from rom.export.page import write
+
+    check_folder(output)
+    if kind_of(model) in chain.KINDS:
+        if tolerance:
+            raise ValueError(f"tolerance must be left out for a segment's map, got {tolerance:g}")
+        write(TouchedSegment.load(model), output)
+    else:
+        write(Surrogate.load(model, tolerance=tolerance), output)
+    say(f"{output}: {output.stat().st_size / 1e6:.1f} MB; open it in a browser")
 
 
 def parameter_lines(parameters: list[dict]) -> list[str]:

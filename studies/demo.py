@@ -36,6 +36,7 @@ from control.model import Model
 from fingerfem import FingerModel, State, load_scene
 from fingerfem.full_order_plant import FullOrderPlant
 from fingerfem.output.pictures import Deformed, draw
+from rom.export.page import write as write_page
 from rom.held_out import check_plane
 from rom.segment.objects import facing_plane
 from rom.segment.segment_map import SegmentMap
@@ -255,6 +256,7 @@ def main(out: Path, quick: bool = False) -> None:
     numbers["scene"] = scene.model_dump(mode="json")
     numbers["seconds"] = time.perf_counter() - begun
     (out / "report.json").write_text(json.dumps(numbers, indent=1))
+    write_page(model, out / "finger.html")
     report.write(numbers, out / "report.html")
     held = [*numbers["grasp"]["force_errors"], *[hold["force_error"] for hold in numbers["holds"]]]
     forces, touch = (numbers["errors"]["both"][name] for name in ("contact_force", "touch"))
@@ -262,7 +264,7 @@ def main(out: Path, quick: bool = False) -> None:
         f"contact force: median error {forces['median']:.2%} on held-out states of the fine mesh; "
         f"touch decided correctly: {touch['right']:.1%}; worst held force off by {max(held):.2%}"
     )
-    say(f"report: {out / 'report.html'}")
+    say(f"report: {out / 'report.html'}; the finger to play with, in a browser: {out / 'finger.html'}")
     if not result.converged:
         raise SystemExit(3)
 

@@ -160,7 +160,8 @@ td:first-child,th:first-child{{text-align:left}}</style></head><body>
 third mesh, {mesh_name(numbers["scene"]["mesh"])}, and that model verified every answer. The whole run took {numbers["seconds"]:.0f} s.</p>
 <h2>The finger</h2>
 <img src="s11.png" alt="deformed finger, four load cases">
-<p>Axial second Piola-Kirchhoff stress S11 of four load cases; the plate is grey, the obstacle tan.</p>
+<p>Axial second Piola-Kirchhoff stress S11 of four load cases; the plate is grey, the obstacle tan. <a href="finger.html">Bend it yourself</a>: sliders
+for the tensions and the plane, by the trained map, in this browser.</p>
 <h2>How far from the truth</h2>
 <p>Against {held_out["states"]} held-out states before a plane on the fine mesh; in {held_out["marked"]} of them rubber
 touches, or the force is beyond what was trained: these answers are marked, and not counted. Contact forces above 0.1 N.</p>

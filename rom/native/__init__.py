@@ -195,6 +195,11 @@ class Library:
         return found
 
 
+def kept_by(struct: Any) -> list[Any]:
+    """What a struct of a library, or an array of pointers to such, points to and keeps alive."""
+    return _kept.get(struct, [])
+
+
 def pointer(array: Any, kind: str = "double[]") -> Any:
     """Where the numbers of a contiguous array of NumPy are, for a function of C."""
     return EVALUATION.ffi.from_buffer(kind, array)

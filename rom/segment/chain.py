@@ -139,8 +139,16 @@ class Chain(PickledByFields):
         own = np.zeros((len(self.segments), len(self.tensions)), int)
         for k, one in enumerate(self.segments):
             own[k, : one.tensions] = [self.tensions.index(name) for name in one.names[: one.tensions]]
-        errors = self.finer_mesh_factor("contact_force") * np.array([self.force_error, self.place_error])
-        return native.chain_struct([one.struct for one in self.segments], own, self.rest, self.skin_error, *errors)
+        tip, force, touch = map(self.finer_mesh_factor, ("tip", "contact_force", "touch_distance"))
+        errors = {
+            "tip_error": tip * self.place_error,
+            "tip_error_by_force": tip * self.place_error_by_force,
+            "force_error": force * self.force_error,
+            "force_error_by_place": force * self.place_error,
+            "touch_error": touch * self.place_error,
+            "touch_error_of_skin": touch * self.skin_error,
+        }
+        return native.chain_struct([one.struct for one in self.segments], own, self.rest, self.skin_error, errors)
 
     def place(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> ChainPlaced:
         """Where the plates are.

@@ -20,6 +20,7 @@ from rom.segment.native import SEGMENT, Touched
 from rom.segment.objects import Object, facing_plane
 from rom.segment.segment_map import SegmentMap
 
+QUANTITIES = "tip", "contact_force", "touch_distance"  # of which errors are estimated
 CLOSED = 1e-7  # [m]: gaps of contacts that may press, once the solve has ended
 
 SHIPPED = Path(__file__).parents[1] / "finger.h5"  # made by `make model`
@@ -151,12 +152,16 @@ class TouchedSegment(PickledByFields):
         Raises:
             ModelError: the wrong number of parameters.
         """
-        found = np.atleast_2d(np.asarray(points, float))
+        return native.touches(self.touching, self._points(points), by_object=by_object)
+
+    def _points(self, parameters: ArrayLike) -> np.ndarray:
+        """Points as rows."""
+        found = np.atleast_2d(np.asarray(parameters, float))
         if found.shape[-1] != len(self.parameters):
             raise ModelError(
-                f"parameters must be {', '.join(self.names)} (in that order), got shape {np.shape(points)}"
+                f"parameters must be {', '.join(self.names)} (in that order), got shape {np.shape(parameters)}"
             )
-        return native.touches(self.touching, found, by_object=by_object)
+        return found
 
     def evaluate(self, parameters: ArrayLike) -> Answer:
         """Tip, contact force and the distance at which the free finger touches, at tensions [N] and d [m].
@@ -170,11 +175,8 @@ class TouchedSegment(PickledByFields):
         Raises:
             ModelError: the wrong number of parameters.
         """
-        found = self.answers(parameters)
-        rubber = self._rubber_touch(np.atleast_2d(np.asarray(parameters, float)))
-        parts = self._errors(found, rubber)
-        out, inside = found.out, found.inside
-        out[:, 4] = np.maximum(out[:, 4], rubber)
+        out, errors, inside = native.tells(self.touching, self._points(parameters))
+        parts = self._parts(dict(zip(QUANTITIES, errors.T, strict=True)))
         if np.ndim(parameters) == 1:
             out, inside = out[0], inside[0]
             parts = {of: {name: error[0] for name, error in errors.items()} for of, errors in parts.items()}
@@ -183,36 +185,21 @@ class TouchedSegment(PickledByFields):
             contact_force=out[..., 3],
             touch_distance=out[..., 4],
             pad_pressure=None,
-            error={name: sum(errors[name] for errors in parts.values()) for name in parts["surrogate"]},
+            error={name: sum(errors[name] for errors in parts.values()) for name in QUANTITIES},
             error_parts=parts,
             inside=inside,
         )
 
-    def _rubber_touch(self, points: np.ndarray) -> np.ndarray:
-        """The distance at which the free finger's rubber would touch, shape (n,) [m]; minus infinity if unknown."""
-        farthest, free = self.obstacle.distances[1], np.zeros(6 * len(self.chain.segments))
-        return np.array([farthest - self.rubber_gap(np.append(point[:-1], farthest), free) for point in points])
-
-    def _errors(self, found: Touched, rubber: np.ndarray) -> dict[str, dict[str, np.ndarray]]:
-        """Estimated errors of the surrogate, and of its mesh if states on a finer one told, by quantity [m, N, m].
-
-        Where the rubber touches before any plate, the touch distance errs as its points do.
-        """
-        chain, force = self.chain, found.out[:, 3]
-        unknown = np.where(found.evaluations > 0, 0.0, np.inf)
-        expected = {
-            "tip": chain.place_error + chain.place_error_by_force * force,
-            "contact_force": chain.force_error * force + chain.place_error * np.abs(found.jacobians[:, 3, -1]),
-            "touch_distance": chain.place_error + np.where(rubber > found.out[:, 4], chain.skin_error, 0.0),
-        }
-        factors = {name: chain.finer_mesh_factor(name) for name in expected}
-        own = {name: min(factors[name], 1.0) * error for name, error in expected.items()}
-        own["tip"], own["contact_force"] = own["tip"] + unknown, own["contact_force"] + unknown
-        if not any(one.finer_mesh_factors for one in chain.segments):
+    def _parts(self, errors: dict[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
+        """Estimated errors [m, N, m], taken apart: the surrogate's, and its mesh's if states on a finer one told."""
+        factors = {name: self.chain.finer_mesh_factor(name) for name in errors}
+        own = {name: error * min(1.0, 1.0 / factors[name]) for name, error in errors.items()}
+        if not any(one.finer_mesh_factors for one in self.chain.segments):
             return {"surrogate": own}
+        known = {name: np.where(np.isfinite(error), error, 0.0) for name, error in errors.items()}
         return {
             "surrogate": own,
-            "mesh": {name: max(factors[name] - 1.0, 0.0) * error for name, error in expected.items()},
+            "mesh": {name: error * max(1.0 - 1.0 / factors[name], 0.0) for name, error in known.items()},
         }
 
     def contact_forces(self, parameters: ArrayLike) -> list[ContactForce]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +11,8 @@ import numpy as np
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
 
-BLOCK, POSE, EDGES, MOST_CONTACTS, SKIN_ROW, CORNERS = 4, 8, 4, 12, 16, 24  # as in segment.h
+BLOCK, POSE, EDGES, MOST_CONTACTS, SKIN_ROW, CORNERS = 4, 8, 4, 12, 32, 24  # as in segment.h
+ENDS = 11  # sections of a segment's surface besides its places, likewise
 BETWEEN, NEAREST = 8, 4  # places for every station of the rubber's edges; stations that say where one is
 
 
@@ -137,12 +138,7 @@ def place(compiled: Any, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, bo
 
 
 def chain_struct(
-    segments: Sequence[Any],
-    own: np.ndarray,
-    rest: np.ndarray,
-    skin_error: float,
-    force_error: float,
-    place_error: float,
+    segments: Sequence[Any], own: np.ndarray, rest: np.ndarray, skin_error: float, errors: Mapping[str, float]
 ) -> Any:
     """Segments as a struct fingerfem_chain.
 
@@ -151,8 +147,7 @@ def chain_struct(
         own: which of the t tensions are a segment's, shape (segments, t).
         rest: the tip plate's centre in the undeformed finger, shape (3,) [m].
         skin_error: of what is known of the rubber's surface [m].
-        force_error: of contact forces, relative [-].
-        place_error: of the free tip plate [m].
+        errors: what estimated errors are made of, by the names in segment.h.
     """
     return SEGMENT.struct(
         "fingerfem_chain",
@@ -162,8 +157,7 @@ def chain_struct(
         own=own,
         rest=rest.tolist(),
         skin_error=skin_error,
-        force_error=force_error,
-        place_error=place_error,
+        **errors,
     )
 
 
@@ -277,3 +271,40 @@ def touches(touching: Any, points: np.ndarray, wrenches: np.ndarray | None = Non
     given = [SEGMENT.ffi.NULL if part is None else pointer(part, kind) for part, kind in zip(found, kinds, strict=True)]
     SEGMENT.functions.fingerfem_touches(touching, n, pointer(points), *given)
     return found._replace(inside=found.inside.astype(bool))
+
+
+class Told(NamedTuple):
+    """What is told of answers at n points.
+
+    Attributes:
+        out: as in `Touched`; the touch distance is the rubber's where that touches first.
+        errors: estimated, of tip, contact force and touch distance, shape (n, 3) [m, N, m].
+        inside: as in `Touched`.
+    """
+
+    out: np.ndarray
+    errors: np.ndarray
+    inside: np.ndarray
+
+
+def tells(touching: Any, points: np.ndarray) -> Told:
+    """Answers and their estimated errors at tensions and d, shape (n, t + 1), each solved from rest."""
+    points, n = np.ascontiguousarray(points, float), len(points)
+    out, errors, inside = np.empty((n, 5)), np.empty((n, 3)), np.empty(n, np.int32)
+    given = pointer(points), pointer(out), pointer(errors), pointer(inside, "int32_t[]")
+    SEGMENT.functions.fingerfem_tells(touching, n, *given)
+    return Told(out, errors, inside.astype(bool))
+
+
+def sections(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> list[np.ndarray] | None:
+    """The surface of a chain, a struct fingerfem_chain, as sections of every segment, shapes (m, 4, 3) [m].
+
+    Of each: where its rubber begins, places along it, its plate's back and front; corners -y -z, -y z, y -z and y z.
+    None where nothing is known of a segment's rubber.
+    """
+    counts = [compiled.segments[k].places + ENDS for k in range(compiled.plates)]
+    found = np.empty((sum(counts), 4, 3))
+    given = (pointer(np.ascontiguousarray(one, float)) for one in (tensions, wrenches))
+    if not SEGMENT.functions.fingerfem_chain_sections(compiled, *given, pointer(found)):
+        return None
+    return np.split(found, np.cumsum(counts)[:-1])

@@ -7,14 +7,16 @@
 #define FACE 8 /* parts of a face of the rubber, from edge to edge, that a round object is looked for at */
 #define LAST 8 /* parts of the rubber between the last place that is known and the plate, straight lines */
 
-typedef float sixteen __attribute__((vector_size(4 * FINGERFEM_SKIN_ROW), aligned(4)));
+typedef float singles __attribute__((vector_size(32), aligned(4)));
+typedef double doubles __attribute__((vector_size(64), aligned(8)));
 
-/* Points of the rubber in the plate's frame, (skin_numbers) [m]. */
-static void skin(const fingerfem_segment *segment, const double *inputs, float *found)
+/* Points of the rubber in the plate's frame, (skin_numbers) [m]. Coefficients are single, sums double: else the same point
+ * would differ by some nanometres from processor to processor. */
+static void skin(const fingerfem_segment *segment, const double *inputs, double *found)
 {
     const int p = segment->tensions + FINGERFEM_WRENCH, numbers = segment->skin_numbers, terms = segment->skin_terms;
     double values[MAP_MOST_TENSIONS + FINGERFEM_WRENCH][MAP_MOST_POWER], slopes[MAP_MOST_POWER];
-    float products[terms];
+    double products[terms];
     for (int i = 0; i < p; i++) {
         const double scaled = 2.0 * (inputs[i] - segment->lower[i]) / (segment->upper[i] - segment->lower[i]) - 1.0;
         map_chebyshev(fmax(-1.0, fmin(1.0, scaled)), segment->most_powers[i], values[i], slopes);
@@ -22,16 +24,18 @@ static void skin(const fingerfem_segment *segment, const double *inputs, float *
     for (int k = 0; k < terms; k++) {
         double product = 1.0;
         for (int i = 0; i < p; i++) product *= values[i][segment->skin_powers[p * k + i]];
-        products[k] = (float)product;
+        products[k] = product;
     }
     for (int row = 0; row < numbers; row += FINGERFEM_SKIN_ROW) {
-        sixteen sum = {0.0f};
-        for (int k = 0; k < terms; k++) {
-            sixteen own;
-            memcpy(&own, segment->skin_coefficients + (size_t)numbers * k + row, sizeof own);
-            sum += products[k] * own;
-        }
-        memcpy(found + row, &sum, sizeof sum);
+        doubles sums[FINGERFEM_SKIN_ROW / 8] = {{0.0}};
+        for (int k = 0; k < terms; k++)
+#pragma GCC unroll 4
+            for (int i = 0; i < FINGERFEM_SKIN_ROW / 8; i++) {
+                singles own;
+                memcpy(&own, segment->skin_coefficients + (size_t)numbers * k + row + 8 * i, sizeof own);
+                sums[i] += products[k] * __builtin_convertvector(own, doubles);
+            }
+        memcpy(found + row, sums, sizeof sums);
     }
 }
 
@@ -58,20 +62,26 @@ static double section_gap(const fingerfem_object *object, double d, const double
     return least;
 }
 
+/* Corners of the rubber's section at one of the places between its stations, from its points; seen from the plate. */
+static void section_between(const fingerfem_segment *segment, const double *points, int place, double (*seen)[3])
+{
+    double *flat = seen[0];
+    memset(seen, 0, 3 * EDGES * sizeof *flat);
+    for (int station = 0; station < segment->stations; station++) {
+        const double weight = segment->between[segment->stations * place + station];
+        for (int j = 0; j < 3 * EDGES && weight != 0.0; j++) flat[j] += weight * points[3 * EDGES * station + j];
+    }
+}
+
 /* Least distance of a segment's rubber, whose plate is somewhere, by its own tensions and what its plate bears, (t + 6). */
 static double segment_gap(const fingerfem_segment *segment, const fingerfem_object *object, double d, const double *inputs,
                           const double *centre, const double *rotation)
 {
-    float points[segment->skin_numbers];
+    double points[segment->skin_numbers];
     double seen[EDGES][3], least = INFINITY;
     skin(segment, inputs, points);
     for (int k = 0; k < segment->places; k++) {
-        double *flat = seen[0];
-        memset(seen, 0, sizeof seen);
-        for (int station = 0; station < segment->stations; station++) {
-            const double weight = segment->between[segment->stations * k + station];
-            for (int j = 0; j < 3 * EDGES && weight != 0.0; j++) flat[j] += weight * points[3 * EDGES * station + j];
-        }
+        section_between(segment, points, k, seen);
         least = fmin(least, section_gap(object, d, centre, rotation, seen));
     }
     for (int k = 1; k < LAST; k++) { /* the plate itself may touch */
@@ -119,7 +129,7 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
 }
 
 /* Corners of a section: number 0 is where the rubber begins, then come its stations, then the plate's back. */
-static void section(const fingerfem_segment *segment, const float *points, const double *begins, int number, const double *centre,
+static void section(const fingerfem_segment *segment, const double *points, const double *begins, int number, const double *centre,
                     const double *rotation, double (*corners)[3])
 {
     if (number == 0) {
@@ -136,7 +146,7 @@ static void section(const fingerfem_segment *segment, const float *points, const
 }
 
 /* Corners of the section at a share of the way over all of them. */
-static void section_at(const fingerfem_segment *segment, const float *points, const double *begins, double share,
+static void section_at(const fingerfem_segment *segment, const double *points, const double *begins, double share,
                        const double *centre, const double *rotation, double (*corners)[3])
 {
     const int last = segment->stations + 1;
@@ -160,7 +170,7 @@ static double unit(double *vector)
 int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *begins, const double *centre,
                            const double *rotation, int count, double *centres, double *halves, double *axes)
 {
-    float points[segment->skin_numbers + 1];
+    double points[segment->skin_numbers + 1];
     double sections[2][EDGES][3];
     if (!segment->skin_terms) return 0;
     skin(segment, inputs, points);
@@ -188,6 +198,107 @@ int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *input
             axes[9 * k + 3 * i + 1] = y[i];
             axes[9 * k + 3 * i + 2] = z[i];
         }
+    }
+    return 1;
+}
+
+/* Where a point that a plate sees is in space. */
+static void in_space(const chain_plate *plate, const double *seen, double *place)
+{
+    for (int i = 0; i < 3; i++) {
+        const double *row = plate->rotation + 3 * i;
+        place[i] = plate->centre[i] + row[0] * seen[0] + row[1] * seen[1] + row[2] * seen[2];
+    }
+}
+
+/* Corners of a segment's plate, bent by its tensions, (8, 3): x, then y, then z, each - and +, the last one fastest. */
+static void plate_corners(const fingerfem_segment *segment, const double *bent, const chain_plate *plate, double *corners)
+{
+    for (int k = 0; k < FINGERFEM_CORNERS / 3; k++) {
+        const int signs[3] = {k >> 2 & 1, k >> 1 & 1, k & 1}, own = signs[0] + 2 * signs[1] + 4 * signs[2];
+        double seen[3];
+        for (int i = 0; i < 3; i++)
+            seen[i] = (signs[i] ? 1.0 : -1.0) * segment->half_lengths[i] + (segment->corner_monomials ? bent[3 * own + i] : 0.0);
+        in_space(plate, seen, corners + 3 * k);
+    }
+}
+
+/* Sections, FINGERFEM_JOINED of them, (4, 3), between two: cubics by the corners' tangents there, over the way. */
+static void join(double (*from)[3], double (*leaving)[3], double (*to)[3], double (*arriving)[3], double *corners)
+{
+    for (int k = 1; k <= FINGERFEM_JOINED; k++) {
+        const double s = (double)k / (FINGERFEM_JOINED + 1), r = 1.0 - s;
+        for (int edge = 0; edge < EDGES; edge++)
+            for (int i = 0; i < 3; i++)
+                *corners++ = r * r * (1.0 + 2.0 * s) * from[edge][i] + s * s * (1.0 + 2.0 * r) * to[edge][i] +
+                             s * r * (r * leaving[edge][i] - s * arriving[edge][i]);
+    }
+}
+
+/* Tangents of the corners: those along an axis, as long as the way, where a plate or the clamp holds the rubber ... */
+static void held_tangents(const double *axis, double (*from)[3], double (*to)[3], double (*tangents)[3])
+{
+    for (int edge = 0; edge < EDGES; edge++) {
+        double way = 0.0;
+        for (int i = 0; i < 3; i++) way += (to[edge][i] - from[edge][i]) * (to[edge][i] - from[edge][i]);
+        for (int i = 0; i < 3; i++) tangents[edge][i] = sqrt(way) * axis[i];
+    }
+}
+
+/* ... and those of the places next to each other, which lie a share of the way apart. */
+static void own_tangents(double (*one)[3], double (*next)[3], double (*from)[3], double (*to)[3], double (*tangents)[3])
+{
+    for (int edge = 0; edge < EDGES; edge++) {
+        double way = 0.0, step = 0.0;
+        for (int i = 0; i < 3; i++) {
+            way += (to[edge][i] - from[edge][i]) * (to[edge][i] - from[edge][i]);
+            step += (next[edge][i] - one[edge][i]) * (next[edge][i] - one[edge][i]);
+        }
+        for (int i = 0; i < 3; i++) tangents[edge][i] = sqrt(way / step) * (next[edge][i] - one[edge][i]);
+    }
+}
+
+int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *corners)
+{
+    const int t = chain->tensions;
+    double memory[chain_size(chain)], held[MAP_MOST_TENSIONS], before[EDGES][3], along[3] = {1.0, 0.0, 0.0};
+    chain_contracted map;
+    chain_state state;
+    for (int k = 0; k < t; k++) held[k] = map_held(chain->segments[0], k, tensions[k]);
+    chain_contract(chain, held, memory, &map);
+    chain_under(&map, wrenches, &state);
+    for (int edge = 0; edge < EDGES; edge++) {
+        const double half = chain->segments[0]->half_lengths[1];
+        const double clamp[3] = {0.0, edge & 2 ? half : -half, edge & 1 ? half : -half};
+        memcpy(before[edge], clamp, sizeof clamp);
+    }
+    for (int k = 0; k < chain->plates; k++) {
+        const fingerfem_segment *segment = chain->segments[k];
+        const chain_plate *plate = state.plates + k;
+        double inputs[MAP_MOST_TENSIONS + W], seen[EDGES][3];
+        double points[segment->skin_numbers + 1];
+        if (!segment->skin_terms) return 0;
+        for (int i = 0; i < segment->tensions; i++) inputs[i] = held[chain->own[t * k + i]];
+        memcpy(inputs + segment->tensions, plate->borne, sizeof plate->borne);
+        skin(segment, inputs, points);
+        memcpy(corners, before, sizeof before);
+        double(*first)[3] = (double(*)[3])(corners + 3 * EDGES * (1 + FINGERFEM_JOINED)), leaving[EDGES][3], arriving[EDGES][3];
+        double(*last)[3] = first + EDGES * (segment->places - 1), (*back)[3] = last + EDGES * (1 + FINGERFEM_JOINED);
+        for (int place = 0; place < segment->places; place++) {
+            section_between(segment, points, place, seen);
+            for (int edge = 0; edge < EDGES; edge++) in_space(plate, seen[edge], first[EDGES * place + edge]);
+        }
+        plate_corners(segment, map.corners[k], plate, back[0]);
+        const double axis[3] = {plate->rotation[0], plate->rotation[3], plate->rotation[6]};
+        held_tangents(along, before, first, leaving);
+        own_tangents(first, first + EDGES, before, first, arriving);
+        join(before, leaving, first, arriving, corners + 3 * EDGES);
+        own_tangents(last - EDGES, last, last, back, leaving);
+        held_tangents(axis, last, back, arriving);
+        join(last, leaving, back, arriving, last[EDGES]);
+        memcpy(along, axis, sizeof axis);
+        corners = back[2 * EDGES];
+        memcpy(before, corners - 3 * EDGES, sizeof before);
     }
     return 1;
 }

@@ -10,12 +10,15 @@ enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12, F
 /* Rows of an answer, as of a surrogate: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
 enum { FINGERFEM_ROWS = 5 };
 
+/* Sections of a surface that join the rubber's places to what holds it; and all of a segment besides its places. */
+enum { FINGERFEM_JOINED = 4, FINGERFEM_ENDS = 3 + 2 * FINGERFEM_JOINED };
+
 enum { FINGERFEM_PLANE = 0, FINGERFEM_SPHERE = 1, FINGERFEM_CYLINDER = 2, FINGERFEM_HULL = 3 };
 
 /* The pose by tensions and wrench: sum_gm coefficients_gm M_m(tensions) P_g(wrench), products of Chebyshev polynomials of
  * the scaled inputs. Group g of the wrench's products has the first monomials of the tensions, sorted by their degree, as
  * many as its own degree leaves; groups are in blocks that have as many. A group without its last variable is its parent. */
-enum { FINGERFEM_BLOCK = 4, FINGERFEM_SKIN_ROW = 16 /* a skin's numbers fill rows of so many */, FINGERFEM_CORNERS = 24 /* 8 x 3 */ };
+enum { FINGERFEM_BLOCK = 4, FINGERFEM_SKIN_ROW = 32 /* a skin's numbers fill rows of so many */, FINGERFEM_CORNERS = 24 /* 8 x 3 */ };
 typedef struct {
     int32_t tensions, groups, monomials; /* groups fill whole blocks */
     const double *lower, *upper;         /* (tensions + 6): the trained box [N, N m] */
@@ -67,8 +70,10 @@ typedef struct {
     const int32_t *own;  /* (plates, tensions): which of the tensions are a segment's; the first has all */
     double rest[3];      /* the tip plate's centre in the undeformed finger [m] */
     double skin_error;   /* [m] */
-    double force_error;  /* of contact forces, relative [-] */
-    double place_error;  /* of the free tip plate [m] */
+    /* Estimated errors, of rubber and mesh together: */
+    double tip_error, tip_error_by_force;     /* of the tip's place, free [m], and what a contact force adds [m/N] */
+    double force_error, force_error_by_place; /* of contact forces, relative [-]; times their stiffness [m] */
+    double touch_error, touch_error_of_skin;  /* of the touch distance [m], and what is added where rubber touches [m] */
 } fingerfem_chain;
 
 /* A chain that an object touches, as a model of tensions and d. */
@@ -126,6 +131,21 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
  * y z, and the place of its plate. Returns 0 where nothing is known of it. */
 int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *begins, const double *centre,
                            const double *rotation, int count, double *centres, double *halves, double *axes);
+
+/* The surface of a chain under tensions and wrenches, (6 plates), as sections with four corners each, -y -z, -y z, y -z and
+ * y z: of every segment where its rubber begins, FINGERFEM_JOINED more, its `places`, as many more, its plate's back and its
+ * plate's front, (sections, 4, 3) [m]. Returns 0 where nothing is known of a segment's rubber. */
+int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *corners);
+
+/* All that is told of an answer: that of `fingerfem_touch`, which is not inside either where rubber may touch; the touch
+ * distance is the rubber's where that touches first; errors, (3) [m, N, m], are the estimated ones of tip, contact force
+ * and touch distance: infinite without an equilibrium. */
+int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *wrench, double *out, double *jacobian,
+                   double *errors, int32_t *inside, double *rubber_gap);
+
+/* The same at many points, (count, tensions + 1), each from rest: out, (count, FINGERFEM_ROWS), errors, (count, 3). */
+void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *out, double *errors,
+                     int32_t *inside);
 
 /* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, of which by_objects
  * may be NULL, wrenches,

@@ -142,7 +142,7 @@ double fingerfem_touch_error(const fingerfem_touching *touching, const double *o
 {
     const fingerfem_chain *chain = touching->chain;
     const int p = chain->tensions + 1;
-    return chain->force_error * out[3] + chain->place_error * fabs(jacobian[3 * p + p - 1]);
+    return chain->force_error * out[3] + chain->force_error_by_place * fabs(jacobian[3 * p + p - 1]);
 }
 
 /* Nothing presses, so that nothing follows. */
@@ -219,5 +219,35 @@ void fingerfem_touches(const fingerfem_touching *touching, int count, const doub
         nanoseconds[i] = (ended.tv_sec - begun.tv_sec) * 1000000000LL + ended.tv_nsec - begun.tv_nsec;
         rubber_gaps[i] = fingerfem_rubber_gap(touching, points + p * i, wrench);
         inside[i] &= !(rubber_gaps[i] < touching->chain->skin_error);
+    }
+}
+
+int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *wrench, double *out, double *jacobian,
+                   double *errors, int32_t *inside, double *rubber_gap)
+{
+    const fingerfem_chain *chain = touching->chain;
+    const int t = chain->tensions, evaluations = fingerfem_touch(touching, point, wrench, out, jacobian, NULL, inside);
+    const double unknown = evaluations > 0 ? 0.0 : INFINITY, farthest = touching->object->farthest;
+    double away[MAP_MOST_TENSIONS + 1], free[CHAIN_WRENCH] = {0.0};
+    *rubber_gap = fingerfem_rubber_gap(touching, point, wrench);
+    *inside &= !(*rubber_gap < chain->skin_error);
+    memcpy(away, point, (size_t)t * sizeof *away);
+    away[t] = farthest;
+    const double rubber = farthest - fingerfem_rubber_gap(touching, away, free); /* the distance at which it would touch */
+    errors[0] = chain->tip_error + chain->tip_error_by_force * out[3] + unknown;
+    errors[1] = fingerfem_touch_error(touching, out, jacobian) + unknown;
+    errors[2] = chain->touch_error + (rubber > out[4] ? chain->touch_error_of_skin : 0.0);
+    out[4] = fmax(out[4], rubber);
+    return evaluations;
+}
+
+void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *out, double *errors,
+                     int32_t *inside)
+{
+    const int p = touching->chain->tensions + 1;
+    double jacobian[FINGERFEM_ROWS * (MAP_MOST_TENSIONS + 1)], gap;
+    for (int i = 0; i < count; i++) {
+        double wrench[CHAIN_WRENCH] = {0.0};
+        fingerfem_tell(touching, points + p * i, wrench, out + FINGERFEM_ROWS * i, jacobian, errors + 3 * i, inside + i, &gap);
     }
 }

@@ -9,7 +9,7 @@ from fingerfem import FingerModel, load_scene
 from fingerfem.equilibrium.sensitivities import differentiate
 from rom import Surrogate
 from rom.build import train
-from rom.c_header import header
+from rom.export.c_header import header
 from rom.held_out import check
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet

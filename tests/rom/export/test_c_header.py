@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rom.c_header import export, header
+from rom.export.c_header import export, header
 from rom.surrogate import ModelError
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"]
 PROGRAM = '#include "finger.h"\nint answer(const double *p, double *o, double *j) { return finger_answer(p, o, j); }\n'
 COMPILER = shutil.which("cc") or shutil.which("gcc")

@@ -1,0 +1,18 @@
+/* The controllers without Python: a finger from a model alone, as a page in a browser has it. */
+#ifndef CONTROL_STANDALONE_H
+#define CONTROL_STANDALONE_H
+#include "../../rom/export/native/model.h"
+#include "problems.h"
+
+/* Nodes of the atlas by tension, and by distance; and numbers of memory that a finger with it needs. */
+int control_standalone_nodes(const fingerfem_model *model);
+int control_standalone_size(const fingerfem_model *model);
+
+/* A finger that has its atlas in such memory; there must be an obstacle. */
+void control_standalone(const fingerfem_model *model, double *memory, control_finger *finger);
+
+/* Hold, see control_hold, with the rules of control.problems.rules: tensions, (tensions), and what came of it, (3): residual
+ * [N], estimated error [N], evaluations. Returns the outcome's status. */
+int control_standalone_hold(const control_finger *finger, const double *start, double target, double distance,
+                            double tolerance, double *tensions, double *told);
+#endif

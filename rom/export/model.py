@@ -1,0 +1,91 @@
+"""A model without Python: its numbers as a struct fingerfem_model (native/model.h), as a page and an FMU have them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rom.native import EVALUATION, SEGMENT, Library
+from rom.segment.native import ENDS
+from rom.segment.touched_segment import TouchedSegment
+from rom.separation.separated_form import tables
+from rom.surrogate import Surrogate
+
+_HERE = Path(__file__).parent / "native"
+MODEL = Library(
+    "model",
+    headers=[_HERE / "model.h"],
+    units=[_HERE / "model.c", *EVALUATION.units, *SEGMENT.units],
+    includes=SEGMENT,
+)
+SAME_PLACE = 1e-7  # [m]: nodes are kept in single precision
+
+
+def struct(model: Surrogate | TouchedSegment) -> Any:
+    """A struct fingerfem_model."""
+    p = len(model.parameters)
+    if isinstance(model, TouchedSegment):
+        known = model.chain.segments
+        sections = 0 if any(one.skin is None for one in known) else sum(one.struct.places + ENDS for one in known)
+        return MODEL.struct("fingerfem_model", parameters=p, sections=sections, touching=model.touching)
+    found, edges = edges_of(model) if model.has_field else ({}, 0)
+    return MODEL.struct(
+        "fingerfem_model", parameters=p, sections=edges, kernel=model.kernel, errors=errors_of(model), **found
+    )
+
+
+def errors_of(model: Surrogate) -> Any:
+    """A struct fingerfem_errors."""
+    errors, mesh = model.errors, model.errors.mesh
+    shares = {} if mesh is None else {"mesh": [mesh.tip, mesh.touch_distance, *mesh.contact_force, *mesh.pad_pressure]}
+    return MODEL.struct(
+        "fingerfem_errors",
+        tip=errors.tip,
+        touch_distance=errors.touch_distance,
+        margin=errors.margin,
+        columns=errors.contact.shape[1],
+        rates=errors.contact,
+        **shares,
+    )
+
+
+def stations(nodes: np.ndarray) -> np.ndarray:
+    """Where along the finger nodes, shape (n, 3), lie [m]; shape (m,)."""
+    return np.unique(np.round(nodes[:, 0] / SAME_PLACE)) * SAME_PLACE
+
+
+def edges_of(model: Surrogate) -> tuple[dict[str, Any], int]:
+    """A struct fingerfem_edges by its name in the model, and its number of sections; nothing if there are none."""
+    moved, half = model.displacements, model.scene["geometry"]["side"] / 2
+    assert moved is not None
+    rows, signs, rest = [], [], []
+    for x in stations(model.nodes):
+        for y, z in ((-half, -half), (-half, half), (half, -half), (half, half)):
+            for own in (z, -z):  # of a half that is its own mirror image, the other edge
+                away = np.abs(model.nodes - [x, y, own]).max(axis=1)
+                if away.min() < SAME_PLACE:
+                    rows.append(int(away.argmin()))
+                    signs.append([1.0, 1.0, 1.0 if own == z else -1.0])
+                    rest.append([x, y, z])
+                    break
+    if len(rows) % 4:  # a mesh without nodes there
+        return {}, 0
+    index = (3 * np.array(rows)[:, None] + np.arange(3)).ravel()
+
+    def basis(whole: np.ndarray | None) -> np.ndarray:
+        return np.zeros((0, 0)) if whole is None else np.asarray(whole, float)[index] * np.ravel(signs)[:, None]
+
+    free, contact = basis(moved.free_basis), basis(moved.contact_basis)
+    edges = MODEL.struct(
+        "fingerfem_edges",
+        stations=len(rows) // 4,
+        free_modes=free.shape[1],
+        contact_modes=contact.shape[1],
+        tables=EVALUATION.struct("fingerfem_tables", **tables([moved.free, *moved.regimes])),
+        rest=np.array(rest),
+        free_basis=free,
+        contact_basis=contact,
+    )
+    return {"edges": edges}, len(rows) // 4

@@ -1,0 +1,115 @@
+"""A model as one page for a browser: the finger bends as sliders move, with nothing but the file.
+
+`viewer.html` is the page without a model, made by `make page` from browser/ and from the C that Python calls, too.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rom.checked_file import ModelError
+from rom.export.image import Image
+from rom.export.model import SAME_PLACE, stations, struct
+from rom.segment.native import ENDS
+from rom.segment.touched_segment import TouchedSegment
+from rom.surrogate import Surrogate
+
+VIEWER = Path(__file__).with_name("viewer.html")
+FEW = 10.0  # [N]: what a bar of forces shows of a surrogate that was not measured
+
+
+def write(model: Surrogate | TouchedSegment, path: Path) -> None:
+    """Write the page of a model.
+
+    Raises:
+        ModelError: no name of a page.
+    """
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise ModelError(f"page must be a file named .html, got {path}")
+    text = json.dumps(about(model), allow_nan=False).replace("<", "\\u003c")
+    path.write_text(VIEWER.read_text().replace("@MODEL@", text))
+
+
+def about(model: Surrogate | TouchedSegment) -> dict[str, Any]:
+    """What the page is told of a model, in plain data."""
+    own = struct(model)
+    image, root = Image.of(own)
+    geometry = model.scene["geometry"]
+    surface = parts(model) if own.sections else []
+    ends = np.cumsum([len(one) for one in surface])  # sections up to every plate's front
+    return {
+        "title": f"{model.scene['name']}: a rubber finger, {millimetres(geometry['segments'])} long",
+        "description": described(model),
+        "parameters": model.parameters,
+        "has_obstacle": model.has_obstacle,
+        "has_pad": model.has_pad,
+        "lead": model.lead,
+        "most_force": most_force(model),
+        "rest": [sum(geometry["segments"]) - geometry["plate"] / 2, 0.0, 0.0],
+        "geometry": {name: geometry[name] for name in ("side", "segments", "plate")},
+        "tendons": [
+            {
+                "offset": one["offset"],
+                "straight": one["path"] == "straight",
+                "last": int(ends[one["segment"] - 1]) - 1 if own.sections else 0,
+            }
+            for one in model.scene["tendons"]
+        ],
+        "sections": own.sections,
+        "metal": [bool(one) for segment in surface for one in segment],
+        "root": root,
+        "addresses": image.addresses,
+        "memory": base64.b64encode(zlib.compress(bytes(image.memory), 9)).decode(),
+    }
+
+
+def parts(model: Surrogate | TouchedSegment) -> list[np.ndarray]:
+    """Of every segment's sections, whether what follows up to the next is its plate; the last is its front."""
+    if isinstance(model, TouchedSegment):
+        return [np.arange(one.struct.places + ENDS) >= one.struct.places + ENDS - 2 for one in model.chain.segments]
+    geometry = model.scene["geometry"]
+    x = stations(model.nodes)
+    fronts = np.cumsum(geometry["segments"])
+    segment = np.searchsorted(fronts + SAME_PLACE, x)
+    metal = x > fronts[segment] - geometry["plate"] - SAME_PLACE
+    metal[:-1] &= x[:-1] < fronts[segment[:-1]] - SAME_PLACE  # behind a plate's front is rubber again
+    return [metal[segment == k] for k in range(len(fronts))]
+
+
+def most_force(model: Surrogate | TouchedSegment) -> float:
+    """The largest contact force that a page shows [N]: about what was trained."""
+    if isinstance(model, TouchedSegment):
+        return float(max(one.parameters[one.tensions]["upper"] for one in model.chain.segments))
+    if not model.has_obstacle:
+        return 0.0
+    lower, upper = model.limits
+    pressed = upper.copy()
+    pressed[-1] = lower[-1]
+    corners = [np.where([k >> j & 1 for j in range(len(upper))], upper, lower) for k in range(2 ** len(upper))]
+    force = float(np.max(model.evaluate(np.array(corners)).contact_force))
+    return 10.0 ** math.ceil(math.log10(force)) / 2 if force > 0 else FEW
+
+
+def described(model: Surrogate | TouchedSegment) -> str:
+    """One line under the title."""
+    if isinstance(model, TouchedSegment):
+        states = sum(int(one.provenance.get("states", 0)) for one in model.chain.segments)
+        kind = (
+            "map of its segment" if len(model.chain.segments) == 1 else f"maps of {len(model.chain.segments)} segments"
+        )
+        return f"{kind}, from {states} full-order states; contact with the plane is solved for as the sliders move"
+    return (
+        f"separated surrogate, {sum(model.terms.values())} products from {model.provenance['states']} full-order states"
+    )
+
+
+def millimetres(lengths: list[float]) -> str:
+    """Lengths [m] one after another."""
+    return " + ".join(f"{1e3 * one:g}" for one in lengths) + " mm"

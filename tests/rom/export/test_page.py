@@ -1,0 +1,267 @@
+"""The page in a browser: Chromium without a window moves its sliders, and its numbers are Python's."""
+
+from __future__ import annotations
+
+import base64
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rom import Surrogate, TouchedSegment
+from rom.export.model import MODEL, struct
+from rom.export.page import write
+from rom.native import pointer
+from rom.segment import native
+from rom.segment.chain import Chain
+from rom.segment.objects import facing_plane
+
+webdriver = pytest.importorskip("selenium.webdriver", reason="needs selenium (the environment has it)")
+pytestmark = pytest.mark.skipif(shutil.which("chromedriver") is None, reason="needs Chromium and its driver")
+QUANTITIES = "tip", "contact_force", "touch_distance"
+# As root, without a display, a graphics card and a network.
+FLAGS = (
+    *("--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--disable-dev-shm-usage"),
+    *("--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+    *("--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update"),
+)
+# Arrays cross as text that keeps infinities and NaN.
+ASK = """
+const bytes = Uint8Array.from(atob(arguments[0]), (one) => one.charCodeAt(0));
+const points = new Float64Array(bytes.buffer), p = arguments[1], found = [];
+for (let i = 0; i < points.length; i += p) {
+  const own = window.fingerfem.tell([...points.slice(i, i + p)]);
+  const { tip, contact_force, touch_distance } = own.error;
+  found.push(...own.tip, own.contact_force, own.touch_distance, tip, contact_force, touch_distance, own.inside ? 1 : 0);
+}
+let text = "";
+for (const one of new Uint8Array(new Float64Array(found).buffer)) text += String.fromCharCode(one);
+return btoa(text);
+"""
+SECTIONS = (
+    "window.fingerfem.tell(arguments[0]); const found = window.fingerfem.model.sections(); return found && [...found];"
+)
+
+
+def emulated(driver, method: str, **parameters) -> None:
+    """Ask Chromium itself."""
+    driver.execute("chromium", {"cmd": f"Emulation.{method}", "params": parameters})
+
+
+def two_segments() -> TouchedSegment:
+    """The finger that comes along, twice: the second one's tendons pass the first."""
+    one = TouchedSegment.load().chain.segments[0]
+    return TouchedSegment(segment=Chain([one, one]), obstacle=facing_plane(0.01, (0.0, 0.1)))
+
+
+MODELS = {
+    "map": TouchedSegment.load,
+    "two segments": two_segments,
+    "surrogate": Surrogate.load,
+}
+
+
+@pytest.fixture(scope="module")
+def driver():
+    service = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, text=True)
+    assert service.stdout is not None
+    port = next(found[1] for line in service.stdout if (found := re.search(r"successfully on port (\d+)", line)))
+    options = webdriver.ChromeOptions()
+    for flag in FLAGS:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    found = webdriver.Remote(f"http://127.0.0.1:{port}", options=options)  # not localhost: the environment has no hosts
+    found.command_executor._commands["chromium"] = ("POST", "/session/$sessionId/goog/cdp/execute")
+    yield found
+    found.quit()
+    service.terminate()
+    service.wait()
+
+
+@pytest.fixture(scope="module")
+def opened(driver, tmp_path_factory, trained):
+    """Open the page of a model, once each."""
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    folder, pages = tmp_path_factory.mktemp("pages"), {}
+
+    def open_page(name, model):
+        if name not in pages:
+            pages[name] = folder / f"{name}.html"
+            write(model, pages[name])
+        driver.set_window_size(1280, 800)
+        driver.get(pages[name].as_uri())
+        WebDriverWait(driver, 60).until(lambda page: page.execute_script("return document.body.dataset.ready"))
+        return driver
+
+    return open_page
+
+
+@pytest.fixture
+def page(opened):
+    return opened("map", TouchedSegment.load())
+
+
+def asked(driver, points: np.ndarray) -> np.ndarray:
+    sent = base64.b64encode(np.ascontiguousarray(points, "<f8").tobytes()).decode()
+    return np.frombuffer(base64.b64decode(driver.execute_script(ASK, sent, points.shape[1])), "<f8").reshape(-1, 9)
+
+
+def some_points(model, count: int) -> np.ndarray:
+    """In the trained box and beyond it, and what is no number."""
+    random, (lower, upper) = np.random.default_rng(0), model.limits
+    points = lower + (upper - lower) * (1.2 * random.random((count, len(lower))) - 0.1)
+    for value in (np.nan, np.inf, -np.inf):
+        for k in range(len(lower)):
+            points[random.integers(count), k] = value
+    return points
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_its_numbers_are_python_s_also_outside(opened, name):
+    model = MODELS[name]()
+    points = some_points(model, 10_000)
+    found, expected = asked(opened(name, model), points), model.evaluate(points)
+    sizes = np.array([0.05, 0.05, 0.05, 10.0, 0.05])
+    want = np.column_stack([expected.tip, expected.contact_force, expected.touch_distance])
+    errors = np.column_stack([expected.error[quantity] for quantity in QUANTITIES])
+    assert np.array_equal(found[:, 8].astype(bool), expected.inside)
+    finite = np.isfinite(errors)
+    assert np.array_equal(np.isfinite(found[:, 5:8]), finite)
+    known = finite.all(axis=1)  # elsewhere there is no equilibrium, and what is left is where the solve gave up
+    assert np.abs((found[:, :5] - want) / sizes)[known].max() < 1e-9
+    assert np.abs(found[known, 5:8] - errors[known]).max() < 1e-9
+    assert known.sum() > 0.9 * len(points) and (known & ~expected.inside).sum() > 1000
+    assert 0 < expected.inside.sum() < len(points)
+
+
+@pytest.mark.parametrize("name", ["map", "two segments", "a field"])
+def test_the_shape_is_python_s(opened, trained, name):
+    model = Surrogate.load(trained / "finger.h5") if name == "a field" else MODELS[name]()
+    shown = opened(name, model)
+    lower, upper = model.limits
+    for share in ([0.3, 0.2, 0.9], [0.7, 0.1, 0.2]):
+        point = lower + share * (upper - lower)
+        found = np.reshape(shown.execute_script(SECTIONS, point.tolist()), (-1, 4, 3))
+        if name == "a field":
+            moved = model.nodes + model.displacement(point)
+            for x, k in ((model.nodes[:, 0].max(), -1), (model.nodes[:, 0].min(), 0)):
+                own = np.isclose(model.nodes[:, 0], x) & np.isclose(np.abs(model.nodes[:, 1:]), 0.005).all(axis=1)
+                nearest = np.abs(found[k][:, None] - moved[own]).max(axis=2).min(axis=0)
+                assert nearest.max() < 1e-6  # single precision
+            continue
+        wrenches = model.answers(point).wrenches
+        expected = np.concatenate(native.sections(model.chain.struct, point[:-1], wrenches))
+        assert np.abs(found - expected).max() < 1e-9
+
+
+def test_c_alone_tells_what_python_tells_of_a_surrogate(surrogate, trained):
+    for model in (surrogate, Surrogate.load(trained / "finger.h5"), replace(surrogate, displacements=None)):
+        own, points = struct(model), some_points(model, 500)
+        expected = model.evaluate(points)
+        for i, point in enumerate(points):
+            out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty(36), np.zeros(18)
+            given = map(pointer, (point, wrench, out, errors, jacobian))
+            status = MODEL.functions.fingerfem_model_tell(own, *given)
+            assert (status == 0) == expected.inside[i]
+            assert errors[1] == pytest.approx(expected.error["contact_force"][i], rel=1e-9, abs=1e-12)
+            assert out[3] == pytest.approx(expected.contact_force[i], rel=1e-9, abs=1e-12)
+
+
+def number(driver, name: str) -> float:
+    """What a reading says."""
+    return float(driver.find_element("id", name).text.split("±")[0])
+
+
+def moved(driver, name: str, key: str, times: int) -> None:
+    """Press a key on a slider, as a person does, and wait until the page has followed."""
+    before = driver.execute_script("return window.fingerfem.frames.drawn")
+    driver.find_element("id", name).send_keys(key * times)
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    WebDriverWait(driver, 60).until(lambda page: page.execute_script("return window.fingerfem.frames.drawn") > before)
+    driver.execute_script("return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def test_sliders_bend_the_finger_and_the_readings_follow(page):
+    from selenium.webdriver.common.keys import Keys
+
+    model, before = TouchedSegment.load(), page.get_screenshot_as_png()
+    moved(page, "pull-0", Keys.ARROW_RIGHT, 60)
+    moved(page, "d", Keys.ARROW_LEFT, 20)
+    point = page.execute_script("return window.fingerfem.point()")
+    assert point[0] == pytest.approx(56.0) and point[2] < 0.015
+    expected = model.evaluate(point)
+    assert number(page, "contact-force") == pytest.approx(float(expected.contact_force), rel=1e-3)
+    assert number(page, "touch-distance") == pytest.approx(1e3 * float(expected.touch_distance), rel=1e-3)
+    assert page.find_element("id", "status").get_attribute("data-inside") == "true"
+    assert page.get_screenshot_as_png() != before
+
+
+def test_it_holds_a_force_while_the_plane_moves(page):
+    from selenium.webdriver.common.keys import Keys
+
+    model = TouchedSegment.load()
+    page.find_element("id", "hold").send_keys(Keys.SPACE)
+    for key, times in ((Keys.ARROW_RIGHT, 1), (Keys.ARROW_LEFT, 100), (Keys.ARROW_RIGHT, 200)):
+        moved(page, "d", key, times)
+        point = page.execute_script("return window.fingerfem.point()")
+        assert model.evaluate(point).contact_force == pytest.approx(1.0, abs=1e-5)
+        assert page.find_element("id", "said").get_attribute("data-status") == "converged"
+    moved(page, "pull-0", Keys.ARROW_RIGHT, 5)  # whoever pulls himself lets go
+    assert not page.find_element("id", "hold").is_selected()
+
+
+def test_its_controller_is_the_robot_s(page):
+    from control import Finger
+
+    model = TouchedSegment.load()
+    finger, random = Finger(model), np.random.default_rng(1)
+    agreed = 0
+    for force, d in zip(random.uniform(0.1, 6.0, 60), random.uniform(0.0, 0.05, 60), strict=True):
+        start = [50.0, 0.0]
+        found = page.execute_script("return window.fingerfem.hold(...arguments)", start, force, d)
+        known = finger.hold(force, d, start=start)
+        agreed += found["status"] == known.status
+        if found["status"] == "converged":
+            answer = model.evaluate([*found["tensions"], d])
+            assert answer.inside and answer.contact_force == pytest.approx(force, abs=1e-5)
+    assert agreed >= 58  # its atlas is coarser: where a start leads nowhere it may begin elsewhere
+
+
+def test_what_lies_outside_is_marked_with_the_reason(page):
+    for name, value, reason in (("F1", "140", "beyond"), ("d", "-5", "rubber may touch")):
+        field = page.find_element("css selector", f"input[type=number][aria-label^='{name} ']")
+        field.clear()
+        field.send_keys(value, "\n")
+        page.execute_script("return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        text = page.find_element("id", "status").text
+        assert reason in text and page.find_element("id", "scene").get_attribute("data-inside") == "false"
+        field.clear()
+        field.send_keys("20", "\n")
+
+
+def test_nothing_is_fetched_and_nothing_complains(page):
+    fetched = page.execute_script("return performance.getEntriesByType('resource').map((one) => one.name)")
+    assert [one for one in fetched if not one.startswith(("data:", "blob:"))] == []
+    assert [one for one in page.get_log("browser") if one["level"] in ("SEVERE", "WARNING")] == []
+
+
+@pytest.mark.parametrize("width", [360, 800, 1600])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_phone_and_the_dark_have_all_of_it(page, width, scheme):
+    emulated(page, "setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+    emulated(page, "setDeviceMetricsOverride", width=width, height=740, deviceScaleFactor=1, mobile=width < 500)
+    try:
+        assert page.execute_script("return document.documentElement.scrollWidth") <= width
+        for name in ("canvas", "pull-0", "d", "hold", "contact-force", "status"):
+            assert page.find_element("id", name).size["width"] > 0
+        colour = page.execute_script("return getComputedStyle(document.body).backgroundColor")
+        bright = np.mean([int(one) for one in re.findall(r"\d+", colour)[:3]])
+        assert (bright < 60) == (scheme == "dark")
+    finally:
+        emulated(page, "clearDeviceMetricsOverride")
+        emulated(page, "setEmulatedMedia", features=[])
