@@ -8,6 +8,7 @@ if __name__ == "__main__":
     interruptible()  # what comes next takes a second to import
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -20,8 +21,9 @@ from control.model import Model
 from control.motion import Motion
 from rom import BackedSegment, Surrogate, TouchedSegment
 from rom.checked_file import kind_of
-from rom.command_line import NOTHING_USABLE, AsJson, application, columns, millimetres, run, show
+from rom.command_line import NOTHING_USABLE, AsJson, application, run, show
 from rom.segment import chain
+from rom.table import Table, millimetres, percent
 from rom.terminal import steps
 
 app = application()
@@ -61,8 +63,7 @@ def reach(
         raise ValueError(f"point and distance must be numbers, got {point}, {distance:g}")
     known = model_of(model)
     motion = Finger(known).reach(point, distance)
-    miss = f"the tip is {1e3 * motion.residual:.3g} mm from there, +- {1e3 * motion.error:.2g} mm"
-    show(motion.as_json(), motion_lines(known, motion, miss), as_json, 0 if motion.converged else NOTHING_USABLE)
+    show(motion.as_json(), motion_parts(known, motion), as_json, 0 if motion.converged else NOTHING_USABLE)
 
 
 @app.command()
@@ -87,37 +88,15 @@ def hold(
         if value is not None and not 0 < value < math.inf:
             raise ValueError(f"{name} must be above 0 {unit}, got {value:g}")
     motion = Finger(known).hold(contact_force, distance, pad_pressure=pad_pressure)
-    asked, unit = (contact_force, "N") if pad_pressure is None else (pad_pressure, "Pa")
-    off = f"{motion.residual:.2g} {unit} from the {asked:g} {unit} asked for, +- {motion.error:.2g} {unit}"
-    show(motion.as_json(), motion_lines(known, motion, off), as_json, 0 if motion.converged else NOTHING_USABLE)
+    show(motion.as_json(), motion_parts(known, motion), as_json, 0 if motion.converged else NOTHING_USABLE)
 
 
-def motion_lines(model: Model, motion: Motion, off: str) -> list[str]:
-    """An answer for people: tensions, and what the model says of them."""
-    meant = {
-        "converged": "converged",
-        "unreachable": "unreachable; what comes nearest",
-        "out_of_domain": "out of the trained domain",
-        "iteration_limit": "not converged",
-    }
-    lines = [f"{meant[motion.status]}: {off} (estimated, 95 %)"]
-    sides = dict(zip(("y", "z"), motion.sides, strict=True))
-    names = [one["name"] for one in model.parameters]
-    lines += columns([[f"  {name}", f"{value:.4g} N"] for name, value in zip(names, motion.tensions, strict=False)])
-    before_plane = model.has_obstacle and np.isfinite(motion.distance)
-    at = motion.tensions if not model.has_obstacle else np.append(motion.tensions, model.limits[1][-1])
-    if before_plane:
-        at[-1] = motion.distance
+def motion_parts(model: Model, motion: Motion) -> list[Table | str]:
+    """An answer for people: tensions, and what the model says of them; the tip on the side that is pulled."""
+    names = [one["name"] for one in model.parameters[: len(motion.tensions)]]
+    at = motion.tensions if not model.has_obstacle else np.append(motion.tensions, motion.distance)
     answer = model.evaluate(at)
-    if before_plane and answer.inside:
-        force = f"{answer.contact_force:.4g} +- {answer.error['contact_force']:.2g} N"
-        lines.append(f"  contact force {force}, the plane at d = {1e3 * motion.distance:.4g} mm")
-        lines.append(f"  the plane is touched at d = {1e3 * answer.touch_distance:.4g} mm")
-    elif before_plane:
-        lines.append(f"  the plane at d = {1e3 * motion.distance:.4g} mm is not where the model was trained")
-    lines.append(f"  the tip moves by {millimetres(answer.tip * [1, *motion.sides])}")
-    lines += [f"  its tendons pulled on the other side along {axis}" for axis, side in sides.items() if side < 0]
-    return lines
+    return motion.tables(names, replace(answer, tip=answer.tip * [1, *motion.sides]))
 
 
 @app.command()
@@ -150,23 +129,22 @@ def grasp(
         if not targets.exist:
             lines = [f"no forces hold it: {targets.reason}"]
             show({"status": "no targets", "reason": targets.reason}, lines, as_json, NOTHING_USABLE)
-            return
         forces = targets.contact_forces
     result = gripper.grasp(forces, plants)
-    show(result.as_json(), grasp_lines(known, result), as_json, 0 if result.converged else NOTHING_USABLE)
+    show(result.as_json(), grasp_parts(known, result), as_json, 0 if result.converged else NOTHING_USABLE)
 
 
-def grasp_lines(model: Model, result: Grasp) -> list[str]:
-    """A grasp for people, a line a finger."""
+def grasp_parts(model: Model, result: Grasp) -> list[Table | str]:
+    """A grasp for people, a row per finger."""
     names = [one["name"] for one in model.parameters[: result.tensions.shape[1]]]
-    rows = [["finger", *(f"{name} [N]" for name in names), "force [N]", "d [mm]", "status"]]
+    header, rows = ["finger", *(f"{name} [N]" for name in names), "force [N]", "d [mm]", "status"], []
     for k, tensions in enumerate(result.tensions):
         numbers = [*(f"{value:.3f}" for value in tensions), f"{result.contact_forces[k]:.4f}"]
         rows.append([str(k + 1), *numbers, f"{1e3 * result.distances[k]:.3f}", result.status[k]])
     if not np.isfinite(result.radius):
-        return [*columns(rows), f"object not found, by {len(result.history)} pulls"]
+        return [Table(header=header, rows=rows), f"object not found, by {len(result.history)} pulls"]
     found = f"object found at {millimetres(result.centre)}, radius {1e3 * result.radius:.3f} mm"
-    return [*columns(rows), f"{found}, by {len(result.history)} pulls"]
+    return [Table(header=header, rows=rows), f"{found}, by {len(result.history)} pulls"]
 
 
 @app.command()
@@ -182,14 +160,18 @@ def campaign(
 
     with steps() as progress:
         result = hold_all(model_of(model), starts, contact_force, sweep, progress=progress).as_json()
-    counted = ", ".join(f"{result[name]} {name.replace('_', ' ')}" for name in COUNTED)
+    counts = [[name.replace("_", " "), str(result[name]), percent(result[name] / result["starts"])] for name in COUNTED]
     times = [
-        [f"  {what}", *(f"{result[prefix + key]:.3g} us" for key in ("mean_us", "p50_us", "p99_us", "max_us"))]
+        [what, *(f"{result[prefix + key]:.3g}" for key in ("mean_us", "p50_us", "p99_us", "max_us"))]
         for what, prefix in (("compiled", ""), ("called from Python", "call_"))
     ]
-    lines = [f"{result['starts']} holds of {contact_force:g} N: {counted}"]
-    lines += columns([["a hold takes", "mean", "median", "99 % below", "longest"], *times])
-    show(result, lines, as_json, 0 if result["converged"] else NOTHING_USABLE)
+    parts = [
+        Table(
+            title=f"{result['starts']} holds of {contact_force:g} N", header=["outcome", "holds", "share"], rows=counts
+        ),
+        Table(header=["time per hold [µs]", "mean", "median", "99 % below", "longest"], rows=times),
+    ]
+    show(result, parts, as_json, 0 if result["converged"] else NOTHING_USABLE)
 
 
 if __name__ == "__main__":

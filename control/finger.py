@@ -14,7 +14,7 @@ from control.least_squares import CONVERGED, LIMIT, OUTSIDE, STATIONARY
 from control.model import Model
 from control.motion import Limits, Motion
 from control.problems import known, rules
-from rom.native.answer import PAD
+from rom.native.answer import FORCE, PAD
 
 STATUSES = {CONVERGED: "converged", LIMIT: "iteration_limit", OUTSIDE: "out_of_domain"}
 NORMAL_95 = 1.96  # standard deviations within which 95 % of a normal distribution are [-]
@@ -149,7 +149,7 @@ class Finger:
         mirrored = goal * np.array([1.0, *sides])
         tensions, found = problems.reach(self.known, start, change, mirrored, float(distance), rules(tolerance))
         error = self.model.tip_error(float(np.linalg.norm(goal)))
-        return self._motion(found.status, tensions, distance, found.residual, error, found.evaluations, sides)
+        return self._motion(found.status, tensions, distance, found.residual, error, found.evaluations, sides, unit="m")
 
     def locate(self, tensions: ArrayLike, contact_force: ArrayLike, noise: float = 0.0, hint: float = np.nan) -> Motion:
         """Find the plane from tensions and the contact force felt; the motion's `distance` is d*.
@@ -240,7 +240,8 @@ class Finger:
         status, missed = found.status, found.residual
         if aim < target:
             status, missed = STATIONARY if status == CONVERGED else status, missed + (target - aim) / model.unit
-        return self._motion(status, tensions, distance, missed * model.unit, found.error, found.evaluations)
+        unit = "N" if model.row == FORCE else "Pa"
+        return self._motion(status, tensions, distance, missed * model.unit, found.error, found.evaluations, unit=unit)
 
     def _pressed(self, motion: Motion) -> tuple[float, float]:
         """Contact force [N] and pad pressure [Pa] of a motion."""
@@ -272,6 +273,7 @@ class Finger:
         tried: int,
         sides: tuple[int, int] = (1, 1),
         deviation: float = np.nan,
+        unit: str = "N",
     ) -> Motion:
         return Motion(
             tensions=tensions,
@@ -282,6 +284,7 @@ class Finger:
             iterations=int(tried),
             sides=sides,
             deviation=deviation,
+            unit=unit,
         )
 
     def _out_of_domain(

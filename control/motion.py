@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from rom.native.answer import Answer
+from rom.table import Table, as_html, quantities, row
+
+MEANING = {
+    "converged": "converged",
+    "unreachable": "unreachable; what comes nearest",
+    "out_of_domain": "out of the trained domain",
+    "iteration_limit": "not converged",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,6 +34,7 @@ class Motion:
         sides: of the finger, along y and z, on which its tendons are pulled: 1 those of the scene, -1 their mirror
             images (in y in free space only, in z before a plane too).
         deviation: standard deviation of `distance` where that was located [m]; else nan.
+        unit: of residual and error: m, N or, where a pad's pressure is held, Pa.
     """
 
     tensions: np.ndarray
@@ -33,6 +45,7 @@ class Motion:
     iterations: int
     sides: tuple[int, int] = (1, 1)
     deviation: float = np.nan
+    unit: str = "N"
 
     @property
     def converged(self) -> bool:
@@ -50,7 +63,34 @@ class Motion:
             "iterations": self.iterations,
             "sides": list(self.sides),
             "deviation": self.deviation,
+            "unit": self.unit,
         }
+
+    def tables(self, names: Sequence[str] = (), answer: Answer | None = None) -> list[Table | str]:
+        """For people.
+
+        Args:
+            names: of the tensions; numbers if left out.
+            answer: the model's there, if it is to be shown too.
+        """
+        known = names or [f"tension {k + 1}" for k in range(len(self.tensions))]
+        rows = [row(name, value, "N") for name, value in zip(known, self.tensions, strict=True)]
+        if np.isfinite(self.distance):
+            rows.append(row("distance d", self.distance, "m", self.deviation if np.isfinite(self.deviation) else None))
+        rows.append(row("off the target", self.residual, self.unit, self.error))
+        said: list[Table | str] = [quantities(rows, f"{MEANING[self.status]} ({self.iterations} evaluations)")]
+        if answer is not None:
+            table, inside = answer.tables()
+            said += [table, inside]
+        return said + [f"tendons pull on the other side along {axis}" for axis in self.mirrored]
+
+    @property
+    def mirrored(self) -> list[str]:
+        """Axes along which the tendons' mirror images are pulled."""
+        return [axis for axis, side in zip("yz", self.sides, strict=True) if side < 0]
+
+    def _repr_html_(self) -> str:
+        return as_html(self.tables())
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -100,7 +100,7 @@ def solve(
         from fingerfem.output.paraview import write_vtu
 
         write_vtu(model, state, paraview)
-    finish(state.as_json(), as_json, rank=comm.rank)
+    finish(state.as_json(), as_json, rank=comm.rank, parts=state.tables())
 
 
 @app.command()

@@ -14,7 +14,7 @@ from typing import Annotated
 import typer
 
 from rom.checked_file import kind_of
-from rom.command_line import AsJson, application, check_lines, errors, run, show
+from rom.command_line import AsJson, application, check_parts, run, show
 from rom.segment import chain, segment_map
 from rom.segment.chain import Chain
 from rom.segment.segment_map import SegmentMap
@@ -66,8 +66,7 @@ def build(
             raise ValueError("tolerance must be left out for a set of a scene with a load, got one")
         segment = build_segment(snapshots, terms, held_out, coarse, finer)
         (segment if fields else segment.without_displacements()).save(output)
-        show_segments(segment_summary(segment), as_json)
-        return
+        show(segment_summary(segment), segment.tables(), as_json)
     from rom.build import train
     from rom.error_model import calibrated, with_mesh_error
     from rom.held_out import accuracy, check, check_against, check_finer
@@ -91,7 +90,7 @@ def build(
             total = accuracy(check_against(model, finer_states, progress))
             model = replace(model, accuracy=model.accuracy | {"against_finer_mesh": total})
     model.save(output)
-    show_surrogate(summary(model), as_json)
+    show(summary(model), model.tables(), as_json)
 
 
 def check_folder(output: Path) -> None:
@@ -151,7 +150,7 @@ def chain_models(
     check_folder(output)
     made = Chain([SegmentMap.load(model) for model in models])
     made.save(output)
-    show_segments(chain_summary(made), as_json)
+    show(chain_summary(made), made.tables(), as_json)
 
 
 @app.command("check")
@@ -173,8 +172,7 @@ def check_model(
         if held_out is None or against is not None:
             raise ValueError("against must be left out for a segment's map: HELDOUT/ may be of any mesh")
         found = check_segment(SegmentMap.load(model), SnapshotSet(held_out))
-        show(found, check_lines(found), as_json)
-        return
+        show(found, check_parts(found), as_json)
     from rom.held_out import check, check_against
 
     surrogate = Surrogate.load(model, tolerance=tolerance)
@@ -182,16 +180,17 @@ def check_model(
         report = check(surrogate, SnapshotSet(held_out), progress) if held_out is not None else {}
         if against is not None:
             report["against"] = check_against(surrogate, SnapshotSet(against), progress)
-    show(report, check_lines(report), as_json)
+    show(report, check_parts(report), as_json)
 
 
 @app.command()
 def info(model: ModelFile, as_json: AsJson = False) -> None:
     """What a model file holds: parameters with units and ranges, terms, accuracy, versions."""
     if kind_of(model) in chain.KINDS:
-        show_segments(chain_summary(Chain.load(model)), as_json)
-        return
-    show_surrogate(summary(Surrogate.load(model)), as_json)
+        segments = Chain.load(model)
+        show(chain_summary(segments), segments.tables(), as_json)
+    known = Surrogate.load(model)
+    show(summary(known), known.tables(), as_json)
 
 
 @app.command("export")
@@ -227,37 +226,6 @@ def page(
     else:
         write(Surrogate.load(model, tolerance=tolerance), output)
     say(f"{output}: {output.stat().st_size / 1e6:.1f} MB; open it in a browser")
-
-
-def parameter_lines(parameters: list[dict]) -> list[str]:
-    """Parameters with their ranges."""
-    return [f"  {one['name']}: {one['lower']:g} to {one['upper']:g} {one['unit']}" for one in parameters]
-
-
-def show_surrogate(found: dict, as_json: bool) -> None:
-    """Print a surrogate's summary."""
-    terms = f"{sum(found['terms'].values())} products in {len(found['terms'])} forms"
-    made = found["provenance"]
-    nodes = f"displacement of {found['nodes']:,} nodes" if isinstance(found["nodes"], int) else found["nodes"]
-    lines = [f"{found['scene']}: {terms} from {made['states']} states; {nodes}", *parameter_lines(found["parameters"])]
-    measured = errors(found["accuracy"]) if isinstance(found["accuracy"], dict) else [f"accuracy {found['accuracy']}"]
-    if "against_finer_mesh" in found["accuracy"]:
-        mesh = " x ".join(map(str, made["mesh_error"]["cells"])) + f" cells of order {made['mesh_error']['order']}"
-        measured += [f"mesh and surrogate together, against {mesh}:", *errors(found["accuracy"]["against_finer_mesh"])]
-    show(found, [*lines, *measured], as_json)
-
-
-def show_segments(found: dict, as_json: bool) -> None:
-    """Print the summary of a segment's map or of a chain."""
-    lines = []
-    for k, one in enumerate(found.get("segments", [found])):
-        made, error = one["provenance"], one["contact_force_error"]
-        states = f" from {made['states']} states" if "states" in made else ""
-        lines.append(f"{one['scene']}, segment {k + 1}: {one['terms']:,} products{states}")
-        lines += parameter_lines(one["parameters"])
-        lines.append(f"  contact force within {100 * error:.2g} %, as it expects of itself (95 %)")
-        lines += errors(one["accuracy"]) if isinstance(one["accuracy"], dict) else [f"  accuracy {one['accuracy']}"]
-    show(found, lines, as_json)
 
 
 def chain_summary(made: Chain) -> dict:

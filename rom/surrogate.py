@@ -19,6 +19,7 @@ from rom.native import EVALUATION, PickledByFields, answer
 from rom.native.answer import Answer
 from rom.native.forms import values
 from rom.separation.separated_form import tables
+from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters
 
 logger = logging.getLogger(__name__)
 
@@ -248,6 +249,23 @@ class Surrogate(PickledByFields, Components):
                 assert self.displacements.contact_basis is not None
                 moved = moved + self.displacements.contact_basis @ amounts.astype(np.float32)
         return moved.astype(float).reshape(-1, 3)
+
+    def tables(self) -> list[Table | str]:
+        """For people: what it is made of, its parameters, and what it was measured to err by."""
+        made, fields = self.provenance, f"displacement of {len(self.nodes):,} nodes"
+        terms = f"{sum(self.terms.values())} products in {len(self.terms)} forms"
+        first = f"{self.scene['name']}: {terms} from {made['states']} states; "
+        parts: list[Table | str] = [first + (fields if self.has_field else "without the displacement field")]
+        parts += [parameters(self.parameters), *accuracy(self.accuracy)]
+        if not self.accuracy:
+            parts.append(NOT_MEASURED)
+        if "against_finer_mesh" in self.accuracy:
+            mesh = " x ".join(map(str, made["mesh_error"]["cells"])) + f" cells of order {made['mesh_error']['order']}"
+            parts += accuracy(self.accuracy["against_finer_mesh"], f"mesh and surrogate together, against {mesh}")
+        return parts
+
+    def _repr_html_(self) -> str:
+        return as_html(self.tables())
 
     def save(self, path: str | Path) -> None:
         """Write the model file (HDF5), see rom.model_file and docs/format.md."""

@@ -11,6 +11,8 @@ from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.continuation import Continuation
 from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.equilibrium.sensitivities import differentiate
+from fingerfem.equilibrium.state_tables import tables
+from rom.table import Table, as_html
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +80,13 @@ class State:
         fields = ("displacement", "displacement_sensitivities")
         listed = {name: getattr(self, name) for name in self.__dataclass_fields__ if name not in fields}
         return {name: _plain(value) for name, value in listed.items() if value is not None}
+
+    def tables(self) -> list[Table | str]:
+        """For people."""
+        return tables(self.as_json())
+
+    def _repr_html_(self) -> str:
+        return as_html(self.tables())
 
 
 def _plain(value: Any) -> Any:

@@ -6,18 +6,24 @@ import json
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NoReturn
+
+from rom.table import Table, print_tables
 
 NAME = 24  # columns of a name
 
 
-def finish(result: dict[str, Any], as_json: bool, code: int = 0, rank: int = 0) -> NoReturn:
-    """Print what a command found, on one rank, and end with an exit code."""
+def finish(
+    result: dict[str, Any], as_json: bool, code: int = 0, rank: int = 0, parts: Iterable[Table | str] | None = None
+) -> NoReturn:
+    """Print what a command found, on one rank: as JSON, as tables or as rows; and end with an exit code."""
     if rank != 0:
         raise SystemExit(code)
     if as_json:
         print(json.dumps(result))
+    elif parts is not None:
+        print_tables(parts)
     else:
         print("\n".join(rows(result)))
     raise SystemExit(code)

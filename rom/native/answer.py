@@ -9,8 +9,12 @@ from typing import Any
 import numpy as np
 
 from rom.native import EVALUATION, pointer
+from rom.table import COVERED, Table, as_html, components, number, quantities, row, shown
 
 TIP, FORCE, TOUCH, PAD = 0, 3, 4, 5  # rows of an answer, as in kernel.h; the pad only where a model knows it
+FEW = 10  # points of many that a table shows
+INSIDE = "inside what was trained; errors cover 95 of 100 states"
+OUTSIDE = "not inside what was trained: nothing says how far this is from the truth"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +42,31 @@ class Answer:
     error: Mapping[str, Any]
     inside: Any
     error_parts: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    def tables(self) -> list[Table | str]:
+        """For people; of many points the first ones, without the tip."""
+        found = {"contact_force": (self.contact_force, "N"), "touch_distance": (self.touch_distance, "m")}
+        if self.pad_pressure is not None:
+            found["pad_pressure"] = self.pad_pressure, "Pa"
+        named = {name: (name.replace("_", " "), *one, self.error.get(name)) for name, one in found.items()}
+        if np.ndim(self.tip) > 1:
+            return self._many(list(named.values()))
+        rows = components("tip", self.tip, "m", self.error["tip"])
+        rows += [row(*one) for one in named.values() if not np.isnan(one[1])]
+        return [quantities(rows), INSIDE if self.inside else OUTSIDE]
+
+    def _many(self, named: list[tuple[str, Any, str, Any]]) -> list[Table | str]:
+        units = [(name, values, shown(unit)[1], errors, unit) for name, values, unit, errors in named]
+        header = [word for name, _, unit, _, _ in units for word in (f"{name} [{unit}]", COVERED)]
+        rows = []
+        for k in range(min(len(self.tip), FEW)):
+            words = [number(one, unit, d) for _, v, _, e, unit in units for one, d in ((v[k], 4), (e[k], 2))]
+            rows.append([str(k), *words, "yes" if self.inside[k] else "no"])
+        title = f"{len(rows)} of {len(self.tip)} points"
+        return [Table(title=title, header=["point", *header, "inside"], rows=rows)]
+
+    def _repr_html_(self) -> str:
+        return as_html(self.tables())
 
 
 def rows(kernel: Any) -> int:

@@ -20,6 +20,7 @@ from rom.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.segment import native, segment_map
 from rom.segment.segment_map import SegmentMap
+from rom.table import Table, as_html
 
 KIND, FORMAT = "fingerfem chain", 1
 KINDS = (segment_map.KIND, KIND)  # of files that `Chain.load` reads
@@ -166,6 +167,13 @@ class Chain(PickledByFields):
         if pulled.shape != (t,) or pressed.shape != (n, 6):
             raise ModelError(f"inputs must be {t} tensions and wrenches of shape ({n}, 6), got {pulled.shape}")
         return ChainPlaced(*native.place_chain(self.struct, pulled, pressed))
+
+    def tables(self) -> list[Table | str]:
+        """For people: those of its segments."""
+        return [part for k, one in enumerate(self.segments) for part in one.tables(f"segment {k + 1}")]
+
+    def _repr_html_(self) -> str:
+        return as_html(self.tables())
 
     def save(self, path: str | Path) -> None:
         """Write all maps into one file: it is whole or absent."""

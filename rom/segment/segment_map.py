@@ -20,6 +20,7 @@ from rom.native import PickledByFields
 from rom.segment import native
 from rom.segment.field import Field
 from rom.snapshots.rigid_motion import motions, rotations
+from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters, percent
 
 KIND, FORMAT = "fingerfem segment map", 2
 PLAIN = ("parameters", "scene", "accuracy", "provenance", "finer_mesh_factors")
@@ -177,6 +178,18 @@ class SegmentMap(PickledByFields):
     def without_displacements(self) -> SegmentMap:
         """The same map without the field of its nodes, which is most of a file."""
         return replace(self, displacements=None)
+
+    def tables(self, name: str = "segment") -> list[Table | str]:
+        """For people: what it is made of, its inputs, and what it was measured to err by."""
+        states = f" from {self.provenance['states']} states" if "states" in self.provenance else ""
+        error = self.force_error * self.finer_mesh_factors.get("contact_force", 1.0)
+        parts: list[Table | str] = [f"{self.scene['name']}, {name}: {len(self.pose.powers):,} products{states}"]
+        parts += [parameters(self.parameters), f"contact force within {percent(error)}, as it expects of itself (95 %)"]
+        measured = accuracy(self.accuracy)
+        return [*parts, *measured] if measured else [*parts, NOT_MEASURED]
+
+    def _repr_html_(self) -> str:
+        return as_html(self.tables())
 
     def save(self, path: str | Path) -> None:
         """Write the map: the file is whole or absent."""

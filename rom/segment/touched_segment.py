@@ -19,6 +19,7 @@ from rom.segment.chain import Chain
 from rom.segment.native import SEGMENT, Touched
 from rom.segment.objects import Object, facing_plane
 from rom.segment.segment_map import SegmentMap
+from rom.table import Table, as_html, parameters
 
 QUANTITIES = "tip", "contact_force", "touch_distance"  # of which errors are estimated
 CLOSED = 1e-7  # [m]: gaps of contacts that may press, once the solve has ended
@@ -103,6 +104,13 @@ class TouchedSegment(PickledByFields):
     def scene(self) -> dict[str, Any]:
         """The trained scene."""
         return self.chain.scene
+
+    def tables(self) -> list[Table | str]:
+        """For people: its segments, and where the object may be."""
+        return [*self.chain.tables(), parameters(self.parameters, "with the object")]
+
+    def _repr_html_(self) -> str:
+        return as_html(self.tables())
 
     def tip_error(self, way: float) -> float:
         """Estimated error of the free tip [m], the same a way [m] from where it rests."""

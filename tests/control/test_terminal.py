@@ -22,7 +22,10 @@ def test_ctrl_c_ends_a_campaign_in_one_line(trained):
 
 def test_answers_are_tables_with_units(trained):
     words = {
-        ("reach", str(trained / "finger.h5"), "0.0", "-0.2", "0.0"): (3, ["unreachable", "mm from there", " N"]),
+        ("reach", str(trained / "finger.h5"), "0.0", "-0.2", "0.0"): (
+            3,
+            ["unreachable", "off the target", " mm", " N"],
+        ),
         ("grasp", str(trained / "finger.h5")): (0, ["force [N]", "radius 12.000 mm"]),
     }
     for said, (code, parts) in words.items():

@@ -105,7 +105,7 @@ def test_ctrl_c_ends_the_demo_in_one_line(tmp_path):
 
 def test_solve_fits_the_window_and_ctrl_c_ends_it_in_one_line(scene):
     seen = shown([sys.executable, "-m", "fingerfem", "solve", str(scene), "F1=50", "d=0.005"])
-    assert seen.code == 0 and "contact_force" in seen.text
+    assert seen.code == 0 and "contact force" in seen.text
     seen.assert_readable()
     fine = f"echo begun; exec {sys.executable} -m fingerfem solve scenes/two_segments.toml F_s=40 F_l=40 d=0.005"
     seen = shown(["sh", "-c", fine], interrupt_at="begun", pause=2.0)

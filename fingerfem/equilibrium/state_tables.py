@@ -1,0 +1,68 @@
+"""A state of the full-order model for people: quantities with units, sensitivities, what it took."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rom.table import Table, components, number, quantities, row, shown
+
+UNITS = {
+    "touch_distance": "m",
+    "contact_force": "N",
+    "pad_pressure": "Pa",
+    "penetration": "m",
+    "complementarity": "-",
+    "energy": "J",
+    "smallest_volume_ratio": "-",
+}
+CHANGES = {"tip": "m", "contact_force": "N", "channel_shortening": "m"}  # that have sensitivities
+
+
+def tables(found: Mapping[str, Any]) -> list[Table | str]:
+    """Of a state in plain data, see State.as_json."""
+    names = [name for name in found["parameters"] if name != "d"]
+    loads = [row(name, value, unit_of(name)) for name, value in found["parameters"].items()]
+    answer = components("tip", found["tip"], "m")
+    answer += [row(name.replace("_", " "), found[name], unit) for name, unit in UNITS.items() if name in found]
+    answer += components("clamp reaction", found["clamp_reaction"], "N")
+    answer += [row(f"{name} shortened by", value, "m") for name, value in found["channel_shortening"].items()]
+    parts: list[Table | str] = [quantities(loads, "loads"), quantities(answer, "equilibrium")]
+    if found.get("sensitivities"):
+        parts.append(sensitivities(found["sensitivities"], [*names, *(["d"] if "d" in found["parameters"] else [])]))
+    yes = {True: "yes", False: "no", None: "not known"}
+    parts.append(f"stable: {yes[found.get('stable')]}; passes through itself: {yes[found['self_intersecting']]}")
+    iterations, steps = found["newton_iterations"], found["steps"]
+    return [*parts, f"{iterations} Newton iterations in {steps} steps, {found['unknowns']:,} unknowns"]
+
+
+def sensitivities(found: Mapping[str, Any], parameters: list[str]) -> Table:
+    """Derivatives of every quantity by the parameters that have any."""
+    known = [name for name in parameters if name in found["tip"]]
+    rows = []
+    for quantity, unit in CHANGES.items():
+        for own, values in _scalars(quantity, found.get(quantity, {})).items():
+            changes = (number(values[name] / shown(unit_of(name))[0], unit, 3) for name in known)
+            rows.append([own, shown(unit)[1], *changes])
+    header = ["derivative of", "unit", *(f"by {name} [{shown(unit_of(name))[1]}]" for name in known)]
+    return Table(title="sensitivities", header=header, rows=rows)
+
+
+def _scalars(quantity: str, by_parameter: Mapping[str, Any]) -> dict[str, dict[str, float]]:
+    """A quantity's components by their names: each by the parameters."""
+    found: dict[str, dict[str, float]] = {}
+    for parameter, value in by_parameter.items():
+        named = value if isinstance(value, Mapping) else {"": value}
+        if isinstance(value, list):
+            named = dict(zip("xyz", value, strict=True))
+        for name, one in named.items():
+            title = (
+                f"{name} shortened by" if isinstance(value, Mapping) else f"{quantity.replace('_', ' ')} {name}".strip()
+            )
+            found.setdefault(title, {})[parameter] = float(one)
+    return found
+
+
+def unit_of(name: str) -> str:
+    """Of a parameter: d, a component of a moment, or a tension or force."""
+    return "m" if name == "d" else "N m" if name[:1] == "m" else "N"
