@@ -196,15 +196,37 @@ def info(model: ModelFile, as_json: AsJson = False) -> None:
 @app.command("export")
 def export_model(
     model: ModelFile,
-    output: Annotated[Path, typer.Argument(metavar="FINGER.h", help="Its name begins every name in it.")],
+    output: Annotated[Path, typer.Argument(metavar="FINGER.h|FINGER.fmu", help="A C header or an FMU, by its ending.")],
     tolerance: Annotated[
         float, typer.Option(min=0, max=0.5, help="Keep only the terms this relative error needs.")
     ] = 0.0,
+    fmi: Annotated[int, typer.Option(metavar="2|3", help="Version of FMI of an FMU.")] = 3,
+    controller: Annotated[
+        bool, typer.Option("--controller", help="An FMU that holds a contact force: tensions come out.")
+    ] = False,
 ) -> None:
-    """Write a model as one C99 header: values and gradients, without allocation."""
-    from rom.export.c_header import export
+    """Write a model for those without Python: a C99 header, FINGER.h, or an FMU for co-simulation, FINGER.fmu.
 
-    export(Surrogate.load(model, tolerance=tolerance), output)
+    A header has values and gradients of a separated surrogate, without allocation; its name begins every name in it.
+    An FMU has C sources and a library for Linux in it.
+    """
+    check_folder(output)
+    if output.suffix.lower() != ".fmu":
+        from rom.export.c_header import export
+
+        if controller or fmi != 3:
+            raise ValueError(f"output must be named .fmu for --fmi and --controller, got {output}")
+        export(Surrogate.load(model, tolerance=tolerance), output)
+        return
+    from rom.export.fmu import write
+
+    if kind_of(model) not in chain.KINDS:
+        write(Surrogate.load(model, tolerance=tolerance), output, fmi, controller)
+    elif tolerance:
+        raise ValueError(f"tolerance must be left out for a segment's map, got {tolerance:g}")
+    else:
+        write(TouchedSegment.load(model), output, fmi, controller)
+    say(f"{output}: FMI {fmi}.0 for co-simulation, {output.stat().st_size / 1e6:.1f} MB")
 
 
 @app.command()

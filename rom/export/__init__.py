@@ -1,1 +1,1 @@
-"""Models for those without Python: a C header, a page in a browser."""
+"""Models for those without Python: a C header, an FMU, a page in a browser."""

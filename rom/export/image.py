@@ -30,20 +30,18 @@ class Image:
     @classmethod
     def of(cls, root: Any) -> tuple[Image, int]:
         """A struct made by `rom.native.Library.struct`, and all it points to; and where it lies."""
-        owners: dict[int, Any] = {}
-        _collect(root, owners)
         image, places = cls(), dict[int, int]()
-        return image, image._placed(_address(root), owners, places)
+        return image, image._placed(address(root), owners(root), places)
 
-    def _placed(self, address: int, owners: dict[int, Any], places: dict[int, int]) -> int:
+    def _placed(self, at: int, owners: dict[int, Any], places: dict[int, int]) -> int:
         """Where what lies at an address here lies in the image."""
-        if address not in places:
-            owner = owners[address]
+        if at not in places:
+            owner = owners[at]
             kind = SEGMENT.ffi.typeof(owner)
             single = kind.kind == "pointer"
             size, _ = _layout(kind.item)
             self.memory.extend(bytes(-len(self.memory) % ALIGNED))
-            begin = places[address] = len(self.memory)
+            begin = places[at] = len(self.memory)
             self.memory.extend(bytes(size * (1 if single else len(owner))))
             if kind.item.kind == "primitive":
                 code = PACKED[kind.item.cname]
@@ -51,7 +49,7 @@ class Image:
             else:
                 for k, one in enumerate([owner[0]] if single else owner):
                     self._write(begin + size * k, kind.item, one, owners, places)
-        return places[address]
+        return places[at]
 
     def _write(self, at: int, kind: Any, value: Any, owners: dict[int, Any], places: dict[int, int]) -> None:
         """A value of a kind, at a place."""
@@ -65,19 +63,21 @@ class Image:
         elif kind.kind == "pointer":
             if value != SEGMENT.ffi.NULL:
                 self.addresses.append(at)
-                struct.pack_into("<I", self.memory, at, self._placed(_address(value), owners, places))
+                struct.pack_into("<I", self.memory, at, self._placed(address(value), owners, places))
         else:
             struct.pack_into(f"<{PACKED[kind.cname]}", self.memory, at, value)
 
 
-def _collect(one: Any, owners: dict[int, Any]) -> None:
-    """What a struct keeps alive, and itself, by their addresses here."""
-    owners[_address(one)] = one
-    for kept in kept_by(one):
-        _collect(kept, owners)
+def owners(root: Any) -> dict[int, Any]:
+    """A struct, and all that it keeps alive, by their addresses here."""
+    found = {address(root): root}
+    for kept in kept_by(root):
+        found |= owners(kept)
+    return found
 
 
-def _address(pointer: Any) -> int:
+def address(pointer: Any) -> int:
+    """Where it points to here."""
     return int(SEGMENT.ffi.cast("uintptr_t", pointer))
 
 

@@ -1,0 +1,178 @@
+"""The file of an FMU: its description, its C sources, and the library that they make on this machine."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import re
+import subprocess
+import tempfile
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rom.checked_file import ModelError
+from rom.export.fmu import description
+from rom.export.fmu.numbers import definitions, literal
+from rom.export.fmu.variables import Interface, controller_interface, model_interface
+from rom.export.model import MODEL, errors_of
+from rom.native import FLAGS, compiler
+from rom.segment.touched_segment import TouchedSegment
+from rom.surrogate import Surrogate
+
+VERSIONS = 2, 3  # of FMI
+ROOT = Path(__file__).parents[3]  # rom/ is in it
+NATIVE = Path(__file__).parent / "native"
+CONTROL = ROOT / "control" / "native"
+CONTROL_UNITS = ("least_squares.c", "step.c", "null_space.c", "hold.c", "standalone.c")
+NUMBERS = "numbers.c"
+# An FMU's own names stay its own where a tool loads many; -s leaves out what only a debugger reads.
+OPTIONS = (*FLAGS, "-fvisibility=hidden", "-s")
+# Where a tool looks for the library, by FMI's version and the machine.
+FOLDERS = {
+    2: {"x86_64": "linux64", "aarch64": "linux-aarch64"},
+    3: {"x86_64": "x86_64-linux", "aarch64": "aarch64-linux"},
+}
+STAMP = (1980, 1, 1, 0, 0, 0)  # of files in it: the same model makes the same FMU
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sources:
+    """C sources.
+
+    Attributes:
+        files: contents by their paths, as they lie in the checkout.
+        units: which of them are compiled.
+    """
+
+    files: dict[str, bytes]
+    units: list[str]
+
+
+def write(model: Surrogate | TouchedSegment, path: Path, version: int = 3, controller: bool = False) -> None:
+    """Write the FMU of a model, or of the controller that holds a contact force with it.
+
+    Args:
+        model: what it knows.
+        path: a file named .fmu; its stem is the model's identifier.
+        version: of FMI, 2 or 3.
+        controller: whether contact force and distance go in and tensions come out.
+
+    Raises:
+        ModelError: no such version, no C identifier, a model that this is not possible for, no compiler, or no
+            sources of the controller.
+    """
+    if version not in VERSIONS:
+        raise ModelError(f"fmi must be 2 or 3, got {version}")
+    name = path.stem
+    if path.suffix.lower() != ".fmu" or not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
+        raise ModelError(f"FMU must be a file named .fmu whose name is a C identifier, got {path.name}")
+    machine = platform.machine()
+    if machine not in FOLDERS[version] or platform.system() != "Linux":
+        raise ModelError(f"machine must be Linux on x86_64 or aarch64, got {platform.system()} on {machine}")
+    interface = controller_interface(model) if controller else model_interface(model)
+    sources = sources_of(model, interface, version)
+    token = token_of(sources)
+    sources.files[NUMBERS] = f'{sources.files[NUMBERS].decode()}const char fmu_token[] = "{token}";\n'.encode()
+    files = {f"sources/{file}": contents for file, contents in sources.files.items()}
+    if version == 2:
+        files["modelDescription.xml"] = description.fmi2(interface, name, token, sources.units)
+    else:
+        files["modelDescription.xml"] = description.fmi3(interface, name, token)
+        built = description.build_description(name, sources.units, "gcc", " ".join(OPTIONS))
+        files["sources/buildDescription.xml"] = built
+    files[f"binaries/{FOLDERS[version][machine]}/{name}.so"] = compiled(sources)
+    pack(files, path)
+
+
+def sources_of(model: Surrogate | TouchedSegment, interface: Interface, version: int) -> Sources:
+    """All that is compiled, in the folders it has in the checkout, so that files find each other.
+
+    Raises:
+        ModelError: the controller's are not beside this package.
+    """
+    units = [NATIVE / "fmu.c", NATIVE / interface.unit, NATIVE / f"fmu{version}.c", *MODEL.units]
+    if interface.unit == "fmu_controller.c":
+        units += [CONTROL / unit for unit in CONTROL_UNITS]
+        if not (CONTROL / "standalone.c").exists():
+            raise ModelError(f"control must be installed beside rom for a controller, got no {CONTROL}")
+    files = {*units, *(header for unit in units for header in unit.parent.glob("*.h")), *included(units)}
+    contents = {file.relative_to(ROOT).as_posix(): file.read_bytes() for file in sorted(files)}
+    contents[NUMBERS] = numbers(model, interface).encode()
+    return Sources(files=contents, units=[*(unit.relative_to(ROOT).as_posix() for unit in units), NUMBERS])
+
+
+def included(units: list[Path]) -> list[Path]:
+    """C files that others include."""
+    names = [(unit, re.findall(r'^#include "(.*\.c)"', unit.read_text(), re.MULTILINE)) for unit in units]
+    return [unit.parent / name for unit, found in names for name in found]
+
+
+def numbers(model: Surrogate | TouchedSegment, interface: Interface) -> str:
+    """C of a model's numbers, without the shape that only a picture needs; all but the token."""
+    lines, name = definitions(model_struct(model))
+    starts = [one.start for one in interface.variables if one.start is not None]
+    return "\n".join(
+        [
+            "/* Generated: a trained model's numbers, see rom/export/fmu/native/fmu.h. */",
+            "#include <math.h>",
+            '#include "rom/export/fmu/native/fmu.h"',
+            *lines,
+            f"const fingerfem_model *const fmu_model = {name};",
+            f"const int fmu_inputs = {len(starts)};",
+            f"const double fmu_starts[] = {{{', '.join(literal(float(start), 'double') for start in starts)}}};",
+            "",
+        ]
+    )
+
+
+def model_struct(model: Surrogate | TouchedSegment) -> Any:
+    """A struct fingerfem_model that tells numbers, but no shape."""
+    p = len(model.parameters)
+    if isinstance(model, TouchedSegment):
+        return MODEL.struct("fingerfem_model", parameters=p, touching=model.touching)
+    return MODEL.struct("fingerfem_model", parameters=p, kernel=model.kernel, errors=errors_of(model))
+
+
+def token_of(sources: Sources) -> str:
+    """What tells this FMU from others: 32 digits of the hash of all that it is made from, as a GUID."""
+    found = hashlib.sha256()
+    for file, contents in sorted(sources.files.items()):
+        found.update(file.encode() + contents)
+    digits = found.hexdigest()
+    return f"{{{digits[:8]}-{digits[8:12]}-{digits[12:16]}-{digits[16:20]}-{digits[20:32]}}}"
+
+
+def compiled(sources: Sources) -> bytes:
+    """The library, for every processor of this machine's kind.
+
+    Raises:
+        ModelError: no C compiler, or one that fails.
+    """
+    command = compiler()
+    if not command:
+        raise ModelError("a C compiler must be there to make an FMU, got none (Debian: apt-get install gcc libc6-dev)")
+    with tempfile.TemporaryDirectory(prefix="fingerfem-") as folder:
+        for file, contents in sources.files.items():
+            (Path(folder) / file).parent.mkdir(parents=True, exist_ok=True)
+            (Path(folder) / file).write_bytes(contents)
+        line = [*command.split(), *OPTIONS, "-o", "finger.so", *sources.units, "-lm"]
+        try:
+            done = subprocess.run(line, cwd=folder, capture_output=True, text=True)
+        except OSError as error:
+            raise ModelError(f"the C compiler must be there, got {command} ({error.strerror})") from None
+        if done.returncode:
+            said = (done.stderr.strip() or f"exit code {done.returncode}").splitlines()[-1]
+            raise ModelError(f"the C compiler must build the FMU, got: {said} (from {command})")
+        return (Path(folder) / "finger.so").read_bytes()
+
+
+def pack(files: dict[str, bytes], path: Path) -> None:
+    """Write a zip file, beside and renamed: it is whole or absent."""
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:
+        made = Path(beside) / path.name
+        with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name in sorted(files, key=lambda name: (name != "modelDescription.xml", name)):
+                archive.writestr(zipfile.ZipInfo(name, STAMP), files[name], zipfile.ZIP_DEFLATED)
+        made.replace(path)

@@ -1,0 +1,29 @@
+/* The FMU of a model: tensions and distance in; all that is told of the finger out. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+#include "fmu.h"
+
+int fmu_open(void **own)
+{
+    *own = NULL; /* solves need no memory between them */
+    return 1;
+}
+
+void fmu_keep(fmu_state *state) { (void)state; }
+
+/* Outputs are rows of an answer, then its errors, see model.h; each is solved from rest, whatever was asked before. */
+void fmu_answer(void *own, fmu_state *state)
+{
+    double wrench[FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES] = {0.0};
+    double *out = state->outputs, *errors = out + FINGERFEM_MOST_ROWS;
+    (void)own;
+    memset(state->jacobian, 0, sizeof state->jacobian);
+    state->status = fingerfem_model_tell(fmu_model, state->inputs, wrench, out, errors, state->jacobian);
+    for (int i = 0; i <= FINGERFEM_FORCE; i++)
+        if (!isfinite(out[i]) && state->status == FINGERFEM_INSIDE) state->status = FINGERFEM_NO_EQUILIBRIUM;
+    state->flag = state->status == FINGERFEM_INSIDE;
+    for (int i = 0; i < FINGERFEM_MOST_ROWS; i++) out[i] = fmu_finite(out[i], 0.0);
+    for (int i = 0; i < FINGERFEM_MOST_ERRORS; i++) errors[i] = fmu_finite(errors[i], DBL_MAX);
+    for (int i = 0; i < FMU_MOST_OUTPUTS * FMU_MOST_INPUTS; i++) state->jacobian[i] = fmu_finite(state->jacobian[i], 0.0);
+}

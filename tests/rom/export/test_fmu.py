@@ -1,0 +1,483 @@
+"""FMUs: FMPy finds nothing to complain of, and what they answer is what Python answers."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from rom import Surrogate, TouchedSegment
+from rom.checked_file import ModelError
+from rom.export.fmu import archive, write
+from rom.export.fmu.numbers import literal
+from rom.export.fmu.variables import model_interface
+from rom.segment.chain import Chain
+from rom.segment.objects import facing_plane
+
+fmpy = pytest.importorskip("fmpy", reason="needs FMPy (make test installs it)")
+from fmpy.fmi1 import FMICallException  # noqa: E402
+from fmpy.fmi2 import FMU2Slave  # noqa: E402
+from fmpy.fmi3 import FMU3Slave  # noqa: E402
+from fmpy.simulation import simulate_fmu  # noqa: E402
+from fmpy.validation import validate_fmu  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[3]
+COMPILER = shutil.which("cc") or shutil.which("gcc")
+pytestmark = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
+QUANTITIES = "tip", "contact_force", "touch_distance"
+TOLD = ["tip_x", "tip_y", "tip_z", "contact_force", "touch_distance", *(f"{name}_error" for name in QUANTITIES)]
+LARGEST = sys.float_info.max
+
+
+def two_segments() -> TouchedSegment:
+    """The finger that comes along, twice: now and then there is no equilibrium."""
+    one = TouchedSegment.load().chain.segments[0]
+    return TouchedSegment(segment=Chain([one, one]), obstacle=facing_plane(0.01, (0.0, 0.1)))
+
+
+MODELS = {"map": TouchedSegment.load, "surrogate": Surrogate.load, "two_segments": two_segments}
+BOTH = pytest.mark.parametrize("version", [2, 3])
+EACH = pytest.mark.parametrize("name", ["map", "surrogate"])
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """The FMU of a model, and its description, once each."""
+    folder, known = tmp_path_factory.mktemp("fmus"), {}
+
+    def make(name: str, version: int, controller: bool = False) -> SimpleNamespace:
+        key = f"{name}{version}{'hold' if controller else ''}"
+        if key not in known:
+            path = folder / f"{key}.fmu"
+            write(MODELS[name](), path, version, controller)
+            unzipped = folder / key
+            with zipfile.ZipFile(path) as packed:
+                packed.extractall(unzipped)
+            (library,) = unzipped.glob("binaries/*/*.so")
+            described = fmpy.read_model_description(path)
+            known[key] = SimpleNamespace(path=path, folder=unzipped, library=library, version=version, about=described)
+        return known[key]
+
+    return make
+
+
+class Driven:
+    """An instance, by the names of its variables, in both versions of FMI."""
+
+    def __init__(self, fmu: SimpleNamespace, token: str | None = None):
+        self.version = fmu.version
+        about = fmu.about
+        self.references = {one.name: one.valueReference for one in about.modelVariables}
+        self.inputs = [one.valueReference for one in about.modelVariables if one.causality == "input"]
+        self.own = (FMU2Slave if self.version == 2 else FMU3Slave)(
+            guid=token or (about.guid if self.version == 2 else about.instantiationToken),
+            unzipDirectory=str(fmu.folder),
+            modelIdentifier=about.coSimulation.modelIdentifier,
+            instanceName="finger",
+        )
+        self.own.instantiate()
+
+    def begin(self, **starts: float) -> None:
+        if starts:
+            self.set_numbers([self.references[name] for name in starts], list(starts.values()))
+        if self.version == 2:
+            self.own.setupExperiment(startTime=0.0, stopTime=1.0)
+            self.own.enterInitializationMode()
+        else:
+            self.own.enterInitializationMode(startTime=0.0, stopTime=1.0)
+        self.own.exitInitializationMode()
+
+    def set_numbers(self, references, values) -> None:
+        (self.own.setReal if self.version == 2 else self.own.setFloat64)(references, values)
+
+    def numbers(self, *names: str) -> list[float]:
+        references = [self.references[name] for name in names]
+        return self.own.getReal(references) if self.version == 2 else self.own.getFloat64(references)
+
+    def ask(self, point, *names: str) -> list[float]:
+        self.set_numbers(self.inputs, list(map(float, point)))
+        return self.numbers(*names)
+
+    def flag(self, name: str) -> bool:
+        return bool(self.own.getBoolean([self.references[name]])[0])
+
+    @property
+    def status(self) -> int:
+        return (self.own.getInteger if self.version == 2 else self.own.getInt64)([self.references["status"]])[0]
+
+    def step(self, time: float, size: float) -> None:
+        self.own.doStep(currentCommunicationPoint=time, communicationStepSize=size)
+
+    def derivatives(self, names, seed) -> list[float]:
+        return self.own.getDirectionalDerivative([self.references[name] for name in names], self.inputs, list(seed))
+
+
+@contextmanager
+def driven(fmu: SimpleNamespace, **starts: float) -> Iterator[Driven]:
+    found = Driven(fmu)
+    found.begin(**starts)
+    yield found
+    found.own.terminate()
+    found.own.freeInstance()
+
+
+def some_points(model, count: int) -> np.ndarray:
+    """In the trained box and beyond it, and what is no number."""
+    random, (lower, upper) = np.random.default_rng(0), model.limits
+    points = lower + (upper - lower) * (1.2 * random.random((count, len(lower))) - 0.1)
+    for value in (np.nan, np.inf, -np.inf):
+        for k in range(len(lower)):
+            points[random.integers(count), k] = value
+    return points
+
+
+def inner_points(model, count: int) -> np.ndarray:
+    """Where the answer is inside, half of them in contact."""
+    random, (lower, upper) = np.random.default_rng(1), model.limits
+    points = lower + (upper - lower) * (0.05 + 0.9 * random.random((20 * count, len(lower))))
+    found = model.evaluate(points)
+    touching = found.inside & (found.contact_force > 0.1)
+    apart = found.inside & (points[:, -1] > found.touch_distance + 1e-3)
+    return np.vstack([points[touching][: count // 2], points[apart][: count // 2]])
+
+
+@BOTH
+@EACH
+@pytest.mark.parametrize("controller", [False, True])
+def test_fmpy_finds_nothing_to_complain_of(made, name, version, controller):
+    fmu = made(name, version, controller)
+    assert validate_fmu(str(fmu.path)) == []
+    assert fmu.about.fmiVersion == f"{version}.0"
+    units = {one.name: one.unit for one in fmu.about.modelVariables if one.unit}
+    assert units["d"] == "m" and units["F1"] == units["contact_force"] == "N"
+
+
+COUNTS = {"map": 10_000, "surrogate": 10_000, "two_segments": 1000}
+
+
+@BOTH
+@pytest.mark.parametrize("name", MODELS)
+def test_its_numbers_are_python_s_also_outside(made, name, version):
+    model, count = MODELS[name](), COUNTS[name]
+    points = some_points(model, count)
+    expected = model.evaluate(points)
+    with driven(made(name, version)) as fmu:
+        found = np.array([[*fmu.ask(point, *TOLD), fmu.flag("inside"), fmu.status] for point in points])
+    want = np.column_stack([expected.tip, expected.contact_force, expected.touch_distance])
+    errors = np.column_stack([expected.error[quantity] for quantity in QUANTITIES])
+    assert np.isfinite(found).all()
+    assert np.array_equal(found[:, 8].astype(bool), expected.inside)
+    assert np.array_equal(found[:, 9] == 0, expected.inside) and set(found[:, 9]) <= {0, 1, 2, 3}
+    known = np.isfinite(errors).all(axis=1)  # elsewhere what is left is where the solve gave up
+    assert np.array_equal(known, found[:, 9] != 1)
+    assert (found[~known, 5:7] == LARGEST).all()
+    assert np.abs(found[:, :5] - want)[known].max() < 1e-12
+    assert np.abs(found[:, 5:8] - errors)[known].max() < 1e-12
+    assert known.sum() > 0.9 * count and (known & ~expected.inside).sum() > 0.1 * count
+    assert (name == "two_segments") == (not known.all())
+
+
+@BOTH
+@EACH
+def test_derivatives_are_python_s_and_those_of_differences(made, name, version):
+    model, names = MODELS[name](), TOLD[:5]
+    lower, upper = model.limits
+    random, off = np.random.default_rng(2), []
+    with driven(made(name, version)) as fmu:
+        for point in inner_points(model, 60):
+            seed = random.normal(size=len(lower)) * (upper - lower)
+            fmu.ask(point, "tip_x")
+            found, known = np.array(fmu.derivatives(names, seed)), model.jacobian(point)[:5] @ seed
+            sizes = np.maximum(np.abs(known), [1e-3, 1e-3, 1e-3, 1e-1, 1e-3])
+            assert np.abs((found - known) / sizes).max() < 1e-9
+            ahead, behind = (np.array(fmu.ask(point + share * seed, *names)) for share in (1e-5, -1e-5))
+            off.append(np.abs(((ahead - behind) / 2e-5 - found) / sizes).max())
+        assert np.median(off) < 1e-5 and max(off) < 2e-3  # the map's own are as good as that
+        assert fmu.derivatives(TOLD[5:8], seed) == [0.0, 0.0, 0.0]  # errors are discrete: they jump
+
+
+@BOTH
+def test_where_a_derivative_is_asked_for_of_nothing_it_is_refused(made, version):
+    with driven(made("map", version)) as fmu:
+        for unknowns, knowns in (([1], fmu.inputs), ([101], [101]), ([999], [1]), ([101], [0])):
+            with pytest.raises(FMICallException):
+                fmu.own.getDirectionalDerivative(unknowns, knowns, [1.0] * len(knowns))
+
+
+@BOTH
+def test_instances_do_not_disturb_each_other(made, version):
+    model = TouchedSegment.load()
+    points = inner_points(model, 400)
+    expected = model.evaluate(points).contact_force
+    with driven(made("map", version)) as one, driven(made("map", version)) as other:
+        one.ask(points[0], "tip_x")
+        other.ask(points[1], "tip_x")
+        assert one.numbers("contact_force") == pytest.approx([expected[0]], abs=1e-12)
+        assert other.numbers("contact_force") == pytest.approx([expected[1]], abs=1e-12)
+
+        def force(fmu: Driven) -> list[float]:
+            return [fmu.ask(point, "contact_force")[0] for point in points]
+
+        with ThreadPoolExecutor(2) as pool:  # at the same time: Python lets go while C answers
+            for found in pool.map(force, [one, other]):
+                assert np.abs(found - expected).max() < 1e-12
+
+
+@BOTH
+@EACH
+def test_it_follows_an_input_in_a_simulation(made, name, version):
+    fmu, model = made(name, version), MODELS[name]()
+    names = model.names
+    signal = np.array(
+        [(0.0, 10.0, 5.0, 0.03), (1.0, 60.0, 20.0, 0.005)], dtype=[(one, float) for one in ("time", *names)]
+    )
+    found = simulate_fmu(
+        str(fmu.path), input=signal, stop_time=1.0, output_interval=0.05, output=[*names, *TOLD, "inside"]
+    )
+    expected = model.evaluate(np.column_stack([found[one] for one in names]))
+    assert (
+        len(found) == 21 and found["contact_force"][-1] > 1.0 and found["F1"][-1] == pytest.approx(57.5)
+    )  # of its last step
+    assert np.abs(found["contact_force"] - expected.contact_force).max() < 1e-12
+    assert np.array_equal(found["inside"].astype(bool), expected.inside)
+
+
+@BOTH
+@pytest.mark.skipif(shutil.which("readelf") is None or shutil.which("nm") is None, reason="needs binutils")
+@pytest.mark.parametrize("controller", [False, True])
+def test_the_library_needs_no_other_and_shows_nothing_but_the_standard(made, version, controller):
+    fmu = made("map", version, controller)
+    needed = subprocess.run(["readelf", "-d", fmu.library], capture_output=True, text=True, check=True).stdout
+    assert set(re.findall(r"NEEDED.*\[(\w+)", needed)) <= {"libc", "libm"}
+    shown = subprocess.run(["nm", "-D", "--defined-only", fmu.library], capture_output=True, text=True, check=True)
+    names = {line.split()[-1] for line in shown.stdout.splitlines()}
+    standard = (Path(fmpy.__file__).parent / "c-code" / f"fmi{version}Functions.h").read_text()
+    declared = set(re.findall(rf"(fmi{version}\w+)TYPE\s+fmi", standard))
+    assert len(declared) > 30 and names <= declared
+    of_model_exchange = {"fmi2EnterEventMode", "fmi2NewDiscreteStates", "fmi2EnterContinuousTimeMode"}
+    of_model_exchange |= {"fmi2CompletedIntegratorStep", "fmi2SetTime", "fmi2SetContinuousStates", "fmi2GetDerivatives"}
+    of_model_exchange |= {"fmi2GetEventIndicators", "fmi2GetContinuousStates", "fmi2GetNominalsOfContinuousStates"}
+    assert declared - names == (of_model_exchange if version == 2 else set())
+
+
+@BOTH
+@pytest.mark.parametrize("controller", [False, True])
+def test_its_sources_make_the_library_on_their_own(made, tmp_path, version, controller):
+    fmu = made("surrogate", version, controller)
+    sources = fmu.folder / "sources"
+    if version == 3:
+        root = ElementTree.parse(sources / "buildDescription.xml").getroot()
+        assert root.find("BuildConfiguration").get("modelIdentifier") == fmu.about.coSimulation.modelIdentifier
+        units = [one.get("name") for one in root.iter("SourceFile")]
+    else:
+        described = ElementTree.parse(fmu.folder / "modelDescription.xml").getroot()
+        units = [one.get("name") for one in described.iterfind("CoSimulation/SourceFiles/File")]
+        assert len(units) > 10
+    strict = ["-std=c99", "-O0", "-Wall", "-Werror", "-Wno-psabi", "-shared", "-fPIC"]
+    line = [COMPILER, *strict, "-o", str(tmp_path / "own.so"), *units, "-lm"]
+    done = subprocess.run(line, cwd=sources, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stderr == ""
+
+
+def test_the_same_model_makes_the_same_file(made, tmp_path):
+    again = tmp_path / "surrogate3.fmu"
+    write(Surrogate.load(), again)
+    assert again.read_bytes() == made("surrogate", 3).path.read_bytes()
+
+
+@BOTH
+def test_steps_that_are_none_are_refused(made, version):
+    with driven(made("surrogate", version)) as fmu:
+        for time, size in ((0.0, 0.0), (0.0, -0.1), (0.0, np.nan), (np.inf, 0.1), (0.0, np.inf), (0.95, 0.1)):
+            with pytest.raises(FMICallException, match="error"):
+                fmu.step(time, size)
+        fmu.step(0.0, 0.1)
+        fmu.step(0.1, 0.9 + 1e-12)
+    early = Driven(made("surrogate", version))
+    with pytest.raises(FMICallException, match="error"):
+        early.step(0.0, 0.1)
+    early.own.freeInstance()
+
+
+@BOTH
+def test_another_s_token_and_variables_that_are_none_are_refused(made, version):
+    with pytest.raises(Exception, match="instantiate"):
+        Driven(made("map", version), token="{another}")
+    with driven(made("map", version)) as fmu:
+        for references in ([101], [0], [50], [999]):
+            with pytest.raises(FMICallException, match="error"):
+                fmu.set_numbers(references, [1.0])
+        for get in (fmu.own.getBoolean, fmu.own.getInteger if version == 2 else fmu.own.getInt64, fmu.own.getString):
+            with pytest.raises(FMICallException, match="error"):
+                get([101])
+
+
+@BOTH
+def test_reset_and_start_values_begin_anew(made, version):
+    model = TouchedSegment.load()
+    with driven(made("map", version), F1=40.0, d=0.01) as fmu:
+        assert fmu.numbers("contact_force") == [pytest.approx(float(model.evaluate([40.0, 0.0, 0.01]).contact_force))]
+        fmu.own.reset()
+        assert fmu.numbers("F1", "F2", "d", "contact_force") == [0.0, 0.0, model.limits[1][-1], 0.0]
+        fmu.begin()
+
+
+@BOTH
+def test_a_state_that_was_kept_comes_back(made, version):
+    with driven(made("map", version, controller=True)) as fmu:
+        names = "F1", "F2", "residual", "contact_force_error"
+        fmu.ask([1.0, 0.015], *names)
+        fmu.step(0.0, 0.1)
+        kept = fmu.own.getFMUState()
+        packed = fmu.own.serializeFMUState(kept)
+        first = fmu.ask([3.0, 0.01], *names)
+        fmu.step(0.1, 0.1)
+        for state in (kept, fmu.own.deserializeFMUState(packed)):
+            fmu.ask([6.0, 0.005], *names)
+            fmu.step(0.2, 0.1)
+            fmu.own.setFMUState(state)
+            assert fmu.ask([3.0, 0.01], *names) == first
+            fmu.own.freeFMUState(state)
+        with pytest.raises(FMICallException, match="error"):
+            fmu.own.deserializeFMUState(packed[:-1])
+
+
+@BOTH
+@EACH
+def test_the_controller_holds_forces(made, name, version):
+    model, random, converged = MODELS[name](), np.random.default_rng(1), 0
+    lower, upper = model.limits
+    with driven(made(name, version, controller=True)) as fmu:
+        for force, share in zip(random.uniform(0.1, 4.0, 200), random.uniform(0.1, 0.5, 200), strict=True):
+            d = lower[-1] + share * min(upper[-1] - lower[-1], 0.04)
+            *tensions, residual, error = fmu.ask([force, d], "F1", "F2", "residual", "contact_force_error")
+            assert np.isfinite([*tensions, residual, error]).all()
+            assert (tensions >= lower[:-1]).all() and (tensions <= upper[:-1]).all()
+            assert fmu.flag("converged") == (fmu.status == 1)
+            if fmu.status != 1:
+                continue
+            answer = model.evaluate([*tensions, d])
+            assert answer.inside and answer.contact_force == pytest.approx(force, abs=1e-5)
+            assert residual < 1e-5 and error == pytest.approx(answer.error["contact_force"], rel=1e-3, abs=1e-6)
+            converged += 1
+    assert converged > 190
+
+
+@BOTH
+def test_the_controller_says_what_it_cannot_hold(made, version):
+    model = TouchedSegment.load()
+    with driven(made("map", version, controller=True), start_F1=20.0, start_F2=5.0) as fmu:
+        assert fmu.ask([np.nan, 0.01], "F1", "F2") == [20.0, 5.0] and fmu.status == 4
+        held = fmu.ask([2.0, 0.01], "F1", "F2")
+        fmu.step(0.0, 0.1)
+        for force, d in (
+            (np.nan, 0.01),
+            (2.0, np.nan),
+            (np.inf, 0.01),
+            (-1.0, 0.01),
+            (0.0, 0.01),
+            (2.0, -1.0),
+            (2.0, np.inf),
+        ):
+            assert fmu.ask([force, d], "F1", "F2", "residual", "contact_force_error") == [*held, LARGEST, LARGEST]
+            assert fmu.status == 4 and not fmu.flag("converged")
+        *tensions, missed = fmu.ask([500.0, 0.01], "F1", "F2", "residual")
+        assert fmu.status == 2 and not fmu.flag("converged")
+        assert missed == pytest.approx(500.0 - model.evaluate([*tensions, 0.01]).contact_force)
+        assert fmu.ask([2.0, 0.01], "F1", "F2") == pytest.approx(held, abs=1e-3)  # and goes on from where it was
+
+
+@BOTH
+def test_the_controller_follows_a_moving_plane_in_a_simulation(made, version):
+    model = TouchedSegment.load()
+    time = np.linspace(0.0, 1.0, 101)
+    signal = np.array(
+        list(zip(time, np.full(101, 2.0), 0.012 + 0.006 * np.sin(6.0 * time), strict=True)),
+        dtype=[("time", float), ("contact_force", float), ("d", float)],
+    )
+    found = simulate_fmu(
+        str(made("map", version, controller=True).path),
+        input=signal,
+        stop_time=1.0,
+        output_interval=0.01,
+        start_values={"start_F1": 30.0},
+        output=["contact_force", "d", "F1", "F2", "converged"],
+    )
+    assert found["converged"].all() and np.ptp(found["d"]) > 0.01
+    points = np.column_stack([found["F1"], found["F2"], found["d"]])
+    assert np.abs(model.evaluate(points).contact_force - 2.0).max() < 1e-5
+    assert np.abs(np.diff(points, axis=0)).max() < 3.0  # of many answers the nearest
+
+
+def test_a_model_without_a_plane_says_nothing_of_one(surrogate, tmp_path):
+    free = replace(surrogate, parameters=surrogate.parameters[:-1], regimes=[])
+    names = [one.name for one in model_interface(free).variables]
+    assert "tip_x" in names and not {"d", "contact_force", "touch_distance", "contact_force_error"} & set(names)
+    with pytest.raises(ModelError, match="obstacle"):
+        write(free, tmp_path / "free.fmu", controller=True)
+
+
+@pytest.mark.parametrize(
+    ("value", "kind", "text"),
+    [
+        (0.1, "double", "0.1"),
+        (np.inf, "double", "INFINITY"),
+        (-np.inf, "float", "-INFINITY"),
+        (np.nan, "double", "NAN"),
+        (3, "int32_t", "3"),
+        (2**63, "uint64_t", f"{2**63}ULL"),
+        (float(np.float32(0.1)), "float", "0.10000000149011612f"),
+    ],
+)
+def test_numbers_of_c_are_exact(value, kind, text):
+    assert literal(value, kind) == text
+
+
+def test_what_cannot_be_written_is_refused_in_one_line(tmp_path, monkeypatch):
+    model = TouchedSegment.load()
+    with pytest.raises(ModelError, match="fmi must be 2 or 3, got 4"):
+        write(model, tmp_path / "finger.fmu", 4)
+    for name in ("my finger.fmu", "2.fmu", "finger.zip"):
+        with pytest.raises(ModelError, match="C identifier, got"):
+            write(model, tmp_path / name)
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(ModelError, match="got no-such-compiler"):
+        write(model, tmp_path / "finger.fmu")
+    monkeypatch.setenv("CC", "false")
+    with pytest.raises(ModelError, match="exit code 1"):
+        write(model, tmp_path / "finger.fmu")
+    monkeypatch.setattr(archive, "CONTROL", tmp_path)
+    with pytest.raises(ModelError, match="control must be installed"):
+        write(model, tmp_path / "finger.fmu", controller=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_writes_one_and_refuses_the_rest(tmp_path):
+    def run(*arguments: str) -> subprocess.CompletedProcess:
+        command = [sys.executable, "-m", "rom", "export", *arguments]
+        return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+
+    file = tmp_path / "finger.fmu"
+    done = run("rom/finger.h5", str(file), "--fmi", "2")
+    assert done.returncode == 0 and "FMI 2.0" in done.stderr + done.stdout
+    assert fmpy.read_model_description(file).coSimulation.modelIdentifier == "finger"
+    for arguments, said in (
+        (["rom/finger.h5", str(file), "--fmi", "1"], "fmi must be 2 or 3, got 1"),
+        (["rom/finger.h5", str(file), "--tolerance", "1e-3"], "tolerance"),
+        (["rom/plane.h5", str(tmp_path / "finger.h"), "--controller"], ".fmu"),
+        (["rom/plane.h5", str(tmp_path / "nowhere" / "finger.fmu")], "folder"),
+    ):
+        refused = run(*arguments)
+        assert refused.returncode == 2 and said in refused.stderr and len(refused.stderr.splitlines()) == 1
