@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from fingerfem.scene.scene import Scene, SceneError
     from fingerfem.scene.toml_file import load_scene
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 _HOMES = {
     "FingerModel": "model",
     "Scene": "scene.scene",
