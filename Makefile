@@ -3,6 +3,7 @@
 # make docs   measure anew what README and docs/ show; make readme  README's numbers alone
 # make model  rom/finger.h5, the trained finger that comes with the repository; make plane  rom/plane.h5; make wheel  dist/*.whl
 # make page   rom/export/viewer.html, what `rom page` writes models into
+# make site   the documentation as a site, in out/site
 # make bench  the short form of all studies, compared with docs/bench.json
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
@@ -13,7 +14,7 @@ COMMIT = $$(git rev-parse --short HEAD)$$(git diff --quiet HEAD -- fingerfem/*.p
 MEASURED = docker/run env FINGERFEM_COMMIT="$(COMMIT)"
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test test-long clean model plane page wheel readme docs bench
+.PHONY: demo test test-long clean model plane page wheel readme docs site bench
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -90,6 +91,15 @@ docs: readme out/docs/others/ready .venv/ready
 out/docs/others/ready:
 	$(PYTHON) -m venv out/docs/others
 	out/docs/others/bin/python -m pip install -q --disable-pip-version-check -e . ezyrb tensorly jinja2
+	touch $@
+
+# The documentation as a site, out/site/index.html: no link may be broken. What its pages quote, docs/.site/samples.py makes anew.
+site: out/site-venv/ready
+	NO_MKDOCS_2_WARNING=1 out/site-venv/bin/mkdocs build --strict
+
+out/site-venv/ready: docs/.site/requirements.txt
+	$(PYTHON) -m venv out/site-venv
+	out/site-venv/bin/python -m pip install -q --disable-pip-version-check -r docs/.site/requirements.txt
 	touch $@
 
 # What differs from docs/bench.json, if anything; some forty minutes.

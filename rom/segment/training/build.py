@@ -142,7 +142,7 @@ def check(segment: SegmentMap, held_out: SnapshotSet) -> dict[str, Any]:
     errors = relative_force_errors(states, poses)
     found: dict[str, Any] = {}
     if segment.displacements is not None and description.has_field:
-        true_fields, fields = held_out.random("displacement"), segment.displacement(states.inputs)
+        true_fields, fields = held_out.random("displacement"), _on(held_out.nodes, segment, states.inputs)
         off = np.linalg.norm(fields - true_fields, axis=(1, 2)) / np.linalg.norm(true_fields, axis=(1, 2))
         found["displacement"] = quantiles(off)
     if segment.shortenings is not None and states.shortenings.shape[1]:
@@ -155,3 +155,13 @@ def check(segment: SegmentMap, held_out: SnapshotSet) -> dict[str, Any]:
         "contact_force": quantiles(errors),
         "covered": float(np.mean(errors[~np.isnan(errors)] <= segment.force_error)),
     }
+
+
+def _on(nodes: np.ndarray, segment: SegmentMap, inputs: np.ndarray) -> np.ndarray:
+    """A map's displacements of nodes, shape (m, 3), at inputs, shape (n, t + 6); shape (n, m, 3) [m]."""
+    assert segment.displacements is not None
+    own, found = segment.displacements.nodes, segment.displacement(inputs)
+    if len(own) == len(nodes):
+        return found
+    columns = found.reshape(len(inputs), -1).T
+    return mesh_transfer.interpolation(own, nodes)(columns).T.reshape(len(inputs), -1, 3)

@@ -200,6 +200,12 @@ def test_few_states_on_a_finer_mesh_correct_the_map_of_a_coarse_one(finer_scene,
     assert np.quantile(off, 0.9) < 2 * segment.shortening_error
     coarse = SnapshotSet(pressed_set)
     assert np.array_equal(segment.displacements.nodes, coarse.nodes)
+    run(2, finer_scene, tmp_path / "pressed", "--random", "3", "--seed", "2")  # whose fields are of the fine mesh
+    command = [sys.executable, "-m", "rom", "check", str(file), str(tmp_path / "pressed"), "--json"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    measured = json.loads(done.stdout)["displacement"]
+    assert measured["count"] == 3 and measured["median"] < 0.5  # of few states; of other nodes it is 1.4
     done = subprocess.run(
         [sys.executable, "-m", "rom", "build", str(pressed_set), "-o", str(file), "--coarse", str(tmp_path / "fine")],
         cwd=ROOT,

@@ -1,0 +1,75 @@
+"""The tutorial that trains does so, on coarse meshes; code that needs the full-order model runs."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+COARSE = """
+[mesh]
+cells = [16, 5]
+
+[coarse]
+cells = [10, 5]
+lines = 12
+
+[sampling]
+lines = 6
+"""
+RUN = {"cwd": ROOT, "capture_output": True, "text": True}
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    return (DOCS / "tutorials" / "your-finger.md").read_text()
+
+
+def test_the_scene_of_the_tutorial_trains_a_finger_that_holds_a_force(page, tmp_path):
+    (scene,) = re.findall(r'```toml title="mine/finger.toml"\n(.*?)```', page, re.DOTALL)
+    assert 'preset = "draft"' in scene
+    scene = re.sub(r"^preset = .*$", "", scene, flags=re.MULTILINE)
+    (tmp_path / "finger.toml").write_text(scene + COARSE)
+    commands = re.findall(r"^docker/run (.*)$", page, re.MULTILINE)
+    assert [re.search(r"-m (\w+ \w+)", line)[1] for line in commands] == [
+        "fingerfem solve",
+        "fingerfem snapshots",
+        "fingerfem snapshots",
+        "rom build",
+        "fingerfem snapshots",
+        "rom check",
+        "fingerfem certify",
+    ]
+    printed = {}
+    for line in commands:
+        words = line.replace("mine/", f"{tmp_path}/").replace("python3", sys.executable).split()
+        done = subprocess.run(words, env=os.environ | {"PYTHONPATH": str(ROOT)}, **RUN)
+        printed[line] = done.stdout
+        # So few states may not cover a force that somebody chose.
+        assert done.returncode in ((0, 3) if "certify" in line else (0,)), done.stderr
+    assert "contact_force" in printed[commands[-1]] or "contact force" in printed[commands[-1]]
+    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    done = subprocess.run([sys.executable, "-c", code.replace("mine/", f"{tmp_path}/")], **RUN)
+    assert done.returncode == 0 and done.stdout.startswith("converged"), done.stderr
+
+
+def test_the_scene_of_the_tutorial_is_what_its_preset_takes(page):
+    import tomllib
+
+    from fingerfem.scene.scene import Scene
+
+    (scene,) = re.findall(r'```toml title="mine/finger.toml"\n(.*?)```', page, re.DOTALL)
+    chosen = Scene.model_validate(tomllib.loads(scene))
+    assert chosen.expected is not None and chosen.coarse is not None
+
+
+def test_a_held_force_is_that_of_the_full_order_model(demo):
+    (code,) = re.findall(r"```python\n(.*?)```", (DOCS / "howto" / "check.md").read_text(), re.DOTALL)
+    code = code.replace("out/demo", str(demo)).replace("scenes/standard.toml", "scenes/draft.toml")  # what tests train
+    done = subprocess.run([sys.executable, "-c", code], **RUN)
+    assert done.returncode == 0, done.stderr
+    assert abs(float(done.stdout.splitlines()[-1].split()[0]) - 1.0) < 0.05
