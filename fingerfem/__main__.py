@@ -1,4 +1,4 @@
-"""python3 -m fingerfem solve | certify | snapshots | status | retry | render | doctor."""
+"""python3 -m fingerfem solve | certify | snapshots | status | retry | render | sketch | doctor."""
 
 from __future__ import annotations
 
@@ -283,6 +283,16 @@ def render(
     for loads in cases:
         panels.append(Deformed.of(model, model.solve(**loads, sensitivities=False), field))
     draw(panels, picture)
+
+
+@app.command()
+def sketch(
+    scene_file: SceneFile, picture: Annotated[Path, typer.Argument(metavar="OUT.png", help="Or .svg, .pdf.")]
+) -> None:
+    """Draw a scene's finger at rest, with its measures: axes, segments, plates, tendons, plane and pad."""
+    from fingerfem.output.sketch import write_sketch
+
+    write_sketch(fingerfem.load_scene(scene_file), picture)
 
 
 def main() -> None:

@@ -1,6 +1,7 @@
 """Pictures of deformed fingers, coloured by a field: the axial second Piola-Kirchhoff stress S11 unless told otherwise.
 
-VTK aborts the process where there is no display, so drawing happens in a process of its own under Xvfb.
+VTK aborts the process where there is no display, so drawing (`fingerfem.output.panels`) happens in a process of its own
+under Xvfb.
 """
 
 from __future__ import annotations
@@ -17,18 +18,34 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingerfem.mechanics.obstacles import Body, Box, Cylinder, Plane, Sphere
+from fingerfem.mechanics.obstacles import Body
 
 if TYPE_CHECKING:
     from fingerfem.equilibrium.state import State
     from fingerfem.model import FingerModel
+    from fingerfem.scene.scene import Scene
+    from fingerfem.scene.tables import Tendon
 
 
+POINTS = 100  # along a tendon
 FIELDS = {"S11": ("S11 [MPa]", 1e-6), "von_mises": ("von Mises [MPa]", 1e-6), "J": ("J [-]", 1.0)}  # label, scale
 
 
 class NoDisplay(ValueError):
     """Pictures need a display or Xvfb."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """A tendon in a panel.
+
+    Attributes:
+        points: along it at rest, from the clamp to the plate that it pulls on, shape (points, 3) [m].
+        tension: [N].
+    """
+
+    points: np.ndarray
+    tension: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +61,7 @@ class Deformed:
         values: of the field in each cell, shape (cells,), in SI units; nan in plates.
         obstacle: and its d [m]; None if there is none.
         half: the mesh is the half z >= 0, to be drawn with its mirror image.
+        tendons: to be drawn as they run through the deformed finger.
     """
 
     title: str
@@ -55,6 +73,7 @@ class Deformed:
     values: np.ndarray
     obstacle: tuple[Body, float] | None
     half: bool
+    tendons: tuple[Line, ...]
 
     @classmethod
     def of(cls, model: FingerModel, state: State, field: str = "S11") -> Deformed:
@@ -73,10 +92,7 @@ class Deformed:
         cells, kinds, points = plot.vtk_mesh(model.problem.space)
         d = state.parameters.get("d")
         return cls(
-            title=", ".join(
-                f"{name} = {value * 1e3:.3g} mm" if name == "d" else f"{name} = {value:.3g} N"
-                for name, value in state.parameters.items()
-            ),
+            title=_title(model.scene, state.parameters),
             cells=cells,
             kinds=kinds,
             points=points,
@@ -85,16 +101,34 @@ class Deformed:
             values=cell_fields(model)[field],
             obstacle=None if d is None else (model.problem.obstacle, d),
             half=model.scene.is_half,
+            tendons=tuple(_line(model.scene, tendon, state.parameters[tendon.name]) for tendon in model.scene.tendons),
         )
 
 
+def _title(scene: Scene, values: dict[str, float]) -> str:
+    """Tensions, d in mm, and what presses on plates where it does."""
+    tendons, units = len(scene.tendons), {parameter["name"]: parameter["unit"] for parameter in scene.parameters}
+    shown = [name for k, name in enumerate(values) if k < tendons or name == "d" or values[name]]
+    return ", ".join(
+        f"d = {1e3 * values[name]:.3g} mm" if name == "d" else f"{name} = {values[name]:.3g} {units[name]}"
+        for name in shown
+    )
+
+
+def _line(scene: Scene, tendon: Tendon, tension: float) -> Line:
+    """A tendon at rest; a straight one stays so between its ends."""
+    inner, outer = scene.outline.plates[tendon.segment - 1]
+    along = np.linspace(0.0, (inner + outer) / 2, POINTS if tendon.path == "channel" else 2)
+    return Line(points=np.column_stack([along, *np.tile(tendon.offset, (len(along), 1)).T]), tension=tension)
+
+
 def draw(panels: Sequence[Deformed], picture: str | Path) -> None:
-    """Write a PNG with the panels side by side, two a row.
+    """Write a PNG with the panels side by side, two a row, seen along -z: a plane that faces the finger is edge-on.
 
     Raises:
         NoDisplay: there is neither a display nor Xvfb, or VTK failed.
     """
-    command = [sys.executable, "-m", "fingerfem.output.pictures", str(picture)]
+    command = [sys.executable, "-m", "fingerfem.output.panels", str(picture)]
     if not os.environ.get("DISPLAY"):
         if shutil.which("xvfb-run") is None:
             raise NoDisplay("pictures need a display or xvfb-run (Debian package xvfb), got neither")
@@ -103,116 +137,3 @@ def draw(panels: Sequence[Deformed], picture: str | Path) -> None:
     done = subprocess.run(command, input=pickle.dumps(list(panels)), capture_output=True)
     if done.returncode or not Path(picture).exists():
         raise NoDisplay(f"VTK could not draw {picture}: {done.stderr.decode().strip()[-300:]}")
-
-
-VIEW = np.array([0.0, -0.15, 1.0])  # from the finger towards the eye: upright, from a little below the plane
-PANEL = 800  # width [pixels]
-SIDES = ("x_length", "y_length", "z_length")
-
-
-def _draw_here(panels: Sequence[Deformed], picture: str) -> None:
-    import pyvista
-    from PIL import Image
-
-    label, scale = FIELDS[panels[0].field]
-    shown = np.concatenate([panel.values for panel in panels]) * scale
-    limit = float(np.nanpercentile(np.abs(shown), 99)) or 1.0
-    limits = [-limit, limit] if panels[0].field == "S11" else [float(np.nanmin(shown)), limit]
-    fingers = [_finger(panel, label, scale) for panel in panels]
-    obstacles = [_obstacle(panel) for panel in panels]
-
-    # One camera for all panels, which sees whatever any of them shows, with room for title and colour bar.
-    right = np.cross([0.0, 1.0, 0.0], VIEW)
-    right /= np.linalg.norm(right)
-    up = np.cross(VIEW, right) / np.linalg.norm(VIEW)
-    points = np.concatenate([mesh.points for mesh in [*fingers, *obstacles] if mesh is not None])
-    width, height = 1.3 * np.ptp(points @ right), 1.25 * np.ptp(points @ up)
-    centre = (points.max(axis=0) + points.min(axis=0)) / 2 + 0.08 * width * right + 0.05 * height * up
-    pixels = int(np.clip(PANEL * height / width, 300, 800))
-    columns = min(2, len(panels))
-    plotter = pyvista.Plotter(
-        shape=(-(-len(panels) // columns), columns),
-        off_screen=True,
-        window_size=[PANEL * columns, pixels * -(-len(panels) // columns)],
-        border=False,
-    )
-    for k, (panel, finger, obstacle) in enumerate(zip(panels, fingers, obstacles, strict=True)):
-        plotter.subplot(k // columns, k % columns)
-        last = k == len(panels) - 1
-        plotter.add_mesh(
-            finger,
-            scalars=label,
-            cmap="coolwarm" if limits[0] < 0 else "viridis",
-            clim=limits,
-            nan_color="gray",
-            show_edges=True,
-            line_width=0.5,
-            ambient=0.5,
-            diffuse=0.5,
-            show_scalar_bar=last,
-            scalar_bar_args=BAR | {"title": label},
-        )
-        if obstacle is not None:
-            flat = isinstance(obstacle, pyvista.PolyData) and not np.ptp(obstacle.point_normals, axis=0).any()
-            plotter.add_mesh(obstacle, color="tan", opacity=0.5, lighting=not flat, show_edges=flat, edge_color="gray")
-        plotter.add_text(panel.title, font_size=12, color="black")
-        plotter.set_background("white")
-        plotter.camera_position = [tuple(centre + np.ptp(points) * VIEW), tuple(centre), (0, 1, 0)]
-        plotter.enable_parallel_projection()
-        plotter.camera.parallel_scale = max(height, width * pixels / PANEL) / 2
-    image = Image.fromarray(plotter.screenshot(None, return_img=True))
-    image.quantize(256, Image.Quantize.MAXCOVERAGE).save(picture, optimize=True)  # a third of the bytes
-
-
-BAR = {
-    "vertical": True,
-    "position_x": 0.88,
-    "position_y": 0.15,
-    "height": 0.7,
-    "n_labels": 5,
-    "color": "black",
-    "label_font_size": 18,
-    "title_font_size": 18,
-}
-
-
-def _finger(panel: Deformed, label: str, scale: float):
-    """The deformed mesh, whole."""
-    import pyvista
-
-    grid = pyvista.UnstructuredGrid(panel.cells, panel.kinds, panel.points + panel.displacement)
-    grid.cell_data[label] = panel.values * scale
-    return grid.merge(grid.reflect((0, 0, 1))) if panel.half else grid
-
-
-def _obstacle(panel: Deformed):
-    """The obstacle; a plane is ruled by squares as wide as the finger, and drawn where the finger is."""
-    import pyvista
-
-    if panel.obstacle is None:
-        return None
-    body, d = panel.obstacle
-    centre = np.array(body.centre) + d * np.array(body.direction)
-    length, side = panel.points[:, 0].max(), np.ptp(panel.points[:, 1])
-    columns = round(1.05 * length / side) + 1
-    match body:
-        case Plane():
-            normal, middle = np.array(body.normal), np.array([columns * side / 2, 0.0, 0.0])
-            middle -= normal * (normal @ (middle - centre))
-            return pyvista.Plane(middle, -normal, 3 * side, columns * side, 3, columns)
-        case Sphere():
-            return pyvista.Sphere(body.radius, centre, theta_resolution=40, phi_resolution=40)
-        case Cylinder():
-            return pyvista.Cylinder(centre, body.axis, body.radius, 3 * side, resolution=60)
-        case Box():
-            box = pyvista.Cube(center=(0.0, 0.0, 0.0), **dict(zip(SIDES, body.sides, strict=True)))
-            placed = np.eye(4)
-            placed[:3, :3], placed[:3, 3] = np.array(body.axes).T, centre
-            return box.transform(placed, inplace=False)
-    raise ValueError(f"obstacle must be a plane, sphere, cylinder or box, got {body}")
-
-
-if __name__ == "__main__":
-    from fingerfem.output.pictures import Deformed
-
-    _draw_here(pickle.load(sys.stdin.buffer), sys.argv[1])

@@ -1,5 +1,5 @@
 """The parts of docs/figures.md."""
 
-from studies.figures import figures
+from studies.figures import errors, figures, held
 
-PARTS = {"figures": figures.measure}
+PARTS = {"figures": figures.measure, "held": held.measure, "errors": errors.measure}
