@@ -11,6 +11,7 @@ import numpy as np
 from control.gripper import Grasp
 from rom.segment.touched_segment import TouchedSegment
 from rom.snapshots.snapshot_set import SnapshotSet
+from rom.table import percent
 
 
 def parity(model: TouchedSegment, held_out: SnapshotSet, picture: Path) -> dict:
@@ -80,8 +81,8 @@ def error_rows(numbers: dict) -> list[list[str]]:
         if quantity == "contact_force":
             found = {"surrogate": numbers["left_out"]["coarse"]} | found
         for part, row in found.items():
-            errors = [f"{100 * row[name]:.2g}%" for name in ("median", "p95", "max")]
-            covered = f"{row['coverage']:.0%}" if part == "total" else ""
+            errors = [percent(row[name]) for name in ("median", "p95", "max")]
+            covered = percent(row["coverage"]) if part == "total" else ""
             rows.append([title, PARTS[part], str(row["count"]), *errors, covered])
     return rows
 

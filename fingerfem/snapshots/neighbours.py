@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fingerfem.discretisation.node_order import NodeOrder
+from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.model import FingerModel
 from rom.snapshots import mesh_transfer
 from rom.snapshots.snapshot_set import Description, SnapshotError, SnapshotSet, read_task
@@ -118,6 +119,8 @@ class KnownSet:
             kind, other = ("free", np.zeros(0)) if distance is None else ("contact", np.array([distance]))
         point = np.append(tensions, other)
         axes = len(point)
+        if not len(self._points[kind]):
+            raise NotConverged(f"no state of {self._snapshots.path} is {kind}")
         away = (self._points[kind][:, :axes] - point) / self._size[:axes]
         k = int(np.argmin(np.sum(away**2, axis=1)))
         found = self._points[kind][k]

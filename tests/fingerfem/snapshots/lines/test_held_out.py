@@ -60,6 +60,17 @@ def test_where_a_neighbour_does_not_lead_there_it_goes_from_rest(scene, undistur
     assert arrays["iterations"].sum() > plain["iterations"].sum()  # what was tried in vain counts
 
 
+def test_a_set_without_free_states_is_no_start_for_them(scene, undisturbed):
+    model, snapshots = FingerModel(load_scene(scene)), SnapshotSet(undisturbed)
+    numbering, near = NodeOrder(model.problem), KnownSet(undisturbed, snapshots.description)
+    for kind in ("free", "contact"):
+        near._points[kind], near._fields[kind] = near._points[kind][:0], near._fields[kind][:0]
+    tensions, distances = np.array([70.0, 20.0]), [0.012, 0.006]
+    arrays = HeldOutSolver(model, numbering, near).solve(tensions, distances).arrays()
+    plain = HeldOutSolver(model, numbering).solve(tensions, distances).arrays()
+    assert np.abs(arrays["contact_force"] - plain["contact_force"]).max() < TOLERANCE["contact_force"]
+
+
 @pytest.mark.parametrize("what", ["no set", "held-out", "other scene", "without random"])
 def test_a_set_that_none_can_begin_at_is_refused_in_one_line(what, scene, undisturbed, tmp_path):
     folder, options, file = undisturbed, ["--random", "2"], scene
