@@ -56,7 +56,7 @@ def test_the_report_shows_its_pictures_and_numbers(report, demo):
         assert f'src="{picture}"' in page
         assert (demo / picture).read_bytes().startswith(b"\x89PNG")
         assert (demo / picture).stat().st_size > 10_000
-    assert f"{100 * report['errors']['both']['contact_force']['median']:.2g}%" in page
+    assert percent(report["errors"]["both"]["contact_force"]["median"]) in page
     assert json.loads((demo / "report.json").read_text()) == report
     assert 'href="finger.html"' in page and (demo / "finger.html").read_text().startswith("<!doctype html>")
 
