@@ -46,7 +46,7 @@ def check_parts(report: dict) -> list[Table | str]:
         lines.append(f"{report['covered']:.0%} of the contact forces are within the estimate")
     if "touch" in report:
         touch = report["touch"]
-        decided = f"touch is decided rightly in {touch['count'] - touch['wrong']} of {touch['count']} states"
+        decided = f"touch is decided correctly in {touch['count'] - touch['wrong']} of {touch['count']} states"
         if touch["wrong"]:
             far = f"{touch['wrong_beyond_margin']} of {touch['wrong']}"
             decided += f"; {far} wrong ones are farther than {1e6 * touch['margin']:g} µm from touch"

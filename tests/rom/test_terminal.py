@@ -32,7 +32,7 @@ def test_check_shows_a_bar_with_colours_unless_these_are_not_wanted(trained):
     for settings, colours in (({}, True), ({"NO_COLOR": "1"}, False)):
         seen = shown(command, **settings)
         assert seen.code == 0 and seen.bars and seen.coloured == colours
-        assert "within estimate" in seen.text and "touch is decided rightly in" in seen.text
+        assert "within estimate" in seen.text and "touch is decided correctly in" in seen.text
         seen.assert_readable()
 
 

@@ -129,14 +129,14 @@ async function start() {
     });
   };
 
-  const frame = () => {
+  const frame = (now) => {
     requestAnimationFrame(frame);
     const begun = performance.now(), news = stale;
     if (news) {
       stale = false;
       update();
     }
-    const drawn = view?.draw();
+    const drawn = view?.draw(now);
     if (!news && !drawn) return;
     frames.drawn += 1;
     frames.milliseconds += SMOOTH * (performance.now() - begun - frames.milliseconds);

@@ -15,6 +15,8 @@ const SQUARE = 0.01; // of the plane's grid [m]
 const PLATE = [150, 155, 165], SLACK = 0x8a8f98, PULLED = 0xff7a1a, MARKED = 0x9a9a9a;
 const AROUND = [0, 1, 3, 2]; // corners of a section, one after another
 const TURN = 0.08, NEARER = 1.1; // of a key [rad, -]
+// While it moves, frames that take longer [ms] are drawn with fewer pixels [-], until it has been still for so long [ms].
+const SLOW = 1000 / 50, COARSER = 0.8, COARSEST = 0.4, STILL = 250;
 const UNIT = 1000; // of the scene in a metre: millimetres
 
 export class View {
@@ -23,7 +25,9 @@ export class View {
     this.canvas = canvas;
     this.about = about;
     this.shade = new Color();
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.share = 1; // of the pixels along a side that are drawn
+    this.late = this.drawn = 0; // slow frames one after another; when the last was drawn [ms]
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.scene = new Scene();
     this.scene.add(new AmbientLight(0xffffff, 1.9));
     for (const place of [[1, -2, 4], [-2, 1, -3]]) {
@@ -171,7 +175,7 @@ export class View {
   fit() {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
     if (!width || !height) return;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.share * Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.fov = width < height ? 45 : 32;
@@ -179,11 +183,23 @@ export class View {
     this.stale = true;
   }
 
-  /** Draw, if anything has changed. */
-  draw() {
+  /** Draw, if anything has changed; where that is slow, with fewer pixels until it is still again. */
+  draw(now) {
+    const since = now - this.drawn;
+    if (!this.stale && this.share < 1 && since > STILL) this.resolve(1);
     if (!this.stale) return false;
+    if (since < STILL) this.late = since > SLOW ? this.late + 1 : 0;
+    if (this.late > 2 && this.share > COARSEST) this.resolve(Math.max(COARSER * this.share, COARSEST));
     this.stale = false;
+    this.drawn = now;
     this.renderer.render(this.scene, this.camera);
     return true;
+  }
+
+  /** Use a share of the pixels that there are along a side. */
+  resolve(share) {
+    this.share = share;
+    this.late = 0;
+    this.fit();
   }
 }
