@@ -46,9 +46,14 @@ SECTIONS = (
 )
 
 
-def emulated(driver, method: str, **parameters) -> None:
+def chromium(driver, method: str, **parameters) -> None:
     """Ask Chromium itself."""
-    driver.execute("chromium", {"cmd": f"Emulation.{method}", "params": parameters})
+    driver.execute("chromium", {"cmd": method, "params": parameters})
+
+
+def emulated(driver, method: str, **parameters) -> None:
+    """Have it take itself for another device."""
+    chromium(driver, f"Emulation.{method}", **parameters)
 
 
 def two_segments() -> TouchedSegment:
@@ -199,6 +204,43 @@ def test_sliders_bend_the_finger_and_the_readings_follow(page):
     assert number(page, "touch-distance") == pytest.approx(1e3 * float(expected.touch_distance), rel=1e-3)
     assert page.find_element("id", "status").get_attribute("data-inside") == "true"
     assert page.get_screenshot_as_png() != before
+
+
+def settled(driver) -> bytes:
+    """A picture, once the page has followed."""
+    driver.execute_async_script("document.activeElement.blur(); setTimeout(arguments[0], 500)")
+    return driver.find_element("id", "canvas").screenshot_as_png
+
+
+def test_a_mouse_a_finger_and_keys_turn_the_view(page):
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.keys import Keys
+
+    canvas, begun = page.find_element("id", "canvas"), settled(page)
+    ActionChains(page).move_to_element(canvas).click_and_hold().move_by_offset(120, 40).release().perform()
+    seen = [begun, settled(page)]
+    chromium(page, "Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": 300, "y": 400}])
+    for x in range(310, 400, 10):
+        chromium(page, "Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": x, "y": 400}])
+    chromium(page, "Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    seen.append(settled(page))
+    canvas.send_keys(Keys.ARROW_UP * 3)
+    seen.append(settled(page))
+    canvas.send_keys("-")
+    seen.append(settled(page))
+    assert len(set(seen)) == 5  # each of them has moved it
+    canvas.send_keys(Keys.HOME)
+    assert settled(page) == begun
+
+
+def test_a_finger_on_the_glass_moves_a_slider(page):
+    slider = page.find_element("id", "pull-0")
+    box, before = slider.rect, page.execute_script("return window.fingerfem.point()")[0]
+    middle = {"x": box["x"] + 0.9 * box["width"], "y": box["y"] + box["height"] / 2}
+    chromium(page, "Input.dispatchTouchEvent", type="touchStart", touchPoints=[middle])
+    chromium(page, "Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    settled(page)
+    assert page.execute_script("return window.fingerfem.point()")[0] > before + 20
 
 
 def test_it_holds_a_force_while_the_plane_moves(page):

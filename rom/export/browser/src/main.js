@@ -1,7 +1,7 @@
 // The page: sliders -> the model -> the finger and its readings.
 
 import { Model } from "./model.js";
-import { Dial, legend, Reading, told } from "./panel.js";
+import { Dial, legend, off, Reading, told } from "./panel.js";
 import { View } from "./view.js";
 
 const about = JSON.parse(document.getElementById("model").textContent);
@@ -98,7 +98,7 @@ async function start() {
   const hold = () => {
     const found = model.hold(dials.map((one) => one.value), force.value, plane.value);
     const meant = {
-      converged: `held within ${told(found.residual)} N, ± ${told(found.error)} N estimated`,
+      converged: `held within ${told(found.residual)} N, ± ${off(found.error)} N estimated`,
       unreachable: `out of reach: this is what comes nearest, ${told(found.residual)} N off`,
       out_of_domain: "no answer that the model knows",
     };

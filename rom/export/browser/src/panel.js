@@ -13,7 +13,7 @@ export function told(value) {
 }
 
 /** An error: two digits. */
-function off(value) {
+export function off(value) {
   return Number.isFinite(value) ? String(Number(value.toPrecision(2))) : "unknown";
 }
 
