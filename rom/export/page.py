@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+import tempfile
 import zlib
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,10 @@ def write(model: Surrogate | TouchedSegment, path: Path) -> None:
     if path.suffix.lower() not in (".html", ".htm"):
         raise ModelError(f"page must be a file named .html, got {path}")
     text = json.dumps(about(model), allow_nan=False).replace("<", "\\u003c")
-    path.write_text(VIEWER.read_text().replace("@MODEL@", text))
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:  # whole or absent
+        made = Path(beside) / path.name
+        made.write_text(VIEWER.read_text().replace("@MODEL@", text))
+        made.replace(path)
 
 
 def about(model: Surrogate | TouchedSegment) -> dict[str, Any]:

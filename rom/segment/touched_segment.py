@@ -17,6 +17,7 @@ from rom.native.answer import Answer
 from rom.segment import native
 from rom.segment.chain import Chain
 from rom.segment.native import SEGMENT, Touched
+from rom.segment.native.told import tells
 from rom.segment.objects import Object, facing_plane
 from rom.segment.segment_map import SegmentMap
 from rom.table import Table, as_html, parameters
@@ -183,7 +184,7 @@ class TouchedSegment(PickledByFields):
         Raises:
             ModelError: the wrong number of parameters.
         """
-        out, errors, inside = native.tells(self.touching, self._points(parameters))
+        out, errors, inside = tells(self.touching, self._points(parameters))
         parts = self._parts(dict(zip(QUANTITIES, errors.T, strict=True)))
         if np.ndim(parameters) == 1:
             out, inside = out[0], inside[0]

@@ -15,8 +15,8 @@ from rom import Surrogate, TouchedSegment
 from rom.export.model import MODEL, struct
 from rom.export.page import write
 from rom.native import pointer
-from rom.segment import native
 from rom.segment.chain import Chain
+from rom.segment.native.told import sections
 from rom.segment.objects import facing_plane
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="needs selenium (the environment has it)")
@@ -159,7 +159,7 @@ def test_the_shape_is_python_s(opened, trained, name):
                 assert nearest.max() < 1e-6  # single precision
             continue
         wrenches = model.answers(point).wrenches
-        expected = np.concatenate(native.sections(model.chain.struct, point[:-1], wrenches))
+        expected = np.concatenate(sections(model.chain.struct, point[:-1], wrenches))
         assert np.abs(found - expected).max() < 1e-9
 
 

@@ -1,0 +1,47 @@
+"""What is told of a touched segment's answers, errors included, and the surface that is drawn of it (segment.h)."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rom.native import SEGMENT
+from rom.segment.native import ENDS, pointer
+
+
+class Told(NamedTuple):
+    """What is told of answers at n points.
+
+    Attributes:
+        out: as in `Touched`; the touch distance is the rubber's where that touches first.
+        errors: estimated, of tip, contact force and touch distance, shape (n, 3) [m, N, m].
+        inside: as in `Touched`.
+    """
+
+    out: np.ndarray
+    errors: np.ndarray
+    inside: np.ndarray
+
+
+def tells(touching: Any, points: np.ndarray) -> Told:
+    """Answers and their estimated errors at tensions and d, shape (n, t + 1), each solved from rest."""
+    points, n = np.ascontiguousarray(points, float), len(points)
+    out, errors, inside = np.empty((n, 5)), np.empty((n, 3)), np.empty(n, np.int32)
+    given = pointer(points), pointer(out), pointer(errors), pointer(inside, "int32_t[]")
+    SEGMENT.functions.fingerfem_tells(touching, n, *given)
+    return Told(out, errors, inside.astype(bool))
+
+
+def sections(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> list[np.ndarray] | None:
+    """The surface of a chain, a struct fingerfem_chain, as sections of every segment, shapes (m, 4, 3) [m].
+
+    Of each: where its rubber begins, places along it, its plate's back and front; corners -y -z, -y z, y -z and y z.
+    None where nothing is known of a segment's rubber.
+    """
+    counts = [compiled.segments[k].places + ENDS for k in range(compiled.plates)]
+    found = np.empty((sum(counts), 4, 3))
+    given = (pointer(np.ascontiguousarray(one, float)) for one in (tensions, wrenches))
+    if not SEGMENT.functions.fingerfem_chain_sections(compiled, *given, pointer(found)):
+        return None
+    return np.split(found, np.cumsum(counts)[:-1])
