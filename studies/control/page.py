@@ -7,6 +7,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
+from studies.axes import large_letters, logarithmic
 from studies.runner import DOCS
 
 FORCES = 0.25, 4.0  # [N], ends of the picture
@@ -21,8 +22,9 @@ def prepare(found: dict, folder: Path) -> dict:
 
 def draw(found: dict, picture: Path) -> None:
     """Held against wanted, and the errors by distance."""
+    large_letters()
     solved = [case for case in found["each"] if case["force"] is not None]
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.6), layout="constrained")
     wanted = [case["target"] for case in solved]
     left.loglog(FORCES, FORCES, color="0.7", lw=1)
     left.loglog(wanted, [case["force"] for case in solved], "o", ms=4)
@@ -34,5 +36,7 @@ def draw(found: dict, picture: Path) -> None:
     right.axhline(100 * found["max"], color="0.4", lw=1, ls=":", label=f"largest {found['max']:.1%}")
     right.set(xlabel="distance of the plane [mm]", ylabel="error of the held force [%]")
     right.legend(frameon=False)
+    logarithmic(left)
+    logarithmic(right, "y")
     figure.savefig(picture, dpi=120)
     plt.close(figure)

@@ -6,22 +6,25 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
+from studies.axes import large_letters, logarithmic
 from studies.runner import DOCS
 
-ENDS = 1e-6, 0.3  # [N]
-LEAST = 2e-6  # where smaller errors are drawn [N]
+ESTIMATES, ERRORS = (1e-3, 0.1), (1e-5, 0.1)  # ends of the axes [N]
 
 
 def prepare(found: dict, folder: Path) -> dict:
     """Draw true against estimated errors of the contact force."""
-    figure, axes = plt.subplots(figsize=(6, 5), layout="constrained")
+    large_letters()
+    figure, axes = plt.subplots(figsize=(7, 5.5), layout="constrained")
     for (kind, row), marker in zip(found["coverage"].items(), "o^s", strict=True):
         force = row["contact_force"]
-        errors = [max(error, LEAST) for error in force["error"]]
-        axes.loglog(force["estimate"], errors, marker, ms=4, label=f"{kind}: {len(errors)} points")
-    axes.loglog(ENDS, ENDS, color="0.5", lw=1)
+        errors = [max(error, ERRORS[0]) for error in force["error"]]  # smaller ones at the edge
+        axes.loglog(force["estimate"], errors, marker, clip_on=False, label=f"{kind}: {len(errors)} points")
+    axes.loglog(ESTIMATES, ESTIMATES, color="0.5", lw=1, label="both equal")
+    axes.set(xlim=ESTIMATES, ylim=ERRORS)
+    logarithmic(axes)
     axes.set(xlabel="estimated error of the contact force [N]", ylabel="true error, against the finest mesh [N]")
-    axes.legend(frameon=False)
+    axes.legend(loc="lower right")
     figure.savefig(DOCS / "coverage.png", dpi=120)
     plt.close(figure)
     return {}

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
+from studies.axes import large_letters, logarithmic
 from studies.runner import DOCS
 
 COLOURS = {"both meshes": "tab:blue", "fine mesh alone": "tab:orange"}
@@ -25,7 +26,8 @@ def prepare(found: dict, folder: Path) -> dict:
 
 def draw(found: dict, file: Path) -> None:
     """Errors of contact force against states on the fine mesh."""
-    figure, ax = plt.subplots(figsize=(6, 4.2), layout="constrained")
+    large_letters()
+    figure, ax = plt.subplots(figsize=(8, 5.2), layout="constrained")
     for kind, colour in COLOURS.items():
         rows = [row for row in found["rows"] if row["kind"] == kind]
         states = [row["states"] for row in rows]
@@ -35,7 +37,8 @@ def draw(found: dict, file: Path) -> None:
         tail = [100 * row["surrogate"]["p95"] for row in rows]
         ax.loglog(states, tail, "s:", color=colour, mfc="none", label="95th percentile")
     ax.set(xlabel="states on the fine mesh", ylabel="error of the contact force on its mesh [%]")
-    ax.grid(True, which="both", alpha=0.2)
-    ax.legend(fontsize=7)
+    logarithmic(ax)
+    ax.grid(True, alpha=0.3)
+    ax.legend()
     figure.savefig(file, dpi=110)
     plt.close(figure)

@@ -1,4 +1,4 @@
-"""The picture of docs/tradeoff.md, fingerfem/scene/front.json, from which scenes choose, and README's presets."""
+"""The picture of docs/tradeoff.md, and fingerfem/scene/front.json, from which scenes choose."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 from fingerfem.scene.presets import FRONT
-from studies.readme import put
-from studies.runner import DOCS, templates
+from studies.axes import large_letters, logarithmic
+from studies.runner import DOCS
 from studies.tradeoff.maps import DRAFT, FINE, SQUARE, MapTraining
 from studies.tradeoff.tradeoff import PRESETS, error_of, front
 
-BEGIN = "<!-- presets: written by `make docs` -->"  # in README
 WORTH = "total", "contact_force", "p95"  # the error that models are compared by
 USUAL = 3e-4  # tolerance of the separation
 MAP_PRESETS = {
@@ -25,13 +24,11 @@ NAMES = {"mor": "e_MOR", "total": "total"}
 
 
 def prepare(found: dict, folder: Path) -> dict:
-    """Write picture, front and README's table; the choices that a scene has."""
+    """Write picture and front; the choices that a scene has."""
     draw(found["tradeoff"], found["maps"], DOCS / "tradeoff.png")
     listed = choices(found["tradeoff"])
     maps = map_choices(found["maps"])
     FRONT.write_text(json.dumps({"choices": listed, "maps": maps}, indent=1) + "\n")
-    presets = templates().get_template("tradeoff/presets.md.j2").render(choices=listed, maps=maps)
-    put(BEGIN, f"\n{presets}\n")
     return {"choices": listed, "map_choices": maps, "mesh_of": mesh_of, "ahead": ahead(found)}
 
 
@@ -106,8 +103,9 @@ def map_choices(found: dict) -> list[dict]:
 
 def draw(found: dict, maps: dict, file: Path) -> None:
     """Cost against error of every model and map, and both parts of the error against the states of the draft mesh."""
+    large_letters()
     usual = [row for row in found["models"] if row["training"]["tolerance"] == USUAL]
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(12, 5.8), layout="constrained")
     kinds: dict[str, list[dict]] = {}
     for row in usual:
         kinds.setdefault("two meshes" if row["training"]["coarse"] else mesh_of(row), []).append(row)
@@ -129,11 +127,12 @@ def draw(found: dict, maps: dict, file: Path) -> None:
         for row in found["meshes"]:
             if label.replace(", ", " ") == row["name"]:
                 right.axhline(100 * row["fem"]["contact_force"]["p95"], color=colour, lw=0.8, ls="--")
-    right.set(xlabel="training states", title="of the surrogate (dotted), of the mesh (dashed), of both")
+    right.set(xlabel="training states", title="dotted: surrogate, dashed: mesh, solid: total")
     for ax in (left, right):
+        logarithmic(ax)
         ax.set_ylabel("error of contact force, 95th percentile [%]")
-        ax.legend(fontsize=7)
-        ax.grid(True, which="both", alpha=0.2)
+        ax.legend()
+        ax.grid(True, alpha=0.3)
     figure.savefig(file, dpi=110)
     plt.close(figure)
 

@@ -1,0 +1,45 @@
+"""Logarithmic axes that can be read: plain numbers at 1, 2 and 5, and letters that stand half the size."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
+
+STEPS = ((1, 2, 5), (1, 3), (1,))  # of ticks within a decade, the most that leave room
+FEWEST, MOST = 3, 8  # ticks of an axis
+LETTERS = {"font.size": 13, "axes.titlesize": 13, "legend.fontsize": 11}  # [pt]
+
+
+def large_letters() -> None:
+    """Of all pictures that this process draws from here on."""
+    mpl.rcParams.update(LETTERS)
+
+
+def logarithmic(axes: Axes, which: str = "xy") -> None:
+    """Ticks of axes that have their data and their limits."""
+    for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
+        if name in which:
+            _ticks(axis)
+
+
+def _ticks(axis: Axis) -> None:
+    low, high = sorted(axis.get_view_interval())
+    chosen = max((ticks(low, high, steps) for steps in STEPS), key=lambda found: (len(found) <= MOST, len(found)))
+    axis.set_major_locator(FixedLocator(chosen))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
+    axis.set_minor_locator(NullLocator())
+    axis.set_minor_formatter(NullFormatter())
+
+
+def ticks(low: float, high: float, steps: tuple[int, ...]) -> list[float]:
+    """Numbers of these steps within an interval of positive numbers."""
+    decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    return [value for k in decades for step in steps if low <= (value := float(f"{step}e{k}")) <= high]
+
+
+def plain(value: float) -> str:
+    """1000 is 1,000; 0.05 is 0.05; what is smaller than a thousandth is a power of ten."""
+    return f"{value:.0e}".replace("e-0", "e-") if value < 1e-3 else f"{value:,.10g}"
