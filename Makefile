@@ -21,7 +21,7 @@ demo:
 
 # The tests in the environment train a surrogate of the draft finger once, in out/tests, and try the demo on coarse meshes, in
 # out/tests/demo; those without DOLFINx use them again.
-test: .venv/ready
+test: .venv/ready out/peers/felupe/ready
 	rm -rf out/tests
 	$(MAKE) out/tests/finger.h5
 	docker/run python3 -m pytest -q $(BOTH_CORES) tests/fingerfem tests/studies tests/rom/export/test_page.py
@@ -80,17 +80,28 @@ wheel:
 
 # All generated pages of docs/, README's numbers and the front that presets choose from: some two and a half hours on two cores. What
 # is measured is kept in out/docs, so that the same command goes on after an interruption; python3 -m studies.runner NAME makes one page.
-# MuJoCo, whose pictures need EGL, and other packages, which the surrogate is compared with, come from PyPI, in environments beside.
-docs: readme out/docs/others/ready .venv/ready
-	@$(AS_ROOT) && apt-get install -qy --no-install-recommends libegl1 libgl1-mesa-dri libopengl0 >/dev/null || true
+# MuJoCo, whose pictures need EGL, and other packages, which this one is compared with, come from PyPI, in environments beside; CalculiX
+# from Debian.
+docs: readme out/peers/others/ready out/peers/felupe/ready out/peers/pypardiso/ready .venv/ready
+	@$(AS_ROOT) && apt-get install -qy --no-install-recommends libegl1 libgl1-mesa-dri libopengl0 calculix-ccx >/dev/null || true
 	OPENBLAS_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" .venv/bin/python -m studies.grasping.simulated
 	$(MEASURED) python3 -m studies.runner
-	FINGERFEM_COMMIT="$(COMMIT)" out/docs/others/bin/python -m studies.surrogate.others
-	$(MEASURED) python3 -m studies.runner surrogate
+	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" out/peers/others/bin/python -m studies.peers.others
+	$(MEASURED) python3 -m studies.runner peers
 
-out/docs/others/ready:
-	$(PYTHON) -m venv out/docs/others
-	out/docs/others/bin/python -m pip install -q --disable-pip-version-check -e . ezyrb tensorly jinja2
+out/peers/others/ready:
+	$(PYTHON) -m venv out/peers/others
+	out/peers/others/bin/python -m pip install -q --disable-pip-version-check -e . ezyrb tensorly scikit-learn pyelastica mujoco jinja2
+	touch $@
+
+# FElupe, the other finite element code, and PyPardiso, its faster linear solver, only ever run in processes of their own: they are
+# put into folders beside, which only those processes look into. The environment has the NumPy and SciPy that they need.
+out/peers/felupe/ready: .venv/ready
+	.venv/bin/python -m pip install -q --disable-pip-version-check --upgrade --target out/peers/felupe --no-deps felupe==11.3.0 tensortrax==0.29.0
+	touch $@
+
+out/peers/pypardiso/ready: .venv/ready
+	.venv/bin/python -m pip install -q --disable-pip-version-check --prefix out/peers/pypardiso --no-deps pypardiso==0.4.7 mkl==2026.2.0
 	touch $@
 
 # The documentation as a site, out/site/index.html: no link may be broken. What its pages quote, docs/.site/samples.py makes anew.

@@ -44,6 +44,7 @@ STUDIES = (
     "extremes",
     "required",
     "figures",
+    "peers",
 )
 OUT = ROOT / "out" / "docs"
 COMMIT = "FINGERFEM_COMMIT"  # the Makefile's word for where the checkout is
@@ -115,7 +116,7 @@ def hashed(files: list[Path], base: Path) -> str:
 def sources(study: str) -> list[Path]:
     """A study's own files."""
     folder = ROOT / "studies" / study
-    return [*folder.glob("*.py"), *folder.glob("*.j2")]
+    return [*folder.rglob("*.py"), *folder.rglob("*.j2")]
 
 
 def page_hash(study: str) -> str:

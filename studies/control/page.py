@@ -35,7 +35,7 @@ def draw(found: dict, picture: Path) -> None:
     right.axhline(100 * found["median"], color="0.4", lw=1, ls="--", label=f"median {found['median']:.2%}")
     right.axhline(100 * found["max"], color="0.4", lw=1, ls=":", label=f"largest {found['max']:.1%}")
     right.set(xlabel="distance of the plane [mm]", ylabel="error of the held force [%]")
-    right.legend(frameon=False)
+    right.legend(frameon=False, loc=(0.42, 0.68))
     logarithmic(left)
     logarithmic(right, "y")
     figure.savefig(picture, dpi=120)

@@ -24,7 +24,7 @@ def prepare(found: dict, folder: Path) -> dict:
     axes.set(xlim=ESTIMATES, ylim=ERRORS)
     logarithmic(axes)
     axes.set(xlabel="estimated error of the contact force [N]", ylabel="true error, against the finest mesh [N]")
-    axes.legend(loc="lower right")
+    axes.legend(loc="upper left")
     figure.savefig(DOCS / "coverage.png", dpi=120)
     plt.close(figure)
     return {}

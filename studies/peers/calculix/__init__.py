@@ -1,0 +1,1 @@
+"""CalculiX and the forms of this project on a bar."""

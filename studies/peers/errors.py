@@ -1,0 +1,35 @@
+"""How far answers are from the reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+
+def errors(answers: dict[str, Any], reference: dict[str, Any]) -> dict[str, Any]:
+    """Median and largest relative errors of one alternative [-], and of how many states it has no answer.
+
+    Tips over the way of the reference's tip, contact forces over the reference's; states without an answer are left out
+    of the numbers and counted as missing. A number is None where the alternative has no answer at all.
+    """
+    found: dict[str, Any] = {}
+    missing = 0
+    for quantity in ("free_tips", "contact_tips", "contact_forces"):
+        told, truth = answers[quantity], reference[quantity]
+        off = [relative(one, true) for one, true in zip(told, truth, strict=True) if one is not None]
+        missing += len(truth) - len(off) if off else 0
+        found[quantity] = {"median": float(np.median(off)), "max": max(off)} if off else None
+    return found | {"missing": missing}
+
+
+def relative(told: float | Sequence[float], truth: float | Sequence[float]) -> float:
+    """Distance over the true one's length [-]."""
+    return float(np.linalg.norm(np.subtract(told, truth)) / np.linalg.norm(truth))
+
+
+def compared(every: list[dict[str, Any]], reference: dict[str, Any]) -> list[dict[str, Any]]:
+    """Every alternative with its errors and its time as a multiple of the fastest one's."""
+    fastest = min(row["seconds"] for row in every)
+    return [row | {"errors": errors(row, reference), "times": row["seconds"] / fastest} for row in every]

@@ -1,0 +1,1 @@
+"""FElupe in a process of its own, asked for the same states."""

@@ -1,0 +1,118 @@
+"""The picture and the tables of docs/peers.md."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+
+from studies.axes import large_letters, logarithmic
+from studies.labels import label
+from studies.peers.errors import compared
+from studies.peers.question import CONTACT, FREE, finger
+from studies.peers.surrogates.judging import best_of
+from studies.runner import DOCS
+
+COLOURS = {
+    "finite elements": "tab:blue",
+    "beam": "tab:green",
+    "simulator": "tab:purple",
+    "surrogate": "tab:orange",
+}
+PANELS = {"free_tips": "tip in free space", "contact_forces": "contact force on the plane"}
+OWN = "fingerfem"
+DIGITS = 7  # that CalculiX prints
+LINE_TENSIONS = (50.0, 20.0)  # of the contact line [N], as in speed.py
+LEAST = 1e-5  # where smaller errors are drawn [-]
+
+
+def prepare(found: dict, folder: Path) -> dict:
+    """Draw the picture; every alternative with its errors, and the tables."""
+    surrogates = found["surrogates"]
+    others = [row for row in surrogates["answers"] if not row["name"].startswith(OWN)]  # ours come along, trained
+    every = [*found["reference"]["ours"], *found["ours"], *found["rods"], *others]
+    rows = compared(every, found["reference"]["finest"])
+    draw(rows, DOCS / "peers.png")
+    best = best_rows(surrogates["rows"])
+    return {
+        "kinds": {kind: sorted((row for row in rows if row["kind"] == kind), key=_force_error) for kind in COLOURS},
+        "free": [int(tension) for tension in FREE],
+        "contact": CONTACT,
+        "finger": finger(),
+        "same": same(found["finite_elements"]),
+        "digits": DIGITS,
+        "line_tensions": [int(tension) for tension in LINE_TENSIONS],
+        "per_iteration": per_iteration(found["speed"]),
+        "training": found["training_states"],
+        "lines": found["training_states"]["rows"][-1]["lines"],
+        "surrogates": [*best, {"way": "(F, s) on a grid"} | surrogates["grid"]],
+        "grid": surrogates["grid"],
+        "curves": [_curve(row, surrogates["curves"]) for row in best],
+    }
+
+
+def best_rows(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Of every method the way that errs least, most accurate first."""
+    methods = dict.fromkeys((row["package"], row["method"]) for row in rows)
+    best = [best_of([row for row in rows if (row["package"], row["method"]) == method]) for method in methods]
+    return sorted(best, key=lambda row: row["contact_force"]["median"])
+
+
+def _curve(row: dict[str, Any], curves: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    same_way = ("package", "method", "way")
+    return sorted(
+        (one for one in curves if all(one[key] == row[key] for key in same_way)), key=lambda one: one["lines"]
+    )
+
+
+def same(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Largest differences from FElupe by scene, law, mesh and method."""
+    found: dict[str, list[dict[str, Any]]] = {}
+    for row in rows:
+        found.setdefault(repr([row[key] for key in ("scene", "law", "mesh", "method")]), []).append(row)
+    return [
+        {key: of[0][key] for key in ("scene", "law", "method", "unknowns")}
+        | {"cells": " x ".join(map(str, of[0]["mesh"]["cells"])), "order": of[0]["mesh"]["order"], "states": len(of)}
+        | {"failed": sum(row["failed"] is not None for row in of)}
+        | {"displacement": _largest(of, "displacement_difference")}
+        | {"contact_force": _largest(of, "contact_force_difference")}
+        for of in found.values()
+    ]
+
+
+def _largest(rows: list[dict[str, Any]], key: str) -> float | None:
+    return max((row[key] for row in rows if row[key] is not None), default=None)
+
+
+def per_iteration(speed: list[dict[str, Any]]) -> float:
+    """Core-seconds per factorisation of this project, from rest to 100 N on the largest mesh."""
+    row = next(row for row in speed[-1]["rows"] if row["solver"] == OWN and row["task"] == "100 N")
+    return row["seconds"] / row["factorisations"]
+
+
+def _force_error(row: dict[str, Any]) -> tuple[float, float]:
+    """What a table is sorted by: contact force, then tip; who has no contact force comes last."""
+    force, tip = row["errors"]["contact_forces"], row["errors"]["free_tips"]
+    return force["median"] if force else float("inf"), tip["median"] if tip else float("inf")
+
+
+def draw(rows: list[dict[str, Any]], file: Path) -> None:
+    """Error against time per answer, every alternative a labelled point."""
+    large_letters()
+    figure, panels = plt.subplots(1, 2, figsize=(15, 7.5), layout="constrained")
+    for axes, (quantity, title) in zip(panels, PANELS.items(), strict=True):
+        shown = [row for row in rows if row["errors"][quantity]]
+        points = [(row["seconds"], 100 * max(row["errors"][quantity]["median"], LEAST)) for row in shown]
+        for kind, colour in COLOURS.items():
+            of = [point for row, point in zip(shown, points, strict=True) if row["kind"] == kind]
+            axes.loglog(*zip(*of, strict=True), "o", ms=8, color=colour, label=kind) if of else None
+        axes.set(xlabel="core-seconds per answer", ylabel="relative error, median [%]", title=title)
+        axes.margins(0.12)
+        axes.autoscale_view()
+        logarithmic(axes)
+        axes.grid(True, alpha=0.3)
+        label(axes, points, [row["name"] for row in shown], fontsize=10)
+    panels[0].legend(loc="upper right")
+    figure.savefig(file, dpi=110)
+    plt.close(figure)

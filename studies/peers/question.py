@@ -1,0 +1,103 @@
+"""What every alternative is asked: the paper's finger, pulled by F1 alone, in free space and against the plane.
+
+Any Python can import this module; numbers are those of scenes/one_segment.toml. The finger lies along x and is clamped
+at x = 0, its section is a square centred on the axis, the tendon runs at y = offset, and the plane is y = side/2 + d.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+SCENE = Path(__file__).resolve().parents[2] / "scenes" / "one_segment.toml"
+# Tensions in free space [N]; tensions and distances in contact [N], [m]: from a light touch to a strong press.
+FREE = (20.0, 40.0, 60.0, 80.0, 100.0)
+CONTACT = (
+    (20.0, 0.010),
+    (30.0, 0.010),
+    (40.0, 0.005),
+    (40.0, 0.016),
+    (60.0, 0.010),
+    (60.0, 0.020),
+    (80.0, 0.015),
+    (80.0, 0.025),
+    (100.0, 0.027),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finger:
+    """Its numbers in SI units: lengths [m] (`length` from clamp to tip, plate included), moduli [Pa], ratio [-]."""
+
+    length: float
+    side: float
+    plate: float
+    offset: float
+    C1: float
+    D1: float
+
+    @property
+    def young(self) -> float:
+        """Of small strains [Pa]."""
+        return 2 * self.shear * (1 + self.poisson)
+
+    @property
+    def shear(self) -> float:
+        """[Pa]."""
+        return 2 * self.C1
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio of small strains [-]."""
+        bulk = 2 / self.D1
+        return (3 * bulk - 2 * self.shear) / (2 * (3 * bulk + self.shear))
+
+
+def finger() -> Finger:
+    """The finger of the scene's file."""
+    scene = tomllib.loads(SCENE.read_text())
+    shape, material = scene["geometry"], scene["material"]
+    return Finger(
+        length=shape["segments"][0],
+        side=shape["side"],
+        plate=shape["plate"],
+        offset=scene["tendons"][0]["offset"][0],
+        C1=material["C1"],
+        D1=material["D1"],
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answers:
+    """What one alternative answers to all of it.
+
+    Attributes:
+        name: for the picture and the table, two or three words.
+        kind: "finite elements", "beam", "simulator" or "surrogate".
+        free_tips: displacement of the tip plate's centre, of every state of FREE, shape (5, 3) [m]; None where it has
+            no answer.
+        contact_tips: the same of CONTACT, shape (9, 3) [m].
+        contact_forces: on the plane, of CONTACT, shape (9,) [N]; None where it has no answer, such as a model that
+            knows no contact.
+        seconds: core-seconds per answer, what is done once (import, compilation, training) left out.
+        settings: what it was asked with: what a reader needs to do it again.
+        refinement: how its own answer changes with its own resolution: rows of a table.
+        limits: what it cannot represent, fairly, one sentence.
+    """
+
+    name: str
+    kind: str
+    free_tips: Sequence[Sequence[float] | None]
+    contact_tips: Sequence[Sequence[float] | None]
+    contact_forces: Sequence[float | None]
+    seconds: float
+    settings: str
+    limits: str
+    refinement: list[dict[str, Any]] = field(default_factory=list)
+
+    def as_json(self) -> dict[str, Any]:
+        """For a part's file."""
+        return asdict(self)

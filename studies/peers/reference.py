@@ -1,0 +1,57 @@
+"""Part `reference`: what the full-order model answers by mesh; all others are held against the finest."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from fingerfem import FingerModel
+from fingerfem.scene.scene import Scene
+from studies.peers.question import CONTACT, FREE, Answers
+from studies.peers.scenes import planar
+from studies.runner import Run
+
+# Cells along and across, Lagrange order; the finest last.
+MESHES = (("draft mesh", (20, 5, 1)), ("paper's mesh", (100, 10, 1)), ("standard mesh", (10, 5, 2)))
+FINER, FINEST = (24, 6, 2), (40, 8, 2)
+LIMITS = "its mesh is the whole of its error"
+
+
+def answers(name: str, mesh: tuple[int, int, int]) -> Answers:
+    """Every state solved from rest."""
+    scene = Scene.model_validate(planar(*mesh))
+    model = FingerModel(scene)
+    model.solve([FREE[0]], CONTACT[0][1], sensitivities=False)  # compiles
+    begun = time.process_time()
+    free = [model.solve([tension], sensitivities=False) for tension in FREE]
+    touching = [model.solve([tension], distance, sensitivities=False) for tension, distance in CONTACT]
+    seconds = (time.process_time() - begun) / (len(FREE) + len(CONTACT))
+    return Answers(
+        name=name,
+        kind="finite elements",
+        free_tips=[state.tip.tolist() for state in free],
+        contact_tips=[state.tip.tolist() for state in touching],
+        contact_forces=[state.contact_force for state in touching],
+        seconds=seconds,
+        settings=f"{mesh[0]} x {mesh[1]} x {mesh[1]} cells of order {mesh[2]}, half of them by symmetry; from rest",
+        limits=LIMITS,
+        refinement=[{"unknowns": model.problem.unknowns, "cells": list(mesh[:2]), "order": mesh[2]}],
+    )
+
+
+def measure(run: Run) -> dict:
+    """The answers by mesh, and how far the two finest differ."""
+    meshes = MESHES[:1] if run.quick else MESHES
+    ours = [run.once(name, lambda n=name, m=mesh: answers(f"fingerfem, {n}", m).as_json()) for name, mesh in meshes]
+    finer = run.once("finer", lambda: answers("finer", MESHES[2][1] if run.quick else FINER).as_json())
+    finest = run.once("finest", lambda: answers("reference", FINER if run.quick else FINEST).as_json())
+    return {"ours": ours, "finest": finest, "apart": apart(finer, finest)}
+
+
+def apart(one: dict, other: dict) -> dict[str, float]:
+    """Largest relative differences of tips (over the tip's way) and contact forces [-]."""
+    ways = [np.array(row["free_tips"] + row["contact_tips"]) for row in (one, other)]
+    forces = [np.array(row["contact_forces"]) for row in (one, other)]
+    tips = np.linalg.norm(ways[0] - ways[1], axis=1) / np.linalg.norm(ways[1], axis=1)
+    return {"tip": float(tips.max()), "contact_force": float((np.abs(forces[0] - forces[1]) / forces[1]).max())}

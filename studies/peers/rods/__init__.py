@@ -1,0 +1,1 @@
+"""What is taken for soft robots in place of finite elements."""

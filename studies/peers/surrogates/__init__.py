@@ -1,0 +1,1 @@
+"""Other packages' surrogates, trained on the same states as this project's."""
