@@ -106,7 +106,7 @@ def _nodes(grid: Grid) -> tuple[list[str], list[str], list[tuple[float, ...]]]:
     for i, j, k in np.ndindex(len(x), len(y), len(z)):
         if i in (0, len(x) - 1):
             nodes.append("plate" if i else "world")
-            places.append((0.0, y[j], z[k]))
+            places.append((0.0, float(y[j]), float(z[k])))
             continue
         mass = light + heavy * rows.get((j, k), 0.0)
         eyelet = f'<site name="{_eyelet(i, j, k)}"/>' if (j, k) in rows else ""
