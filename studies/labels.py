@@ -14,8 +14,8 @@ from matplotlib.transforms import Bbox
 # Where a label may stand: directions, nearest distance first [pt]; a line leads to those that stand far off.
 DISTANCES = (8, 16, 28, 42, 58, 76, 96, 120)
 DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1), (2, 1), (2, -1), (-2, 1), (-2, -1))
-FAR = 20  # [pt]
-POINT = 7  # half the size of what is kept free about a point [px]
+FAR = 10  # [pt]
+POINT = 11  # half the size of what is kept free about a point [px]
 
 
 def label(axes: Axes, points: list[tuple[float, float]], names: list[str], **text: Any) -> None:

@@ -6,13 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 
+from rom import Surrogate, TouchedSegment
 from studies.axes import large_letters, logarithmic
 from studies.labels import label
 from studies.peers.errors import compared
+from studies.peers.ours import ASIDE
 from studies.peers.question import CONTACT, FREE, finger
 from studies.peers.surrogates.judging import best_of
-from studies.runner import DOCS
+from studies.runner import DOCS, ROOT
 
 COLOURS = {
     "finite elements": "tab:blue",
@@ -40,6 +43,8 @@ def prepare(found: dict, folder: Path) -> dict:
         "free": [int(tension) for tension in FREE],
         "contact": CONTACT,
         "finger": finger(),
+        "refined": refined(found["rods"]),
+        "within": within(found["reference"]["finest"]),
         "same": same(found["finite_elements"]),
         "digits": DIGITS,
         "line_tensions": [int(tension) for tension in LINE_TENSIONS],
@@ -50,6 +55,37 @@ def prepare(found: dict, folder: Path) -> dict:
         "grid": surrogates["grid"],
         "curves": [_curve(row, surrogates["curves"]) for row in best],
     }
+
+
+CHANGES = "tip", "contact_force", "contact_force_max", "seconds"
+
+
+def refined(rods: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Every resolution of those that have one, in words, and how far its answers are from the finest one's."""
+    found = []
+    for row in rods:
+        for one in row["refinement"]:
+            words = [f"{_words(value)} {key.replace('_', ' ')}" for key, value in one.items() if key not in CHANGES]
+            found.append({"name": row["name"], "resolution": ", ".join(words)} | {key: one[key] for key in CHANGES})
+    return found
+
+
+def _words(value: Any) -> str:
+    return " x ".join(map(str, value)) if isinstance(value, list) else f"{value:.4g}"
+
+
+def within(reference: dict[str, Any]) -> dict[str, int]:
+    """How many of the contact forces' errors the two trained models tell of, by their names."""
+    models = {
+        "fingerfem, surrogate": Surrogate.load(ROOT / "rom" / "plane.h5"),
+        "fingerfem, map": TouchedSegment.load(),
+    }
+    found = dict.fromkeys(models, 0)
+    for (tension, distance), truth in zip(CONTACT, reference["contact_forces"], strict=True):
+        for name, model in models.items():
+            answer = model.evaluate(np.array([tension, ASIDE, distance]))
+            found[name] += bool(abs(answer.contact_force - truth) <= answer.error["contact_force"])
+    return found
 
 
 def best_rows(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -100,7 +136,7 @@ def _force_error(row: dict[str, Any]) -> tuple[float, float]:
 def draw(rows: list[dict[str, Any]], file: Path) -> None:
     """Error against time per answer, every alternative a labelled point."""
     large_letters()
-    figure, panels = plt.subplots(1, 2, figsize=(15, 7.5), layout="constrained")
+    figure, panels = plt.subplots(1, 2, figsize=(14, 7.5), layout="constrained")
     for axes, (quantity, title) in zip(panels, PANELS.items(), strict=True):
         shown = [row for row in rows if row["errors"][quantity]]
         points = [(row["seconds"], 100 * max(row["errors"][quantity]["median"], LEAST)) for row in shown]
@@ -112,7 +148,7 @@ def draw(rows: list[dict[str, Any]], file: Path) -> None:
         axes.autoscale_view()
         logarithmic(axes)
         axes.grid(True, alpha=0.3)
-        label(axes, points, [row["name"] for row in shown], fontsize=10)
-    panels[0].legend(loc="upper right")
+        label(axes, points, [row["name"] for row in shown], fontsize=12)
+    panels[0].legend(loc="lower right")
     figure.savefig(file, dpi=110)
     plt.close(figure)

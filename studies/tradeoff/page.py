@@ -105,7 +105,7 @@ def draw(found: dict, maps: dict, file: Path) -> None:
     """Cost against error of every model and map, and both parts of the error against the states of the draft mesh."""
     large_letters()
     usual = [row for row in found["models"] if row["training"]["tolerance"] == USUAL]
-    figure, (left, right) = plt.subplots(1, 2, figsize=(12, 5.8), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(12, 6.8), layout="constrained")
     kinds: dict[str, list[dict]] = {}
     for row in usual:
         kinds.setdefault("two meshes" if row["training"]["coarse"] else mesh_of(row), []).append(row)
@@ -131,7 +131,7 @@ def draw(found: dict, maps: dict, file: Path) -> None:
     for ax in (left, right):
         logarithmic(ax)
         ax.set_ylabel("error of contact force, 95th percentile [%]")
-        ax.legend()
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2)
         ax.grid(True, alpha=0.3)
     figure.savefig(file, dpi=110)
     plt.close(figure)

@@ -28,9 +28,9 @@ REFINED = ((60.0, None), (60.0, 0.010))  # states that all meshes are asked
 DENSITY = 1000.0  # [kg/m^3]; where it comes to rest does not depend on it
 PACE = Pace(step=2e-4, ramp=20, moved=2e-6, longest=1000)
 SLIDES = "".join(f'<joint type="slide" axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1"))
-# Two tetrahedra and four more that fill the block, of its eight vertices: MuJoCo takes the flex's volume from them.
 SIMPSON = {-1: 1 / 6, 0: 4 / 6, 1: 1 / 6}  # weights of a cell's three nodes
 STABLE = 1.5  # mass of a node on a tendon, over that at which an explicit step begins to swing up
+# Six tetrahedra that fill the block, of its eight vertices: MuJoCo takes the flex's volume from them.
 BLOCK = "0 1 3 7 0 1 5 7 0 2 3 7 0 2 6 7 0 4 5 7 0 4 6 7"
 
 
