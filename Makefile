@@ -1,6 +1,6 @@
 # make demo   train a finger, grasp, verify, report to out/demo
 # make test   tests, lint, types, import contracts; make test-long  the repetitions of faults, and what takes long
-# make docs   measure anew what README and docs/ show; make readme  README's numbers alone
+# make docs   measure anew what README and docs/ show; make readme  README's numbers alone; make peers  docs/peers.md alone
 # make model  rom/finger.h5, the trained finger that comes with the repository; make plane  rom/plane.h5; make wheel  dist/*.whl
 # make page   rom/export/viewer.html, what `rom page` writes models into
 # make site   the documentation as a site, in out/site
@@ -14,7 +14,7 @@ COMMIT = $$(git rev-parse --short HEAD)$$(git diff --quiet HEAD -- fingerfem/*.p
 MEASURED = docker/run env FINGERFEM_COMMIT="$(COMMIT)"
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test test-long clean model plane page wheel readme docs site bench
+.PHONY: demo test test-long clean model plane page wheel readme docs peers site bench
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -80,12 +80,17 @@ wheel:
 
 # All generated pages of docs/, README's numbers and the front that presets choose from: some two and a half hours on two cores. What
 # is measured is kept in out/docs, so that the same command goes on after an interruption; python3 -m studies.runner NAME makes one page.
-# MuJoCo, whose pictures need EGL, and other packages, which this one is compared with, come from PyPI, in environments beside; CalculiX
-# from Debian.
-docs: readme out/peers/others/ready out/peers/felupe/ready out/peers/pypardiso/ready .venv/ready
-	@$(AS_ROOT) && apt-get install -qy --no-install-recommends libegl1 libgl1-mesa-dri libopengl0 calculix-ccx >/dev/null || true
+# MuJoCo, whose pictures need EGL, and other packages, which this one is compared with, come from PyPI, in environments beside.
+docs: readme .venv/ready
+	@$(AS_ROOT) && apt-get install -qy --no-install-recommends libegl1 libgl1-mesa-dri libopengl0 >/dev/null || true
 	OPENBLAS_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" .venv/bin/python -m studies.grasping.simulated
 	$(MEASURED) python3 -m studies.runner
+	$(MAKE) peers
+
+# docs/peers.md alone, some forty minutes: this project's numbers first, then those of the packages that the environment does not have.
+peers: out/peers/others/ready out/peers/felupe/ready out/peers/pypardiso/ready
+	@$(AS_ROOT) && apt-get install -qy --no-install-recommends calculix-ccx >/dev/null || true
+	$(MEASURED) python3 -m studies.runner peers
 	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" out/peers/others/bin/python -m studies.peers.others
 	$(MEASURED) python3 -m studies.runner peers
 

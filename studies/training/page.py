@@ -7,6 +7,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
+from studies.axes import large_letters, logarithmic
 from studies.runner import DOCS
 
 RANKS, STATES = (1, 8, 64, 1000), (1_000, 10_000)
@@ -42,7 +43,8 @@ def duration(seconds: float) -> str:
 
 def draw(found: dict, picture: Path) -> None:
     """Held-out error against states."""
-    figure, panels = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained", sharex=True)
+    large_letters()
+    figure, panels = plt.subplots(1, 2, figsize=(11, 4.8), layout="constrained")
     for panel, (name, title) in zip(
         panels, (("force", "contact force"), ("displacement", "displacement")), strict=True
     ):
@@ -53,9 +55,11 @@ def draw(found: dict, picture: Path) -> None:
             (line,) = panel.loglog(states, tail, style, label=f"{label}, 95th percentile")
             values = [100 * row[f"{name}_median"] for row in rows]
             panel.loglog(states, values, style, color=line.get_color(), mfc="none", alpha=0.6, label=f"{label}, median")
-        panel.set_title(f"{title}: relative error on {found['held_out']} held-out states [%]", fontsize="medium")
+        panel.set_title(title)
         panel.set_xlabel("training states")
-        panel.grid(True, which="both", alpha=0.25)
-    panels[0].legend(fontsize="small")
+        logarithmic(panel)
+        panel.grid(True, alpha=0.3)
+    panels[0].set_ylabel(f"error on {found['held_out']} held-out states [%]")
+    panels[1].legend(loc="center")
     figure.savefig(picture, dpi=110)
     plt.close(figure)
