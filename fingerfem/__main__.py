@@ -15,7 +15,7 @@ import os
 import signal
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 try:
     import typer
@@ -27,6 +27,7 @@ from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.output.rows import finish
 from fingerfem.scene.amounts import seconds as duration
 from fingerfem.scene.amounts import share
+from fingerfem.scene.loads import read_loads
 from rom.terminal import log_lines, say
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -35,30 +36,6 @@ KEPT = "stopped by {}: solved states are kept; run the same command again"
 CALLER = "FINGERFEM_CALLER"  # variable of a program that calls the farm and says itself why it was stopped
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
-
-
-def read_loads(scene, settings: list[str]) -> dict[str, Any]:
-    """Arguments of `FingerModel.solve` from words like F1=50: what is left out is zero, or no plane.
-
-    Raises:
-        ValueError: name, rule, value.
-    """
-    names = [parameter["name"] for parameter in scene.parameters]
-    values: dict[str, float] = {}
-    for setting in settings:
-        name, equals, text = setting.partition("=")
-        if not equals or name not in names or name in values:
-            raise ValueError(f"loads must be NAME=VALUE, once each, with NAME one of {', '.join(names)}, got {setting}")
-        try:
-            values[name] = float(text)
-        except ValueError:
-            raise ValueError(f"{name} must be a number, got {text!r}") from None
-    tendons = len(scene.tendons)
-    pulled = [values.get(name, 0.0) for name in names[:tendons]]
-    if scene.load is None:
-        return {"tensions": pulled, "distance": values.get("d")}
-    pressed = [values.get(name, 0.0) for name in names[tendons:]]
-    return {"tensions": pulled, "wrenches": [pressed[k : k + 6] for k in range(0, len(pressed), 6)]}
 
 
 @app.command()

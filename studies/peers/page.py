@@ -8,6 +8,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
+from control.model import Model
 from rom import Surrogate, TouchedSegment
 from studies.axes import large_letters, logarithmic
 from studies.labels import label
@@ -76,7 +77,7 @@ def _words(value: Any) -> str:
 
 def within(reference: dict[str, Any]) -> dict[str, int]:
     """How many of the contact forces' errors the two trained models tell of, by their names."""
-    models = {
+    models: dict[str, Model] = {
         "fingerfem, surrogate": Surrogate.load(ROOT / "rom" / "plane.h5"),
         "fingerfem, map": TouchedSegment.load(),
     }

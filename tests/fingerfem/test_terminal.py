@@ -44,10 +44,10 @@ def contacts(folder: Path) -> list[str]:
     return [task for task in read_description(folder).lines if task.startswith("contact")]
 
 
-def solved(folder: Path) -> str:
-    """What a bar shows when some of the lines that were left are solved, and not all."""
+def unfinished(folder: Path) -> str:
+    """What a bar shows before all lines that were left are solved, from none on: they take tenths of a second."""
     total = len(list(folder.glob("tasks/*.npz"))) + LEFT
-    return "|".join(f" {total - k}/{total} " for k in range(1, LEFT))
+    return "|".join(f" {total - k}/{total} " for k in range(1, LEFT + 1))
 
 
 def nothing_is_left_over(folder: Path) -> bool:
@@ -71,7 +71,7 @@ def test_the_demo_s_own_call_of_the_farm_shows_a_bar(scene, undisturbed, begun):
 
 def test_ctrl_c_stops_the_demo_s_call_in_one_line_and_the_next_completes_the_set(scene, undisturbed, begun):
     words = [sys.executable, "-c", DEMO, str(begun), str(scene)]
-    seen = shown(words, interrupt_at=solved(begun), FINGERFEM_RANKS="2")
+    seen = shown(words, interrupt_at=unfinished(begun), FINGERFEM_RANKS="2")
     seen.assert_interrupted("demo: stopped")
     assert seen.raw.rfind("\x1b[?25h") > seen.raw.rfind("\x1b[?25l")  # the cursor is back
     assert shown(words, FINGERFEM_RANKS="2").code == 0
@@ -80,7 +80,7 @@ def test_ctrl_c_stops_the_demo_s_call_in_one_line_and_the_next_completes_the_set
 
 def test_ctrl_c_drops_the_line_at_hand_and_is_no_death(scene, undisturbed, begun):
     words = [*FARM, str(scene), str(begun)]
-    shown(words, interrupt_at=solved(begun), times=3).assert_interrupted(f"stopped by Ctrl-C: {KEPT}")
+    shown(words, interrupt_at=unfinished(begun), times=3).assert_interrupted(f"stopped by Ctrl-C: {KEPT}")
     assert nothing_is_left_over(begun)
     run(1, scene, begun)
     assert_same(begun, undisturbed)
@@ -88,7 +88,7 @@ def test_ctrl_c_drops_the_line_at_hand_and_is_no_death(scene, undisturbed, begun
 
 def test_ctrl_c_ends_mpirun_without_noise_and_the_next_completes_the_set(scene, undisturbed, begun):
     words = command(2, scene, begun, "--progress", "bar")
-    seen = shown(words, interrupt_at=solved(begun))
+    seen = shown(words, interrupt_at=unfinished(begun))
     assert seen.code != 0  # mpirun's own
     seen.assert_readable()
     said = [line.strip() for line in seen.after_interrupt]

@@ -1,0 +1,31 @@
+"""Loads of a scene, read from words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fingerfem.scene.scene import Scene
+
+
+def read_loads(scene: Scene, settings: list[str]) -> dict[str, Any]:
+    """Arguments of `FingerModel.solve` from words like F1=50: what is left out is zero, or no plane.
+
+    Raises:
+        ValueError: name, rule, value.
+    """
+    names = [parameter["name"] for parameter in scene.parameters]
+    values: dict[str, float] = {}
+    for setting in settings:
+        name, equals, text = setting.partition("=")
+        if not equals or name not in names or name in values:
+            raise ValueError(f"loads must be NAME=VALUE, once each, with NAME one of {', '.join(names)}, got {setting}")
+        try:
+            values[name] = float(text)
+        except ValueError:
+            raise ValueError(f"{name} must be a number, got {text!r}") from None
+    tendons = len(scene.tendons)
+    pulled = [values.get(name, 0.0) for name in names[:tendons]]
+    if scene.load is None:
+        return {"tensions": pulled, "distance": values.get("d")}
+    pressed = [values.get(name, 0.0) for name in names[tendons:]]
+    return {"tensions": pulled, "wrenches": [pressed[k : k + 6] for k in range(0, len(pressed), 6)]}
