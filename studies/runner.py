@@ -126,9 +126,19 @@ def page_hash(study: str) -> str:
 
 def measuring_hash(name: str) -> str:
     """Of what measures in a study; NAME or NAME/PART."""
-    shown = ("page.py", "*.j2")  # what says how numbers are shown, not which
-    files = sources(name.split("/")[0])
-    return hashed([file for file in files if not any(file.match(pattern) for pattern in shown)], ROOT)
+    shown = ("page.py", "*.j2", "folders.py")  # what says how numbers are shown or kept, not which
+    study, _, part = name.partition("/")
+    folder = ROOT / "studies" / study
+    files = [file for file in sources(study) if not any(file.match(pattern) for pattern in shown)]
+    own = folders(study).get(part)
+    return hashed([file for file in files if own is None or file.parent == folder or file.parent.name in own], ROOT)
+
+
+def folders(study: str) -> dict[str, tuple[str, ...]]:
+    """Sub-folders that parts of a study measure with, as its `folders.py` says; all where there is none."""
+    if not (ROOT / "studies" / study / "folders.py").exists():
+        return {}
+    return importlib.import_module(f"studies.{study}.folders").FOLDERS
 
 
 def version() -> str:

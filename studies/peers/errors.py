@@ -9,10 +9,11 @@ import numpy as np
 
 
 def errors(answers: dict[str, Any], reference: dict[str, Any]) -> dict[str, Any]:
-    """Median and largest relative errors of one alternative [-], and of how many states it has no answer.
+    """Median and largest relative errors of one alternative [-], and in how many states it has no answer.
 
     Tips over the way of the reference's tip, contact forces over the reference's; states without an answer are left out
-    of the numbers and counted as missing. A number is None where the alternative has no answer at all.
+    of the numbers and counted as missing. A quantity that an alternative never answers is None and misses nothing: it
+    is not of its kind, as the contact force of a grid of free states.
     """
     found: dict[str, Any] = {}
     missing = 0

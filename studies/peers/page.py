@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from control.model import Model
+from fingerfem.versions import versions
 from rom import Surrogate, TouchedSegment
 from studies.axes import large_letters, logarithmic
 from studies.labels import label
@@ -34,8 +35,7 @@ LEAST = 1e-5  # where smaller errors are drawn [-]
 def prepare(found: dict, folder: Path) -> dict:
     """Draw the picture; every alternative with its errors, and the tables."""
     surrogates = found["surrogates"]
-    others = [row for row in surrogates["answers"] if not row["name"].startswith(OWN)]  # ours come along, trained
-    every = [*found["reference"]["ours"], *found["ours"], *found["rods"], *others]
+    every = [*found["reference"]["ours"], *found["ours"], *found["rods"], *surrogates["answers"]]
     rows = compared(every, found["reference"]["finest"])
     draw(rows, DOCS / "peers.png")
     best = best_rows(surrogates["rows"])
@@ -48,6 +48,8 @@ def prepare(found: dict, folder: Path) -> dict:
         "within": within(found["reference"]["finest"]),
         "same": same(found["finite_elements"]),
         "digits": DIGITS,
+        "versions": versions(),
+        "limits_of": limits_of,
         "line_tensions": [int(tension) for tension in LINE_TENSIONS],
         "per_iteration": per_iteration(found["speed"]),
         "training": found["training_states"],
@@ -59,6 +61,15 @@ def prepare(found: dict, folder: Path) -> dict:
 
 
 CHANGES = "tip", "contact_force", "contact_force_max", "seconds"
+WORDS = {  # of what is refined, with a place for its value
+    "steps": "{} steps",
+    "elements": "{} elements",
+    "plane_stiffness": "a plane {} times as stiff as the finger's tip, 3 E I/L³",
+    "pieces": "{} pieces",
+    "impedance": "contact impedance {}",
+    "cells": "{} cells",
+    "unknowns": "{} unknowns",
+}
 
 
 def refined(rods: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -66,8 +77,8 @@ def refined(rods: list[dict[str, Any]]) -> list[dict[str, Any]]:
     found = []
     for row in rods:
         for one in row["refinement"]:
-            words = [f"{_words(value)} {key.replace('_', ' ')}" for key, value in one.items() if key not in CHANGES]
-            found.append({"name": row["name"], "resolution": ", ".join(words)} | {key: one[key] for key in CHANGES})
+            words = ", ".join(form.format(_words(one[key])) for key, form in WORDS.items() if key in one)
+            found.append({"name": row["name"], "resolution": words} | {key: one[key] for key in CHANGES})
     return found
 
 
@@ -75,17 +86,35 @@ def _words(value: Any) -> str:
     return " x ".join(map(str, value)) if isinstance(value, list) else f"{value:.4g}"
 
 
-def within(reference: dict[str, Any]) -> dict[str, int]:
-    """How many of the contact forces' errors the two trained models tell of, by their names."""
+def limits_of(row: dict[str, Any]) -> str:
+    """What an alternative cannot represent; of our own meshes, that they are judged by the same code."""
+    same_code = "judged by the same code on a finer mesh: law, tendon and contact are the reference's own"
+    return same_code if row["kind"] == "finite elements" else str(row["limits"])
+
+
+def within(reference: dict[str, Any]) -> list[dict[str, Any]]:
+    """How many errors of contact states the two trained models tell of, and how large they say these are."""
     models: dict[str, Model] = {
         "fingerfem, surrogate": Surrogate.load(ROOT / "rom" / "plane.h5"),
         "fingerfem, map": TouchedSegment.load(),
     }
-    found = dict.fromkeys(models, 0)
-    for (tension, distance), truth in zip(CONTACT, reference["contact_forces"], strict=True):
-        for name, model in models.items():
-            answer = model.evaluate(np.array([tension, ASIDE, distance]))
-            found[name] += bool(abs(answer.contact_force - truth) <= answer.error["contact_force"])
+    truths = list(zip(reference["contact_tips"], reference["contact_forces"], strict=True))
+    found = []
+    for name, model in models.items():
+        told = [model.evaluate(np.array([tension, ASIDE, distance])) for tension, distance in CONTACT]
+        pairs = list(zip(told, truths, strict=True))
+        shares = [answer.error["contact_force"] / force for answer, (_, force) in pairs]
+        found.append(
+            {
+                "name": name,
+                "forces": sum(
+                    abs(answer.contact_force - f) <= answer.error["contact_force"] for answer, (_, f) in pairs
+                ),
+                "tips": sum(np.linalg.norm(answer.tip - tip) <= answer.error["tip"] for answer, (tip, _) in pairs),
+                "median": float(np.median(shares)),
+                "max": float(max(shares)),
+            }
+        )
     return found
 
 

@@ -1,7 +1,5 @@
 """CalculiX beside this project: the bar of the part `bar` on the same mesh, and what an iteration takes.
 
-python -m studies.peers.calculix    measures the part peers/calculix of `make docs`, which calls it, where `ccx` is
-
 The environment's Debian has no CalculiX, so the machine's own does it (Debian 12 and Ubuntu: calculix-ccx), with the
 Python that make docs has for what others need.
 """
@@ -9,7 +7,6 @@ Python that make docs has for what others need.
 from __future__ import annotations
 
 import shutil
-import time
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +15,7 @@ import numpy as np
 from studies.peers.calculix.files import PROGRAM, TIGHT, Deck, Solved, solve, version
 from studies.peers.calculix.motions import STEPS, block, motions
 from studies.peers.question import finger
-from studies.runner import OUT, Run, finished, place, read, say
+from studies.runner import Run, say
 
 PAPER, SHORT = (100, 10, 10), (20, 5, 5)  # cells that an iteration is timed on, the latter in the short form
 FEW, MORE, TIMED = 1, 3, 24  # steps of the motion that are timed, of so many: what is done once does not count
@@ -73,7 +70,15 @@ def seconds_per_iteration(counts: tuple[int, int, int], folder: Path) -> dict[st
 
 
 def measure(run: Run) -> dict[str, Any]:
-    """All of it; `bar` must have been measured."""
+    """All of it.
+
+    Raises:
+        SystemExit: there is no CalculiX, or `bar` has not been measured.
+    """
+    if shutil.which(PROGRAM) is None:
+        raise SystemExit(f"peers/calculix: {PROGRAM} must be installed (Debian, Ubuntu: calculix-ccx), got nothing")
+    if not (run.folder / "bar.npz").exists():
+        raise SystemExit("peers/calculix: peers/bar must be measured first: python3 -m studies.runner peers")
     folder = run.folder / "calculix"
     with np.load(run.folder / "bar.npz") as stored:
         rows = [compared(stored, name, folder) for name in motions(stored["nodes"])]
@@ -82,17 +87,3 @@ def measure(run: Run) -> dict[str, Any]:
     speed = seconds_per_iteration(SHORT if run.quick else PAPER, folder)
     say(speed)
     return {"version": version(), "linear_solver": "SPOOLES", "bar": rows, "speed": speed}
-
-
-def main() -> None:
-    """Measure and write the part."""
-    own, began = place("peers/calculix", OUT, quick=False), time.perf_counter()
-    if shutil.which(PROGRAM) is None:
-        raise SystemExit(f"peers/calculix: {PROGRAM} must be installed (Debian, Ubuntu: calculix-ccx), got nothing")
-    if read("peers/bar", OUT) is None:
-        raise SystemExit("peers/calculix: peers/bar must be measured first, see make docs")
-    finished(own, measure(own), time.perf_counter() - began)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,7 +1,7 @@
 """Part `rods`: what is taken for soft robots in place of finite elements, asked the same; needs elastica and mujoco.
 
 Two beams that need no package, a Cosserat rod by PyElastica, and MuJoCo as a chain of joints and as a flex. SOFA, which
-would be the nearest, is no package of PyPI: it has to be built, or taken from its own site.
+would be the nearest, comes from conda or its own site, not from PyPI or Debian as the others here do.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Rods that need no package: an arc of constant curvature, and the planar elastica that touches by its plate's edge.
+"""Rods that need no package: arcs of constant curvature, and the planar elastica that touches by its plate's edge.
 
 Both have a guided tendon of tension F beside their axis, at y = e: it bends by the couple F e and compresses by F.
 Both can be stretched along their axis and neither can be sheared. Numbers to check them by: an arc has the curvature
@@ -28,17 +28,27 @@ Pose = tuple[float, float, float]  # the rubber's end: x, y [m] and its angle
 
 @dataclass(frozen=True)
 class Arc:
-    """A finger that can only be an arc: one unknown, its curvature."""
+    """A finger that can only be an arc: one unknown, its curvature.
+
+    `exact` beams are curved by F e/(E I) per length at rest, as in Reissner's beam theory; otherwise per length of the
+    arc as it is, which the tendon has shortened, as constant curvature is mostly written down.
+    """
 
     finger: Finger
+    exact: bool = False
 
     def end(self, tension: float, curvature: float) -> Pose:
         """Where an arc ends, shortened by the tendon to first order."""
         rubber = Rubber(self.finger)
         length = rubber.length * (1 - tension / rubber.axial)
-        angle = curvature * rubber.length
+        angle = curvature * self.curved(tension)
         share = np.sinc(angle / (2 * math.pi))  # sin(a/2)/(a/2), and 1 for a straight one
         return length * share * math.cos(angle / 2), length * share * math.sin(angle / 2), angle
+
+    def curved(self, tension: float) -> float:
+        """The length that its curvature is per unit of [m]."""
+        rubber = Rubber(self.finger)
+        return rubber.length * (1.0 if self.exact else 1 - tension / rubber.axial)
 
     def reach(self, tension: float, curvature: float) -> float:
         """How far the plate's corner is towards the plane [m]."""
@@ -60,7 +70,8 @@ class Arc:
         held = brentq(depth, outside, outside + step)
         small = STEP * free
         jacobian = (depth(held + small) - depth(held - small)) / (2 * small)
-        return tip(self.finger, *self.end(tension, held)), rubber.length * rubber.bending * (free - held) / jacobian
+        moment = rubber.bending * (free - held)
+        return tip(self.finger, *self.end(tension, held)), self.curved(tension) * moment / jacobian
 
 
 @dataclass(frozen=True)
@@ -151,22 +162,32 @@ class Elastica:
 
 
 def measure(quick: bool = False) -> list[Answers]:
-    """Both of them; there is no shorter form."""
+    """All of them; there is no shorter form."""
     asked = finger()
     rubber = Rubber(asked)
     numbers = f"E I = {rubber.bending:.4g} N m², E A = {rubber.axial:.4g} N, rubber of {1000 * rubber.length:g} mm"
-    arc = {
-        "name": "constant curvature",
-        "kind": "beam",
-        "settings": f"curvature F e/(E I), length shortened by F/(E A); contact force by virtual work; {numbers}",
-        "limits": "an arc whatever touches it, small strains, no shear, no deformation of the section",
-    }
+    arcs = {"constant curvature": ("as shortened by F/(E A)", False), "arc, exact beam": ("at rest", True)}
+    curved = [
+        answers(
+            {
+                "name": name,
+                "kind": "beam",
+                "settings": f"curvature F e/(E I) per length {per}; contact force by virtual work; {numbers}",
+                "limits": "an arc whatever touches it, small strains, no shear, no deformation of the section",
+            },
+            ask(Arc(asked, exact).solve),
+        )
+        for name, (per, exact) in arcs.items()
+    ]
     told = [ask(Elastica(asked, steps).solve) for steps in STEPS]
     elastica = {
         "name": "planar elastica",
         "kind": "beam",
-        "settings": f"shooting by {STEPS[-2]} steps of Runge and Kutta, touched at the plate's corners; {numbers}",
+        "settings": (
+            f"curvature per length at rest, shooting by {STEPS[-2]} steps of Runge and Kutta, touched at the plate's "
+            f"corners; {numbers}"
+        ),
         "limits": "bends in its plane alone, small strains, no shear, no deformation of the section",
     }
     rows = refined([{"steps": steps} for steps in STEPS], told)
-    return [answers(arc, ask(Arc(asked).solve)), answers(elastica, told[-2], rows)]
+    return [*curved, answers(elastica, told[-2], rows)]

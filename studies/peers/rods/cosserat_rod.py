@@ -18,8 +18,8 @@ from studies.peers.rods.asking import UNREACHED, Rubber, Told, answers, ask, ref
 from studies.peers.rods.cosserat_forces import Loads, Plane, Tendon
 
 # Elements of rubber, and the stiffness of the plane's spring over the finger's own at its tip, 3 E I/L^3.
-RESOLUTIONS = ((10, 500.0), (20, 500.0), (20, 125.0), (40, 500.0), (60, 500.0))
-CHOSEN = 3
+RESOLUTIONS = ((10, 500.0), (20, 500.0), (20, 125.0), (40, 500.0), (60, 500.0), (90, 500.0))
+CHOSEN = 4
 QUICK = 2  # of them
 DENSITY = 1000.0  # [kg/m^3]
 FIRST_MODE = 3.516  # of a clamped beam: its angular frequency is this times sqrt(E I/(rho A L^4))

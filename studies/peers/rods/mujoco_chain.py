@@ -68,9 +68,9 @@ def measure(quick: bool = False) -> list[Answers]:
         "name": "chain of joints, MuJoCo",
         "kind": "simulator",
         "settings": (
-            f"MuJoCo {mujoco.__version__}, {resolutions[CHOSEN][0]} pieces with a hinge (E I) and a slide (E A) each, "
-            f"spatial tendon through their sites, motor; integrator discrete, steps of {PACE.step:g} s, kinetic "
-            f"damping; contact impedance {HARD}, solref twice the step"
+            f"MuJoCo {mujoco.__version__}, {resolutions[CHOSEN][0]} pieces with a hinge and a slide, E I and E A per "
+            f"length at rest, spatial tendon through sites, motor; integrator discrete, steps of {PACE.step:g} s, "
+            f"kinetic damping; contact impedance {HARD}, solref twice the step"
         ),
         "limits": "bends in its plane alone, small strains, no shear, no deformation of the section",
     }

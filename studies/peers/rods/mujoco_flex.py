@@ -22,7 +22,7 @@ from studies.peers.rods.mujoco_rest import HARD, Pace, Resting, options, plane, 
 # Cells along, across in the plane of bending, and across it. With five in the plane the tendon's line, 4 mm from the
 # axis, is the middle of one; across it their number must be odd for that.
 CELLS = ((4, 5, 3), (6, 5, 3), (6, 5, 5), (10, 5, 5))
-CHOSEN = 2
+CHOSEN = 3
 QUICK = 0  # the one that is asked
 REFINED = ((60.0, None), (60.0, 0.010))  # states that all meshes are asked
 DENSITY = 1000.0  # [kg/m^3]; where it comes to rest does not depend on it

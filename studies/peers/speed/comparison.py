@@ -16,7 +16,7 @@ import numpy as np
 from fingerfem import FingerModel, load_scene
 from studies.kinds import SCENES
 from studies.peers.felupe.comparison import ask_felupe, described
-from studies.peers.speed.dolfinx_defaults import Equations, Make, left_by_a_full_step, newton_solver, snes, with_mumps
+from studies.peers.speed.dolfinx_defaults import SOLVERS, Equations, left_by_a_full_step
 from studies.peers.speed.dolfinx_user import NotReached, User
 from studies.runner import ROOT, Run, say
 from studies.solver.speed import contact_force, line_distances
@@ -27,19 +27,15 @@ TASKS = {FEW: [1.0, 0.0], PULL: [100.0, 0.0], LINE: [50.0, 20.0]}
 STATES = 5  # of a training line, the first: those near the plane take plain Newton's method very many steps
 SMALL = 10.0, 1.0, 1e-2, 1e-4  # tensions [N] from rest of which the first full step is looked at
 OURS, OUR_SETTINGS = "fingerfem", "predictor, step control, mixed-integration-point Newton, CHOLMOD"
-DOLFINX: dict[str, tuple[Make, str]] = {
-    "DOLFINx, NewtonSolver": (newton_solver, "defaults: full steps, PETSc's LU"),
-    "DOLFINx, NewtonSolver, MUMPS": (with_mumps, "full steps, MUMPS' LU, as in DOLFINx's demos"),
-    "DOLFINx, SNES": (snes, "defaults: line search `bt`; MUMPS' LU"),
-}
 FELUPE = {"scipy": "full steps, SciPy's spsolve (default)", "pypardiso": "full steps, PyPardiso"}
 # What others are asked; SNES with its line search does not leave rest, see `left_by_a_full_step`.
-ON_DRAFT = {one: list(TASKS) for one in [*DOLFINX, *FELUPE]} | {"DOLFINx, SNES": [FEW, PULL]}
-# On the paper's mesh, what takes long goes to 1 N or 100 N only, which tells what an iteration takes.
+ON_DRAFT = {one: list(TASKS) for one in [*SOLVERS, *FELUPE]} | {"DOLFINx, SNES": [FEW, PULL]}
+# On the paper's mesh, PETSc's LU goes to 1 N only, which tells what an iteration takes.
 ON_PAPER_MESH = {
     "DOLFINx, NewtonSolver": [FEW],
     "DOLFINx, NewtonSolver, MUMPS": list(TASKS),
-    "pypardiso": [FEW, PULL],
+    "DOLFINx, SNES, basic": list(TASKS),
+    "pypardiso": list(TASKS),
 }
 COSTS = "steps", "factorisations", "seconds"  # core-seconds
 PARDISO = ROOT / "out" / "peers" / "pypardiso"
@@ -102,8 +98,8 @@ def by_user(model: FingerModel, user: User, task: str, distances: list[float]) -
 
 
 def dolfinx(model: FingerModel, name: str, tasks: list[str], distances: list[float]) -> list[dict[str, Any]]:
-    """Tasks by one of DOLFINX."""
-    make, settings = DOLFINX[name]
+    """Tasks by one of SOLVERS."""
+    make, settings = SOLVERS[name]
     user, rows = User(model.problem, Equations(model.problem), make), []
     for task in tasks:
         try:
@@ -174,12 +170,12 @@ def prepared(name: str) -> FingerModel:
 
 
 def on(run: Run, name: str, tasks: dict[str, list[str]]) -> dict[str, Any]:
-    """A scene by ours, and by keys of DOLFINX and FELUPE the tasks that each is given."""
+    """A scene by ours, and by keys of SOLVERS and FELUPE the tasks that each is given."""
     model = prepared(name)
     told = run.once(f"{name}, fingerfem", ours, model)
     rows, distances = list(told["rows"]), told["distances"]
     for one, given in tasks.items():
-        if one in DOLFINX:
+        if one in SOLVERS:
             rows += run.once(f"{name}, {one}", dolfinx, model, one, given, distances)
         else:
             rows += run.once(f"{name}, FElupe, {one}", felupe, model, one, given, distances, run.folder / "speed")

@@ -25,7 +25,7 @@ from studies.peers.surrogates.learning import Fitted, Method
 SMOOTHNESS = (1.5, 2.5, np.inf)  # of Matérn kernels, the last the squared exponential [-]
 LENGTHS, AMPLITUDES = (1e-2, 1e2), (1e-2, 1e6)  # bounds of a kernel's hyperparameters [-]
 NOISE = (1e-12, 1e-4)  # bounds of a variance: states are converged, and a fit that calls them noise is none [-]
-RESTARTS = 2  # of EZyRB's search for hyperparameters; its default of 20 finds the same [-]
+RESTARTS = 2  # of searches for hyperparameters; EZyRB's default of 20 finds the same [-]
 NETWORKS = ((16, 16), (32, 32), (32, 32, 32))  # neurons by layer [-]
 DECAY, ITERATIONS = 1e-5, 3000  # of networks: weight of their norm, steps of L-BFGS [-]
 # Of CP regression: highest power along an axis, products, weight of its norm [-]; larger ones err no less.
@@ -70,7 +70,9 @@ def gaussian(inputs: np.ndarray, outputs: np.ndarray, lines: np.ndarray) -> Fitt
         warnings.simplefilter("ignore")  # of hyperparameters at their bounds
         for output in outputs.T:
             tried = [
-                GaussianProcessRegressor(kernel(smoothness, inputs.shape[1])).fit(inputs, output)
+                GaussianProcessRegressor(
+                    kernel(smoothness, inputs.shape[1]), n_restarts_optimizer=RESTARTS, random_state=SEED
+                ).fit(inputs, output)
                 for smoothness in SMOOTHNESS
             ]
             found.append(max(tried, key=lambda one: one.log_marginal_likelihood_value_))
