@@ -274,8 +274,10 @@ def percent(share: float) -> str:
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """A number for people: whole ones with commas, others to some digits, none as a dash."""
-    return "-" if value is None else f"{value:,}" if isinstance(value, int) else f"{value:.{digits}g}"
+    """A number for people: whole and large ones with commas, others to some digits, none as a dash."""
+    if value is None:
+        return "-"
+    return f"{value:,}" if isinstance(value, int) else f"{value:,.0f}" if value >= 10**digits else f"{value:.{digits}g}"
 
 
 def over(row: dict, key: str, reference: dict) -> str:
