@@ -13,7 +13,7 @@ from fingerfem.versions import versions
 from rom import Surrogate, TouchedSegment
 from studies.axes import large_letters, logarithmic
 from studies.labels import label
-from studies.peers.errors import compared
+from studies.peers.errors import compared, orders, rest
 from studies.peers.ours import ASIDE
 from studies.peers.question import CONTACT, FREE, finger
 from studies.peers.surrogates.judging import best_of
@@ -35,17 +35,21 @@ LEAST = 1e-5  # where smaller errors are drawn [-]
 def prepare(found: dict, folder: Path) -> dict:
     """Draw the picture; every alternative with its errors, and the tables."""
     surrogates = found["surrogates"]
-    every = [*found["reference"]["ours"], *found["ours"], *found["rods"], *surrogates["answers"]]
-    rows = compared(every, found["reference"]["finest"])
+    reference = found["reference"]
+    every = [*reference["ours"], *found["ours"], *found["rods"], *surrogates["answers"]]
+    rows = compared(every, reference["finest"])
+    order = orders([reference["ours"][-1], reference["finer"], reference["finest"]])
     draw(rows, DOCS / "peers.png")
     best = best_rows(surrogates["rows"])
     return {
         "kinds": {kind: sorted((row for row in rows if row["kind"] == kind), key=_force_error) for kind in COLOURS},
+        "orders": order,
+        "rest": rest(reference["finer"], reference["finest"], min(order.values())),
         "free": [int(tension) for tension in FREE],
         "contact": CONTACT,
         "finger": finger(),
         "refined": refined(found["rods"]),
-        "within": within(found["reference"]["finest"]),
+        "within": within(reference["finest"]),
         "same": same(found["finite_elements"]),
         "digits": DIGITS,
         "versions": versions(),

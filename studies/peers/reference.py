@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import time
 
-import numpy as np
-
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
 from studies.peers.question import CONTACT, FREE, Answers
@@ -41,17 +39,9 @@ def answers(name: str, mesh: tuple[int, int, int]) -> Answers:
 
 
 def measure(run: Run) -> dict:
-    """The answers by mesh, and how far the two finest differ."""
+    """The answers by mesh."""
     meshes = MESHES[:1] if run.quick else MESHES
     ours = [run.once(name, lambda n=name, m=mesh: answers(f"fingerfem, {n}", m).as_json()) for name, mesh in meshes]
     finer = run.once("finer", lambda: answers("finer", MESHES[2][1] if run.quick else FINER).as_json())
     finest = run.once("finest", lambda: answers("reference", FINER if run.quick else FINEST).as_json())
-    return {"ours": ours, "finest": finest, "apart": apart(finer, finest)}
-
-
-def apart(one: dict, other: dict) -> dict[str, float]:
-    """Largest relative differences of tips (over the tip's way) and contact forces [-]."""
-    ways = [np.array(row["free_tips"] + row["contact_tips"]) for row in (one, other)]
-    forces = [np.array(row["contact_forces"]) for row in (one, other)]
-    tips = np.linalg.norm(ways[0] - ways[1], axis=1) / np.linalg.norm(ways[1], axis=1)
-    return {"tip": float(tips.max()), "contact_force": float((np.abs(forces[0] - forces[1]) / forces[1]).max())}
+    return {"ours": ours, "finer": finer, "finest": finest}

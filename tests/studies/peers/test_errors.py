@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.peers.errors import compared, errors
+from studies.peers.errors import apart, compared, errors, orders, rest
 from studies.peers.question import CONTACT, FREE, Answers, finger
 
 
@@ -42,3 +42,15 @@ def test_the_finger_is_the_one_of_the_scene_file():
     # E and Poisson's ratio of the paper's constants, C1 = 1.9 MPa and D1 = 2.43e-7 1/Pa.
     assert shape.young == pytest.approx(9.88e6, rel=1e-3) and shape.poisson == pytest.approx(0.300, abs=1e-3)
     assert shape.offset < shape.side / 2 and shape.plate < shape.length
+
+
+@pytest.mark.parametrize("order", [2.0, 3.0])
+def test_the_order_of_convergence_is_found_from_three_meshes(order):
+    meshes = []
+    for cells in ([10, 4], [20, 8], [50, 20]):
+        off = 0.1 * (10 / cells[0]) ** order
+        meshes.append(answers(1.0 + off, refinement=[{"cells": cells, "order": 2}]))
+    assert list(orders(meshes).values()) == pytest.approx([order] * 3)
+    assert apart(meshes[0], meshes[2])["tip"] == pytest.approx(1.1 / (1 + 0.1 * 5**-order) - 1)
+    truth = apart(meshes[2], answers(1.0))["tip"]
+    assert rest(meshes[1], meshes[2], order)["tip"] == pytest.approx(truth, rel=0.02)
