@@ -13,7 +13,7 @@ from fingerfem.versions import versions
 from rom import Surrogate, TouchedSegment
 from studies.axes import large_letters, logarithmic
 from studies.labels import label
-from studies.peers.errors import compared, orders, rest
+from studies.peers.errors import compared, errors, relative
 from studies.peers.ours import ASIDE
 from studies.peers.question import CONTACT, FREE, finger
 from studies.peers.surrogates.judging import best_of
@@ -38,13 +38,14 @@ def prepare(found: dict, folder: Path) -> dict:
     reference = found["reference"]
     every = [*reference["ours"], *found["ours"], *found["rods"], *surrogates["answers"]]
     rows = compared(every, reference["finest"])
-    order = orders([reference["ours"][-1], reference["finer"], reference["finest"]])
     draw(rows, DOCS / "peers.png")
     best = best_rows(surrogates["rows"])
     return {
         "kinds": {kind: sorted((row for row in rows if row["kind"] == kind), key=_force_error) for kind in COLOURS},
-        "orders": order,
-        "rest": rest(reference["finer"], reference["finest"], min(order.values())),
+        "apart": errors(reference["finer"], reference["finest"]),
+        "unanswered": unanswered,
+        "budgets": budgets(),
+        "edge": edge(folder, rows),
         "free": [int(tension) for tension in FREE],
         "contact": CONTACT,
         "finger": finger(),
@@ -61,6 +62,29 @@ def prepare(found: dict, folder: Path) -> dict:
         "surrogates": [*best, {"way": "(F, s) on a grid"} | surrogates["grid"]],
         "grid": surrogates["grid"],
         "curves": [_curve(row, surrogates["curves"]) for row in best],
+    }
+
+
+def unanswered(row: dict[str, Any]) -> str:
+    """The states that an alternative has no answer for, in words."""
+    free = [f"{FREE[k]:g} N in free space" for k in row["errors"]["missing_free"]]
+    pressed = [f"{CONTACT[k][0]:g} N at {1000 * CONTACT[k][1]:g} mm" for k in row["errors"]["missing_contact"]]
+    return ", ".join([*free, *pressed])
+
+
+def budgets() -> dict[str, int]:
+    """From how many states the models are that come with fingerfem."""
+    plane, made = Surrogate.load().provenance, TouchedSegment.load().chain.segments[0].provenance
+    return {"surrogate": plane["states"], "map": made["states"], "coarse": made["coarse"]["states"]}
+
+
+def edge(folder: Path, rows: list[dict[str, Any]]) -> dict[str, float]:
+    """Where the test states of the surrogates end [N], and what our separated forms err by beyond, of their own mesh."""
+    tested, by_name = np.load(folder / "tested.npz"), {row["name"]: row for row in rows}
+    ours, mesh = (by_name[f"{OWN}, {name}"]["contact_forces"] for name in ("separated forms", "standard mesh"))
+    return {
+        "least": float(tested["parameters"][tested["force"] > 0, 1].min()),
+        "error": max(map(relative, ours, mesh)),
     }
 
 

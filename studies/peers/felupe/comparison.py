@@ -1,8 +1,9 @@
 """Part `finite_elements`: the same states of the same meshes by another finite element code, FElupe.
 
 FElupe solves them in a process of its own, of which nothing is imported here: it is given nodes, cells and the scene's
-numbers, and has its own kinematics, quadrature, assembly, laws, contact and Newton's method. What should come out is
-the same displacement but for round-off.
+numbers, and has its own kinematics, quadrature, assembly, laws and Newton's method; contact, the tendons and the second
+invariant of Mooney and Rivlin are written here once more as its items. What should come out is the same displacement
+but for round-off.
 
 make out/peers/felupe/ready     installs FElupe into a folder, for that process alone
 """

@@ -166,7 +166,10 @@ def measure(quick: bool = False) -> list[Answers]:
     asked = finger()
     rubber = Rubber(asked)
     numbers = f"E I = {rubber.bending:.4g} N m², E A = {rubber.axial:.4g} N, rubber of {1000 * rubber.length:g} mm"
-    arcs = {"constant curvature": ("as shortened by F/(E A)", False), "arc, exact beam": ("at rest", True)}
+    arcs = {
+        "constant curvature": ("as shortened by F/(E A)", False),
+        "constant curvature, rest length": ("at rest", True),
+    }
     curved = [
         answers(
             {

@@ -6,8 +6,7 @@ What is set is only the accuracy, to the project's own, and the linear solver wh
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
 import dolfinx.fem.petsc
@@ -77,21 +76,12 @@ def newton_solver(equations: Equations) -> Callable[[], None]:
 
 def with_mumps(equations: Equations) -> Callable[[], None]:
     """The same with MUMPS, as DOLFINx's demos set it."""
-    with _option("nls_solve_pc_factor_mat_solver_type", "mumps"):
-        solve = newton_solver(equations)
-        solve()  # takes the options, at equilibrium
+    options, key = PETSc.Options(), "nls_solve_pc_factor_mat_solver_type"
+    options[key] = "mumps"
+    solve = newton_solver(equations)
+    solve()  # takes the options, at equilibrium
+    options.delValue(key)
     return solve
-
-
-@contextmanager
-def _option(key: str, value: str) -> Iterator[None]:
-    """An option of PETSc, for as long as this lasts."""
-    options = PETSc.Options()
-    options[key] = value
-    try:
-        yield
-    finally:
-        options.delValue(key)
 
 
 def snes(equations: Equations) -> Callable[[], None]:
@@ -129,12 +119,6 @@ def snes(equations: Equations) -> Callable[[], None]:
     return solve
 
 
-def snes_full_steps(equations: Equations) -> Callable[[], None]:
-    """The same without a line search."""
-    with _option("snes_linesearch_type", "basic"):
-        return snes(equations)
-
-
 def _into(x: PETSc.Vec, equations: Equations) -> None:
     equations.u.x.array[: x.local_size] = x.array_r
 
@@ -143,7 +127,6 @@ SOLVERS: dict[str, tuple[Make, str]] = {  # by name, with the settings of each
     "DOLFINx, NewtonSolver": (newton_solver, "defaults: full steps, PETSc's LU"),
     "DOLFINx, NewtonSolver, MUMPS": (with_mumps, "full steps, MUMPS' LU, as in DOLFINx's demos"),
     "DOLFINx, SNES": (snes, "defaults: line search `bt`; MUMPS' LU"),
-    "DOLFINx, SNES, basic": (snes_full_steps, "no line search, MUMPS' LU"),
 }
 
 
