@@ -28,7 +28,7 @@ STATES = 5  # of a training line, the first: those near the plane take plain New
 SMALL = 10.0, 1.0, 1e-2, 1e-4  # tensions [N] from rest of which the first full step is looked at
 OURS, OUR_SETTINGS = (
     "fingerfem",
-    "predictor, step control, mixed-integration-point Newton, CHOLMOD, old factors while they do",
+    "predictor, step control, mixed-integration-point Newton, CHOLMOD, factors reused",
 )
 FELUPE = {"scipy": "full steps, SciPy's spsolve (default)", "pypardiso": "full steps, PyPardiso"}
 # What others are asked; SNES with its line search does not leave rest, see `left_by_a_full_step`.
