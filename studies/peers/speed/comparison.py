@@ -26,10 +26,8 @@ FEW, PULL, LINE = "1 N", "100 N", "contact line"
 TASKS = {FEW: [1.0, 0.0], PULL: [100.0, 0.0], LINE: [50.0, 20.0]}
 STATES = 5  # of a training line, the first: those near the plane take plain Newton's method very many steps
 SMALL = 10.0, 1.0, 1e-2, 1e-4  # tensions [N] from rest of which the first full step is looked at
-OURS, OUR_SETTINGS = (
-    "fingerfem",
-    "predictor, step control, mixed-integration-point Newton, CHOLMOD, factors reused",
-)
+OURS = "fingerfem"
+OUR_SETTINGS = "predictor, step control, mixed-integration-point Newton, CHOLMOD, factors reused"
 FELUPE = {"scipy": "full steps, SciPy's spsolve (default)", "pypardiso": "full steps, PyPardiso"}
 # What others are asked; SNES with its line search does not leave rest, see `left_by_a_full_step`.
 ON_DRAFT = {one: list(TASKS) for one in [*SOLVERS, *FELUPE]} | {"DOLFINx, SNES": [FEW, PULL]}
