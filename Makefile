@@ -87,7 +87,7 @@ docs: readme .venv/ready
 	$(MEASURED) python3 -m studies.runner
 	$(MAKE) peers
 
-# docs/peers.md alone, some forty minutes: this project's numbers first, then those of the packages that the environment does not have.
+# docs/peers.md alone, some fifty minutes: this project's numbers first, then those of the packages that the environment does not have.
 peers: out/peers/others/ready out/peers/felupe/ready out/peers/pypardiso/ready
 	@$(AS_ROOT) && apt-get install -qy --no-install-recommends calculix-ccx >/dev/null || true
 	$(MEASURED) python3 -m studies.runner peers
