@@ -96,7 +96,27 @@ def test_a_template_that_names_what_was_not_measured_is_an_error(study, monkeypa
         runner.write_page("lengths", study.parents[1] / "out")
 
 
+def test_the_folders_that_parts_measure_with_are_there():
+    """A part without its folder would keep numbers of code that has changed."""
+    for study in runner.STUDIES:
+        for part, names in runner.folders(study).items():
+            assert f"{study}/{part}" in runner.parts(study, quick=False)
+            assert all((runner.ROOT / "studies" / study / name).is_dir() for name in names), (part, names)
+
+
+def test_an_edit_of_one_folder_leaves_parts_that_do_not_measure_with_it(study, monkeypatch):
+    monkeypatch.setattr(runner, "folders", lambda _: {"rows": ("own",), "others": ()})
+    for name in ("own", "foreign"):
+        (study / name).mkdir()
+        (study / name / "code.py").write_text("")
+    before = {part: runner.measuring_hash(f"lengths/{part}") for part in ("rows", "others", "unlisted")}
+    (study / "own" / "code.py").write_text("LENGTH = 1.0  # [m]\n")
+    changed = {part for part, known in before.items() if runner.measuring_hash(f"lengths/{part}") != known}
+    assert changed == {"rows", "unlisted"}
+
+
 def test_numbers_are_written_for_people():
     assert [runner.percent(share) for share in (0.5, 0.0123, 1.0)] == ["50 %", "1.2 %", "100 %"]
     assert [runner.number(value) for value in (12345, 0.0123456, None)] == ["12,345", "0.0123", "-"]
+    assert [runner.number(value, 2) for value in (141.3, 14.13, 0.1413)] == ["141", "14", "0.14"]
     assert runner.over({"seconds": 3.0}, "seconds", {"seconds": 2.0}) == "1.50"

@@ -30,12 +30,12 @@ Pose = tuple[float, float, float]  # the rubber's end: x, y [m] and its angle
 class Arc:
     """A finger that can only be an arc: one unknown, its curvature.
 
-    `exact` beams are curved by F e/(E I) per length at rest, as in Reissner's beam theory; otherwise per length of the
-    arc as it is, which the tendon has shortened, as constant curvature is mostly written down.
+    It is curved by F e/(E I) per length at rest, as in Reissner's beam theory, or per length of the arc as it is, which
+    the tendon has shortened, as constant curvature is mostly written down.
     """
 
     finger: Finger
-    exact: bool = False
+    per_rest_length: bool = False
 
     def end(self, tension: float, curvature: float) -> Pose:
         """Where an arc ends, shortened by the tendon to first order."""
@@ -48,7 +48,7 @@ class Arc:
     def curved(self, tension: float) -> float:
         """The length that its curvature is per unit of [m]."""
         rubber = Rubber(self.finger)
-        return rubber.length * (1.0 if self.exact else 1 - tension / rubber.axial)
+        return rubber.length * (1.0 if self.per_rest_length else 1 - tension / rubber.axial)
 
     def reach(self, tension: float, curvature: float) -> float:
         """How far the plate's corner is towards the plane [m]."""
@@ -178,9 +178,9 @@ def measure(quick: bool = False) -> list[Answers]:
                 "settings": f"curvature F e/(E I) per length {per}; contact force by virtual work; {numbers}",
                 "limits": "an arc whatever touches it, small strains, no shear, no deformation of the section",
             },
-            ask(Arc(asked, exact).solve),
+            ask(Arc(asked, at_rest).solve),
         )
-        for name, (per, exact) in arcs.items()
+        for name, (per, at_rest) in arcs.items()
     ]
     told = [ask(Elastica(asked, steps).solve) for steps in STEPS]
     elastica = {

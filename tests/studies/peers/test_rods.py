@@ -31,7 +31,7 @@ def test_a_tendon_bends_a_free_finger_into_an_arc(angle):
     pull = tension(of, angle)
     length = Rubber(of).length * (1 - pull / Rubber(of).axial)
     x, y = length * math.sin(angle) / angle, length * (1 - math.cos(angle)) / angle
-    for solve in (Arc(of, exact=True).solve, Elastica(of, 32).solve):
+    for solve in (Arc(of, per_rest_length=True).solve, Elastica(of, 32).solve):
         found, force = solve(pull, None)
         assert force == 0
         np.testing.assert_allclose(found, tip(of, x, y, angle), rtol=0, atol=1e-7 * of.length)
