@@ -274,10 +274,10 @@ def percent(share: float) -> str:
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """A number for people: whole and large ones with commas, others to some digits, none as a dash."""
+    """A number for people: whole ones and thousands with commas, others to some digits, none as a dash."""
     if value is None:
         return "-"
-    return f"{value:,}" if isinstance(value, int) else f"{value:,.0f}" if value >= 10**digits else f"{value:.{digits}g}"
+    return f"{value:,.0f}" if isinstance(value, int) or 10**digits <= value < 1e6 else f"{value:.{digits}g}"
 
 
 def over(row: dict, key: str, reference: dict) -> str:

@@ -118,5 +118,5 @@ def test_an_edit_of_one_folder_leaves_parts_that_do_not_measure_with_it(study, m
 def test_numbers_are_written_for_people():
     assert [runner.percent(share) for share in (0.5, 0.0123, 1.0)] == ["50 %", "1.2 %", "100 %"]
     assert [runner.number(value) for value in (12345, 0.0123456, None)] == ["12,345", "0.0123", "-"]
-    assert [runner.number(value, 2) for value in (141.3, 14.13, 0.1413)] == ["141", "14", "0.14"]
+    assert [runner.number(value, 2) for value in (1413.0, 14.13, 0.1413, 1e6)] == ["1,413", "14", "0.14", "1e+06"]
     assert runner.over({"seconds": 3.0}, "seconds", {"seconds": 2.0}) == "1.50"
