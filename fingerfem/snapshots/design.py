@@ -59,12 +59,8 @@ FINEST = {"tension": 17, "contact": 33}  # nodes of a grid that is refined
 FIRST = 4  # every how many-th of them it begins with
 MOST_TENSIONS = 3  # on such a grid
 FIRST_LINES, MOST_LINES = 16, 512  # of a sequence that grows
-SCATTER, LINES, ALONG, SEED = (
-    3,
-    40,
-    8,
-    0,
-)  # tensions from which on lines are scattered; lines per tension; nodes of a line
+# Tensions from which on lines are scattered; lines per tension; nodes of a line; tensions whose corners come first.
+SCATTER, LINES, ALONG, SEED, CORNERED = 3, 40, 8, 0, 2
 
 
 def describe(
@@ -133,14 +129,19 @@ def _lines(scene: Scene) -> int:
 
 
 def _scattered(box: np.ndarray, lines: int) -> list[list[float]]:
-    """Tensions of scattered lines [N], dense at the box's walls as Chebyshev nodes are; fewer are the first of more."""
+    """Tensions of lines [N], shape (lines, tensions), dense at the box's walls as Chebyshev nodes are.
+
+    Fewer lines are the first ones of more. The box's corners precede the sequence up to `CORNERED` tensions; of more
+    tensions they would be most lines of a small set, or all of them with some tendons never pulled.
+    """
     count = len(box)
     if not lines:
         return []
     corners = [list(corner) for corner in product((0.0, 1.0), repeat=count)]
+    first = corners if count <= CORNERED else corners[:1]
     # A low-discrepancy sequence: any number of its points fills the box evenly.
     draw = qmc.Sobol(count, seed=SEED).random_base2(int(np.ceil(np.log2(max(lines, 2)))))
-    shares = [*corners, *((1 - np.cos(np.pi * draw)) / 2).tolist()][:lines]
+    shares = [*first, *((1 - np.cos(np.pi * draw)) / 2).tolist()][:lines]
     return (box[:, 0] + np.array(shares) * (box[:, 1] - box[:, 0])).tolist()
 
 

@@ -57,6 +57,14 @@ class PressedStates:
         """Size of the force on the plate, shape (n,) [N]."""
         return np.asarray(np.linalg.norm(self.inputs[:, self.tensions : self.tensions + 3], axis=1))
 
+    @property
+    def tension_rows(self) -> int:
+        """Values and derivatives by tensions at distinct tensions: all that determines how a wrench's terms depend on them.
+
+        Wrenches at the same tensions add rows to a fit, and nothing about what lies between these tensions.
+        """
+        return len(np.unique(self.inputs[:, : self.tensions], axis=0)) * (1 + self.tensions)
+
     def poses_alone(self) -> PressedStates:
         """The same without the rubber's points, the plate's corners and shortenings."""
         n, p = self.inputs.shape

@@ -92,7 +92,7 @@ def few_products(weights: tuple[float, float, float], states: PressedStates) -> 
     tensions, (n, p) = states.tensions, states.inputs.shape
     most = min(FEW_TERMS, int(n * (1 + p) / FEW_ROWS))
     each = np.repeat(weights, [tensions, 3, 3])
-    pure = pure_degree(tensions, FEW_PURE, min(FEW_PURE_TERMS, most // 3))
+    pure = pure_degree(tensions, FEW_PURE, min(FEW_PURE_TERMS, most // 3, int(states.tension_rows / FEW_ROWS)))
     sets = [index_set(each, degree, tensions, pure) for degree in np.arange(1.0, 12.0, 0.5)]
     return max((powers for powers in sets if len(powers) <= most), key=len)
 

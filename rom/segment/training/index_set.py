@@ -29,6 +29,11 @@ def index_set(weights: np.ndarray, degree: float, tensions: int, pure: int | Non
     return np.array(sorted(found, key=lambda row: (sum(row[tensions:]), row[tensions:], row)), int)
 
 
+def tensions_alone(powers: np.ndarray, tensions: int) -> int:
+    """Number of products without a wrench among powers, shape (k, variables)."""
+    return int((~powers[:, tensions:].any(axis=1)).sum())
+
+
 def _below(weights: np.ndarray, degree: float) -> list[list[int]]:
     rows, left = [[]], [degree + 1e-9]  # type: list[list[int]], list[float]
     for weight in weights:

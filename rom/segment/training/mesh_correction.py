@@ -23,14 +23,13 @@ from rom.segment.training.contact_error import place_errors, relative_force_erro
 from rom.segment.training.field_fit import pod_modes, single
 from rom.segment.training.index_set import index_set, pure_degree
 from rom.segment.training.mirrors import with_images
-from rom.segment.training.pose_fit import SHARE
+from rom.segment.training.pose_fit import SHARE, supported
 from rom.segment.training.regression import Samples, correction
 from rom.snapshots.pressed_states import PressedStates, read_pressed_states, seen_from_plate
 from rom.snapshots.snapshot_set import SnapshotSet
 
-ROWS = 1.5  # rows a fit has at least for every coefficient [-]
-PURE = 4, 6, 8  # degrees of tensions alone that are tried
-LOWEST, STEP = 1.0, 0.5  # weighted degree a search begins with, and by how much it grows
+PURE = 0, 1, 2, 3, 4, 6, 8  # degrees of tensions alone that are tried
+LOWEST, STEP = 0.0, 0.5  # weighted degree a search begins with, and by how much it grows
 
 
 def corrected(before: SegmentMap, coarse: SnapshotSet, fine: SnapshotSet) -> SegmentMap:
@@ -96,19 +95,18 @@ def corrected_pose(
 
 
 def _sets(weights: tuple[float, ...], states: PressedStates, among: np.ndarray) -> Iterator[np.ndarray]:
-    """Index sets of few products, all of them among others."""
-    n, p = states.inputs.shape
+    """Index sets of few products, all of them among others and supported by states with their images."""
     tensions, known = states.tensions, {tuple(row) for row in among.tolist()}
-    each, most, seen = np.repeat(weights, [tensions, 3, 3]), int(n * (1 + p) / ROWS), set()
+    each, seen = np.repeat(weights, [tensions, 3, 3]), set()
     for degree in count(LOWEST, STEP):
         sets = [index_set(each, degree, tensions, pure_degree(tensions, highest)) for highest in PURE]
+        if not any(supported(found, states, len(found)) for found in sets):
+            return
         for found in sets:
             powers = np.array([row for row in found.tolist() if tuple(row) in known])
-            if len(found) <= most and (key := powers.tobytes()) not in seen:
+            if supported(found, states, len(found)) and (key := powers.tobytes()) not in seen:
                 seen.add(key)
                 yield powers
-        if all(len(found) > most for found in sets):
-            return
 
 
 def _others(

@@ -11,7 +11,7 @@ import numpy as np
 
 from rom.fit.chebyshev import Polynomial
 from rom.segment.training.contact_error import relative_force_errors
-from rom.segment.training.index_set import index_set
+from rom.segment.training.index_set import PURE_TERMS, index_set, pure_degree, tensions_alone
 from rom.segment.training.regression import Samples, regression
 from rom.snapshots.pressed_states import PressedStates
 from rom.terminal import Progress, quiet
@@ -60,14 +60,13 @@ def best_fit(states: PressedStates, box: np.ndarray, terms: int, progress: Progr
         terms: most of them.
         progress: is told how many fits were made.
     """
-    most = _most(states, terms)
     tried: dict[tuple[float, float], PoseFit] = {}
     total = len(FORCES) + len(MOMENTS) + 1
 
     def attempt(force: float, moment: float) -> PoseFit:
         if (force, moment) not in tried:
             progress("fitting poses", len(tried), total)
-            tried[force, moment] = _largest(states, box, (1.0, force, moment), most)
+            tried[force, moment] = _largest(states, box, (1.0, force, moment), terms)
         return tried[force, moment]
 
     best = attempt(*FIRST_WEIGHTS)
@@ -81,27 +80,33 @@ def best_fit(states: PressedStates, box: np.ndarray, terms: int, progress: Progr
 
 def first_fit(states: PressedStates, box: np.ndarray, terms: int) -> PoseFit:
     """The fit with the weights that a search begins with: soon made, and seldom much worse; arguments of `best_fit`."""
-    return _largest(states, box, (1.0, *FIRST_WEIGHTS), _most(states, terms))
+    return _largest(states, box, (1.0, *FIRST_WEIGHTS), terms)
 
 
-def _most(states: PressedStates, terms: int) -> int:
-    """Products that so many states bear."""
-    return min(terms, int(states.inputs.size * (1 + 1 / states.inputs.shape[1]) / ROWS))
+def supported(powers: np.ndarray, states: PressedStates, terms: int) -> bool:
+    """Whether states have ROWS rows for every product, and ROWS rows at distinct tensions for those of tensions alone.
+
+    Args:
+        powers: of the products, shape (k, t + 6).
+        states: with their images.
+        terms: most products.
+    """
+    n, p = states.inputs.shape
+    of_tensions = tensions_alone(powers, states.tensions)
+    return len(powers) <= min(terms, n * (1 + p) / ROWS) and of_tensions <= states.tension_rows / ROWS
 
 
-def _largest(states: PressedStates, box: np.ndarray, weights: tuple[float, float, float], most: int) -> PoseFit:
-    """The fit of the highest degree with at most so many terms; the one before it if that predicts better."""
-    degrees = np.arange(LOWEST, 40, STEP)
-    sets = [index_set(_each(weights, states.tensions), LOWEST, states.tensions)]
-    for degree in degrees[1:]:
-        grown = index_set(_each(weights, states.tensions), float(degree), states.tensions)
-        if len(grown) > most:
+def _largest(states: PressedStates, box: np.ndarray, weights: tuple[float, float, float], terms: int) -> PoseFit:
+    """The fit of the highest degree that the states support; the one before it if that predicts better."""
+    pure = pure_degree(states.tensions, terms=min(PURE_TERMS, int(states.tension_rows / ROWS)))
+    each = _each(weights, states.tensions)
+    sets = [(LOWEST, index_set(each, LOWEST, states.tensions, pure))]
+    for degree in np.arange(LOWEST + STEP, 40, STEP):
+        grown = index_set(each, float(degree), states.tensions, pure)
+        if not supported(grown, states, terms):
             break
-        sets.append(grown)
-    last = [
-        fit(states, box, powers, weights, float(degree))
-        for powers, degree in list(zip(sets, degrees, strict=False))[-2:]
-    ]
+        sets.append((float(degree), grown))
+    last = [fit(states, box, powers, weights, degree) for degree, powers in sets[-2:]]
     return min(last, key=lambda one: one.score)
 
 

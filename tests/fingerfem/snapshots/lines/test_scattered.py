@@ -1,9 +1,12 @@
 """Lines of states at scattered tensions, whose free states begin at those of a few."""
 
 import numpy as np
+import pytest
 from farm import assert_same, run
 
 from fingerfem import FingerModel, load_scene
+from fingerfem.scene.scene import Scene
+from fingerfem.snapshots.design import describe
 from fingerfem.snapshots.lines.scattered import ROOTS
 from rom.snapshots.snapshot_set import read_description, read_task
 
@@ -25,3 +28,17 @@ def test_free_states_do_not_depend_on_where_they_began_nor_on_who_solves_them(sc
         iterations["rest"] += state.newton_iterations
         iterations["root"] += line["iterations"][0]
     assert iterations["root"] < 0.6 * iterations["rest"]
+
+
+@pytest.mark.parametrize("tendons", range(1, 9))
+@pytest.mark.parametrize("lines", [12, 32])
+def test_few_lines_pull_every_tendon_over_its_whole_range(table, tendons, lines):
+    """Lines that begin with all corners of the box had only corners, and of eight tendons some were never pulled."""
+    offsets = [(y, z) for y in (0.004, 0.0, -0.004) for z in (0.0, 0.004, -0.004) if y or z][:tendons]
+    pulled = [{**table["tendons"][0], "name": f"F{k}", "offset": list(one)} for k, one in enumerate(offsets)]
+    scene = Scene.model_validate({**table, "tendons": pulled, "sampling": {"lines": lines}})
+    tensions = np.array(describe(scene, {}).scattered)
+    assert tensions.shape == (lines, tendons) and not tensions[0].any()
+    between = (tensions > 1.0) & (tensions < 99.0)
+    assert (between.sum(axis=0) >= lines / 4).all()
+    assert (tensions.max(axis=0) > 75.0).all() and (tensions.min(axis=0) < 25.0).all()
