@@ -59,9 +59,9 @@ class PressedStates:
 
     @property
     def tension_rows(self) -> int:
-        """Values and derivatives by tensions at distinct tensions: all that determines how a wrench's terms depend on them.
+        """Number of values and derivatives by tensions at distinct tensions.
 
-        Wrenches at the same tensions add rows to a fit, and nothing about what lies between these tensions.
+        Wrenches at the same tensions add rows to a fit, but no information on what lies between these tensions.
         """
         return len(np.unique(self.inputs[:, : self.tensions], axis=0)) * (1 + self.tensions)
 
