@@ -55,7 +55,8 @@ def check_parts(report: dict) -> list[Table | str]:
         chosen = report["chosen"]
         got = f", got {chosen['got']:.2%}" if "got" in chosen else ""
         quantity = chosen["quantity"].replace("_", " ")
-        lines.append(f"{chosen['asked']}: expected {chosen['error']:.2%} of {quantity} at the 95th percentile{got}")
+        expected = "no error expected" if chosen["error"] is None else f"expected {chosen['error']:.2%}"
+        lines.append(f"{chosen['asked']}: {expected} of {quantity} at the 95th percentile{got}")
     if "against" in report:
         mesh = report["against"]["mesh"]
         cells = " x ".join(map(str, mesh["cells"]))

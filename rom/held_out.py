@@ -235,7 +235,9 @@ def _chosen(scene: dict[str, Any], expected: dict[str, Any], found: dict[str, An
     asked = next(f"{key} {scene[key]}" for key in ("accuracy", "budget", "preset") if scene.get(key))
     got = found.get(expected["quantity"], {}).get("p95")
     told = {"asked": asked} | {key: expected[key] for key in ("quantity", "error", "error_of_mesh")}
-    return told | ({} if got is None else {"got_of_surrogate": got, "got": got + expected["error_of_mesh"]})
+    of_mesh = expected["error_of_mesh"]
+    whole = {} if got is None or of_mesh is None else {"got": got + of_mesh}
+    return told | ({} if got is None else {"got_of_surrogate": got}) | whole
 
 
 def accuracy(report: dict[str, Any]) -> dict[str, dict[str, Any]]:

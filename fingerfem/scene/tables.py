@@ -239,12 +239,12 @@ class Expected(Table):
     """What the mesh, sampling and terms that an accuracy, a budget or a preset chose are expected to give, see presets.
 
     Errors are relative [-], of the contact force or, where nothing touches, of the displacement, at the 95th
-    percentile of states on the finger that the front was measured on. Of a map, which has a load in place of an
-    obstacle, the whole error alone is known.
+    percentile of states on the finger that the front was measured on. A map, which has a load in place of an
+    obstacle, has the whole error alone. No error is expected with more tendons than were measured.
     """
 
     quantity: Literal["contact_force", "displacement"]
-    error: float
+    error: float | None = None
     error_of_mesh: float | None = None
     error_of_surrogate: float | None = None
     core_seconds: float
@@ -254,10 +254,11 @@ class Expected(Table):
     def __str__(self) -> str:
         shares = {"the mesh": self.error_of_mesh, "the surrogate": self.error_of_surrogate}
         known = ", ".join(f"{100 * share:.2g} % of {name}" for name, share in shares.items() if share is not None)
-        return (
-            f"{self.quantity.replace('_', ' ')} within {100 * self.error:.2g} % at the 95th percentile"
-            f"{f' ({known})' if known else ''}, {self.states} states, {self.core_seconds / 60:.2g} core-minutes"
-        )
+        quantity = self.quantity.replace("_", " ")
+        promise = f"no error of the {quantity} is promised with so many tendons: rom build estimates it"
+        if self.error is not None:
+            promise = f"{quantity} within {100 * self.error:.2g} % at the 95th percentile{f' ({known})' if known else ''}"
+        return f"{promise}, {self.states} states, {self.core_seconds / 60:.2g} core-minutes"
 
 
 class Outline(NamedTuple):

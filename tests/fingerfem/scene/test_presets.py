@@ -69,6 +69,40 @@ def test_presets_go_from_cheap_to_accurate_and_nothing_on_the_front_is_beaten(op
         )
 
 
+def pulled_by(table: dict, count: int) -> dict:
+    """A scene with a load and so many tendons, which fit the draft mesh."""
+    offsets = [[y, z] for y in (0.004, 0.0, -0.004) for z in (0.0, 0.004, -0.004) if y or z][:count]
+    tendons = [{**table["tendons"][0], "name": f"F{k}", "offset": one} for k, one in enumerate(offsets)]
+    return {key: value for key, value in table.items() if key != "obstacle"} | {"tendons": tendons, "load": LOAD}
+
+
+LOAD = {"force": 5.0}
+
+
+def test_more_tendons_get_lines_for_the_products_that_they_add(open_table):
+    """A map of t tensions has polynomials of t + 6 variables; lines in proportion to t left ten times the error."""
+    fitted = [Scene.model_validate(pulled_by(open_table, count) | {"preset": "draft"}) for count in range(1, 9)]
+    lines = [one.sampling.lines for one in fitted]
+    assert lines == [4, 8, 16, 32, 40, 48, 56, 64]
+    assert [one.coarse.lines for one in fitted][:4] == [14, 28, 56, 112]
+    costs = [one.expected.core_seconds for one in fitted]
+    assert costs == sorted(costs)
+
+
+def test_an_error_is_promised_up_to_the_number_of_tendons_that_it_was_measured_with(open_table):
+    for count in range(1, 9):
+        pulled = pulled_by(open_table, count)
+        expected = Scene.model_validate(pulled | {"preset": "standard"}).expected
+        assert (expected.error is None) == (count > 4)
+        assert ("no error of the contact force is promised" in str(expected)) == (count > 4)
+        if count > 4:
+            assert Scene.model_validate(pulled | {"budget": "5h"}).expected.error is None
+            with pytest.raises(ValueError, match="accuracy must be left out with more than 4 tendons"):
+                Scene.model_validate(pulled | {"accuracy": "5 %"})
+    before_a_plane = {**open_table, "tendons": pulled_by(open_table, 3)["tendons"]}
+    assert Scene.model_validate(before_a_plane | {"preset": "draft"}).expected.error is None
+
+
 def test_other_fingers_get_cells_of_the_same_shape_and_as_many_lines_a_tension(open_table, table):
     usual = Scene.model_validate(open_table | {"preset": "standard"})
     longer = open_table | {"geometry": open_table["geometry"] | {"segments": [0.1]}, "preset": "standard"}
