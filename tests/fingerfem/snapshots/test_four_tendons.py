@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import tomllib
 
 import numpy as np
 import pytest
@@ -20,8 +21,9 @@ pytestmark = pytest.mark.long
 
 
 @pytest.fixture(scope="module")
-def scene(table, tmp_path_factory):
+def scene(tmp_path_factory):
     """The paper's four tendons with a load of 5 N."""
+    table = tomllib.loads((ROOT / "scenes" / "draft.toml").read_text())
     parts = {name: table[name] for name in ("geometry", "material")}
     tendons = [{**table["tendons"][0], "name": f"F{k + 1}", "offset": one} for k, one in enumerate(OFFSETS)]
     file = tmp_path_factory.mktemp("scene") / "four.toml"
