@@ -16,6 +16,7 @@ from rom.segment.objects import facing_plane
 from rom.segment.segment_map import SegmentMap
 from rom.segment.touched_segment import TouchedSegment
 from rom.snapshots import mesh_transfer
+from rom.snapshots.grid import SHARE
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
@@ -174,7 +175,7 @@ def _fineness(mesh: dict[str, Any]) -> int:
 
 def _brought(own: np.ndarray, others: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     """What brings a field from a model's nodes to a set's, shape (nodes, 3); none if they are the same."""
-    if own.shape == others.shape and np.allclose(own, others):
+    if own.shape == others.shape and np.allclose(own, others, rtol=0, atol=SHARE * np.ptp(own)):
         return lambda field: field
     bring = mesh_transfer.interpolation(own, others)
     return lambda field: bring(field.reshape(-1, 1))

@@ -70,7 +70,7 @@ def _regions(scene: Scene, x: np.ndarray) -> np.ndarray:
 
 def _faces(scene: Scene, x: np.ndarray) -> np.ndarray:
     """Kind of the exterior facets with midpoints x, shape (3, n) [m]."""
-    tolerance = 1e-9
+    tolerance = scene.outline.tolerance
     pad = np.zeros(x.shape[1], bool)
     if scene.obstacle is not None and scene.obstacle.pad is not None:
         patch = scene.obstacle.pad

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from fingerfem.discretisation.problem import Problem
+from rom.snapshots.grid import levels
 
 
 class NodeOrder:
@@ -22,8 +23,9 @@ class NodeOrder:
         points = problem.space.tabulate_dof_coordinates()
         # Ranks own consecutive global indices, so what they own in turn is in global order.
         everywhere = np.concatenate(self._comm.allgather(points[: self._owned]))
-        self._order = np.lexsort(np.round(everywhere, 9).T[::-1])
-        self.nodes = everywhere[self._order]
+        lines, index = zip(*(levels(along) for along in everywhere.T), strict=True)
+        self._order = np.lexsort(index[::-1])
+        self.nodes = np.column_stack([line[own] for line, own in zip(lines, index, strict=True)])[self._order]
         local = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
         self._indices = index_map.local_to_global(local)
 

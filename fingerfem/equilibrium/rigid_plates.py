@@ -10,6 +10,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fingerfem.discretisation.problem import Problem
+from fingerfem.scene.grid_lines import in_plate
 
 
 class RigidPlates:
@@ -19,8 +20,8 @@ class RigidPlates:
         self._problem, self._plates = problem, []
         points = problem.space.tabulate_dof_coordinates()
         owned = problem.space.dofmap.index_map.size_local
-        for start, end in problem.scene.outline.plates:
-            nodes = np.flatnonzero((points[:, 0] > start - 1e-9) & (points[:, 0] < end + 1e-9))
+        for k in range(len(problem.scene.geometry.segments)):
+            nodes = np.flatnonzero(in_plate(problem.scene.outline, k, points.T))
             mirrored, towards = problem.scene.is_half, np.array(problem.obstacle.direction)
             self._plates.append(Plate(problem.comm, nodes, nodes < owned, points[nodes], towards, mirrored=mirrored))
 

@@ -27,8 +27,9 @@ class Surface:
         vertices = mesh.geometry.x[corners]  # (facets, 4, 3), in tensor order
         points = problem.space.tabulate_dof_coordinates()
         self._nodes = cKDTree(points).query(vertices.reshape(-1, 3))[1] if len(corners) else np.empty(0, int)
-        rest = np.concatenate(self._comm.allgather(points[self._nodes]))
-        _, self._first, ids = np.unique(np.round(rest, 9), axis=0, return_index=True, return_inverse=True)
+        everywhere = problem.space.dofmap.index_map.local_to_global(self._nodes.astype(np.int32))
+        own = np.concatenate(self._comm.allgather(everywhere))
+        _, self._first, ids = np.unique(own, return_index=True, return_inverse=True)
         quads = ids.reshape(-1, 4)
         self._triangles = np.concatenate([quads[:, [0, 1, 3]], quads[:, [0, 3, 2]]])
         sides = np.concatenate([quads[:, pair] for pair in ([0, 1], [1, 3], [3, 2], [2, 0], [0, 3])])

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fingerfem.scene.tables import Geometry, Mesh, Outline, Tendon
+from rom.snapshots.grid import levels
 
 MORE = 40  # cells across that are tried where fewer do not fit
+EQUAL = 1e-7  # of the side: positions that differ by less are meant to be equal [-]
+THINNEST = 1000  # side over shortest cell along the axis
 SLIVER = 50  # mean over thinnest cell at which a mesh is refused: contact stiffness goes with the thinnest
 
 
@@ -30,7 +34,8 @@ def subdivide(breakpoints: ArrayLike, cells: int, symmetric: bool = False) -> np
     count = np.ones(n, int)
     while count.sum() < cells:
         # Split the widest cells first; a mirrored pair together, the outermost of equals first.
-        for i in np.lexsort((np.arange(n), np.round(-lengths / count, 12))):
+        _, width = levels(lengths / count, 1e-9 * (points[-1] - points[0]))
+        for i in np.lexsort((np.arange(n), -width)):
             pair = {int(i), n - 1 - int(i)} if symmetric else {int(i)}
             if count.sum() + len(pair) <= cells:
                 count[list(pair)] += 1
@@ -58,6 +63,12 @@ def grid_lines(outline: Outline, mesh: Mesh, half: bool) -> tuple[np.ndarray, np
     except ValueError as error:
         raise ValueError(f"mesh.cells[0] {error}") from None
     x = np.unique(np.concatenate(lines))
+    if np.diff(x).min() < outline.geometry.side / THINNEST:
+        raise ValueError(
+            f"mesh.cells[0] must leave no cell shorter than 1/{THINNEST} of the side, "
+            f"{outline.geometry.side / THINNEST:.3g} m, as a pad that ends beside a plate's face does, "
+            f"got one of {np.diff(x).min():.3g} m"
+        )
     # Longer cells lock in bending: docs/extremes.md.
     share, of_side = (2 / 3, "two thirds of the side") if mesh.order == 1 else (1.0, "the side")
     longest = share * outline.geometry.side
@@ -88,11 +99,11 @@ def _across(outline: Outline, cells: int) -> tuple[np.ndarray, np.ndarray | None
     """Grid lines along y, and those along z from the axis on where they are not the same [m]."""
     if not outline.is_planar:
         # The same for both, so that mirrored pulls give mirrored states.
-        y = subdivide(_both_sides(_edges(outline, 0) | _edges(outline, 1)), cells, symmetric=True)
+        y = subdivide(_both_sides(_edges(outline, 0, 1)), cells, symmetric=True)
         _no_slivers(y)
         return y, None
     y = subdivide(_both_sides(_edges(outline, 0)), cells, symmetric=True)
-    half = subdivide([0.0, *sorted(_edges(outline, 1))], (cells + 1) // 2)
+    half = subdivide(sorted({0.0, *_edges(outline, 1)}), (cells + 1) // 2)
     _no_slivers(y)
     _no_slivers(half)
     return y, half
@@ -113,38 +124,49 @@ def _along(outline: Outline) -> list[list[float]]:
     pad = outline.pad
     segments = []
     for start, (inner, outer) in zip([0.0, *[outer for _, outer in ends[:-1]]], ends, strict=True):
-        points = {start, inner, outer} | {edge for edge in (pad.x if pad else []) if start < edge < outer}
-        segments.append(np.unique(_snap(outline.geometry.side, sorted(points))).tolist())
+        inside = [edge for edge in (pad.x if pad else []) if start < edge < outer]
+        segments.append(_merged([start, inner, outer], inside, EQUAL * outline.geometry.side))
     return segments
 
 
-def _snap(side: float, positions: ArrayLike) -> np.ndarray:
-    """Positions [m] on a raster so fine that only round-off of what is meant to be equal is lost."""
-    return np.round(np.asarray(positions, float) / side, 7) * side
+def _merged(fixed: list[float], others: Iterable[float], equal: float) -> list[float]:
+    """Ascending positions [m]: those that are fixed, and of the others what is farther than `equal` from these."""
+    found = list(fixed)
+    for other in others:
+        if min(abs(other - one) for one in found) > equal:
+            found.append(other)
+    return sorted(found)
 
 
-def _edges(outline: Outline, axis: int) -> set[float]:
-    """Positive distances from the axis, along y (0) or z (1), that must lie on grid lines [m]."""
+def _edges(outline: Outline, *axes: int) -> list[float]:
+    """Distances from the axis, along y (0) or z (1) or both, that must lie on grid lines, ascending [m].
+
+    The axis itself is one of them, 0, where a channel ends there.
+    """
     half = outline.geometry.channel_width / 2
-    edges = {outline.geometry.side / 2}
-    for tendon in outline.tendons:
-        offset = abs(tendon.offset[axis])
-        edges |= {abs(offset - half), offset + half}
+    edges = [abs(tendon.offset[axis] + side) for axis in axes for tendon in outline.tendons for side in (-half, half)]
     pad = outline.pad
-    if axis == 1 and pad is not None and pad.width is not None:
-        edges.add(pad.width / 2)
-    return {edge for edge in _snap(outline.geometry.side, sorted(edges)).tolist() if edge > 0}
+    if 1 in axes and pad is not None and pad.width is not None:
+        edges.append(pad.width / 2)
+    equal = EQUAL * outline.geometry.side
+    found = _merged([0.0, outline.geometry.side / 2], sorted(edges), equal)
+    return found if min(edges) <= equal else found[1:]
 
 
-def _both_sides(edges: set[float]) -> np.ndarray:
-    positive = sorted(edges)
-    return np.array([-edge for edge in reversed(positive)] + positive)
+def _both_sides(edges: list[float]) -> np.ndarray:
+    return np.array([-edge for edge in reversed(edges) if edge > 0] + edges)
 
 
 def in_column(geometry: Geometry, tendon: Tendon, x: np.ndarray) -> np.ndarray:
     """Which of the points x, shape (3, n) [m], lie in the column of cells around a tendon's line."""
     offset, half = tendon.offset, geometry.channel_width / 2
     return (abs(x[1] - offset[0]) < half) & (abs(x[2] - offset[1]) < half)
+
+
+def in_plate(outline: Outline, k: int, x: np.ndarray) -> np.ndarray:
+    """Which of the points x, shape (3, n) [m], lie in plate k, its faces included."""
+    start, end = outline.plates[k]
+    return (x[0] > start - outline.tolerance) & (x[0] < end + outline.tolerance)
 
 
 def in_channel(outline: Outline, tendon: Tendon, x: np.ndarray) -> np.ndarray:

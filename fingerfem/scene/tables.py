@@ -10,11 +10,12 @@ import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from fingerfem.scene.laws import Table
+from rom.snapshots.grid import SHARE
 
 Length = Annotated[float, Field(ge=1e-6, le=1.0)]  # [m]; a length above 1 m is a length in mm
 Distance = Annotated[float, Field(gt=0, le=1.0)]  # [m]
 Offset = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
-Position = Annotated[float, Field(ge=0, le=2.0)]  # [m]
+Position = Annotated[float, Field(ge=0, le=8.0)]  # [m], on eight segments at most
 Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
 
 
@@ -272,6 +273,11 @@ class Outline(NamedTuple):
     def is_planar(self) -> bool:
         """Whether all tendons lie in the plane z = 0, so that the finger's two halves are mirror images."""
         return all(tendon.offset[1] == 0 for tendon in self.tendons)
+
+    @property
+    def tolerance(self) -> float:
+        """How near to each other two coordinates are the same [m]."""
+        return SHARE * self.geometry.side
 
     @property
     def plates(self) -> list[tuple[float, float]]:

@@ -12,10 +12,11 @@ import numpy as np
 from mpi4py import MPI
 
 from fingerfem.discretisation.problem import Problem
+from fingerfem.scene.grid_lines import in_plate
 
 CORNER = 1e-6  # share of half a plate: a centre of pressure that close to its end is at the end
 
-EQUAL = 1e-11  # [m]: nodes that differ by less are as high
+EQUAL = 1e-9  # of the side: nodes that differ by less are as high [-]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,12 +59,12 @@ class PlateContacts:
         self._nodes, self._places, self._rubber = [], [], []
         surface = np.zeros(owned, bool)
         surface[problem.surface_nodes[problem.surface_nodes < owned]] = True
-        begins = 0.0
-        for start, end in plates:
-            nodes = np.flatnonzero((points[:, 0] > start - 1e-9) & (points[:, 0] < end + 1e-9))
+        begins, near = 0.0, scene.outline.tolerance
+        for k, (start, end) in enumerate(plates):
+            nodes = np.flatnonzero(in_plate(scene.outline, k, points.T))
             self._nodes.append(nodes)
             self._places.append((points[nodes] - [(start + end) / 2, 0, 0]) / self._sizes)
-            between = (points[:, 0] > begins + 1e-9) & (points[:, 0] < start - 1e-9)
+            between = (points[:, 0] > begins + near) & (points[:, 0] < start - near)
             self._rubber.append(np.flatnonzero(between & surface))
             begins = end
 
@@ -146,7 +147,7 @@ class PlateContacts:
         comm = self._problem.comm
         own = heights[nodes]
         highest = comm.allreduce(float(own.max(initial=-np.inf)), op=MPI.MAX)
-        equal = nodes[own > highest - EQUAL]
+        equal = nodes[own > highest - EQUAL * self._problem.scene.geometry.side]
         order = np.lexsort((self._points[equal, 2], self._points[equal, 0]))
         places = [(*self._points[node, [0, 2]], height_changes[:, node]) for node in equal[order[-1:]]]
         _, _, slopes = max((place for part in comm.allgather(places) for place in part), key=lambda place: place[:2])

@@ -11,6 +11,7 @@ from rom.native import EVALUATION, SEGMENT, Library
 from rom.segment.native import ENDS
 from rom.segment.touched_segment import TouchedSegment
 from rom.separation.separated_form import tables
+from rom.snapshots.grid import SHARE, SINGLE, levels
 from rom.surrogate import Surrogate
 
 _HERE = Path(__file__).parent / "native"
@@ -20,7 +21,6 @@ MODEL = Library(
     units=[_HERE / "model.c", *EVALUATION.units, *SEGMENT.units],
     includes=SEGMENT,
 )
-SAME_PLACE = 1e-7  # [m]: nodes are kept in single precision
 
 
 def struct(model: Surrogate | TouchedSegment) -> Any:
@@ -51,9 +51,10 @@ def errors_of(model: Surrogate) -> Any:
     )
 
 
-def stations(nodes: np.ndarray) -> np.ndarray:
-    """Where along the finger nodes, shape (n, 3), lie [m]; shape (m,)."""
-    return np.unique(np.round(nodes[:, 0] / SAME_PLACE)) * SAME_PLACE
+def tolerance(model: Surrogate) -> float:
+    """How near to each other two coordinates of its nodes are the same [m]; files keep these in single precision."""
+    geometry = model.scene["geometry"]
+    return float(SHARE * geometry["side"] + SINGLE * sum(geometry["segments"]))
 
 
 def edges_of(model: Surrogate) -> tuple[dict[str, Any], int]:
@@ -61,11 +62,11 @@ def edges_of(model: Surrogate) -> tuple[dict[str, Any], int]:
     moved, half = model.displacements, model.scene["geometry"]["side"] / 2
     assert moved is not None
     rows, signs, rest = [], [], []
-    for x in stations(model.nodes):
+    for x in levels(model.nodes[:, 0])[0]:
         for y, z in ((-half, -half), (-half, half), (half, -half), (half, half)):
             for own in (z, -z):  # of a half that is its own mirror image, the other edge
                 away = np.abs(model.nodes - [x, y, own]).max(axis=1)
-                if away.min() < SAME_PLACE:
+                if away.min() < tolerance(model):
                     rows.append(int(away.argmin()))
                     signs.append([1.0, 1.0, 1.0 if own == z else -1.0])
                     rest.append([x, y, z])

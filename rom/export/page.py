@@ -17,9 +17,10 @@ import numpy as np
 
 from rom.checked_file import ModelError
 from rom.export.image import Image
-from rom.export.model import SAME_PLACE, stations, struct
+from rom.export.model import struct, tolerance
 from rom.segment.native import ENDS
 from rom.segment.touched_segment import TouchedSegment
+from rom.snapshots.grid import levels
 from rom.surrogate import Surrogate
 
 VIEWER = Path(__file__).with_name("viewer.html")
@@ -79,11 +80,11 @@ def parts(model: Surrogate | TouchedSegment) -> list[np.ndarray]:
     if isinstance(model, TouchedSegment):
         return [np.arange(one.struct.places + ENDS) >= one.struct.places + ENDS - 2 for one in model.chain.segments]
     geometry = model.scene["geometry"]
-    x = stations(model.nodes)
+    x, near = levels(model.nodes[:, 0])[0], tolerance(model)
     fronts = np.cumsum(geometry["segments"])
-    segment = np.searchsorted(fronts + SAME_PLACE, x)
-    metal = x > fronts[segment] - geometry["plate"] - SAME_PLACE
-    metal[:-1] &= x[:-1] < fronts[segment[:-1]] - SAME_PLACE  # behind a plate's front is rubber again
+    segment = np.searchsorted(fronts + near, x)
+    metal = x > fronts[segment] - geometry["plate"] - near
+    metal[:-1] &= x[:-1] < fronts[segment[:-1]] - near  # behind a plate's front is rubber again
     return [metal[segment == k] for k in range(len(fronts))]
 
 

@@ -98,7 +98,7 @@ def _onto(coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
     weights = np.zeros((height(len(coarse)), height(len(fine))))
     weights[TIP, TIP] = np.eye(3)
     for column, place in enumerate(fine):
-        edge = np.flatnonzero(np.abs(coarse[:, 1:] - place[1:]).max(axis=1) < 1e-9)
+        edge = np.flatnonzero((np.sign(coarse[:, 1:]) == np.sign(place[1:])).all(axis=1))
         edge = edge[np.argsort(coarse[edge, 0])]
         for row, one in zip(edge, np.eye(len(edge)), strict=True):
             weights[height(row), height(column)] = np.interp(place[0], coarse[edge, 0], one)
@@ -119,5 +119,5 @@ def _leading(heights: np.ndarray) -> np.ndarray:
 
 def _is_corner(body: Body, nodes: np.ndarray) -> np.ndarray:
     """Which nodes of the long edges are corners of a plate, shape (nodes,)."""
-    x, side = body.nodes[nodes, 0], 2 * body.half_lengths[1]
-    return np.asarray(np.isclose(x[:, None], body.plates.ravel(), atol=1e-6 * side).any(axis=1))
+    x = body.nodes[nodes, 0]
+    return np.asarray((np.abs(x[:, None] - body.plates.ravel()) < body.tolerance).any(axis=1))

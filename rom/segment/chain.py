@@ -20,6 +20,7 @@ from rom.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.segment import native, segment_map
 from rom.segment.segment_map import SegmentMap
+from rom.snapshots.grid import SHARE
 from rom.table import Table, as_html
 
 KIND, FORMAT = "fingerfem chain", 1
@@ -69,7 +70,7 @@ class Chain(PickledByFields):
             for one in after.tension_parameters:
                 if known.get(one["name"]) != one:
                     raise ModelError(f"segments must know every tendon that passes them, alike, got none {one['name']}")
-            if not np.allclose(before.half_lengths, after.half_lengths):
+            if not np.allclose(before.half_lengths, after.half_lengths, rtol=SHARE, atol=0):
                 raise ModelError("segments must have plates of one size, got others")
 
     @property

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from rom.snapshots.files import write_whole
+from rom.snapshots.grid import SHARE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,6 +28,11 @@ class Body:
     plates: np.ndarray
     half_lengths: np.ndarray
     is_half: bool
+
+    @property
+    def tolerance(self) -> float:
+        """How near to each other two coordinates are the same [m]."""
+        return SHARE * 2 * float(self.half_lengths[1])
 
     def write(self, file: Path) -> None:
         """Write it, unless the file is there: everyone who does writes the same."""

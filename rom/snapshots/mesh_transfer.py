@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
+from rom.snapshots.grid import SHARE, levels
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
 OWN = {"name", "mesh", "coarse", "sampling", "accuracy", "budget", "preset", "expected"}  # of a scene: what may differ
@@ -59,13 +60,12 @@ def interpolation(coarse: np.ndarray, fine: np.ndarray) -> Callable[[np.ndarray]
     Raises:
         SnapshotError: the coarse nodes do not fill a grid, or are of a half of the other finger.
     """
-    if (np.ptp(fine, axis=0) > np.ptp(coarse, axis=0) + 1e-9).any():
+    if (np.ptp(fine, axis=0) > (1 + SHARE) * np.ptp(coarse, axis=0)).any():
         raise SnapshotError("both meshes must be of the same part of the finger, got a half and a whole one")
-    lines = [coarse[np.unique(np.round(coarse[:, a], 9), return_index=True)[1], a] for a in range(3)]
+    lines, where = zip(*(levels(along) for along in coarse.T), strict=True)
     shape = tuple(len(line) for line in lines)
     if np.prod(shape) != len(coarse):
         raise SnapshotError(f"nodes of the coarse mesh must fill a grid of {shape}, got {len(coarse)}")
-    where = tuple(np.abs(coarse[:, a, None] - line).argmin(axis=1) for a, line in enumerate(lines))
     targets = np.column_stack([np.clip(fine[:, a], line[0], line[-1]) for a, line in enumerate(lines)])
 
     def bring(columns: np.ndarray) -> np.ndarray:

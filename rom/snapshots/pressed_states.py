@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rom.snapshots import mesh_transfer
+from rom.snapshots.body import Body
+from rom.snapshots.grid import levels
 from rom.snapshots.rigid_motion import motions, rotations
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet, read_task
 
@@ -121,7 +123,7 @@ def _points(snapshots: SnapshotSet, poses: np.ndarray, jacobians: np.ndarray, on
     if not snapshots.description.has_field:
         return _no_points(len(poses), jacobians.shape[2])
     body = on.body
-    stations = _stations(body.nodes, body.edge_nodes, float(body.plates[-1, 0]))
+    stations = edge_sections(body)
     box = body.half_lengths * np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
     at_rest = box + np.array([body.plates[-1].mean(), 0.0, 0.0])
     corners = np.linalg.norm(on.nodes[None] - at_rest[:, None], axis=2).argmin(axis=1)
@@ -176,10 +178,10 @@ def _brought(bring: Callable[[np.ndarray], np.ndarray], fields: np.ndarray) -> n
     return bring(columns).T.reshape(*fields.shape[:-2], -1, 3)
 
 
-def _stations(nodes: np.ndarray, edge_nodes: np.ndarray, plate: float) -> np.ndarray:
-    """Of the nodes on the long edges some at even stations of the rubber, before a plate that begins at x [m]."""
-    along = np.unique(np.round(nodes[edge_nodes, 0], 9))
-    rubber = along[(along > SKIN_FROM * plate) & (along < plate - 1e-9)]
+def edge_sections(body: Body) -> np.ndarray:
+    """Nodes on the long edges of the last segment's rubber, at even sections before its plate; shape (m,)."""
+    along, section = levels(body.nodes[body.edge_nodes, 0])
+    plate = float(body.plates[-1, 0])
+    rubber = np.flatnonzero((along > SKIN_FROM * plate) & (along < plate - body.tolerance))
     step = max((len(rubber) - 1) // (STATIONS - 1), 1)
-    chosen = rubber[::-1][: STATIONS * step : step]
-    return edge_nodes[np.isclose(nodes[edge_nodes, :1], chosen, atol=1e-8).any(axis=1)]
+    return body.edge_nodes[np.isin(section, rubber[::-1][: STATIONS * step : step])]

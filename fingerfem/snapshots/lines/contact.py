@@ -6,7 +6,7 @@ import numpy as np
 
 from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.snapshots.lines.between import between
-from fingerfem.snapshots.lines.setting import BETWEEN, SAME_PLACE, Arrays, Setting
+from fingerfem.snapshots.lines.setting import BETWEEN, Arrays, Setting
 from fingerfem.snapshots.recorder import Recorder
 from rom.snapshots.description import Line
 from rom.snapshots.snapshot_set import read_task
@@ -38,7 +38,7 @@ def solve(setting: Setting, task: str, line: Line) -> Arrays:
             continuation.start(tensions, None, setting.numbering.scatter(known[0][1]))
         reach = _touch(setting, record, tensions, nodes)
     path = reach - setting.nearest  # of the plane [m]
-    if path < SAME_PLACE:
+    if path < setting.shortest_path:
         if nodes[0] > 0:
             record.state(tensions, None)
         return record.arrays() | {"nodes": np.array(nodes[:1])}

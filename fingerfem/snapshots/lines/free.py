@@ -11,7 +11,7 @@ from fingerfem.snapshots.lines.setting import Arrays, Setting
 from fingerfem.snapshots.recorder import Recorder
 from rom.snapshots.description import Line
 
-AT_PLANE = 1e-9  # [m], how near to the nearest plane the onset's reach is
+AT_PLANE = 1e-7  # of the side: how near to the nearest plane the onset's reach is [-]
 
 
 def needs(setting: Setting, task: str, line: Line) -> list[str]:
@@ -96,8 +96,9 @@ def _onset(setting: Setting, line: Line, record: Recorder) -> Arrays:
         return solved[tension]
 
     slope = (gap[last] - gap[last - 1]) / (lead[last] - lead[last - 1])
+    near = AT_PLANE * setting.model.scene.geometry.side
     try:
-        onset = brentq(gap_at, lead[last - 1], lead[last], xtol=0.1 * AT_PLANE / slope)
+        onset = brentq(gap_at, lead[last - 1], lead[last], xtol=0.1 * near / slope)
         continuation.advance(description.insert_lead(others, onset), None)
     except LoadNotReached:
         return _no_onset(setting)

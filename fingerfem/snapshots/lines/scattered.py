@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fingerfem.snapshots.lines.between import between
-from fingerfem.snapshots.lines.setting import BETWEEN, SAME_PLACE, Arrays, Setting
+from fingerfem.snapshots.lines.setting import BETWEEN, Arrays, Setting
 from rom.snapshots.description import Line
 from rom.snapshots.snapshot_set import read_task
 
@@ -30,7 +30,7 @@ def solve(setting: Setting, task: str, line: Line) -> Arrays:
     record.state(tensions, None)
     reach = record.reaches[0]
     path = reach - setting.nearest  # of the plane [m]
-    if not path >= SAME_PLACE:  # there is no path, or no plane, or no answer
+    if not path >= setting.shortest_path:  # there is no path, or no plane, or no answer
         return record.arrays() | {"nodes": np.array(nodes[:1])}
     for node in nodes[1:]:
         record.state(tensions, reach - description.contact_nodes[node] * path)

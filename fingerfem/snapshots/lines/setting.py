@@ -20,7 +20,7 @@ from rom.snapshots.snapshot_set import read_task
 
 Arrays = dict[str, np.ndarray]
 BETWEEN = -1  # in place of a node, of states between those of the grid
-SAME_PLACE = 1e-8  # [m]: a plane whose path from touch to its nearest is no longer than that does not move
+SAME_PLACE = 1e-6  # of the side: a plane whose path from touch to its nearest is no longer does not move [-]
 
 
 class Known(NamedTuple):
@@ -57,6 +57,11 @@ class Setting:
     def nearest(self) -> float:
         """The plane's nearest distance [m]; nan without a plane."""
         return self.description.parameters[-1]["lower"] if self.description.has_obstacle else np.nan
+
+    @property
+    def shortest_path(self) -> float:
+        """What a plane moves at least from touch to its nearest [m]; on a shorter path it does not move."""
+        return SAME_PLACE * self.model.scene.geometry.side
 
     def recorder(self, edges: bool = False) -> Recorder:
         """What notes the states of a line."""

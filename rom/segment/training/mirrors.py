@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import block_diag
 
+from rom.snapshots.grid import SHARE
 from rom.snapshots.pressed_states import PressedStates
 
 
@@ -52,11 +53,12 @@ def _square() -> list[np.ndarray]:
 def _of_section(S: np.ndarray, tendons: list[dict[str, Any]]) -> Mirror | None:
     """The mirror by a map of the section, if it takes every tendon to one of the same range and path."""
     exchange = np.zeros((len(tendons), len(tendons)))
+    near = SHARE * np.max(np.abs([tendon["offset"] for tendon in tendons]))
     for k, tendon in enumerate(tendons):
         there = S @ tendon["offset"]
         for j, other in enumerate(tendons):
             alike = all(tendon[key] == other[key] for key in ("tension", "path", "segment"))
-            exchange[j, k] = alike and np.allclose(there, other["offset"], atol=1e-9)
+            exchange[j, k] = alike and np.allclose(there, other["offset"], rtol=0, atol=near)
     if not (exchange.sum(axis=0) == 1).all():
         return None
     polar = block_diag(1.0, S)

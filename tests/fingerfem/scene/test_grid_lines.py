@@ -89,3 +89,27 @@ def test_the_pad_is_the_patch_that_the_scene_names(table):
     ds = Measure("ds", finger.mesh, subdomain_data=finger.facets)
     area = fem.assemble_scalar(fem.form(fem.Constant(finger.mesh, 1.0) * ds(regions.PAD)))
     assert area == pytest.approx(0.0165 * 0.005, rel=1e-12)
+
+
+def test_a_channel_that_ends_on_the_axis_has_a_grid_line_there(table):
+    table["tendons"] = table["tendons"][:1]
+    table["tendons"][0]["offset"] = [0.001, 0.0]
+    table["mesh"]["cells"] = [20, 6]
+    scene = Scene.model_validate(table)
+    _, y, _ = lines_of(scene)
+    middles = (y[1:] + y[:-1]) / 2
+    points = np.stack([np.zeros(len(middles)), middles, np.full(len(middles), 1e-4)])
+    inside = grid_lines.in_column(scene.geometry, scene.tendons[0], points)
+    assert np.abs(y).min() < 1e-15 and np.diff(y)[inside].sum() == pytest.approx(0.002, rel=1e-9)
+    table["mesh"]["cells"] = [20, 5]
+    with pytest.raises(ValueError, match="even to stay symmetric"):
+        Scene.model_validate(table)
+
+
+def test_a_pad_that_ends_beside_a_plate_is_refused_for_the_sliver_it_would_leave(table):
+    table["obstacle"]["pad"]["x"] = [0.040, 0.049001]
+    with pytest.raises(ValueError, match=r"mesh.cells\[0\] must leave no cell shorter than 1/1000 of the side"):
+        Scene.model_validate(table)
+    table["obstacle"]["pad"]["x"] = [0.040, 0.049 + 1e-12]  # equal up to round-off
+    x, _, _ = lines_of(Scene.model_validate(table))
+    assert np.diff(x).min() > 1e-4
