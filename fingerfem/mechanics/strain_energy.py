@@ -37,12 +37,18 @@ def _(law: NeoHookean, number: Number = float):
 def _(law: MooneyRivlin, number: Number = float):
     C10, C01, D1 = number(law.C10), number(law.C01), number(law.D1)
 
+    # C01 (I2 - 3 - 4 ln J) resists a change of volume too, by 16/3 C01 at rest. That part, f(J), belongs to the
+    # pressure: with C01 < 0 it would soften what the pressure's few points do not see.
     def distortional(C):
         I2 = (ufl.tr(C) ** 2 - ufl.tr(C * C)) / 2
         first = C10 * (ufl.det(C) ** (-1 / 3) * ufl.tr(C) - 3)
-        return first + C01 * (I2 - 3 - 2 * ufl.ln(ufl.det(C)))
+        return first + C01 * (I2 - 3 * ufl.det(C) ** (2 / 3))
 
-    return distortional, lambda C: _dilatation(C) ** 2 / D1
+    def volumetric(C):
+        f = 3 * ufl.det(C) ** (2 / 3) - 3 - 2 * ufl.ln(ufl.det(C))
+        return _dilatation(C) ** 2 / D1 + C01 * f
+
+    return distortional, volumetric
 
 
 @parts.register

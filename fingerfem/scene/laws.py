@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from fingerfem.scene.law_stability import LONGEST, SHORTEST, Constants, first_loss
+
 Formulation = Literal["displacement", "mixed"]
 NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which displacements alone begin to lock
 
@@ -26,7 +28,12 @@ class Law(Table):
     formulation: Formulation | None = None
 
     @model_validator(mode="after")
-    def _does_not_widen(self) -> Law:
+    def _has_moduli(self) -> Law:
+        if not min(self.shear_modulus, self.bulk_modulus) > 0:
+            raise ValueError(
+                "law must have a shear and a bulk modulus above 0 Pa at small strain, "
+                f"got {self.shear_modulus:.3g} and {self.bulk_modulus:.3g}"
+            )
         if self.poisson < -1e-9:
             raise ValueError(
                 "law must have a Poisson's ratio of at least 0, below which coarse cells lock in shear, "
@@ -89,17 +96,28 @@ class NeoHookean(Law):
 
 
 class MooneyRivlin(Law):
-    """W = C10 (I1bar - 3) + C01 (I2 - 3 - 4 ln J) + (J - 1)^2 / D1, for C10 > 0, C01 >= 0 [Pa] and D1 > 0 [1/Pa].
+    """W = C10 (I1bar - 3) + C01 (I2 - 3 - 4 ln J) + (J - 1)^2 / D1, for C10 > 0, C01 [Pa] and D1 > 0 [1/Pa].
 
     At J = 1 it is Mooney's and Rivlin's law. The usual compressible form has I2bar = J^(-4/3) I2 instead, which is not
     polyconvex (Hartmann, Neff, Int. J. Solids Struct. 40, 2003, doi:10.1016/S0020-7683(03)00086-6); I2 - 4 ln J is:
-    the squared cofactor plus a convex function of J.
+    the squared cofactor plus a convex function of J. That needs C01 >= 0. Fits of measured rubber often have C01 < 0;
+    such a law is accepted where it is stable in all stretches of `law_stability`.
     """
 
     law: Literal["mooney-rivlin"] = "mooney-rivlin"
     C10: Annotated[float, Field(ge=1e2, le=1e12)]
-    C01: Annotated[float, Field(ge=0, le=1e12)]
+    C01: Annotated[float, Field(ge=-1e12, le=1e12)]
     D1: Annotated[float, Field(ge=1e-13, le=1e-2)]
+
+    @model_validator(mode="after")
+    def _is_stable(self) -> MooneyRivlin:
+        lost = None if self.C01 >= 0 else first_loss(Constants(self.C10, self.C01, self.D1))
+        if lost is not None:
+            raise ValueError(
+                f"law must be stable at all stretches from {SHORTEST} to {LONGEST}, got C01 = {self.C01:g} Pa and C10 = "
+                f"{self.C10:g} Pa, which lose stability at {lost[1]:.3f} in {lost[0]} stretch; raise C01 or lower D1"
+            )
+        return self
 
     @property
     def shear_modulus(self) -> float:

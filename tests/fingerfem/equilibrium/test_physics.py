@@ -172,6 +172,21 @@ def test_laws_agree_where_strains_are_small(planar):
     assert tips[2] == pytest.approx(tips[0], rel=0.01)
 
 
+def test_rubber_with_a_negative_mooney_rivlin_constant_bends(planar):
+    """A published fit of silicone, nearly incompressible and so mixed, on two meshes."""
+    planar["geometry"] |= {"side": 0.020, "segments": [0.100], "plate": 0.002}
+    planar["material"] = {"law": "mooney-rivlin", "C10": 10.6e3, "C01": -4.2e3, "D1": 3e-6}
+    planar["tendons"][0]["offset"] = [0.008, 0.0]
+    tips = []
+    for cells in ([20, 5], [30, 7]):
+        planar["mesh"]["cells"] = cells
+        with unoptimised():
+            state = model_of(planar).solve([0.5])
+        assert state.stable
+        tips.append(state.tip[1])
+    assert tips[0] == pytest.approx(tips[1], rel=0.02) and tips[0] > 0.03
+
+
 def test_a_law_that_loses_its_equilibrium_says_where(planar):
     """Saint Venant-Kirchhoff rubber collapses under compression, before 100 N here."""
     planar["material"] = {"law": "saint-venant-kirchhoff", "E": 9.88e6, "nu": 0.3}
