@@ -35,8 +35,7 @@ def load_scene(path: str | Path) -> Scene:
         SceneError: one line naming file, field, rule and value.
     """
     try:
-        with open(path, "rb") as stream:
-            table = tomllib.load(stream)
+        table = tomllib.loads(Path(path).read_text("utf-8-sig"))
     except OSError as error:
         raise SceneError(f"{path}: {error.strerror or error}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

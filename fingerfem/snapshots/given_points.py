@@ -27,8 +27,11 @@ class GivenPoints:
             ValueError: no such file, other columns, no points, or one outside.
         """
         names = [parameter["name"] for parameter in scene.parameters]
-        with self.file.open(newline="") as stream:
-            rows = [row for row in csv.reader(stream) if row]
+        try:
+            with self.file.open(newline="", encoding="utf-8-sig") as stream:
+                rows = [row for row in csv.reader(stream) if row]
+        except UnicodeDecodeError as error:
+            raise ValueError(f"{self.file}: must be a text file in UTF-8, got {error}") from None
         if not rows or sorted(word.strip() for word in rows[0]) != sorted(names):
             raise ValueError(f"{self.file}: columns must be {','.join(names)}, got {','.join(rows[0]) if rows else ''}")
         order = [[word.strip() for word in rows[0]].index(name) for name in names]

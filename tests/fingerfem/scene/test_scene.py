@@ -94,6 +94,17 @@ def test_a_broken_rule_is_one_line_with_file_field_rule_and_value(case, tmp_path
         assert word in message
 
 
+def test_a_scene_that_begins_with_a_byte_order_mark_is_read(tmp_path):
+    """As editors on Windows write it, with their ends of lines."""
+    plain, marked = tmp_path / "plain.toml", tmp_path / "marked.toml"
+    plain.write_text(DRAFT)
+    marked.write_bytes(b"\xef\xbb\xbf" + DRAFT.replace("\n", "\r\n").encode())
+    assert load_scene(marked) == load_scene(plain)
+    marked.write_bytes(DRAFT.encode("utf-16"))
+    with pytest.raises(SceneError, match="not a TOML file: 'utf-8' codec"):
+        load_scene(marked)
+
+
 def test_channels_that_almost_touch_are_refused_for_the_slivers_they_would_leave(tmp_path):
     file = tmp_path / "scene.toml"
     file.write_text(DRAFT.replace("[20, 5]", "[20, 9]").replace("[0.004, 0.0]", "[0.00399999, 0.0]"))

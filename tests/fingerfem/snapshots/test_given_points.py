@@ -14,7 +14,8 @@ POINTS = [[0.006, 40.0, 8.0], [0.006, 45.0, 0.0], [0.020, 45.0, 0.0]]  # d, F1, 
 
 def test_they_are_the_full_order_model_s_states_there(scene, tmp_path):
     file = tmp_path / "points.csv"
-    file.write_text("d, F1, F2\n" + "\n".join(",".join(map(str, point)) for point in POINTS) + "\n")
+    lines = ["d, F1, F2", *(",".join(map(str, point)) for point in POINTS), ""]
+    file.write_text("\n".join(lines), encoding="utf-8-sig")  # as spreadsheets write it
     run(1, scene, tmp_path / "set", "--points", str(file))
     found, model = SnapshotSet(tmp_path / "set"), FingerModel(load_scene(scene))
     assert found.random("parameters").tolist() == [[f1, f2, d] for d, f1, f2 in POINTS]
@@ -36,12 +37,13 @@ def test_they_are_the_full_order_model_s_states_there(scene, tmp_path):
         ("F1,F2,d\n1,2\n", "must be numbers, got 1,2"),
         ("F1,F2,d\n1,much,0.01\n", "must be numbers, got 1,much,0.01"),
         ("F1,F2,d\n1,2,nan\n", "d must lie in"),
+        ("F1,F2,d\n1,2,0.01\n".encode("utf-16"), "must be a text file in UTF-8"),
         ("F1,F2,d\n1,2,0.01\n1000,2,0.01\n", "got 1000 in point 2"),
     ],
 )
 def test_a_table_that_makes_no_sense_is_one_line(scene, tmp_path, text, words):
     file = tmp_path / "points.csv"
-    file.write_text(text)
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
     line = command(1, scene, tmp_path / "set", "--points", str(file))
     done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 2 and words in done.stderr and "Traceback" not in done.stderr
