@@ -13,7 +13,7 @@ from fingerfem.scene.laws import Table
 from rom.snapshots.grid import SHARE
 
 Length = Annotated[float, Field(ge=1e-6, le=1.0)]  # [m]; a length above 1 m is a length in mm
-Distance = Annotated[float, Field(gt=0, le=1.0)]  # [m]
+Distance = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
 Offset = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
 Position = Annotated[float, Field(ge=0, le=8.0)]  # [m], on eight segments at most
 Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
@@ -100,7 +100,7 @@ class Obstacle(Table):
     rotation: Vector | None = None  # of a box, about its centre: axis times angle [rad]
     rounding: Length | None = None  # radius of a box's edges [m]
     distance: Annotated[list[Distance], Field(min_length=2, max_length=2)]  # [nearest, farthest] [m]
-    method: Literal["penalty", "nitsche"]
+    method: Literal["penalty", "nitsche"] = "penalty"
     stiffness: Annotated[float, Field(ge=1, le=1e6)] | None = None  # of contact, times mesh size over a modulus [-]
     pad: Pad | None = None
 
@@ -123,6 +123,8 @@ class Obstacle(Table):
                 f"rounding must be at most half the shortest side, {min(self.sides) / 2:g} m, got {self.rounding}"
             )
         self._check_direction()
+        if self.is_facing_plane and self.distance[0] <= 0:
+            raise ValueError(f"distance.0 must be above 0 m for the plane y = side/2 + d, got {self.distance[0]}")
         if self.pad is not None and not self.is_facing_plane:
             raise ValueError("pad must be left out unless the obstacle is the plane y = side/2 + d")
         return self
