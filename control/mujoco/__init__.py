@@ -5,6 +5,6 @@ Needs the optional extra: pip install 'fingerfem[mujoco]'.
 
 from control.mujoco.attach import Attached, attach, attach_gripper
 from control.mujoco.plant import MujocoPlant, plants
-from control.mujoco.simulation import Simulation
+from control.mujoco.simulation import Simulation, SimulationStopped
 
-__all__ = ["Attached", "MujocoPlant", "Simulation", "attach", "attach_gripper", "plants"]
+__all__ = ["Attached", "MujocoPlant", "Simulation", "SimulationStopped", "attach", "attach_gripper", "plants"]

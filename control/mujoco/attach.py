@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,12 +10,9 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
+from control.mujoco.rod import CLAMP_SECTIONS, END_SECTIONS, Lump, Rod, united
 from rom import Chain, SegmentMap
 
-# A rod's mass m and length L condensed to its end by the cubic shapes of a bent rod (Guyan, AIAA J. 3, 1965): a rigid
-# body of mass 13/35 m whose centre lies 11/78 L behind the end, with moment (1/105 - 13/35 (11/78)^2) m L^2 about it.
-END_MASS, END_ARM = 13 / 35, 11 / 78
-END_MOMENT = 1 / 105 - END_MASS * END_ARM**2
 STIFF = (0.999, 0.9999, 1e-5, 0.5, 2.0)  # impedance of contacts: MuJoCo's own gives way by millimetres
 FAST = 2.0  # time constant of contacts, in steps: MuJoCo's least
 # Of bodies that overlap by micrometres MuJoCo misses the contact now and then. So a plate is a box smaller by this all
@@ -36,6 +34,7 @@ class Attached:
         plates: names of its plates' bodies, from clamp to tip.
         joints: names of the joints of every plate: three slides along the axes of what holds it, and a ball.
         relaxation: of the rubber [s]: a force on a plate that moves is as much larger as it would be so much later.
+        rods: mass and length of the rubber of every segment.
     """
 
     name: str
@@ -43,6 +42,7 @@ class Attached:
     plates: tuple[str, ...]
     joints: tuple[tuple[str, ...], ...]
     relaxation: float
+    rods: tuple[Rod, ...]
 
 
 def attach(
@@ -93,23 +93,21 @@ def attach(
         if not (least and np.isfinite(value)):
             raise ValueError(f"{what} must be a number that is not negative, the density above 0, got {value}")
     chain = segment if isinstance(segment, Chain) else Chain([segment])
-    half, lengths = chain.half_lengths, chain.scene["geometry"]["segments"]
-    section, plate = 4 * half[1] * half[2], 8 * density * float(np.prod(half))
+    half, plate = chain.half_lengths, 8 * density * float(np.prod(chain.half_lengths))
+    lengths = [length - 2 * half[0] for length in chain.scene["geometry"]["segments"]]
+    rods = [Rod(4 * density * half[1] * half[2] * length, length) for length in lengths]
+    sections, sides = (half @ half - half**2 - [0.0, half[0] ** 2, half[0] ** 2]) / 3, (half @ half - half**2) / 3
     plates, joints = [], []
     body = parent.add_body(name=f"{name} clamp", pos=place, quat=turned / np.linalg.norm(turned))
-    rubber = [density * section * (length - 2 * half[0]) for length in lengths]
-    _weigh(body, (1 - END_MASS) * rubber[0], 0.0, np.full(3, rubber[0] * (half[1] ** 2 + half[2] ** 2)))
-    for k, length in enumerate(lengths):
+    _weigh(body, [rods[0].clamp(0.0)], rods[0].mass * CLAMP_SECTIONS * sections)
+    for k, rod in enumerate(rods):
         before = half[0] if k else 0.0  # a plate's centre lies half a plate before the clamp of the next
-        body = body.add_body(name=f"{name} plate {k}", pos=[before + length - half[0], 0.0, 0.0])
+        body = body.add_body(name=f"{name} plate {k}", pos=[before + rod.length + half[0], 0.0, 0.0])
         plates.append(body.name)
-        end, arm = END_MASS * rubber[k], half[0] + END_ARM * length
-        mass = plate + end + ((1 - END_MASS) * rubber[k + 1] if k + 1 < len(lengths) else 0.0)
-        centre = -end * arm / mass
-        bent = end * arm**2 + END_MOMENT * rubber[k] * length**2 - mass * centre**2
-        sides = plate / 3 * (np.sum(half**2) - half**2)
-        own = sides + np.array([rubber[k] * (half[1] ** 2 + half[2] ** 2) / 9, bent, bent])
-        _weigh(body, mass, centre, own)
+        lumps, turning = [Lump(plate, 0.0, 0.0), rod.end(-half[0])], plate * sides + rod.mass * END_SECTIONS * sections
+        for after in rods[k + 1 : k + 2]:
+            lumps, turning = [*lumps, after.clamp(half[0])], turning + after.mass * CLAMP_SECTIONS * sections
+        _weigh(body, lumps, turning)
         names = tuple(f"{body.name} {kind}" for kind in ("x", "y", "z", "turn"))
         for joint, axis in zip(names[:3], np.eye(3), strict=True):
             body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, **FREE)
@@ -137,7 +135,7 @@ def attach(
             group=5,
             **dict.fromkeys(TOUCHES, 0) | {"condim": 3},
         )
-    return Attached(name, chain, tuple(plates), tuple(joints), relaxation)
+    return Attached(name, chain, tuple(plates), tuple(joints), relaxation, tuple(rods))
 
 
 def attach_gripper(
@@ -174,7 +172,8 @@ def attach_gripper(
     return found
 
 
-def _weigh(body: mujoco.MjsBody, mass: float, centre: float, inertia: np.ndarray) -> None:
-    """Say a body's mass [kg], its centre along x [m] and its moments about that [kg m^2]."""
-    body.explicitinertial, body.mass = True, mass
-    body.ipos, body.inertia = [centre, 0.0, 0.0], inertia
+def _weigh(body: mujoco.MjsBody, lumps: Sequence[Lump], moments: np.ndarray) -> None:
+    """Set a body's inertia: lumps on its x axis, and further moments about x, y, z, shape (3,) [kg m^2]."""
+    one = united(lumps)
+    body.explicitinertial, body.mass = True, one.mass
+    body.ipos, body.inertia = [one.x, 0.0, 0.0], moments + one.moment * np.array([0.0, 1.0, 1.0])

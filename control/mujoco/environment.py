@@ -13,7 +13,7 @@ import gymnasium
 import numpy as np
 
 from control.gripper import Gripper
-from control.mujoco.simulation import Simulation
+from control.mujoco.simulation import Simulation, SimulationStopped
 from control.mujoco.solids import SHAPES, random_error, random_solid
 from control.mujoco.table import table
 from rom import SegmentMap, TouchedSegment
@@ -121,7 +121,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         lost = False
         try:
             simulation.advance(self._taken * self._period)
-        except FloatingPointError:
+        except SimulationStopped:
             lost = True
         self._past = [*self._past[1 - SOON :], simulation.contact_forces()]
         crushed = bool(np.mean(self._past, axis=0).max() > self.solid.admissible_force)

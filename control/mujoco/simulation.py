@@ -9,7 +9,7 @@ that inertia, too, so that a plate is as stiff before them as it is.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -17,51 +17,27 @@ from numpy.typing import ArrayLike
 
 from control.mujoco.attach import FAST, Attached
 from control.mujoco.coulomb import correct
-from control.mujoco.rubber import Rubber
-from rom.segment.inverse_map import InverseMap
+from control.mujoco.spring import Spring, springs_of
 
 LOOKING = 0.005  # [s], from look to look at the rubber, at least
 STICKING = 100.0  # times stiffer than contacts are that which sticks is, at least [-]
 
 
-@dataclass
-class Held:
-    """Where a plate was last that its map knew, (7,); its wrench, force and stiffness there, (6,), (6,) and (6, 6)."""
-
-    position: np.ndarray
-    wrench: np.ndarray
-    force: np.ndarray
-    stiffness: np.ndarray
-
-
-@dataclass(frozen=True)
-class Spring:
-    """One segment's rubber in a compiled model.
+class SimulationStopped(FloatingPointError):
+    """A simulation that cannot go on; the message has the reason.
 
     Attributes:
-        inverse: of its map.
-        finger, pulled: whose it is, and which of that one's tensions are its own.
-        body: of its plate.
-        position: where its seven coordinates begin.
-        velocity: where its six velocities begin.
-        inertia: places of the lower triangle of its block of MuJoCo's inertia, row by row, shape (21,).
-        offset: of its plate's centre from what holds it, undeformed, shape (3,) [m], seen from the clamp.
-        relaxation: [s].
-        held: where it was last that the map knew.
-        rubber: what of it may touch something.
+        time: of the simulation [s].
+        finger: name of the finger that left its domain; None if the motion of the model has no bounds.
+        distance: from its plate to where that was last within the trained domain [m]; nan without a finger.
     """
 
-    inverse: InverseMap
-    finger: int
-    pulled: list[int]
-    body: int
-    position: int
-    velocity: int
-    inertia: np.ndarray
-    offset: np.ndarray
-    relaxation: float
-    held: Held
-    rubber: Rubber
+    def __init__(self, reason: str, time: float, finger: str | None = None, distance: float = np.nan):
+        super().__init__(reason)
+        self.time, self.finger, self.distance = time, finger, distance
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.time, self.finger, self.distance)
 
 
 class Simulation:
@@ -108,7 +84,7 @@ class Simulation:
         self.data = mujoco.MjData(model)
         self.wanted = np.zeros((len(fingers), len(fingers[0].chain.tensions)))
         self.tensions = np.zeros_like(self.wanted)
-        self.springs = [spring for k, one in enumerate(fingers) for spring in self._springs_of(k, one)]
+        self.springs = [spring for k, one in enumerate(fingers) for spring in springs_of(model, self.data, k, one)]
         self._finger_of = np.full(model.ngeom + 1, -1)  # by geom; the last one for none, as of a flex
         for spring in self.springs:
             first = model.body_geomadr[spring.body]
@@ -116,36 +92,6 @@ class Simulation:
         plates = self._finger_of[:-1] >= 0
         model.geom_solref[plates, 0] = FAST * model.opt.timestep
         self.reset()
-
-    def _springs_of(self, finger: int, attached: Attached) -> list[Spring]:
-        model, chain = self.model, attached.chain
-        found: list[Spring] = []
-        own = np.isin(model.geom_bodyid, [model.body(plate).id for plate in attached.plates])
-        for segment, plate, joints in zip(chain.segments, attached.plates, attached.joints, strict=True):
-            joint = model.joint(joints[0]).id
-            body, first = model.body(plate).id, int(model.jnt_dofadr[joint])
-            rows = [first + i for i in range(6)]
-            last = model.M_rowadr[rows] + model.M_rownnz[rows] - 1  # the diagonal's place ends a row
-            inertia = np.array([last[i] - (i - j) for i in range(6) for j in range(i + 1)])
-            if not np.array_equal(model.M_colind[inertia], [first + j for i in range(6) for j in range(i + 1)]):
-                raise ValueError(f"MuJoCo must keep the inertia of {plate!r} as one block")
-            names = segment.names[: segment.tensions]
-            found.append(
-                Spring(
-                    inverse=InverseMap(segment),
-                    finger=finger,
-                    pulled=[chain.tensions.index(name) for name in names],
-                    body=body,
-                    position=int(model.jnt_qposadr[joint]),
-                    velocity=first,
-                    inertia=inertia,
-                    offset=segment.rest,
-                    relaxation=attached.relaxation,
-                    rubber=Rubber(model, segment, plate, own, first=not found),
-                    held=Held(np.zeros(7), np.zeros(6), np.zeros(6), np.zeros((6, 6))),
-                )
-            )
-        return found
 
     @property
     def time(self) -> float:
@@ -161,21 +107,20 @@ class Simulation:
         self.rubbed = np.zeros(len(self.fingers), bool)
         self._looked, self.unsettled = -np.inf, 0
         for spring in self.springs:
-            spring.inverse.forget()
-            spring.held.wrench[:] = 0.0
-            spring.held.position[:] = self.data.qpos[spring.position : spring.position + 7]
+            spring.reset(self.data)
         mujoco.mj_forward(self.model, self.data)
 
     def step(self) -> None:
         """One step of the model.
 
         Raises:
-            FloatingPointError: the model's motion has no bounds any more.
+            SimulationStopped: a finger has left its trained domain by its own length, or the motion has no bounds.
         """
         model, data, h = self.model, self.data, self.model.opt.timestep
         self.tensions += np.clip(self.wanted - self.tensions, -self.rate * h, self.rate * h)
         mujoco.mj_step1(model, data)
         for spring in self.springs:
+            spring.coupling.add()
             force, stiffness = self._pull(spring)
             first, later = spring.velocity, (spring.relaxation + h) * stiffness
             data.qfrc_applied[first : first + 6] = -force - later @ data.qvel[first : first + 6]
@@ -187,28 +132,27 @@ class Simulation:
             )
         mujoco.mj_step2(model, data)
         if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(data.qpos).all():
-            raise FloatingPointError(
-                f"the motion has no bounds any more after {data.time:g} s: a shorter step may help"
-            )
+            raise SimulationStopped(f"motion has no bounds after {data.time:g} s: use a shorter step", data.time)
 
     def _pull(self, spring: Spring) -> tuple[np.ndarray, np.ndarray]:
-        """Force and stiffness of a spring, see `InverseMap.spring`."""
-        inverse, at, held = spring.inverse, spring.position, spring.held
-        place = self.data.qpos[at : at + 7]
-        inverse.find(self.tensions[spring.finger, spring.pulled], spring.offset + place[:3], place[3:])
-        self.left[spring.finger] |= not inverse.inside
-        if inverse.converged:
-            held.position[:], held.wrench[:] = place, inverse.wrench
-            held.force, held.stiffness = inverse.spring()
-            return held.force, held.stiffness
-        self.lost[spring.finger] = True
-        inverse.wrench[:] = held.wrench  # from there it tries again
-        turn, back, relative = np.zeros(3), np.zeros(4), np.zeros(4)
-        mujoco.mju_negQuat(back, held.position[3:])
-        mujoco.mju_mulQuat(relative, back, place[3:])
-        mujoco.mju_quat2Vel(turn, relative, 1.0)
-        moved = np.concatenate([place[:3] - held.position[:3], turn])
-        return held.force + held.stiffness @ moved, held.stiffness
+        """Force and stiffness of a spring; notes where its finger leaves what was trained."""
+        force, stiffness = spring.pull(self.data, self.tensions[spring.finger, spring.pulled])
+        inside, converged = spring.inverse.inside, spring.inverse.converged
+        self.left[spring.finger] |= not inside
+        self.lost[spring.finger] |= not converged
+        if not (inside and converged):
+            self._check(self.fingers[spring.finger], spring.away(self.data))
+        return force, stiffness
+
+    def _check(self, finger: Attached, away: float) -> None:
+        """Stop where a plate is a finger's length from its last position within the trained domain."""
+        length = sum(finger.chain.scene["geometry"]["segments"])
+        if away > length:
+            raise SimulationStopped(
+                f"{finger.name!r} must stay within {length:g} m of its trained domain, got {away:g} m after "
+                f"{self.time:g} s: reduce the load or the acceleration of its base, or train it for more",
+                *(self.time, finger.name, away),
+            )
 
     def advance(self, time: float) -> None:
         """Step until a time [s]."""
