@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
+from control.mujoco import keyframes
 from control.mujoco.rod import CLAMP_SECTIONS, END_SECTIONS, Lump, Rod, united
 from rom import Chain, SegmentMap
 
@@ -31,7 +32,9 @@ class Attached:
     Attributes:
         name: of it; its bodies' names begin so.
         chain: its maps, from clamp to tip.
+        clamp: name of the body that its first segment stands on.
         plates: names of its plates' bodies, from clamp to tip.
+        rubbers: names of the geoms that distances of the rubber are measured with.
         joints: names of the joints of every plate: three slides along the axes of what holds it, and a ball.
         relaxation: of the rubber [s]: a force on a plate that moves is as much larger as it would be so much later.
         rods: mass and length of the rubber of every segment.
@@ -39,10 +42,39 @@ class Attached:
 
     name: str
     chain: Chain
+    clamp: str
     plates: tuple[str, ...]
+    rubbers: tuple[str, ...]
     joints: tuple[tuple[str, ...], ...]
     relaxation: float
     rods: tuple[Rod, ...]
+
+    @property
+    def elements(self) -> list[tuple[mujoco.mjtObj, str]]:
+        """Types and names of all that it has in the model."""
+        kinds = mujoco.mjtObj
+        bodies = [(kinds.mjOBJ_BODY, one) for one in (self.clamp, *self.plates)]
+        joints = [(kinds.mjOBJ_JOINT, one) for names in self.joints for one in names]
+        return [
+            *bodies,
+            *joints,
+            *((kinds.mjOBJ_GEOM, one) for one in (*self.plates, *self.rubbers)),
+        ]
+
+    def renamed(self, prefix: str = "", suffix: str = "") -> Attached:
+        """The same finger, whose model is part of another: `spec.attach(hand, prefix=..., suffix=...)`.
+
+        Example:
+            >>> arm.attach(hand, prefix="left/", site="flange")
+            >>> simulation = Simulation(arm.compile(), [finger.renamed(prefix="left/") for finger in fingers])
+        """
+
+        def new(names: tuple[str, ...]) -> tuple[str, ...]:
+            return tuple(f"{prefix}{name}{suffix}" for name in names)
+
+        name, clamp = new((self.name, self.clamp))
+        plates, rubbers, joints = new(self.plates), new(self.rubbers), tuple(map(new, self.joints))
+        return replace(self, name=name, clamp=clamp, plates=plates, rubbers=rubbers, joints=joints)
 
 
 def attach(
@@ -64,13 +96,13 @@ def attach(
         palm: name of the body that holds it; "world" for none.
         position: of the clamp's middle on that body [m].
         quaternion: of the clamp, w first: x is the finger's axis, y points to what it bends towards.
-        name: of the finger.
+        name: of the finger, of its own in the model.
         relaxation: of the rubber [s], its damping over its stiffness (Kelvin-Voigt); 5 ms if nothing is known.
         density: of rubber and plates [kg/m^3].
         friction: of the plates [-]. MuJoCo takes the larger of both sides': with 0 the object's counts.
 
     Raises:
-        ValueError: no such body, or numbers that cannot be.
+        ValueError: no such body, a name that is in use, a keyframe of another size, or numbers that cannot be.
 
     Example:
         >>> spec = mujoco.MjSpec.from_file("hand.xml")
@@ -92,50 +124,94 @@ def attach(
     ):
         if not (least and np.isfinite(value)):
             raise ValueError(f"{what} must be a number that is not negative, the density above 0, got {value}")
-    chain = segment if isinstance(segment, Chain) else Chain([segment])
-    half, plate = chain.half_lengths, 8 * density * float(np.prod(chain.half_lengths))
+    finger = _named(name, segment if isinstance(segment, Chain) else Chain([segment]), relaxation, density)
+    _require_free(spec, finger)
+    keyframes.check(spec)
+    body = parent.add_body(name=finger.clamp, pos=place, quat=turned / np.linalg.norm(turned))
+    _weigh(body, [finger.rods[0].clamp(0.0)], finger.rods[0].mass * CLAMP_SECTIONS * _sections(finger))
+    for k in range(len(finger.plates)):
+        body = _add_plate(body, finger, k, density)
+        _add_geoms(body, finger, k, friction, spec.option.timestep)
+    keyframes.insert(spec, finger.clamp, len(finger.plates))
+    return finger
+
+
+def _named(name: str, chain: Chain, relaxation: float, density: float) -> Attached:
+    """A finger with the names and masses of its parts."""
+    half = chain.half_lengths
     lengths = [length - 2 * half[0] for length in chain.scene["geometry"]["segments"]]
-    rods = [Rod(4 * density * half[1] * half[2] * length, length) for length in lengths]
-    sections, sides = (half @ half - half**2 - [0.0, half[0] ** 2, half[0] ** 2]) / 3, (half @ half - half**2) / 3
-    plates, joints = [], []
-    body = parent.add_body(name=f"{name} clamp", pos=place, quat=turned / np.linalg.norm(turned))
-    _weigh(body, [rods[0].clamp(0.0)], rods[0].mass * CLAMP_SECTIONS * sections)
-    for k, rod in enumerate(rods):
-        before = half[0] if k else 0.0  # a plate's centre lies half a plate before the clamp of the next
-        body = body.add_body(name=f"{name} plate {k}", pos=[before + rod.length + half[0], 0.0, 0.0])
-        plates.append(body.name)
-        lumps, turning = [Lump(plate, 0.0, 0.0), rod.end(-half[0])], plate * sides + rod.mass * END_SECTIONS * sections
-        for after in rods[k + 1 : k + 2]:
-            lumps, turning = [*lumps, after.clamp(half[0])], turning + after.mass * CLAMP_SECTIONS * sections
-        _weigh(body, lumps, turning)
-        names = tuple(f"{body.name} {kind}" for kind in ("x", "y", "z", "turn"))
-        for joint, axis in zip(names[:3], np.eye(3), strict=True):
-            body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, **FREE)
-        body.add_joint(name=names[3], type=mujoco.mjtJoint.mjJNT_BALL, **FREE)
-        joints.append(names)
-        body.add_geom(
-            name=body.name,
-            type=mujoco.mjtGeom.mjGEOM_BOX,
-            size=half - SKIN,
-            margin=SKIN,
-            mass=0.0,
-            friction=[friction, 0.0, 0.0],
-            **TOUCHES,
-            solref=[FAST * spec.option.timestep, 1.0],
-            solimp=STIFF,
-            solmix=1e6,  # how stiff a contact is, its plate says
-            rgba=[0.2, 0.2, 0.22, 1.0],
-        )
-        # What distances are measured from, see control.mujoco.rubber: it touches nothing and is not seen.
-        body.add_geom(
-            name=f"{body.name} rubber",
-            type=mujoco.mjtGeom.mjGEOM_BOX,
-            size=half,
-            mass=0.0,
-            group=5,
-            **dict.fromkeys(TOUCHES, 0) | {"condim": 3},
-        )
-    return Attached(name, chain, tuple(plates), tuple(joints), relaxation, tuple(rods))
+    plates = tuple(f"{name} plate {k}" for k in range(len(lengths)))
+    return Attached(
+        name=name,
+        chain=chain,
+        clamp=f"{name} clamp",
+        plates=plates,
+        rubbers=tuple(f"{plate} rubber" for plate in plates),
+        joints=tuple(tuple(f"{plate} {kind}" for kind in ("x", "y", "z", "turn")) for plate in plates),
+        relaxation=relaxation,
+        rods=tuple(Rod(4 * density * half[1] * half[2] * length, length) for length in lengths),
+    )
+
+
+def _require_free(spec: mujoco.MjSpec, finger: Attached) -> None:
+    """Raise if the model has an element of a name already."""
+    for kind, one in finger.elements:
+        if getattr(spec, kind.name.removeprefix("mjOBJ_").lower())(one) is not None:
+            raise ValueError(
+                f"name must be free in the model, got {finger.name!r} where {one!r} exists: give another name"
+            )
+
+
+def _sections(finger: Attached) -> np.ndarray:
+    """Moments of the rubber's sections about x, y, z over its mass, shape (3,) [m^2]."""
+    _, y, z = finger.chain.half_lengths**2 / 3
+    return np.array([y + z, z, y])
+
+
+def _add_plate(parent: mujoco.MjsBody, finger: Attached, k: int, density: float) -> mujoco.MjsBody:
+    """Add plate k of a finger, which moves before its parent."""
+    half, rod = finger.chain.half_lengths, finger.rods[k]
+    before = half[0] if k else 0.0  # a plate's centre lies half a plate before the clamp of the next
+    body = parent.add_body(name=finger.plates[k], pos=[before + rod.length + half[0], 0.0, 0.0])
+    mass = 8 * density * float(np.prod(half))
+    lumps, moments = [Lump(mass, 0.0, 0.0), rod.end(-half[0])], mass * (half @ half - half**2) / 3
+    moments += rod.mass * END_SECTIONS * _sections(finger)
+    for after in finger.rods[k + 1 : k + 2]:
+        lumps.append(after.clamp(half[0]))
+        moments += after.mass * CLAMP_SECTIONS * _sections(finger)
+    _weigh(body, lumps, moments)
+    *slides, turn = finger.joints[k]
+    for joint, axis in zip(slides, np.eye(3), strict=True):
+        body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, **FREE)
+    body.add_joint(name=turn, type=mujoco.mjtJoint.mjJNT_BALL, **FREE)
+    return body
+
+
+def _add_geoms(body: mujoco.MjsBody, finger: Attached, k: int, friction: float, step: float) -> None:
+    """Add what of a plate touches, and the geom that distances are measured from."""
+    half = finger.chain.half_lengths
+    body.add_geom(
+        name=body.name,
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=half - SKIN,
+        margin=SKIN,
+        mass=0.0,
+        friction=[friction, 0.0, 0.0],
+        **TOUCHES,
+        solref=[FAST * step, 1.0],
+        solimp=STIFF,
+        solmix=1e6,  # how stiff a contact is, its plate says
+        rgba=[0.2, 0.2, 0.22, 1.0],
+    )
+    # What distances are measured from, see control.mujoco.rubber: it touches nothing and is not seen.
+    body.add_geom(
+        name=finger.rubbers[k],
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=half,
+        mass=0.0,
+        group=5,
+        **dict.fromkeys(TOUCHES, 0) | {"condim": 3},
+    )
 
 
 def attach_gripper(
@@ -144,6 +220,7 @@ def attach_gripper(
     palm: str,
     fingers: int = 3,
     radius: float = 0.025,
+    name: str = "finger",
     **options: Any,
 ) -> list[Attached]:
     """Mount fingers evenly around the z axis of a body, as `control.Gripper` has them; they point along -z.
@@ -154,6 +231,7 @@ def attach_gripper(
         palm: name of the body that holds them.
         fingers: how many.
         radius: of the circle that their surfaces stand on [m].
+        name: of the fingers, which a number follows: "finger 0" and so on.
         options: see `attach`.
 
     Raises:
@@ -168,7 +246,8 @@ def attach_gripper(
         down = np.array([0.0, 0.0, -1.0])
         frame, quaternion = np.column_stack([down, -out, np.cross(down, -out)]), np.zeros(4)
         mujoco.mju_mat2Quat(quaternion, frame.ravel())
-        found.append(attach(spec, segment, palm, (radius + side / 2) * out, quaternion, name=f"finger {k}", **options))
+        place = (radius + side / 2) * out
+        found.append(attach(spec, segment, palm, place, quaternion, name=f"{name} {k}", **options))
     return found
 
 

@@ -23,16 +23,19 @@ class Rubber:
         model: compiled.
         segment: its map.
         plate: name of its plate's body.
+        rubber: name of the geom that distances are measured with.
         own: which geoms belong to the finger, shape (geoms,).
         first: whether it begins in the clamp, not on another plate.
     """
 
-    def __init__(self, model: mujoco.MjModel, segment: SegmentMap, plate: str, own: np.ndarray, first: bool):
+    def __init__(
+        self, model: mujoco.MjModel, segment: SegmentMap, plate: str, rubber: str, own: np.ndarray, first: bool
+    ):
         self._segment, self._body = segment, model.body(plate).id
         self._before, half = model.body_parentid[self._body], segment.half_lengths
         y, z = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([-1.0, 1.0, -1.0, 1.0])
         self._begins = np.column_stack([np.full(4, 0.0 if first else half[0]), half[1] * y, half[2] * z])
-        self._probe = model.geom(f"{plate} rubber").id
+        self._probe = model.geom(rubber).id
         collides = (model.geom_contype > 0) | (model.geom_conaffinity > 0)
         others = collides & ~own & (np.arange(model.ngeom) != self._probe)
         flat = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE

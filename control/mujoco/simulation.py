@@ -64,12 +64,15 @@ class Simulation:
         coulomb: whether plates slide by Coulomb's law; else by MuJoCo's own relaxation of it, which takes less time.
 
     Raises:
-        ValueError: no fingers, or of different kinds; a solver or an integrator that a step cannot be made with.
+        ValueError: no fingers, of different kinds, or one twice; a part of a finger that the model does not have; a
+            solver or an integrator that a step cannot be made with.
     """
 
     def __init__(self, model: mujoco.MjModel, fingers: Sequence[Attached], rate: float = 500.0, coulomb: bool = True):
         if not fingers or len({len(one.chain.tensions) for one in fingers}) > 1:
             raise ValueError("fingers must be at least one, all with the same number of tensions")
+        if len({one.clamp for one in fingers}) < len(fingers):
+            raise ValueError(f"fingers must differ in their names, got {', '.join(one.name for one in fingers)}")
         if model.opt.integrator not in (mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtIntegrator.mjINT_IMPLICITFAST):
             raise ValueError("integrator must be Euler or implicitfast: others take several stages in a step")
         if model.opt.solver == mujoco.mjtSolver.mjSOL_PGS or model.opt.noslip_iterations:
@@ -98,9 +101,17 @@ class Simulation:
         """[s]."""
         return float(self.data.time)
 
-    def reset(self) -> None:
-        """Fingers at rest without tensions; everything else as the model says."""
-        mujoco.mj_resetData(self.model, self.data)
+    def reset(self, keyframe: str | None = None) -> None:
+        """Fingers at rest without tensions; everything else as the model says, or a keyframe of it.
+
+        Raises:
+            ValueError: no such keyframe.
+        """
+        key = -1 if keyframe is None else mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_KEY, keyframe)
+        if keyframe is not None and key < 0:
+            names = [self.model.key(k).name for k in range(self.model.nkey)]
+            raise ValueError(f"keyframe must be one of {names}, got {keyframe!r}")
+        mujoco.mj_resetDataKeyframe(self.model, self.data, key)  # -1: none
         self.wanted[:], self.tensions[:] = 0.0, 0.0
         self.left = np.zeros(len(self.fingers), bool)
         self.lost = np.zeros(len(self.fingers), bool)

@@ -12,6 +12,10 @@ from control.mujoco.rod import Coupling
 from control.mujoco.rubber import Rubber
 from rom.segment.inverse_map import InverseMap
 
+BODY = mujoco.mjtObj.mjOBJ_BODY
+# What a compiler of MuJoCo's may do to bodies and geoms that look superfluous, and to masses.
+KEEP = "compile it without fusestatic, discardvisual, settotalmass and boundmass"
+
 
 @dataclass
 class Held:
@@ -90,17 +94,35 @@ class Spring:
         return float(np.sqrt(away @ away))
 
 
+def check(model: mujoco.MjModel, finger: Attached) -> None:
+    """Check that a compiled model has a finger as it was attached.
+
+    Raises:
+        ValueError: parts are missing or renamed, or have another mass.
+    """
+    for kind, name in finger.elements:
+        if mujoco.mj_name2id(model, kind, name) < 0:
+            others = [mujoco.mj_id2name(model, kind, k) or "" for k in range(model.nbody if kind == BODY else 0)]
+            (prefix, suffix), *_ = [*(one.split(name) for one in others if one.count(name) == 1), ("", "")]
+            advice = f"use Attached.renamed(prefix={prefix!r}, suffix={suffix!r})" if prefix or suffix else KEEP
+            raise ValueError(f"model must have {name!r} of {finger.name!r}, got none: {advice}")
+    mass, expected = model.body(finger.clamp).mass[0], finger.rods[0].clamp(0.0).mass
+    if not np.isclose(mass, expected):
+        raise ValueError(f"mass of {finger.clamp!r} must be {expected:g} kg, got {mass:g} kg: {KEEP}")
+
+
 def springs_of(model: mujoco.MjModel, data: mujoco.MjData, finger: int, attached: Attached) -> list[Spring]:
     """The segments of a finger in a compiled model, from clamp to tip.
 
     Raises:
-        ValueError: MuJoCo stores the inertia in another form.
+        ValueError: a part of it is missing in the model, or MuJoCo stores the inertia in another form.
     """
+    check(model, attached)
     chain, half = attached.chain, float(attached.chain.half_lengths[0])
     found: list[Spring] = []
     own = np.isin(model.geom_bodyid, [model.body(plate).id for plate in attached.plates])
-    parts = zip(chain.segments, attached.plates, attached.joints, attached.rods, strict=True)
-    for segment, plate, joints, rod in parts:
+    parts = zip(chain.segments, attached.plates, attached.rubbers, attached.joints, attached.rods, strict=True)
+    for segment, plate, geom, joints, rod in parts:
         joint = model.joint(joints[0]).id
         body, first = model.body(plate).id, int(model.jnt_dofadr[joint])
         rows = [first + i for i in range(6)]
@@ -120,7 +142,7 @@ def springs_of(model: mujoco.MjModel, data: mujoco.MjData, finger: int, attached
                 inertia=inertia,
                 offset=segment.rest,
                 relaxation=attached.relaxation,
-                rubber=Rubber(model, segment, plate, own, first=not found),
+                rubber=Rubber(model, segment, plate, geom, own, first=not found),
                 coupling=Coupling(model, data, body, half if found else 0.0, -half, rod),
                 held=Held(np.zeros(7), np.zeros(6), np.zeros(6), np.zeros((6, 6)), np.zeros(3)),
             )
