@@ -15,7 +15,7 @@ from typing import Any
 from rom.checked_file import ModelError
 from rom.export.fmu import description
 from rom.export.fmu.numbers import definitions, literal
-from rom.export.fmu.variables import Interface, controller_interface, model_interface
+from rom.export.fmu.variables import OUTPUTS, Interface, Variable, controller_interface, model_interface
 from rom.export.model import MODEL, errors_of
 from rom.native import FLAGS, compiler
 from rom.segment.touched_segment import TouchedSegment
@@ -113,6 +113,8 @@ def numbers(model: Surrogate | TouchedSegment, interface: Interface) -> str:
     """C of a model's numbers, without the shape that only a picture needs; all but the token."""
     lines, name = definitions(model_struct(model))
     starts = [one.start for one in interface.variables if one.start is not None]
+    outputs = [one for one in interface.of("output") if one.kind == "Real"]
+    smooth = [one for one in outputs if interface.differentiable and not one.discrete]
     return "\n".join(
         [
             "/* Generated: a trained model's numbers, see rom/export/fmu/native/fmu.h. */",
@@ -120,11 +122,17 @@ def numbers(model: Surrogate | TouchedSegment, interface: Interface) -> str:
             '#include "rom/export/fmu/native/fmu.h"',
             *lines,
             f"const fingerfem_model *const fmu_model = {name};",
-            f"const int fmu_inputs = {len(starts)};",
+            f"const int fmu_inputs = {len(starts)}, fmu_parameters = {len(interface.of('parameter'))};",
+            f"const uint32_t fmu_outputs = {mask(outputs)}, fmu_differentiable = {mask(smooth)};",
             f"const double fmu_starts[] = {{{', '.join(literal(float(start), 'double') for start in starts)}}};",
             "",
         ]
     )
+
+
+def mask(outputs: list[Variable]) -> int:
+    """Bits of outputs, by their value references."""
+    return sum(1 << (one.reference - OUTPUTS) for one in outputs)
 
 
 def model_struct(model: Surrogate | TouchedSegment) -> Any:

@@ -17,7 +17,7 @@ void fmu_reset(fmu_instance *fmu)
 {
     memset(&fmu->state, 0, sizeof fmu->state);
     memcpy(fmu->state.inputs, fmu_starts, (size_t)fmu_inputs * sizeof *fmu_starts);
-    fmu->stop = INFINITY;
+    fmu->state.stop = INFINITY;
 }
 
 int fmu_begin(fmu_instance *fmu, const char *token)
@@ -34,7 +34,7 @@ int fmu_experiment(fmu_instance *fmu, double start, int has_stop, double stop)
 {
     if (fmu->state.phase != FMU_INSTANTIATED || !isfinite(start) || (has_stop && !(stop >= start))) return FMU_ERROR;
     fmu->state.time = start;
-    fmu->stop = has_stop ? stop : INFINITY;
+    fmu->state.stop = has_stop ? stop : INFINITY;
     return FMU_OK;
 }
 
@@ -57,7 +57,7 @@ int fmu_step(fmu_instance *fmu, double from, double step)
 {
     fmu_state *state = &fmu->state;
     if (state->phase != FMU_STEPPING || !isfinite(from) || !isfinite(step) || !(step > 0.0)) return FMU_ERROR;
-    if (from + step > fmu->stop + ROUND_OFF * fmax(step, fabs(fmu->stop))) return FMU_ERROR;
+    if (from + step > state->stop + ROUND_OFF * fmax(step, fabs(state->stop))) return FMU_ERROR;
     know(fmu);
     fmu_keep(state);
     state->stepped = 1;
@@ -65,13 +65,19 @@ int fmu_step(fmu_instance *fmu, double from, double step)
     return FMU_OK;
 }
 
-/* Where a number is, and which of its kind; NULL if there is none. */
+/* Whether a reference is an output of a mask. */
+static int is_output(uint32_t reference, uint32_t mask)
+{
+    const uint32_t row = reference - FMU_OUTPUTS; /* a smaller reference becomes a large number */
+    return row < FMU_MOST_OUTPUTS && mask >> row & 1;
+}
+
+/* Where a number is; NULL if it is no variable. */
 static double *number(fmu_instance *fmu, uint32_t reference)
 {
-    if (reference == FMU_TIME) return &fmu->state.time;
+    if (reference == FMU_TIME) return fmu_shows_time ? &fmu->state.time : NULL;
     if (reference < FMU_INPUTS + (uint32_t)fmu_inputs) return fmu->state.inputs + (reference - FMU_INPUTS);
-    if (reference < FMU_OUTPUTS || reference >= FMU_OUTPUTS + FMU_MOST_OUTPUTS) return NULL;
-    return fmu->state.outputs + (reference - FMU_OUTPUTS);
+    return is_output(reference, fmu_outputs) ? fmu->state.outputs + (reference - FMU_OUTPUTS) : NULL;
 }
 
 int fmu_get(fmu_instance *fmu, const uint32_t *references, size_t count, double *values)
@@ -87,8 +93,11 @@ int fmu_get(fmu_instance *fmu, const uint32_t *references, size_t count, double 
 
 int fmu_set(fmu_instance *fmu, const uint32_t *references, size_t count, const double *values)
 {
+    const int phase = fmu->state.phase, changing = fmu_inputs - (phase < FMU_STEPPING ? 0 : fmu_parameters);
     for (size_t i = 0; i < count; i++) {
-        double *found = references[i] == FMU_TIME || references[i] >= FMU_OUTPUTS ? NULL : number(fmu, references[i]);
+        const uint32_t reference = references[i];
+        const int is_input = reference >= FMU_INPUTS && reference < FMU_INPUTS + (uint32_t)changing;
+        double *found = is_input && phase < FMU_TERMINATED ? number(fmu, reference) : NULL;
         if (!found) return FMU_ERROR;
         if (*found != values[i]) fmu->state.known = 0; /* also of what is no number */
         *found = values[i];
@@ -117,8 +126,8 @@ int fmu_derivative(fmu_instance *fmu, const uint32_t *unknowns, size_t unknown_c
 {
     know(fmu);
     for (size_t i = 0; i < unknown_count; i++) {
-        const uint32_t row = unknowns[i] - FMU_OUTPUTS; /* what is less than it becomes large */
-        if (row >= FMU_MOST_OUTPUTS) return FMU_ERROR;
+        if (!is_output(unknowns[i], fmu_differentiable)) return FMU_ERROR;
+        const uint32_t row = unknowns[i] - FMU_OUTPUTS;
         sensitivity[i] = 0.0;
         for (size_t k = 0; k < known_count; k++) {
             const uint32_t column = knowns[k] - FMU_INPUTS;
@@ -130,20 +139,67 @@ int fmu_derivative(fmu_instance *fmu, const uint32_t *unknowns, size_t unknown_c
     return FMU_OK;
 }
 
-int fmu_read_state(const void *bytes, size_t size, void **state)
+/* FNV-1a of all but the hash itself: one byte that differs changes it. */
+static uint64_t hash_of(const fmu_saved *saved)
 {
-    if (!bytes || !state || size != sizeof(fmu_state)) return FMU_ERROR;
-    if (!*state) *state = malloc(size);
+    uint64_t found = 14695981039346656037ULL;
+    const uint8_t *bytes = (const uint8_t *)saved;
+    for (size_t i = 0; i < offsetof(fmu_saved, hash); i++) found = (found ^ bytes[i]) * 1099511628211ULL;
+    return found;
+}
+
+static const char FORMAT[16] = "fingerfem state";
+
+/* Why a state cannot be used here; NULL if it can. */
+static const char *refusal(const fmu_saved *saved)
+{
+    if (memcmp(saved->format, FORMAT, sizeof FORMAT)) return "state must be one of fingerfem";
+    if (saved->version != FMU_STATE_VERSION) return "state must be of this version of the format";
+    if (saved->kind != fmu_kind) return "state must be of the same kind of FMU, a finger or a controller";
+    if (strncmp(saved->token, fmu_token, FMU_TOKEN_SIZE))
+        return "state must be of the same FMU: its model hash or version of FMI differs";
+    return saved->hash == hash_of(saved) ? NULL : "state must be as it was written, but its hash differs";
+}
+
+int fmu_get_state(const fmu_instance *fmu, void **state)
+{
+    if (!state) return FMU_ERROR;
+    if (!*state) *state = calloc(1, sizeof(fmu_saved));
     if (!*state) return FMU_ERROR;
-    memcpy(*state, bytes, size);
+    fmu_saved *saved = *state;
+    memset(saved, 0, sizeof *saved);
+    memcpy(saved->format, FORMAT, sizeof FORMAT);
+    saved->version = FMU_STATE_VERSION;
+    saved->kind = fmu_kind;
+    strncpy(saved->token, fmu_token, FMU_TOKEN_SIZE - 1);
+    memcpy(&saved->state, &fmu->state, sizeof fmu->state);
+    saved->hash = hash_of(saved);
     return FMU_OK;
 }
 
-int fmu_get_state(const fmu_instance *fmu, void **state) { return fmu_read_state(&fmu->state, sizeof fmu->state, state); }
-
-int fmu_set_state(fmu_instance *fmu, const void *state)
+const char *fmu_set_state(fmu_instance *fmu, const void *state)
 {
-    if (!state) return FMU_ERROR;
-    memcpy(&fmu->state, state, sizeof fmu->state);
-    return FMU_OK;
+    const char *why = state ? refusal(state) : "state must be given";
+    if (!why) memcpy(&fmu->state, &((const fmu_saved *)state)->state, sizeof fmu->state);
+    return why;
+}
+
+const char *fmu_serialise(const void *state, void *bytes, size_t size)
+{
+    if (!state || !bytes || size != sizeof(fmu_saved)) return "state must have its own size";
+    memcpy(bytes, state, size);
+    return NULL;
+}
+
+const char *fmu_deserialise(const void *bytes, size_t size, void **state)
+{
+    fmu_saved saved;
+    if (!bytes || !state || size != sizeof saved) return "state must have its own size";
+    memcpy(&saved, bytes, size); /* bytes may lie anywhere */
+    const char *why = refusal(&saved);
+    if (why) return why;
+    if (!*state) *state = malloc(size);
+    if (!*state) return "there is no memory";
+    memcpy(*state, &saved, size);
+    return NULL;
 }

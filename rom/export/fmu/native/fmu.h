@@ -26,26 +26,43 @@ enum { FMU_INSTANTIATED, FMU_INITIALISING, FMU_STEPPING, FMU_TERMINATED };
 
 /* All that changes. It has no addresses, so that a copy is all there is to keep. */
 typedef struct {
+    double stop; /* no step may end later [s] */
     double time, inputs[FMU_MOST_INPUTS], outputs[FMU_MOST_OUTPUTS];
     double jacobian[FMU_MOST_OUTPUTS * FMU_MOST_INPUTS]; /* of outputs by inputs, where the kind has derivatives */
     double kept[FMU_MOST_INPUTS];                        /* what a controller keeps from the last step */
     int32_t known, flag, status, phase, stepped;         /* known: the outputs are those of the inputs */
 } fmu_state;
 
+/* A state outside of an instance, as it is serialised too: whose it is, and a hash of all that comes before the hash. */
+enum { FMU_STATE_VERSION = 1, FMU_TOKEN_SIZE = 40 };
+enum { FMU_MODEL = 1, FMU_CONTROLLER = 2 };
+typedef struct {
+    char format[16];             /* "fingerfem state" */
+    int32_t version, kind;       /* FMU_STATE_VERSION; FMU_MODEL or FMU_CONTROLLER */
+    char token[FMU_TOKEN_SIZE];  /* hash of the model and of all sources */
+    fmu_state state;
+    uint64_t hash;
+} fmu_saved;
+
 typedef struct {
     fmu_state state;
-    double stop; /* no step may end later [s] */
-    void *own;   /* of the kind */
+    void *own; /* of the kind */
 } fmu_instance;
 
-/* Generated: what names this FMU, how many inputs it has and where they start, and the model. */
+/* Generated: the token of this FMU, the number of its inputs and where they start, and the model. The last inputs are
+ * parameters, fixed after initialisation. Outputs that are variables, and those with derivatives, are bits of a mask. */
 extern const char fmu_token[];
-extern const int fmu_inputs;
+extern const int fmu_inputs, fmu_parameters;
+extern const uint32_t fmu_outputs, fmu_differentiable;
 extern const double fmu_starts[];
 extern const fingerfem_model *const fmu_model;
 
-/* The kind: what an instance needs, 0 if there is no memory for it; outputs, flag, status and derivatives of a state's
- * inputs, all of them finite; and what is kept from a step. */
+/* The version of FMI: whether time is a variable. */
+extern const int fmu_shows_time;
+
+/* The kind: FMU_MODEL or FMU_CONTROLLER; what an instance needs, 0 if there is no memory for it; outputs, flag, status
+ * and derivatives of a state's inputs, all of them finite; and what is kept from a step. */
+extern const int32_t fmu_kind;
 int fmu_open(void **own);
 void fmu_answer(void *own, fmu_state *state);
 void fmu_keep(fmu_state *state);
@@ -69,8 +86,9 @@ int fmu_get_status(fmu_instance *fmu, uint32_t reference, int32_t *value);
 int fmu_derivative(fmu_instance *fmu, const uint32_t *unknowns, size_t unknown_count, const uint32_t *knowns,
                    size_t known_count, const double *seed, double *sensitivity);
 
-/* States: made or written to, put back, and freed. */
+/* States: made or written to, put back, and freed; or read from bytes. The last three return NULL or why not. */
 int fmu_get_state(const fmu_instance *fmu, void **state);
-int fmu_set_state(fmu_instance *fmu, const void *state);
-int fmu_read_state(const void *bytes, size_t size, void **state);
+const char *fmu_set_state(fmu_instance *fmu, const void *state);
+const char *fmu_serialise(const void *state, void *bytes, size_t size);
+const char *fmu_deserialise(const void *bytes, size_t size, void **state);
 #endif

@@ -3,6 +3,8 @@
 #include <string.h>
 #include "fmu.h"
 
+const int fmu_shows_time = 0;
+
 #define CO_SIMULATION 1         /* of the kinds that an FMU may be instantiated as */
 #define LAST_SUCCESSFUL_TIME 2  /* of the statuses that may be asked for */
 
@@ -35,6 +37,9 @@ static int said(void *c, int status, const char *message)
     if (status >= FMU_ERROR && own && own->logs) log_error(&own->called, own->name, message);
     return status;
 }
+
+/* An error with its reason, or FMU_OK without one. */
+static int unless(void *c, const char *reason) { return reason ? said(c, FMU_ERROR, reason) : FMU_OK; }
 
 static fmu_instance *fmu_of(void *c) { return &((component *)c)->fmu; }
 
@@ -108,7 +113,9 @@ FMU_EXPORT int fmi2GetReal(void *c, const uint32_t references[], size_t count, d
 
 FMU_EXPORT int fmi2SetReal(void *c, const uint32_t references[], size_t count, const double values[])
 {
-    return c ? said(c, fmu_set(fmu_of(c), references, count, values), "there is no such Real input") : FMU_ERROR;
+    if (!c) return FMU_ERROR;
+    return said(c, fmu_set(fmu_of(c), references, count, values),
+                "Real must be an input, or a parameter before the end of initialization");
 }
 
 FMU_EXPORT int fmi2GetInteger(void *c, const uint32_t references[], size_t count, int values[])
@@ -144,7 +151,7 @@ FMU_EXPORT int fmi2GetFMUstate(void *c, void **state)
 
 FMU_EXPORT int fmi2SetFMUstate(void *c, void *state)
 {
-    return c ? said(c, fmu_set_state(fmu_of(c), state), "state must be given") : FMU_ERROR;
+    return c ? unless(c, fmu_set_state(fmu_of(c), state)) : FMU_ERROR;
 }
 
 FMU_EXPORT int fmi2FreeFMUstate(void *c, void **state)
@@ -159,20 +166,18 @@ FMU_EXPORT int fmi2FreeFMUstate(void *c, void **state)
 FMU_EXPORT int fmi2SerializedFMUstateSize(void *c, void *state, size_t *size)
 {
     (void)c, (void)state;
-    *size = sizeof(fmu_state);
+    *size = sizeof(fmu_saved);
     return FMU_OK;
 }
 
 FMU_EXPORT int fmi2SerializeFMUstate(void *c, void *state, char bytes[], size_t size)
 {
-    void *to = bytes;
-    return said(c, state && bytes && size == sizeof(fmu_state) ? fmu_read_state(state, size, &to) : FMU_ERROR,
-                "state must have its own size");
+    return unless(c, fmu_serialise(state, bytes, size));
 }
 
 FMU_EXPORT int fmi2DeSerializeFMUstate(void *c, const char bytes[], size_t size, void **state)
 {
-    return said(c, fmu_read_state(bytes, size, state), "state must have its own size");
+    return unless(c, fmu_deserialise(bytes, size, state));
 }
 
 FMU_EXPORT int fmi2GetDirectionalDerivative(void *c, const uint32_t unknowns[], size_t unknown_count,
@@ -181,7 +186,7 @@ FMU_EXPORT int fmi2GetDirectionalDerivative(void *c, const uint32_t unknowns[], 
 {
     if (!c) return FMU_ERROR;
     return said(c, fmu_derivative(fmu_of(c), unknowns, unknown_count, knowns, known_count, seed, sensitivity),
-                "derivatives must be of Real outputs by inputs");
+                "derivatives must be declared, and of continuous Real outputs by inputs");
 }
 
 FMU_EXPORT int fmi2DoStep(void *c, double from, double step, int no_return)

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include "fmu.h"
 
+const int fmu_shows_time = 1;
+
 typedef void (*logger)(void *environment, int status, const char *category, const char *message);
 
 typedef struct {
@@ -20,6 +22,9 @@ static int said(void *c, int status, const char *message)
     return status;
 }
 
+/* An error with its reason, or FMU_OK without one. */
+static int unless(void *c, const char *reason) { return reason ? said(c, FMU_ERROR, reason) : FMU_OK; }
+
 static fmu_instance *fmu_of(void *c) { return &((instance *)c)->fmu; }
 
 FMU_EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
@@ -36,8 +41,8 @@ FMU_EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token
                                              bool logs, bool events, bool early, const uint32_t between[],
                                              size_t between_count, void *environment, logger log, void (*update)(void))
 {
-    (void)name, (void)resources, (void)visible, (void)early, (void)between, (void)between_count, (void)update;
-    instance *own = events ? NULL : calloc(1, sizeof *own);
+    (void)name, (void)resources, (void)visible, (void)early, (void)between, (void)update;
+    instance *own = events || between_count ? NULL : calloc(1, sizeof *own);
     if (own && fmu_begin(&own->fmu, token)) {
         own->log = log;
         own->environment = environment;
@@ -45,7 +50,9 @@ FMU_EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token
         return own;
     }
     free(own);
-    if (log) log(environment, FMU_ERROR, "logStatusError", "must be instantiated with its own token, without event mode, and have memory");
+    if (log)
+        log(environment, FMU_ERROR, "logStatusError",
+            "must be instantiated with its own token, without event mode or intermediate variables, and have memory");
     return NULL;
 }
 
@@ -91,7 +98,8 @@ FMU_EXPORT int fmi3GetFloat64(void *c, const uint32_t references[], size_t count
 FMU_EXPORT int fmi3SetFloat64(void *c, const uint32_t references[], size_t count, const double values[], size_t numbers)
 {
     if (!c || numbers != count) return said(c, FMU_ERROR, "as many values as variables must be given");
-    return said(c, fmu_set(fmu_of(c), references, count, values), "there is no such Float64 input");
+    return said(c, fmu_set(fmu_of(c), references, count, values),
+                "Float64 must be an input, or a parameter before the end of initialization");
 }
 
 /* Enumerations are of this type. */
@@ -124,7 +132,7 @@ FMU_EXPORT int fmi3GetFMUState(void *c, void **state)
 
 FMU_EXPORT int fmi3SetFMUState(void *c, void *state)
 {
-    return c ? said(c, fmu_set_state(fmu_of(c), state), "state must be given") : FMU_ERROR;
+    return c ? unless(c, fmu_set_state(fmu_of(c), state)) : FMU_ERROR;
 }
 
 FMU_EXPORT int fmi3FreeFMUState(void *c, void **state)
@@ -139,20 +147,18 @@ FMU_EXPORT int fmi3FreeFMUState(void *c, void **state)
 FMU_EXPORT int fmi3SerializedFMUStateSize(void *c, void *state, size_t *size)
 {
     (void)c, (void)state;
-    *size = sizeof(fmu_state);
+    *size = sizeof(fmu_saved);
     return FMU_OK;
 }
 
 FMU_EXPORT int fmi3SerializeFMUState(void *c, void *state, uint8_t bytes[], size_t size)
 {
-    void *to = bytes;
-    return said(c, state && bytes && size == sizeof(fmu_state) ? fmu_read_state(state, size, &to) : FMU_ERROR,
-                "state must have its own size");
+    return unless(c, fmu_serialise(state, bytes, size));
 }
 
 FMU_EXPORT int fmi3DeserializeFMUState(void *c, const uint8_t bytes[], size_t size, void **state)
 {
-    return said(c, fmu_read_state(bytes, size, state), "state must have its own size");
+    return unless(c, fmu_deserialise(bytes, size, state));
 }
 
 FMU_EXPORT int fmi3GetDirectionalDerivative(void *c, const uint32_t unknowns[], size_t unknown_count,
@@ -162,7 +168,7 @@ FMU_EXPORT int fmi3GetDirectionalDerivative(void *c, const uint32_t unknowns[], 
     if (!c || seeds != known_count || sensitivities != unknown_count)
         return said(c, FMU_ERROR, "as many numbers as variables must be given");
     return said(c, fmu_derivative(fmu_of(c), unknowns, unknown_count, knowns, known_count, seed, sensitivity),
-                "derivatives must be of Float64 outputs by inputs");
+                "derivatives must be declared, and of continuous Float64 outputs by inputs");
 }
 
 FMU_EXPORT int fmi3DoStep(void *c, double from, double step, bool no_return, bool *event, bool *terminate, bool *early,

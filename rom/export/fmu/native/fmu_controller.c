@@ -17,6 +17,8 @@ typedef struct {
     double atlas[];
 } controller;
 
+const int32_t fmu_kind = FMU_CONTROLLER;
+
 int fmu_open(void **own)
 {
     controller *made = malloc(sizeof *made + (size_t)control_standalone_size(fmu_model) * sizeof *made->atlas);

@@ -4,6 +4,8 @@
 #include <string.h>
 #include "fmu.h"
 
+const int32_t fmu_kind = FMU_MODEL;
+
 int fmu_open(void **own)
 {
     *own = NULL; /* solves need no memory between them */
