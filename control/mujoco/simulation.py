@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from control.mujoco.attach import FAST, Attached
 from control.mujoco.coulomb import correct
-from control.mujoco.spring import Spring, springs_of
+from control.mujoco.spring import LOWER, Spring, springs_of
 
 LOOKING = 0.005  # [s], from look to look at the rubber, at least
 STICKING = 100.0  # times stiffer than contacts are that which sticks is, at least [-]
@@ -94,6 +94,8 @@ class Simulation:
             self._finger_of[first : first + model.body_geomnum[spring.body]] = spring.finger
         plates = self._finger_of[:-1] >= 0
         model.geom_solref[plates, 0] = FAST * model.opt.timestep
+        for spring in self.springs:
+            spring.weigh(model, self.data)
         self.reset()
 
     @property
@@ -135,7 +137,7 @@ class Simulation:
             force, stiffness = self._pull(spring)
             first, later = spring.velocity, (spring.relaxation + h) * stiffness
             data.qfrc_applied[first : first + 6] = -force - later @ data.qvel[first : first + 6]
-            data.M[spring.inertia] += h * later[_LOWER]
+            data.M[spring.inertia] += h * later[LOWER]
         mujoco.mj_factorM(model, data)
         if self._coulomb:
             self.unsettled += not correct(
@@ -219,6 +221,3 @@ class Simulation:
         if wanted.shape != lower.shape or not np.all((wanted >= lower) & (wanted <= upper)):
             raise ValueError(f"tensions must be from {lower.tolist()} to {upper.tolist()} N, got {wanted.tolist()}")
         self.wanted[finger] = wanted
-
-
-_LOWER = np.tril_indices(6)

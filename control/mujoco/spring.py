@@ -12,6 +12,7 @@ from control.mujoco.rod import Coupling
 from control.mujoco.rubber import Rubber
 from rom.segment.inverse_map import InverseMap
 
+LOWER = np.tril_indices(6)
 BODY = mujoco.mjtObj.mjOBJ_BODY
 # What a compiler of MuJoCo's may do to bodies and geoms that look superfluous, and to masses.
 KEEP = "compile it without fusestatic, discardvisual, settotalmass and boundmass"
@@ -68,6 +69,20 @@ class Spring:
         self.held.wrench[:] = 0.0
         self.held.position[:] = data.qpos[self.position : self.position + 7]
         self.held.trained[:] = self.held.position[:3]
+
+    def weigh(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Set the plate's inverse inertia that MuJoCo scales its contacts with: at rest, with the rubber of a step.
+
+        MuJoCo's own has the plate alone. Contacts of a plate that is light before stiff rubber would give way.
+        """
+        mujoco.mj_resetData(model, data)
+        mujoco.mj_forward(model, data)
+        self.reset(data)
+        _, stiffness = self.pull(data, np.zeros(len(self.pulled)))
+        own, h = np.zeros((6, 6)), model.opt.timestep
+        own[LOWER] = data.M[self.inertia]
+        inverse = np.linalg.inv(own + np.tril(own, -1).T + h * (self.relaxation + h) * stiffness)
+        model.body_invweight0[self.body] = np.trace(inverse[:3, :3]) / 3, np.trace(inverse[3:, 3:]) / 3
 
     def pull(self, data: mujoco.MjData, tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Force and stiffness at the current position, see `InverseMap.spring`; linear where the map has no pose."""

@@ -82,11 +82,6 @@ def test_without_contact_and_gravity_a_plate_rests_where_the_map_has_it(segment)
     assert np.abs(simulation.wrenches()[0]).max() < 1e-5
 
 
-def test_the_rotation_of_the_mount_does_not_matter(segment):
-    upright, turned = (before_a_wall(segment, euler=euler) for euler in ("0 0 0", "50 -110 75"))
-    assert rested(turned, (30.0, 5.0)) == pytest.approx(rested(upright, (30.0, 5.0)), rel=1e-6)
-
-
 def test_a_model_s_defaults_for_others_do_not_reach_the_finger(segment):
     hostile = '<default><joint damping="1" armature="0.01"/><geom contype="0" condim="1" gap="0.001"/></default>'
     forces = []
