@@ -97,7 +97,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         error = random_error(self.np_random)
         self.simulation: Simulation = table(self.gripper, self._segment, self.solid, error, turn)
         self._tensions = np.tile(self._lower, (len(self.gripper.fingers), 1))
-        self._taken, self._past = 0, [np.zeros(len(self.gripper.fingers))]
+        self._taken, self._past, self._palm = 0, [np.zeros(len(self.gripper.fingers))], 0.0
         self._rest = self._height = float(self.simulation.data.body("object").xpos[2])
         return self._observation(), {"solid": self.solid, "error": error}
 
@@ -118,12 +118,13 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         for finger, tensions in enumerate(self._tensions):
             simulation.pull(finger, tensions)
         simulation.data.ctrl[2] = HEIGHT * np.clip((self.elapsed - CLOSES) / (LIFTS - CLOSES), 0.0, 1.0)
-        lost = False
+        lost, forces = False, self._past[-1]
         try:
             simulation.advance(self._taken * self._period)
-        except SimulationStopped:
+            forces, self._palm = simulation.contact_forces(), float(simulation.data.qpos[2])
+        except SimulationStopped:  # what was felt last stays
             lost = True
-        self._past = [*self._past[1 - SOON :], simulation.contact_forces()]
+        self._past = [*self._past[1 - SOON :], forces]
         crushed = bool(np.mean(self._past, axis=0).max() > self.solid.admissible_force)
         height = self._height if lost else float(simulation.data.body("object").xpos[2])
         reward, self._height = float(np.clip((height - self._height) / HEIGHT, -1.0, 1.0)), height
@@ -146,8 +147,8 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         return self._period
 
     def _observation(self) -> np.ndarray:
-        felt = np.clip(self.simulation.contact_forces() / LARGEST, 0.0, FELT)
-        height = np.clip(self.simulation.data.qpos[2] / HEIGHT, -1.0, 2.0)
+        felt = np.clip(self._past[-1] / LARGEST, 0.0, FELT)
+        height = np.clip(self._palm / HEIGHT, -1.0, 2.0)
         scaled = (self._tensions / np.maximum(self._upper, 1e-9)).ravel()
         return np.array([*scaled, *felt, height, min(self.elapsed, 1.0)], np.float32)
 

@@ -5,6 +5,7 @@ import pytest
 
 pytest.importorskip("gymnasium", reason="the optional extra [gymnasium]")
 
+from episodes import assert_last_observation, assert_same_again
 from gymnasium.utils.env_checker import check_env
 
 from control import Finger, Flaws
@@ -14,6 +15,14 @@ from control.environment import HoldEnvironment
 @pytest.mark.filterwarnings("error")
 def test_it_passes_gymnasiums_own_check(surrogate):
     check_env(HoldEnvironment(surrogate, flaws=Flaws(noise=0.01)), skip_render_check=True)
+
+
+def test_an_episode_is_the_same_again(surrogate):
+    assert_same_again(lambda: HoldEnvironment(surrogate, flaws=Flaws(noise=0.05, delay=2)), closing=np.ones(2))
+
+
+def test_vectors_keep_the_last_observation(surrogate):
+    assert_last_observation(lambda: HoldEnvironment(surrogate, steps=4, flaws=Flaws(noise=0.05)), steps=4)
 
 
 def test_who_knows_the_plane_is_soon_rewarded_fully(surrogate):

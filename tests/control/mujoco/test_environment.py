@@ -6,6 +6,7 @@ import pytest
 pytest.importorskip("mujoco")
 gymnasium = pytest.importorskip("gymnasium", reason="the optional extra [gymnasium]")
 
+from episodes import assert_last_observation, assert_same_again  # noqa: E402
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
 from control.mujoco.environment import NAME, GraspEnvironment  # noqa: E402
@@ -50,13 +51,29 @@ def test_who_pulls_on_and_on_crushes_what_is_weak():
 
 
 def test_an_episode_is_the_same_again():
-    environment, heights = GraspEnvironment(), []
-    for _ in range(2):
-        environment.reset(seed=5)
-        for _ in range(30):
-            observation, *_ = environment.step(np.tile([0.8, 0.1], 3))
-        heights.append(observation)
-    np.testing.assert_array_equal(*heights)
+    assert_same_again(GraspEnvironment, closing=np.tile([1.0, 0.0], 3))
+
+
+def test_vectors_keep_the_last_observation():
+    assert_last_observation(lambda: GraspEnvironment(steps=4, shapes=("cylinder",)), steps=4)
+
+
+@pytest.mark.parametrize("force", [1e3, 1e12, np.nan])
+@pytest.mark.parametrize("body", ["finger 0 plate 0", "object"])
+def test_a_simulation_that_stops_ends_the_episode_with_what_was_felt_last(body, force, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes its warnings to where it runs
+    environment = GraspEnvironment()
+    environment.reset(seed=1)
+    for _ in range(5):
+        environment.step(np.tile([1.0, 0.0], 3))
+    simulation = environment.simulation
+    simulation.data.xfrc_applied[simulation.model.body(body).id, :3] = force
+    ended = False
+    for _ in range(3):
+        observation, reward, ended, _, told = environment.step(np.zeros(6))
+        assert environment.observation_space.contains(observation) and np.isfinite([reward, told["lifted"]]).all()
+        assert np.isfinite(told["contact_forces"]).all()
+    assert ended or (body == "object" and force == 1e3)  # what is thrown away is not lost
 
 
 def test_wrong_input_is_refused():
