@@ -45,6 +45,7 @@ class MujocoPlant:
 
         Raises:
             ValueError: tensions that the map was not trained for.
+            SimulationStopped: see `Simulation.step`.
         """
         simulation, period = self._simulation, self._period
         begun = period * int(simulation.time / period + 1e-9)

@@ -168,7 +168,11 @@ class Simulation:
             )
 
     def advance(self, time: float) -> None:
-        """Step until a time [s]."""
+        """Step until a time [s].
+
+        Raises:
+            SimulationStopped: see `step`.
+        """
         half = 0.5 * self.model.opt.timestep
         while self.data.time < time - half:
             self.step()
