@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
 import ufl
 from dolfinx import fem
 
@@ -26,7 +25,7 @@ from fingerfem.discretisation.volume_energies import (
     total,
     volume_measure,
 )
-from fingerfem.mechanics import contact, kinematics, obstacles, strain_energy, tendons
+from fingerfem.mechanics import contact, obstacles, strain_energy, tendons
 from fingerfem.scene.laws import plate_law
 from fingerfem.scene.scene import Scene
 
@@ -36,7 +35,8 @@ class Fields:
     """What the forms depend on: the unknown and the loads."""
 
     u: fem.Function  # displacement [m]
-    previous: fem.Function  # the last iterate u0 [m]
+    previous: fem.Function  # the last iterate u0, from which the tangent's stress is extrapolated ... [m]
+    change: fem.Function  # ... to first order in this change of it [m]
     tension_density: fem.Function  # of the tendons in a cell, per area [Pa] or, in a hole, volume [N/m^3]
     probe_density: fem.Function  # the same of tensions that energy, lengths and gradients are asked for
     distance: fem.Constant  # d of the obstacle [m]
@@ -128,7 +128,7 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
     moduli = [
         Moduli(form_cache.expression(moduli, points[term.degree]), term.regions, term.degree)
         for term in [*rubber, plates, *pulled]
-        for moduli in [moduli_of(term.energy, u, fields.previous)]
+        for moduli in [moduli_of(term, u, fields.previous, fields.change)]
     ]
     return Forms(**made | {"moduli": moduli, "contact": made["contact"] and ContactForms(**made["contact"])})
 
@@ -238,9 +238,3 @@ def pad_areas(ds: ufl.Measure, space: fem.FunctionSpace) -> tuple[fem.Form, fem.
     v, normal = ufl.TestFunction(space), ufl.FacetNormal(ds.ufl_domain())
     face = ufl.conditional(ufl.gt(normal[1], 0.5), v[1], 0.0) * ds(regions.SURFACE)
     return form_cache.form(v[1] * ds(regions.PAD)), form_cache.form(face)
-
-
-def volume_ratio(u: fem.Function) -> fem.Expression:
-    """J = det F [-] at the corners, midpoints and centre of every cell."""
-    points = np.array([[i, j, k] for i in (0, 0.5, 1) for j in (0, 0.5, 1) for k in (0, 0.5, 1)], float)
-    return form_cache.expression(ufl.det(kinematics.deformation_gradient(u)), points)

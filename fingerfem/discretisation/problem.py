@@ -13,7 +13,8 @@ from petsc4py import PETSc
 from fingerfem.discretisation import contact_points, regions
 from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.contact_points import ContactPoints
-from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, surface_measure, volume_ratio
+from fingerfem.discretisation.deformation_limits import DeformationLimits
+from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_measure
 from fingerfem.discretisation.mesh import build_mesh
 from fingerfem.discretisation.obstacle_contact import ObstacleContact, StiffFacets
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
@@ -44,6 +45,7 @@ class Problem(Assembly):
         self.fields = Fields(
             u=fem.Function(self.space, name="displacement"),
             previous=fem.Function(self.space),
+            change=fem.Function(self.space),
             tension_density=fem.Function(by_cell),
             probe_density=fem.Function(by_cell),
             distance=fem.Constant(self.mesh.mesh, FAR),
@@ -51,7 +53,8 @@ class Problem(Assembly):
             pad_share=self._pad_share(),
         )
         self.forms = compile_forms(scene, self.mesh, self.fields)
-        self._volume_ratio = volume_ratio(self.fields.u)
+        degree = quadrature_degree(scene.mesh.order)
+        self.limits = DeformationLimits(self.law, self.mesh, self.fields.u, degree)
         self.contact: ObstacleContact | None = None
         if self.forms.contact is not None:
             self.contact = ObstacleContact(self, self.forms.contact, self.fields, self.obstacle, self._stiff_facets())
@@ -158,8 +161,20 @@ class Problem(Assembly):
         b.array[self.held] = 0.0
         return b, reaction
 
+    def extrapolate_stress(self, change: np.ndarray | None = None) -> None:
+        """Extrapolate the tangent's stress from the present displacement, to first order in a change of it.
+
+        Args:
+            change: this rank's owned values, shape (owned values,) [m]; None adds nothing.
+        """
+        self.fields.previous.x.array[:] = self.displacement
+        self.fields.change.x.array[:] = 0.0
+        if change is not None:
+            self.fields.change.x.array[: len(change)] = change
+            self.fields.change.x.scatter_forward()
+
     def tangent(self) -> PETSc.Mat:
-        """Tangent at u with the stress that `previous` predicts; the same matrix object every time."""
+        """Tangent at u with the stress that was extrapolated last; the same matrix object every time."""
         return self._tangent.assemble()
 
     def tangent_with(self, supports: list[fem.DirichletBC], *, volume_alone: bool = False) -> Tangent:
@@ -267,8 +282,5 @@ class Problem(Assembly):
         return max(found, 0.0 if self.contact is None else self.contact.penetration(), 0.0)
 
     def smallest_volume_ratio(self) -> float:
-        """Min J over corners, midpoints and centres of all cells [-]."""
-        topology = self.mesh.mesh.topology
-        cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
-        values = self._volume_ratio.eval(self.mesh.mesh, cells)
-        return float(self.comm.allreduce(values.min() if values.size else np.inf, op=MPI.MIN))
+        """Min J that the law sees [-]: where rubber has a pressure of its own, at the points of that pressure."""
+        return self.limits.smallest_of_law()

@@ -9,18 +9,24 @@ Every one but that of straight tendons is a density W(C):
 with the moduli A[i J, k L] = F[i M] dS/dE[M J, N L] F[k N] + delta[i k] S*[J L], which `tangent` makes it from. With
 S* = S(u) this is Newton's tangent. The mixed-integration-point form (Magisano, Leonetti, Garcea, Int. J. Numer.
 Meth. Eng. 109, 2017, doi:10.1002/nme.5228) takes the stress for an unknown of its own at every quadrature point and
-eliminates it there, which leaves S* = S(u0) + dS(u0)(u - u0), the stress that the last iterate u0 predicted. Both are
-one form here: with u0 = u and a zero step it is Newton's.
+eliminates it there, which leaves S* = S(u0) + dS(u0) du, the stress that the last iterate u0 predicted for the change
+du. Both are one form here: with u0 = u and du = 0 it is Newton's.
 
 Nearly incompressible rubber, W(C) + U(J), has a pressure p = U'(J) for an unknown of its own, discontinuous from cell
 to cell and given by its values at the points of a reduced Gauss rule, one point for order 1 and eight for order 2. The
 constraint on p couples no two points, so p is eliminated where it stands, which leaves U integrated by that rule:
-Malkus, Hughes, Comput. Methods Appl. Mech. Eng. 15, 1978, doi:10.1016/0045-7825(78)90005-1.
+Malkus, Hughes, Comput. Methods Appl. Mech. Eng. 15, 1978, doi:10.1016/0045-7825(78)90005-1. Its moduli are those of
+Newton's method for u and p,
+
+    A[i J, k L] = U''(J) H[i J] H[k L] + p* d2J/dF[i J]dF[k L]     H = dJ/dF     p* = U'(J0) + U''(J0) H0 : grad du.
+
+A tangent step keeps J to first order only. U'(J) is then the bulk modulus times a second-order error, p* is not: the
+iterations do not grow with the bulk modulus.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import ufl
@@ -34,11 +40,15 @@ from fingerfem.scene.laws import Law
 
 
 class Term(NamedTuple):
-    """An energy density of C, where it is, and the degree of the Gauss rule it is integrated by."""
+    """An energy density of C, where it is, and the degree of the Gauss rule it is integrated by.
+
+    `volumetric` is the same energy as a function of J, if its pressure is an unknown.
+    """
 
     energy: strain_energy.Energy
     regions: tuple[int, ...]
     degree: int
+    volumetric: strain_energy.Dilatational | None = None
 
 
 def volume_measure(mesh: FingerMesh, degree: int) -> ufl.Measure:
@@ -57,7 +67,11 @@ def rubber_terms(law: Law, number: strain_energy.Number, degree: int) -> list[Te
         return [Term(strain_energy.energy(law, number), regions.RUBBERS, degree)]
     distortional, volumetric = strain_energy.parts(law, number)
     assert volumetric is not None  # a law without one stays below where mixed begins
-    return [Term(distortional, regions.RUBBERS, degree), Term(volumetric, regions.RUBBERS, degree - 1)]
+    dilatational = strain_energy.of_strain(volumetric)
+    return [
+        Term(distortional, regions.RUBBERS, degree),
+        Term(dilatational, regions.RUBBERS, degree - 1, volumetric),
+    ]
 
 
 def by_region(terms: Sequence[Term]) -> list[Term]:
@@ -69,7 +83,7 @@ def by_region(terms: Sequence[Term]) -> list[Term]:
     if len({term.degree for term in terms}) == 1:
         return list(terms)
     return [
-        Term(_written(term.energy, k), (region,), term.degree)
+        term._replace(energy=_written(term.energy, k), regions=(region,))
         for term in terms
         for k, region in enumerate(term.regions)
     ]
@@ -87,21 +101,54 @@ def residual_of(terms: Sequence[tuple[strain_energy.Energy, Any]], u: fem.Functi
     return sum(ufl.inner(strain_energy.stress(energy, C), dE) * where for energy, where in terms)
 
 
-def moduli_of(energy: strain_energy.Energy, u: fem.Function, u0: fem.Function) -> Any:
+def moduli_of(term: Term, u: fem.Function, u0: fem.Function, change: fem.Function) -> Any:
     """A[i J, k L] at u, with the stress that u0 predicts [Pa], by `tangent.PAIRS` (i, k), then J, then L."""
-    C0, change = kinematics.right_cauchy_green(u0), kinematics.strain_variation(u0, u - u0)
+    of_gradient = _moduli_by_strain if term.volumetric is None else _moduli_by_volume
+    moduli = of_gradient(term, u, u0, change)
+    axes = [(a, b) for a in range(3) for b in range(3)]
+    return ufl.as_vector([moduli(one, other)[a, b] for one, other in PAIRS for a, b in axes])
+
+
+def _moduli_by_strain(term: Term, u: fem.Function, u0: fem.Function, change: fem.Function) -> Callable[[int, int], Any]:
+    """Those of W(C): by i and k the matrix of J and L."""
+    energy = term.energy
+    C0, dE = kinematics.right_cauchy_green(u0), kinematics.strain_variation(u0, change)
     i, k, J, L, M, N = ufl.indices(6)
-    further = ufl.as_tensor(strain_energy.elasticity(energy, C0)[J, L, M, N] * change[M, N], (J, L))
+    further = ufl.as_tensor(strain_energy.elasticity(energy, C0)[J, L, M, N] * dE[M, N], (J, L))
     predicted = strain_energy.stress(energy, C0) + further
     F, elasticity = (
         kinematics.deformation_gradient(u),
         strain_energy.elasticity(energy, kinematics.right_cauchy_green(u)),
     )
     material = ufl.as_tensor(F[i, M] * elasticity[M, J, N, L] * F[k, N], (i, J, k, L))
-    axes = [(a, b) for a in range(3) for b in range(3)]
-    return ufl.as_vector(
-        [material[one, a, other, b] + (predicted[a, b] if one == other else 0) for one, other in PAIRS for a, b in axes]
-    )
+    zero = ufl.zero(3, 3)
+    return lambda one, other: material[one, :, other, :] + (predicted if one == other else zero)
+
+
+def _moduli_by_volume(term: Term, u: fem.Function, u0: fem.Function, change: fem.Function) -> Callable[[int, int], Any]:
+    """Those of U(J): by i and k the matrix of J and L."""
+    assert term.volumetric is not None
+    F, F0 = kinematics.deformation_gradient(u), kinematics.deformation_gradient(u0)
+    H, H0 = kinematics.cofactor(F), kinematics.cofactor(F0)
+    _, stiffness = _slopes(term.volumetric, ufl.det(F))
+    pressure, slope = _slopes(term.volumetric, ufl.det(F0))
+    predicted = pressure + slope * ufl.inner(H0, ufl.grad(change))
+
+    def moduli(one: int, other: int) -> Any:
+        material = stiffness * ufl.outer(H[one, :], H[other, :])
+        if one == other:
+            return material
+        third = F[3 - one - other, :] * (-1) ** (other - one + 1)  # for one < other: eps[one, other, third]
+        return material + predicted * kinematics.axial(third)
+
+    return moduli
+
+
+def _slopes(volumetric: strain_energy.Dilatational, J: Any) -> tuple[Any, Any]:
+    """Pressure U'(J) and its derivative U''(J) [Pa]."""
+    J = ufl.variable(J)
+    pressure = ufl.diff(volumetric(J), J)
+    return pressure, ufl.diff(pressure, J)
 
 
 def total(terms: Sequence[tuple[strain_energy.Energy, Any]], u: fem.Function) -> Any:

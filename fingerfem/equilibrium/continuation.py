@@ -205,8 +205,10 @@ class Continuation:
                 with contextlib.suppress(NotConverged):  # where the tangent is singular there is no prediction
                     step = self._predict(tensions, distance, wrenches)
             problem.set_loads(tensions, distance, wrenches)
+            # Of other rubber the stress where the prediction ends is as good a start.
+            is_predicted = step is not None and problem.law.is_mixed
             try:
-                needed, linearisation = newton.solve(strategy)
+                needed, linearisation = newton.solve(strategy, is_predicted=is_predicted)
             except NotConverged as failure:
                 self.iterations += failure.iterations
                 self._linearisation = None
@@ -254,6 +256,7 @@ class Continuation:
         linearisation = self._linearisation or self.linearise()
         slope = -linearisation.solve(problem.load_gradient(tensions - self.tensions, moved, pressed))
         before = problem.displacement.copy()
+        problem.extrapolate_stress(slope)
         step = Step(load=load, start=before[: len(slope)], slope=slope)
         self.newton.add(slope if self._last is None else step.change_after(self._last))
         self._plates.move(before)

@@ -63,7 +63,7 @@ class Newton:
         """How many tangents it has factorised."""
         return self._factorisation.made
 
-    def solve(self, strategy: Strategy = "mixed") -> tuple[int, Linearisation | None]:
+    def solve(self, strategy: Strategy = "mixed", *, is_predicted: bool = False) -> tuple[int, Linearisation | None]:
         """Bring the problem's displacement to equilibrium.
 
         Returns the factorisations and the last tangent, not quite at the answer; None if there was none.
@@ -71,6 +71,7 @@ class Newton:
         Args:
             strategy: `mixed` takes the stress at quadrature points for an unknown of its own, `plain` is Newton's
                 method with full steps, `line search` shortens them until the potential falls.
+            is_predicted: the stress was extrapolated to where it starts, from an equilibrium; `mixed` begins with that.
 
         Raises:
             NotConverged: on every rank, with the problem's displacement restored.
@@ -78,7 +79,8 @@ class Newton:
         problem = self.problem
         most = self.options.searches if strategy == "line search" else self.options.iterations
         start = problem.fields.u.x.array.copy()
-        problem.fields.previous.x.array[:] = start
+        if not is_predicted or strategy != "mixed":
+            problem.extrapolate_stress()
         first, moved, iteration, last, kept = None, np.inf, 0, np.inf, False
         while True:
             residual, _ = problem.residual()
@@ -87,7 +89,9 @@ class Newton:
             # Where steel is very stiff against the rubber, round-off keeps the residual up; what Newton's method still
             # moves then tells that there is nothing left to do.
             settled = norm <= self.options.noise and moved <= self.options.settled * problem.scene.geometry.length
-            if (norm <= self.options.tolerance or settled) and not kept and problem.smallest_volume_ratio() > 0:
+            done = (norm <= self.options.tolerance or settled) and not kept
+            exceeded = problem.limits.exceeded() if done else None
+            if done and exceeded is None:
                 residual.destroy()
                 if problem.contact is not None and problem.contact.lets_go():
                     continue
@@ -97,7 +101,7 @@ class Newton:
             last_step = kept and (norm <= self.options.tolerance or settled)
             serves, last = last_step or (serves and norm <= self.options.contraction * last), norm
             kept = serves and not last_step
-            reason = self._hopeless(norm, first, iteration, most) if not serves else None
+            reason = exceeded or (self._hopeless(norm, first, iteration, most) if not serves else None)
             if reason is None and not serves:
                 reason, iteration = self._factorise(), iteration + 1
             if reason is None:
@@ -113,10 +117,10 @@ class Newton:
                 problem.fields.u.x.array[:] = start
                 raise NotConverged(reason, iteration)
             if strategy == "mixed":
-                problem.fields.previous.x.array[:] = problem.fields.u.x.array
+                problem.extrapolate_stress(-self._update.array_r)
             self.add(-self._update.array_r)
             if strategy != "mixed":
-                problem.fields.previous.x.array[:] = problem.fields.u.x.array
+                problem.extrapolate_stress()
 
     def _search(self, slope: float) -> str | None:
         """Shorten the update until the potential falls as its slope [J] promises (Armijo) and no cell turns over."""
@@ -129,7 +133,7 @@ class Newton:
         for _ in range(30):
             self.add(-self._update.array_r)
             falls = problem.energy() - before <= 1e-4 * slope + noise
-            good = falls and problem.smallest_volume_ratio() > 0
+            good = falls and problem.limits.smallest_of_cells() > 0
             problem.fields.u.x.array[:] = at
             if good:
                 return None
@@ -140,8 +144,6 @@ class Newton:
     def _hopeless(self, norm: float, first: float, iteration: int, most: int) -> str | None:
         if not np.isfinite(norm):
             return "the residual is not finite"
-        if norm <= self.options.tolerance:
-            return "a cell is turned inside out"
         if norm > self.options.divergence * max(first, 1e-6):
             return f"diverges: residual {norm:.1e} E a^2 after {iteration} iterations"
         if iteration == most:
@@ -161,7 +163,7 @@ class Newton:
         Raises:
             NotConverged: it is singular.
         """
-        self.problem.fields.previous.x.array[:] = self.problem.fields.u.x.array
+        self.problem.extrapolate_stress()
         reason = self._factorise()
         if reason is not None:
             raise NotConverged(reason)

@@ -28,7 +28,7 @@ class AntisymmetricMotion:
         problem = self._problem
         if not problem.scene.is_half:
             return False
-        problem.fields.previous.x.array[:] = problem.fields.u.x.array
+        problem.extrapolate_stress()
         self._tangent.assemble()
         return self._factorisation.update() is not None or self._factorisation.negative_pivots > 0
 

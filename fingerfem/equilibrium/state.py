@@ -36,7 +36,7 @@ class State:
         plate_centres, plate_rotations: of the plates from clamp to tip, shapes (plates, 3) [m], (plates, 3, 3) [-].
         plate_motion: their derivatives by all parameters, see equilibrium.sensitivities.
         energy: total potential [J], without that of wrenches, which have none.
-        smallest_volume_ratio: min J [-].
+        smallest_volume_ratio: min J that the law sees [-]: of the mixed form at the points of its pressure.
         self_intersecting: whether the surface passes through itself, which the model does not prevent.
         stable: whether the potential has a minimum here, by the signs of the factorised tangent, against motions of the
             whole finger; None if sensitivities were not asked for.

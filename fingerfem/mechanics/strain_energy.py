@@ -15,12 +15,13 @@ import ufl
 from fingerfem.scene.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff
 
 Energy = Callable[[Any], Any]  # C -> W
+Dilatational = Callable[[Any], Any]  # J -> U
 Number = Callable[[float], Any]  # what stands in a form for a parameter
 
 
 @singledispatch
-def parts(law: Law, number: Number = float) -> tuple[Energy, Energy | None]:
-    """A law's energy as W(C) + U(J(C)), where U alone grows without bound as the rubber becomes incompressible.
+def parts(law: Law, number: Number = float) -> tuple[Energy, Dilatational | None]:
+    """A law's energy as W(C) + U(J), where U alone grows without bound as the rubber becomes incompressible.
 
     U is None for a law that has no such part.
     """
@@ -30,7 +31,7 @@ def parts(law: Law, number: Number = float) -> tuple[Energy, Energy | None]:
 @parts.register
 def _(law: NeoHookean, number: Number = float):
     C1, D1 = number(law.C1), number(law.D1)
-    return lambda C: C1 * (ufl.det(C) ** (-1 / 3) * ufl.tr(C) - 3), lambda C: _dilatation(C) ** 2 / D1
+    return lambda C: C1 * (ufl.det(C) ** (-1 / 3) * ufl.tr(C) - 3), lambda J: (J - 1) ** 2 / D1
 
 
 @parts.register
@@ -44,9 +45,8 @@ def _(law: MooneyRivlin, number: Number = float):
         first = C10 * (ufl.det(C) ** (-1 / 3) * ufl.tr(C) - 3)
         return first + C01 * (I2 - 3 * ufl.det(C) ** (2 / 3))
 
-    def volumetric(C):
-        f = 3 * ufl.det(C) ** (2 / 3) - 3 - 2 * ufl.ln(ufl.det(C))
-        return _dilatation(C) ** 2 / D1 + C01 * f
+    def volumetric(J):
+        return (J - 1) ** 2 / D1 + C01 * (3 * J ** (4 / 3) - 3 - 4 * ufl.ln(J))
 
     return distortional, volumetric
 
@@ -62,14 +62,18 @@ def _(law: SaintVenantKirchhoff, number: Number = float):
     return energy, None
 
 
-def _dilatation(C):
-    return ufl.sqrt(ufl.det(C)) - 1
+def of_strain(volumetric: Dilatational) -> Energy:
+    """U(J) as a function of C."""
+    return lambda C: volumetric(ufl.sqrt(ufl.det(C)))
 
 
 def energy(law: Law, number: Number = float) -> Energy:
     """The whole energy density [J/m^3] as a function of C."""
     distortional, volumetric = parts(law, number)
-    return distortional if volumetric is None else lambda C: distortional(C) + volumetric(C)
+    if volumetric is None:
+        return distortional
+    dilatational = of_strain(volumetric)
+    return lambda C: distortional(C) + dilatational(C)
 
 
 def stress(energy: Energy, C):

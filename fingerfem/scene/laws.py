@@ -69,6 +69,11 @@ class Law(Table):
         return self.bulk_modulus + 4 / 3 * self.shear_modulus
 
     @property
+    def smallest_stretch(self) -> float:
+        """The least principal stretch that the law is good for [-]; 0 for all."""
+        return 0.0
+
+    @property
     def is_mixed(self) -> bool:
         """Whether the pressure is an unknown of its own."""
         return (self.formulation or ("mixed" if self.poisson > NEARLY_INCOMPRESSIBLE else "displacement")) == "mixed"
@@ -134,8 +139,9 @@ class SaintVenantKirchhoff(Law):
     """W = lambda/2 (tr e)^2 + mu tr e^2, with e = (C - I)/2: Hooke's law at any rotation, for small strains.
 
     Parameters are Young's modulus E [Pa] and Poisson's ratio nu [-].
-    It has no polyconvex range and softens under compression. It has no volumetric part to split off, so it stays below
-    the Poisson's ratio that would need one.
+    It has no polyconvex range and softens under compression: pressed along one axis to a stretch l it answers with
+    E (l^3 - l) / 2, which falls again below l = 1 / sqrt(3); so it does with its sides held. It has no volumetric part
+    to split off, so it stays below the Poisson's ratio that would need one.
     """
 
     law: Literal["saint-venant-kirchhoff"] = "saint-venant-kirchhoff"
@@ -152,6 +158,11 @@ class SaintVenantKirchhoff(Law):
     def bulk_modulus(self) -> float:
         """K = E / (3 - 6 nu) [Pa]."""
         return self.E / (3 - 6 * self.nu)
+
+    @property
+    def smallest_stretch(self) -> float:
+        """1 / sqrt(3) [-], below which it loses its stiffness."""
+        return 3**-0.5
 
     @property
     def poisson(self) -> float:

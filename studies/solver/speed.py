@@ -97,7 +97,7 @@ class PlainNewton:
 
     def _set(self, x: PETSc.Vec) -> None:
         self.model.problem.displacement[: x.local_size] = x.array_r
-        self.model.problem.fields.previous.x.array[:] = self.model.problem.displacement
+        self.model.problem.extrapolate_stress()
 
     def _function(self, _, x: PETSc.Vec, f: PETSc.Vec) -> None:
         self._set(x)

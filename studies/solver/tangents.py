@@ -28,8 +28,8 @@ def row(cells: list[int], order: int) -> dict:
     model = FingerModel(Scene.model_validate(table))
     problem, scene = model.problem, model.scene
     x = problem.space.tabulate_dof_coordinates() / scene.geometry.side
-    for field in (problem.fields.u, problem.fields.previous):
-        field.x.array[:] = (2e-4 * np.sin(x[:, [1, 2, 0]])).ravel()
+    problem.displacement[:] = (2e-4 * np.sin(x[:, [1, 2, 0]])).ravel()
+    problem.extrapolate_stress()
     number, degree = constants(problem.mesh.mesh), quadrature_degree(order)
     residual = residual_of(
         [

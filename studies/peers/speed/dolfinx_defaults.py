@@ -140,7 +140,7 @@ def left_by_a_full_step(problem: Problem, tension: float) -> dict[str, float]:
         the tension of F1 [N]; the residual's 2-norm after the step over that before it; the plates' share of it [-].
     """
     problem.displacement[:] = 0.0
-    problem.fields.previous.x.array[:] = 0.0
+    problem.extrapolate_stress()
     problem.set_loads([tension, *[0.0] * (len(problem.tensions) - 1)], None)
     before = problem.residual()[0].array_r.copy()
     starts, columns, values = problem.tangent().getValuesCSR()

@@ -37,11 +37,13 @@ def changed(table: dict, special: dict) -> dict:
 
 
 def term_by_term(model: FingerModel) -> scipy.sparse.csr_matrix:
-    """K = sum of dS(w) : dE(v) + S* : d2E(v, w), S* = S(u0) + dS(u0)(u - u0); and what else there is."""
+    """K = sum of dS(w) : dE(v) + S* : d2E(v, w), S* = S(u0) + dS(u0) du; and what else there is.
+
+    Where the pressure is an unknown, K = sum of dp(w) dJ(v) + p* d2J(v, w), p* = p(u0) + dp(u0) du.
+    """
     problem, scene = model.problem, model.scene
     u, u0 = problem.fields.u, problem.fields.previous
-    v, w, step = ufl.TestFunction(problem.space), ufl.TrialFunction(problem.space), fem.Function(problem.space)
-    step.x.array[:] = u.x.array - u0.x.array
+    v, w, step = ufl.TestFunction(problem.space), ufl.TrialFunction(problem.space), problem.fields.change
     number, degree = volume_energies.constants(problem.mesh.mesh), quadrature_degree(scene.mesh.order)
     terms = [
         *volume_energies.by_region(volume_energies.rubber_terms(scene.law, number, degree)),
@@ -55,8 +57,14 @@ def term_by_term(model: FingerModel) -> scipy.sparse.csr_matrix:
     found = problem.forms.other_tangent
     whole = csr(assemble_matrix(found, bcs=problem.supports, diagonal=0.0))
     for term in terms:
-        S, S0 = strain_energy.stress(term.energy, C), strain_energy.stress(term.energy, C0)
-        integrand = ufl.inner(ufl.derivative(S, u, w), dE) + ufl.inner(S0 + ufl.derivative(S0, u0, step), d2E)
+        if term.volumetric is None:
+            S, S0 = strain_energy.stress(term.energy, C), strain_energy.stress(term.energy, C0)
+            integrand = ufl.inner(ufl.derivative(S, u, w), dE) + ufl.inner(S0 + ufl.derivative(S0, u0, step), d2E)
+        else:
+            J, J0 = (ufl.variable(ufl.det(ufl.Identity(3) + ufl.grad(field))) for field in (u, u0))
+            p, p0 = ufl.diff(term.volumetric(J), J), ufl.diff(term.volumetric(J0), J0)
+            dJ = ufl.derivative(J, u, v)
+            integrand = ufl.derivative(p, u, w) * dJ + (p0 + ufl.derivative(p0, u0, step)) * ufl.derivative(dJ, u, w)
         form = fem.form(integrand * volume_energies.volume_measure(problem.mesh, term.degree)(term.regions))
         whole = whole + csr(assemble_matrix(form, bcs=problem.supports, diagonal=0.0))
     held = np.zeros(whole.shape[0])
@@ -77,8 +85,9 @@ def test_it_is_the_form_s_to_round_off(table, name):
     problem.set_loads([20.0] * len(model.scene.tendons), 0.02)
     x, y, z = problem.space.tabulate_dof_coordinates().T / 0.02
     wave = 2e-4 * np.column_stack([np.sin(x + y), x**2 + z, np.cos(z) * y])
-    problem.fields.u.x.array[:] = wave.ravel()
-    problem.fields.previous.x.array[:] = 0.9 * wave.ravel()
+    problem.displacement[:] = 0.9 * wave.ravel()
+    problem.extrapolate_stress(0.1 * wave.ravel()[: problem.matrix.getLocalSize()[0]])
+    problem.displacement[:] = wave.ravel()
     found, expected = csr(problem.tangent()), term_by_term(model)
     # Row by row: steel is a hundred thousand times as stiff as rubber.
     sizes = abs(expected).max(axis=1).toarray().ravel()
