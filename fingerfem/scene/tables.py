@@ -257,10 +257,11 @@ class Expected(Table):
     def __str__(self) -> str:
         shares = {"the mesh": self.error_of_mesh, "the surrogate": self.error_of_surrogate}
         known = ", ".join(f"{100 * share:.2g} % of {name}" for name, share in shares.items() if share is not None)
+        parts = f" ({known})" if known else ""
         quantity = self.quantity.replace("_", " ")
         promise = f"no error of the {quantity} is promised with so many tendons: rom build estimates it"
         if self.error is not None:
-            promise = f"{quantity} within {100 * self.error:.2g} % at the 95th percentile{f' ({known})' if known else ''}"
+            promise = f"{quantity} within {100 * self.error:.2g} % at the 95th percentile{parts}"
         return f"{promise}, {self.states} states, {self.core_seconds / 60:.2g} core-minutes"
 
 
