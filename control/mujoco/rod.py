@@ -59,8 +59,9 @@ class Rod(NamedTuple):
         return Lump(22 / 35 * self.mass, x + 19 / 66 * self.length, moment * self.mass * self.length**2)
 
 
-# Shares of the moments of the rubber's sections about x, y, z at either end: linear in the turn about x [-].
-END_SECTIONS, CLAMP_SECTIONS = np.array([1, 0, 0]) / 3, np.array([2, 3, 3]) / 3
+# Shares of the moments of the rubber's sections at either end: linear in the turn. About all axes alike, so that the
+# inertia of a short and thick finger is that of a body, which MuJoCo asks for [-].
+END_SECTIONS, CLAMP_SECTIONS = 1 / 3, 2 / 3
 
 
 def united(lumps: Sequence[Lump]) -> Lump:

@@ -1,5 +1,7 @@
 """Weight and inertia of the rubber in MuJoCo: a beam's sag, the map's own static answer, bases that accelerate."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scaled import scaled
@@ -102,6 +104,15 @@ def test_in_any_orientation_plates_rest_where_the_map_has_them_under_their_weigh
     np.testing.assert_allclose(places(simulation), expected, atol=1e-10)
 
 
+@pytest.mark.parametrize("length", [0.005, 0.02, 0.03, 0.2])
+def test_a_finger_of_any_slenderness_has_an_inertia_that_mujoco_takes(segment, length):
+    geometry = segment.scene["geometry"] | {"segments": [length]}
+    short = Chain([replace(segment, scene=segment.scene | {"geometry": geometry})] * 2)
+    spec = mujoco.MjSpec.from_string(SCENE.format(gravity="0 0 0", joints="", mass=1.0))
+    attach(spec, short, "palm", density=DENSITY)
+    assert spec.compile().body_subtreemass[1] == pytest.approx(1.0 + 2 * DENSITY * 0.01**2 * length)
+
+
 def test_weight_off_is_off(segment):
     simulation = simulation_of(segment, (0.0, -9.81, 0.0), relaxation=0.005)
     simulation.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_GRAVITY
@@ -172,7 +183,8 @@ def test_the_inertia_of_both_ends_is_the_consistent_mass_matrix(segment):
     plate = mass * 2 * half / length
     centre, turn = np.array([1, reach, 1, 0]), np.array([0, 1, 0, 1])
     expected += plate * (np.outer(centre, centre) + (half**2 + side**2) / 3 * np.outer(turn, turn))
-    expected[1, 1] += mass * side**2 / 3  # of the rubber's sections
+    expected[1, 1] += 2 / 3 * mass * side**2 / 3  # of the rubber's sections
+    expected += 1 / 3 * mass * side**2 / 3 * np.outer(turn, turn)
     np.testing.assert_allclose(full[np.ix_(across, across)], expected, rtol=1e-6)
 
 
