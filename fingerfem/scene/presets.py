@@ -20,10 +20,10 @@ FRONT = Path(__file__).with_name("front.json")
 KEYS = ("accuracy", "budget", "preset")
 OF_MESH, OF_SAMPLING = ("cells", "order"), ("lines", "tension_nodes", "contact_nodes")
 TENSIONS, SLENDERNESS = 2, 5.0  # of the finger the front was measured on; its length over its side [-]
-# Lines of states by number of tensions, times those of one tension: products of polynomials grow faster than tensions.
-# Measured with maps of 1 to 4 tensions, whose errors then keep what the front promises (docs/howto/presets.md).
-GROWTH = (1.0, 2.0, 4.0, 8.0)
-PROMISED = {True: len(GROWTH), False: TENSIONS}  # most tensions with a promised error, of maps and of other scenes
+# By number of tensions: lines of states, times those of one tension, and errors of maps, times those of two. Products of
+# polynomials grow faster than tensions. More tensions than errors here have no promise; a surrogate of a plane has
+# one up to TENSIONS.
+GROWTH, ERRORS = (1.0, 2.0, 4.0, 8.0), (1.0, 1.0, 1.5, 2.0)
 LINES = 3  # the fewest a scene may ask for
 LONGEST, PLAIN = 1e6, {"cells": [20, 5]}  # no finger is longer [-]; cells of a scene that is to be refused
 
@@ -72,10 +72,11 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
     pressed = bool(table.get("load"))
     quantity = "contact_force" if pressed or table.get("obstacle") else "displacement"
     choices = [_fitted(one, longest, fitting, bodies, tensions, quantity) for one in front(pressed)]
-    is_promised = tensions <= PROMISED[pressed]
+    most = len(ERRORS) if pressed else TENSIONS
+    is_promised = tensions <= most
     if asked[0] == "accuracy" and not is_promised:
         raise ValueError(
-            f"accuracy must be left out with more than {PROMISED[pressed]} tendons, whose errors are not measured "
+            f"accuracy must be left out with more than {most} tendons, whose errors are not measured "
             f"(preset or budget choose lines, rom build estimates the error), got {table['accuracy']!r}"
         )
     one = _choice(asked[0], table[asked[0]], choices)
@@ -119,7 +120,7 @@ def _fitted(
         "preset": one["preset"],
         "expected": {
             "quantity": quantity,
-            "error": one[quantity],
+            "error": one[quantity] * (ERRORS[tensions - 1] if tensions <= len(ERRORS) else 1.0),
             "error_of_mesh": one.get(f"{quantity}_of_mesh"),
             "error_of_surrogate": one.get(f"{quantity}_of_surrogate"),
             "core_seconds": one["core_seconds"] * more_lines * more_cells,
