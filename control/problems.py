@@ -96,6 +96,11 @@ def rules(tolerance: float) -> Any:
     return struct(Rules(float(tolerance), longest=0.4, step=1e-4, nearest=0.1, null_space_iterations=6, iterations=60))
 
 
+def memory_of(finger: Any, readings: int = 1) -> Any:
+    """Memory for a function of a struct control_finger to work in: a call's own."""
+    return pointer(np.empty(CONTROL.functions.control_memory(finger, readings)))
+
+
 def hold(finger: Any, start: np.ndarray, target: float, distance: float, rules: Any) -> tuple[np.ndarray, Any]:
     """Tensions nearest to a start, shape (tensions,) [N], that press on a plane; and a struct control_outcome.
 
@@ -107,7 +112,8 @@ def hold(finger: Any, start: np.ndarray, target: float, distance: float, rules: 
         rules: a struct control_rules.
     """
     tensions, outcome = np.empty(len(start)), CONTROL.ffi.new("control_outcome *")
-    CONTROL.functions.control_hold(finger, pointer(start), target, distance, rules, pointer(tensions), outcome)
+    given = pointer(start), target, distance, rules, memory_of(finger), pointer(tensions), outcome
+    CONTROL.functions.control_hold(finger, *given)
     return tensions, outcome
 
 
@@ -129,6 +135,7 @@ def hold_many(
         target,
         pointer(np.ascontiguousarray(distances)),
         rules,
+        memory_of(finger),
         pointer(tensions),
         outcomes,
         pointer(nanoseconds, "int64_t[]"),
@@ -146,17 +153,16 @@ def reach(
     If no tension may change by more than a finite `change` [N], from the start only.
     """
     tensions, outcome = np.empty(len(start)), CONTROL.ffi.new("control_outcome *")
-    CONTROL.functions.control_reach(
-        finger, pointer(start), change, pointer(target), distance, rules, pointer(tensions), outcome
-    )
+    given = pointer(start), change, pointer(target), distance, rules, memory_of(finger), pointer(tensions), outcome
+    CONTROL.functions.control_reach(finger, *given)
     return tensions, outcome
 
 
 def locate(finger: Any, tensions: np.ndarray, felt: np.ndarray, hint: float, rules: Any) -> Any:
     """The plane on which tensions, shape (m, tensions) [N], press with forces, shape (m,) [N]: the outcome."""
-    outcome, lib = CONTROL.ffi.new("control_outcome *"), CONTROL.functions
-    memory = np.empty(lib.control_workspace_size(1, len(felt)))
-    lib.control_locate(finger, len(felt), pointer(tensions), pointer(felt), hint, rules, pointer(memory), outcome)
+    outcome = CONTROL.ffi.new("control_outcome *")
+    given = pointer(tensions), pointer(felt), hint, rules, memory_of(finger, len(felt)), outcome
+    CONTROL.functions.control_locate(finger, len(felt), *given)
     return outcome
 
 
@@ -178,7 +184,6 @@ def grip(
         tensions [N], and the outcome: distance, force that was expected before the reading [N], status of holding.
     """
     tensions, outcome = np.empty(len(present)), CONTROL.ffi.new("control_outcome *")
-    CONTROL.functions.control_grip(
-        finger, pointer(then), felt, pointer(present), aim, distance, gain, rules, pointer(tensions), outcome
-    )
+    given = pointer(then), felt, pointer(present), aim, distance, gain, rules
+    CONTROL.functions.control_grip(finger, *given, memory_of(finger), pointer(tensions), outcome)
     return tensions, outcome

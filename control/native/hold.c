@@ -166,10 +166,15 @@ void control_hold_problem(control_problem *problem, const double *start, double 
     if (!known) outcome->status = CONTROL_OUTSIDE;
 }
 
-void control_hold(const control_finger *finger, const double *start, double target, double distance,
-                  const control_rules *rules, double *tensions, control_outcome *outcome)
+int32_t control_memory(const control_finger *finger, int readings)
 {
-    double memory[control_problem_size(finger, 1)];
+    enum { RESIDUALS = 4 }; /* most that a problem has */
+    return control_problem_size(finger, RESIDUALS) + control_workspace_size(1, readings);
+}
+
+void control_hold(const control_finger *finger, const double *start, double target, double distance,
+                  const control_rules *rules, double *memory, double *tensions, control_outcome *outcome)
+{
     control_problem problem;
     control_problem_in(&problem, finger, 1, memory);
     control_hold_problem(&problem, start, target, distance, rules, outcome);
@@ -186,10 +191,9 @@ static int64_t now(void)
 }
 
 void control_hold_many(const control_finger *finger, int count, const double *starts, double target,
-                       const double *distances, const control_rules *rules, double *tensions, control_outcome *outcomes,
-                       int64_t *nanoseconds)
+                       const double *distances, const control_rules *rules, double *memory, double *tensions,
+                       control_outcome *outcomes, int64_t *nanoseconds)
 {
-    double memory[control_problem_size(finger, 1)];
     control_problem problem;
     control_problem_in(&problem, finger, 1, memory);
     for (int i = 0; i < count; i++) {

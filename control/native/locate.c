@@ -71,16 +71,16 @@ static void locate(control_problem *problem, int readings, const double *tension
 void control_locate(const control_finger *finger, int readings, const double *tensions, const double *felt, double hint,
                     const control_rules *rules, double *memory, control_outcome *outcome)
 {
-    double own[control_problem_size(finger, 1)];
     control_problem problem;
-    control_problem_in(&problem, finger, 1, own);
-    locate(&problem, readings, tensions, felt, hint, rules, memory, outcome);
+    control_problem_in(&problem, finger, 1, memory);
+    locate(&problem, readings, tensions, felt, hint, rules, memory + control_problem_size(finger, 1), outcome);
 }
 
 void control_grip(const control_finger *finger, const double *then, double felt, const double *present, double aim,
-                  double distance, double gain, const control_rules *rules, double *tensions, control_outcome *outcome)
+                  double distance, double gain, const control_rules *rules, double *memory, double *tensions,
+                  control_outcome *outcome)
 {
-    double memory[control_problem_size(finger, 1)], own[control_workspace_size(1, 1)], expected = NAN;
+    double *own = memory + control_problem_size(finger, 1), expected = NAN;
     control_problem problem;
     control_problem_in(&problem, finger, 1, memory);
     if (isfinite(distance)) {

@@ -16,6 +16,8 @@ typedef struct {
     double *point, *jacobian;      /* (parameters), (rows, parameters): asked for last, if `asked` */
     int asked;
     const fingerfem_touching *touching; /* what is asked; if NULL, the finger's surrogate */
+    int with_rubber;                    /* whether the touch distance is that of the whole finger, not of plates alone */
+    double *memory;                     /* the model's */
     double out[CONTROL_MOST_ROWS];
     double wrench[FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES]; /* on a touched chain's plates, where its next solve begins */
     int inside;                      /* whether that answer is known: within what was trained */
@@ -23,11 +25,19 @@ typedef struct {
     control_workspace workspace;
 } control_problem;
 
+/* Numbers of memory that the models of a finger need. */
+static inline int control_models_memory(const control_finger *finger)
+{
+    const int one = finger->touching ? fingerfem_chain_memory(finger->touching->chain) : 0;
+    const int other = finger->kernel ? fingerfem_forms_memory(&finger->kernel->tables) : 0;
+    return one > other ? one : other;
+}
+
 /* Numbers of memory that a problem with at most so many residuals needs. */
 static inline int control_problem_size(const control_finger *finger, int residuals)
 {
     const int p = finger->parameters, n = p - finger->has_obstacle;
-    return p + CONTROL_MOST_ROWS * p + 3 * n + control_workspace_size(n, residuals);
+    return p + CONTROL_MOST_ROWS * p + 3 * n + control_workspace_size(n, residuals) + control_models_memory(finger);
 }
 
 /* A problem in memory of that size, within the finger's limits. */
@@ -35,7 +45,10 @@ static inline void control_problem_in(control_problem *problem, const control_fi
                                       double *memory)
 {
     const int p = finger->parameters, n = p - finger->has_obstacle;
-    memset(memory, 0, (size_t)control_problem_size(finger, residuals) * sizeof *memory);
+    const int own = control_problem_size(finger, residuals) - control_models_memory(finger);
+    memset(memory, 0, (size_t)own * sizeof *memory);
+    problem->memory = memory + own;
+    problem->with_rubber = 0;
     problem->finger = finger;
     problem->tensions = n;
     problem->parameters = p;
@@ -67,11 +80,15 @@ static inline void control_ask(control_problem *problem, const double *tensions,
     const control_finger *finger = problem->finger;
     if (problem->touching) {
         int32_t inside;
-        fingerfem_touch(problem->touching, problem->point, problem->wrench, problem->out, problem->jacobian, NULL,
-                        &inside);
+        if (problem->with_rubber)
+            fingerfem_touch(problem->touching, problem->point, problem->memory, problem->wrench, problem->out,
+                            problem->jacobian, NULL, &inside);
+        else
+            fingerfem_press(problem->touching, problem->point, problem->memory, problem->wrench, problem->out,
+                            problem->jacobian, &inside);
         problem->inside = inside;
     } else {
-        problem->inside = fingerfem_answer(finger->kernel, problem->point, problem->out, problem->jacobian);
+        problem->inside = fingerfem_answer(finger->kernel, problem->point, problem->memory, problem->out, problem->jacobian);
     }
 }
 
@@ -103,7 +120,7 @@ static inline int control_knows(control_problem *problem, const double *tensions
 {
     control_ask(problem, tensions, distance);
     if (!problem->touching || !problem->inside) return problem->inside;
-    const double gap = fingerfem_rubber_gap(problem->touching, problem->point, problem->wrench);
+    const double gap = fingerfem_rubber_gap(problem->touching, problem->point, problem->wrench, problem->memory);
     return !(gap < problem->touching->chain->skin_error);
 }
 

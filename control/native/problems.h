@@ -39,27 +39,31 @@ typedef struct {
     double expected;        /* contact force that was expected before a reading, NaN where nothing was [N] */
 } control_outcome;
 
+/* Numbers of memory that the functions below need, `memory`, which they spoil; of `readings` for control_locate, else 1. */
+int32_t control_memory(const control_finger *finger, int readings);
+
 /* Tensions nearest to a start that press on a plane at a distance [m] with a contact force [N]. */
 void control_hold(const control_finger *finger, const double *start, double target, double distance,
-                  const control_rules *rules, double *tensions, control_outcome *outcome);
+                  const control_rules *rules, double *memory, double *tensions, control_outcome *outcome);
 
 /* The same from many starts, (count, tensions), at as many distances; with the time of each [ns]. */
 void control_hold_many(const control_finger *finger, int count, const double *starts, double target,
-                       const double *distances, const control_rules *rules, double *tensions, control_outcome *outcomes,
-                       int64_t *nanoseconds);
+                       const double *distances, const control_rules *rules, double *memory, double *tensions,
+                       control_outcome *outcomes, int64_t *nanoseconds);
 
-/* Tensions nearest to a start that displace the tip to a target, (3) [m], without touching a plane. If no tension may
+/* Tensions nearest to a start that displace the tip to a target, (3) [m], without touching a plane, with the rubber either. If no tension may
  * change by more than `change` [N], an end that is not infinite, it looks from the start only. */
 void control_reach(const control_finger *finger, const double *start, double change, const double *target,
-                   double distance, const control_rules *rules, double *tensions, control_outcome *outcome);
+                   double distance, const control_rules *rules, double *memory, double *tensions, control_outcome *outcome);
 
 /* The plane on which tensions, (readings, tensions), press with the contact forces felt, (readings) [N]; it begins at
- * a hint [m] unless that is NaN. Its memory is of control_workspace_size(1, readings). */
+ * a hint [m] unless that is NaN. */
 void control_locate(const control_finger *finger, int readings, const double *tensions, const double *felt, double hint,
                     const control_rules *rules, double *memory, control_outcome *outcome);
 
 /* Find the plane from a reading [N] at the tensions `then`; then tensions near the present ones that hold `aim` [N].
  * Of the plane's distance [m], NaN if it is not known yet, a share `gain` of the news is believed. */
 void control_grip(const control_finger *finger, const double *then, double felt, const double *present, double aim,
-                  double distance, double gain, const control_rules *rules, double *tensions, control_outcome *outcome);
+                  double distance, double gain, const control_rules *rules, double *memory, double *tensions,
+                  control_outcome *outcome);
 #endif

@@ -4,7 +4,8 @@
  */
 #include "problem.h"
 
-#define PASSED 10.0 /* weight of passing the plane against missing the point [-] */
+#define PASSED 10.0 /* weight of passing the plane against missing the point, at first [-] */
+#define HEAVIER 4.0 /* times that, where it was passed [-] */
 #define NEARER 6 /* bisections back towards the plane */
 #define SHIFTS 5 /* of the plane to stay before, as the weight gives a little */
 
@@ -16,7 +17,7 @@ static double passed(control_problem *problem, const double *tensions, double di
 }
 
 /* From problem->best on, before a plane that may be shifted. */
-static int reach_from(control_problem *problem, const double *reference, const double *target, double plane,
+static int reach_from(control_problem *problem, const double *reference, const double *target, double plane, double weight,
                       const control_rules *rules)
 {
     control_workspace *w = &problem->workspace;
@@ -27,9 +28,9 @@ static int reach_from(control_problem *problem, const double *reference, const d
         const double beyond = passed(problem, w->ahead, plane);
         for (int i = 0; i < 3; i++) w->r_ahead[i] = problem->out[FINGERFEM_TIP + i] - target[i];
         for (int i = 0; i < 3; i++) control_copy(problem->jacobian + p * i, w->jacobian_ahead + n * i, n);
-        w->r_ahead[3] = beyond > 0.0 ? PASSED * beyond : 0.0;
+        w->r_ahead[3] = beyond > 0.0 ? weight * beyond : 0.0;
         for (int j = 0; j < n; j++)
-            w->jacobian_ahead[3 * n + j] = beyond > 0.0 ? PASSED * problem->jacobian[p * FINGERFEM_TOUCH + j] : 0.0;
+            w->jacobian_ahead[3 * n + j] = beyond > 0.0 ? weight * problem->jacobian[p * FINGERFEM_TOUCH + j] : 0.0;
         status = control_advance(w, rules);
     }
     control_copy(w->x, problem->best, n);
@@ -49,15 +50,26 @@ static int move_nearer(control_problem *problem, double distance)
     return NEARER + 1;
 }
 
+/* How far the tip is from a target, as was asked for last [m]. */
+static double missed(const control_problem *problem, const double *target)
+{
+    double square = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const double off = problem->out[FINGERFEM_TIP + i] - target[i];
+        square += off * off;
+    }
+    return sqrt(square);
+}
+
 /* From a start; tensions in problem->best, status and residual in the outcome, to whose evaluations it adds. */
 static void reach_before(control_problem *problem, const double *start, const double *reference, const double *target,
                          double distance, const control_rules *rules, control_outcome *outcome)
 {
     int status = CONTROL_GOING;
-    double plane = distance, beyond = 0.0, weight = 1.5, square = 0.0;
+    double plane = distance, beyond = 0.0, weight = 1.5, passing = PASSED;
     control_copy(start, problem->best, problem->tensions);
-    for (int k = 0; k < SHIFTS; k++, weight *= 2.0) {
-        status = reach_from(problem, reference, target, plane, rules);
+    for (int k = 0; k < SHIFTS; k++, weight *= 2.0, passing *= HEAVIER) {
+        status = reach_from(problem, reference, target, plane, passing, rules);
         outcome->evaluations += problem->workspace.evaluations;
         beyond = passed(problem, problem->best, distance);
         if (!(beyond > 0.0)) {
@@ -67,11 +79,7 @@ static void reach_before(control_problem *problem, const double *start, const do
         control_copy(problem->best, problem->between, problem->tensions);
         plane -= weight * beyond + 0.05 * rules->residual;
     }
-    for (int i = 0; i < 3; i++) {
-        const double off = problem->out[FINGERFEM_TIP + i] - target[i];
-        square += off * off;
-    }
-    outcome->residual = sqrt(square);
+    outcome->residual = missed(problem, target);
     outcome->status = status;
     if (beyond > 0.0 && status == CONTROL_CONVERGED) outcome->status = CONTROL_STATIONARY;
     /* Shifted planes were missed, this one is not. */
@@ -98,12 +106,32 @@ static int reaching_node(const control_finger *finger, const double *target, dou
     return found;
 }
 
-void control_reach(const control_finger *finger, const double *start, double change, const double *target,
-                   double distance, const control_rules *rules, double *tensions, control_outcome *outcome)
+/* Where the plane is passed still: from tensions that leave it, as near to problem->best as may be. */
+static void stay_before(control_problem *problem, const double *start, int anywhere, const double *target, double distance,
+                        control_outcome *outcome)
 {
-    double memory[control_problem_size(finger, 4)];
+    const control_finger *finger = problem->finger;
+    const int n = problem->tensions;
+    if (!(passed(problem, problem->best, distance) > 0.0)) return;
+    const int node = reaching_node(finger, target, distance);
+    const double *clear = anywhere ? finger->tensions + (ptrdiff_t)n * node : start;
+    control_copy(problem->best, problem->between, n);
+    for (int j = 0; j < n; j++) problem->best[j] = control_clipped(clear[j], problem->workspace.lower[j], problem->workspace.upper[j]);
+    if (passed(problem, problem->best, distance) > 0.0) { /* all pass it */
+        control_copy(problem->between, problem->best, n);
+        return;
+    }
+    outcome->evaluations += move_nearer(problem, distance) + 1;
+    outcome->residual = missed(problem, target);
+    outcome->status = CONTROL_STATIONARY;
+}
+
+void control_reach(const control_finger *finger, const double *start, double change, const double *target,
+                   double distance, const control_rules *rules, double *memory, double *tensions, control_outcome *outcome)
+{
     control_problem problem;
     control_problem_in(&problem, finger, 4, memory);
+    problem.with_rubber = 1;
     const int n = problem.tensions, anywhere = !isfinite(change);
     for (int j = 0; j < n && !anywhere; j++) {
         problem.workspace.lower[j] = fmax(start[j] - change, finger->lower[j]);
@@ -124,5 +152,6 @@ void control_reach(const control_finger *finger, const double *start, double cha
             outcome->residual = first.residual;
         }
     }
+    stay_before(&problem, start, anywhere, target, distance, outcome);
     control_copy(problem.best, tensions, n);
 }

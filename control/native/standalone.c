@@ -23,7 +23,14 @@ static int all_nodes(const fingerfem_model *model)
 int control_standalone_size(const fingerfem_model *model)
 {
     const int n = control_standalone_nodes(model), all = all_nodes(model), t = model->parameters - 1;
-    return n + (t + 3 + 1) * all + 2 * n * all; /* contact forces, and their stiffness */
+    return n + (t + 3 + 1) * all + 2 * n * all + fingerfem_model_memory(model); /* contact forces, and their stiffness */
+}
+
+int control_standalone_memory(const fingerfem_model *model)
+{
+    const control_finger finger = {
+        .parameters = model->parameters, .has_obstacle = 1, .touching = model->touching, .kernel = model->kernel};
+    return control_memory(&finger, 1);
 }
 
 static int by_size(const void *one, const void *other)
@@ -33,12 +40,13 @@ static int by_size(const void *one, const void *other)
 }
 
 /* Tip, contact force and touch distance at a point. */
-static void ask(const fingerfem_model *model, const double *point, double *out)
+static void ask(const fingerfem_model *model, const double *point, double *memory, double *out)
 {
-    double wrench[FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES] = {0.0}, jacobian[FINGERFEM_MOST_ROWS * model->parameters];
+    double wrench[FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES] = {0.0};
+    double jacobian[FINGERFEM_MOST_ROWS * FINGERFEM_MOST_PARAMETERS];
     int32_t inside;
-    if (model->touching) fingerfem_touch(model->touching, point, wrench, out, jacobian, NULL, &inside);
-    else fingerfem_answer(model->kernel, point, out, jacobian);
+    if (model->touching) fingerfem_touch(model->touching, point, memory, wrench, out, jacobian, NULL, &inside);
+    else fingerfem_answer(model->kernel, point, memory, out, jacobian);
 }
 
 void control_standalone(const fingerfem_model *model, double *memory, control_finger *finger)
@@ -47,7 +55,8 @@ void control_standalone(const fingerfem_model *model, double *memory, control_fi
     const fingerfem_touching *touching = model->touching;
     const fingerfem_kernel *kernel = model->kernel;
     double *tensions = memory, *tips = tensions + t * all, *touch = tips + 3 * all, *distances = touch + all;
-    double *forces = distances + n, *slopes = forces + n * all, out[FINGERFEM_MOST_ROWS], point[p];
+    double *forces = distances + n, *slopes = forces + n * all, *work = slopes + n * all;
+    double out[FINGERFEM_MOST_ROWS], point[FINGERFEM_MOST_PARAMETERS];
     int touched = 0;
     memset(finger, 0, sizeof *finger);
     finger->parameters = p;
@@ -73,12 +82,12 @@ void control_standalone(const fingerfem_model *model, double *memory, control_fi
             point[j] = finger->lower[j] + (finger->upper[j] - finger->lower[j]) * (rest % n) / (n - 1);
         memcpy(tensions + t * k, point, (size_t)t * sizeof *point);
         point[t] = INFINITY;
-        ask(model, point, out);
+        ask(model, point, work, out);
         memcpy(tips + 3 * k, out, 3 * sizeof *out);
         touch[k] = out[FINGERFEM_TOUCH];
         for (int l = 0; l < n; l++) {
             point[t] = distances[l];
-            ask(model, point, out);
+            ask(model, point, work, out);
             const double force = forces[all * l + k] = out[FINGERFEM_FORCE], path = touch[k] - distances[l];
             if (force > 0.0 && path > 0.0) slopes[touched++] = force / path;
         }
@@ -95,11 +104,11 @@ void control_standalone(const fingerfem_model *model, double *memory, control_fi
 }
 
 int control_standalone_hold(const control_finger *finger, const double *start, double target, double distance,
-                            double tolerance, double *tensions, double *told)
+                            double tolerance, double *memory, double *tensions, double *told)
 {
     const control_rules rules = {tolerance, 0.4, 1e-4, 0.1, 6, 60};
     control_outcome outcome = {0};
-    control_hold(finger, start, target, distance, &rules, tensions, &outcome);
+    control_hold(finger, start, target, distance, &rules, memory, tensions, &outcome);
     told[0] = outcome.residual;
     told[1] = outcome.error;
     told[2] = outcome.evaluations;

@@ -8,11 +8,14 @@
 int control_standalone_nodes(const fingerfem_model *model);
 int control_standalone_size(const fingerfem_model *model);
 
+/* Numbers of memory that a hold needs. */
+int control_standalone_memory(const fingerfem_model *model);
+
 /* A finger that has its atlas in such memory; there must be an obstacle. */
 void control_standalone(const fingerfem_model *model, double *memory, control_finger *finger);
 
 /* Hold, see control_hold, with the rules of control.problems.rules: tensions, (tensions), and what came of it, (3): residual
- * [N], estimated error [N], evaluations. Returns the outcome's status. */
+ * [N], estimated error [N], evaluations. Memory is of control_standalone_memory's size. Returns the outcome's status. */
 int control_standalone_hold(const control_finger *finger, const double *start, double target, double distance,
-                            double tolerance, double *tensions, double *told);
+                            double tolerance, double *memory, double *tensions, double *told);
 #endif

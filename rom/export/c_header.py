@@ -34,14 +34,15 @@ def header(model: Surrogate, name: str = "finger") -> str:
         f"      {one['name']} [{one['unit']}] from {one['lower']:g} to {one['upper']:g}" for one in model.parameters
     ]
     shared = "\n".join(_without_includes(HERE / file) for file in ("kernel.h", "evaluation.c"))
-    axes, terms = (int(numbers["tables"][most]) for most in ("most_axes", "most_terms"))
+    axes, terms, components = (int(numbers["tables"][f"most_{of}"]) for of in ("axes", "terms", "components"))
     texts = {
         "TITLE": re.sub(r"[^\w .,:()-]", " ", str(model.scene["name"])),
         "FINGERPRINT": model.provenance["fingerprint"],
         "PARAMETERS": "\n".join(parameters),
         "COUNT": str(len(parameters)),
         "ROWS": str(6 if model.has_pad else 5),
-        "STACK": str(8 * terms * (4 * axes + 4) // 1000 + 1),  # two forms at a time
+        "STACK": str(8 * (3 * (1 + axes) * terms + components) // 1000 + 2),  # the memory below, and some
+        "SIZES": f"{axes}, {terms}, {components}",
         "VERSION": f"0x{hashlib.sha256(shared.encode()).hexdigest()[:8]}",
         "GUARD": f"{name.upper()}_H",
         "SHARED": shared,

@@ -26,7 +26,7 @@ HERE = Path(__file__).parent
 # faster and take four times as long to compile.
 FLAGS = (
     *("-std=c99", "-O2", "-ftree-vectorize", "-fvect-cost-model=dynamic", "-shared", "-fPIC", "-ffp-contract=fast"),
-    "-Werror=implicit-function-declaration",
+    *("-Werror=implicit-function-declaration", "-Werror=vla"),  # no array whose size a file says lies on the stack
     *("-fno-math-errno", "-fno-trapping-math", "-fno-signed-zeros", "-fassociative-math"),
 )
 # Processor features that gcc's and clang's -march=x86-64-v3 and -v4 rely on; baseline code runs everywhere.

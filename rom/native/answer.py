@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from rom.native import EVALUATION, pointer
+from rom.native.forms import memory_of
 from rom.table import COVERED, Table, as_html, components, number, quantities, row, shown
 
 TIP, FORCE, TOUCH, PAD = 0, 3, 4, 5  # rows of an answer, as in kernel.h; the pad only where a model knows it
@@ -31,8 +32,8 @@ class Answer:
             without components.
         error_parts: what it is the sum of, `surrogate` and `mesh`; without the latter where the model does not know
             what its mesh errs by, and `error` is the surrogate's alone.
-        inside: whether the point lies in the trained box (a plane that is not touched may stand anywhere, d = inf too).
-            Outside, the answer is that of the nearest point inside, and nothing says how far it is from the truth.
+        inside: whether the point lies in the trained box; d = inf is no plane, and inside. Outside, the answer is that
+            of the nearest point inside, and nothing says how far it is from the truth.
     """
 
     tip: np.ndarray
@@ -86,7 +87,8 @@ def answer(kernel: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool
     """
     m = rows(kernel)
     out, jacobian = np.empty(m), np.empty((m, len(point)))
-    inside = EVALUATION.functions.fingerfem_answer(kernel, pointer(point), pointer(out), pointer(jacobian))
+    given = pointer(point), memory_of(kernel.tables), pointer(out), pointer(jacobian)
+    inside = EVALUATION.functions.fingerfem_answer(kernel, *given)
     return out, jacobian, bool(inside)
 
 
@@ -94,9 +96,8 @@ def answers(kernel: Any, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np
     """Answers, shape (n, m), whether inside, shape (n,), and regimes, -1 without contact, of points, shape (n, p)."""
     points, n = np.ascontiguousarray(points, float), len(points)
     out, inside, regimes = np.empty((n, rows(kernel))), np.empty(n, np.bool_), np.empty(n, np.int32)
-    EVALUATION.functions.fingerfem_answers(
-        kernel, n, pointer(points), pointer(out), pointer(inside, "uint8_t[]"), pointer(regimes, "int32_t[]")
-    )
+    found = pointer(out), pointer(inside, "uint8_t[]"), pointer(regimes, "int32_t[]")
+    EVALUATION.functions.fingerfem_answers(kernel, n, pointer(points), memory_of(kernel.tables), *found)
     return out, inside, regimes
 
 
@@ -104,7 +105,8 @@ def slopes_by_distance(kernel: Any, points: np.ndarray, row: int) -> np.ndarray:
     """Derivatives of a row of the answers by the plane's distance, shape (n,), at points, shape (n, p)."""
     points = np.ascontiguousarray(points, float)
     found = np.empty(len(points))
-    EVALUATION.functions.fingerfem_slopes(kernel, len(points), pointer(points), row, pointer(found))
+    given = pointer(points), row, memory_of(kernel.tables), pointer(found)
+    EVALUATION.functions.fingerfem_slopes(kernel, len(points), *given)
     return found
 
 

@@ -5,12 +5,12 @@
 
 /* Add what contact does to an answer's values. */
 static void add_contact_values(const fingerfem_kernel *kernel, int regime, const double *point, double height,
-                               double *out)
+                               double *products, double *out)
 {
     const fingerfem_tables *tables = &kernel->tables;
     const int form = 1 + regime;
     const double size = kernel->begins[regime] ? height - point[kernel->parameters - 1] : 1.0;
-    double coordinates[kernel->parameters], products[fingerfem_terms(tables, form)];
+    double coordinates[FINGERFEM_MOST_PARAMETERS];
     fingerfem_coordinates(kernel, point, height, coordinates);
     fingerfem_products(tables, form, coordinates, products);
     for (int j = 0; j < fingerfem_components(tables, form); j++) {
@@ -20,13 +20,14 @@ static void add_contact_values(const fingerfem_kernel *kernel, int regime, const
     fingerfem_never_pull(kernel, out);
 }
 
-void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *points, double *out, uint8_t *inside,
-                       int32_t *regimes)
+void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *points, double *memory, double *out,
+                       uint8_t *inside, int32_t *regimes)
 {
     const fingerfem_tables *tables = &kernel->tables;
     const int p = kernel->parameters, corners = fingerfem_components(tables, 0) - FINGERFEM_HEIGHTS;
     const int rows = FINGERFEM_PAD + kernel->has_pad;
-    double held[p], heights[corners > 0 ? corners : 1], products[fingerfem_terms(tables, 0)];
+    double held[FINGERFEM_MOST_PARAMETERS], *products = memory, *heights = memory + fingerfem_terms(tables, 0);
+    double *work = heights + (corners > 0 ? corners : 0);
     for (int i = 0; i < count; i++, points += p, out += rows) {
         regimes[i] = -1;
         inside[i] = (uint8_t)fingerfem_hold_tensions(kernel, points, held);
@@ -37,17 +38,19 @@ void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *
         const double touch_distance = out[FINGERFEM_TOUCH] = heights[fingerfem_leading(heights, corners)];
         inside[i] &= (uint8_t)fingerfem_hold_distance(kernel, points, touch_distance, held);
         if (!(held[p - 1] < touch_distance)) continue;
-        regimes[i] = fingerfem_regime(kernel, held, heights, touch_distance);
-        add_contact_values(kernel, regimes[i], held, heights[kernel->corners[regimes[i]]], out);
+        regimes[i] = fingerfem_regime(kernel, held, heights, touch_distance, work);
+        add_contact_values(kernel, regimes[i], held, heights[kernel->corners[regimes[i]]], work, out);
     }
 }
 
-void fingerfem_slopes(const fingerfem_kernel *kernel, int count, const double *points, int row, double *slopes)
+void fingerfem_slopes(const fingerfem_kernel *kernel, int count, const double *points, int row, double *memory,
+                      double *slopes)
 {
-    const int p = kernel->parameters, rows = FINGERFEM_PAD + kernel->has_pad;
-    double out[rows], jacobian[rows * p];
+    enum { ROWS = FINGERFEM_PAD + 1 };
+    const int p = kernel->parameters;
+    double out[ROWS], jacobian[ROWS * FINGERFEM_MOST_PARAMETERS];
     for (int i = 0; i < count; i++, points += p) {
-        fingerfem_answer(kernel, points, out, jacobian);
+        fingerfem_answer(kernel, points, memory, out, jacobian);
         slopes[i] = jacobian[p * row + p - 1];
     }
 }
@@ -64,7 +67,7 @@ void fingerfem_contact_errors(const fingerfem_kernel *kernel, const double *rate
                               int count, const double *points, const double *touch_distances, double *found)
 {
     const int p = kernel->parameters;
-    double held[p];
+    double held[FINGERFEM_MOST_PARAMETERS];
     for (int i = 0; i < count; i++, points += p, found += columns) {
         fingerfem_hold_tensions(kernel, points, held);
         fingerfem_hold_distance(kernel, points, touch_distances[i], held);
@@ -72,15 +75,15 @@ void fingerfem_contact_errors(const fingerfem_kernel *kernel, const double *rate
     }
 }
 
-void fingerfem_form(const fingerfem_tables *tables, int form, int count, const double *points, double *values,
-                    double *gradients)
+void fingerfem_form(const fingerfem_tables *tables, int form, int count, const double *points, double *memory,
+                    double *values, double *gradients)
 {
     const int axes = fingerfem_axes(tables, form), terms = fingerfem_terms(tables, form);
     const int m = fingerfem_components(tables, form);
-    double products[terms], slopes[axes * terms];
+    double *products = memory, *slopes = products + terms, *work = slopes + axes * terms;
     for (int i = 0; i < count; i++, points += axes, values += m) {
         if (gradients)
-            fingerfem_products_and_slopes(tables, form, points, products, slopes);
+            fingerfem_products_and_slopes(tables, form, points, work, products, slopes);
         else
             fingerfem_products(tables, form, points, products);
         for (int j = 0; j < m; j++) values[j] = fingerfem_component(tables, form, j, products);

@@ -39,6 +39,11 @@ static inline const double *fingerfem_pieces(const fingerfem_tables *tables, int
     return tables->data + tables->axes[at + 1] + (ptrdiff_t)4 * fingerfem_terms(tables, form) * interval;
 }
 
+FINGERFEM_API int32_t fingerfem_forms_memory(const fingerfem_tables *tables)
+{
+    return FINGERFEM_FORMS_MEMORY(tables->most_axes, tables->most_terms, tables->most_components);
+}
+
 /* Products, (terms), of a form's one-dimensional functions at x. */
 static inline void fingerfem_products(const fingerfem_tables *tables, int form, const double *x, double *restrict whole)
 {
@@ -53,12 +58,12 @@ static inline void fingerfem_products(const fingerfem_tables *tables, int form, 
 }
 
 /* The same with their derivatives by every axis, slopes (axes, terms): products of all before an axis, then of all
- * behind it. */
+ * behind it. Works in (1 + axes) terms numbers. */
 static inline void fingerfem_products_and_slopes(const fingerfem_tables *tables, int form, const double *x,
-                                                 double *restrict whole, double *restrict slopes)
+                                                 double *restrict work, double *restrict whole, double *restrict slopes)
 {
     const int axes = fingerfem_axes(tables, form), terms = fingerfem_terms(tables, form);
-    double values[axes * terms], behind[terms];
+    double *restrict behind = work, *values = work + terms;
     for (int k = 0; k < terms; k++) whole[k] = behind[k] = 1.0;
     for (int a = 0; a < axes; a++) {
         double t, rate;
@@ -124,12 +129,13 @@ static inline int fingerfem_hold_tensions(const fingerfem_kernel *kernel, const 
     return inside;
 }
 
-/* Hold the plane's distance to the box; a plane that is not touched may stand anywhere. */
+/* Hold the distance of a plane that is touched to the box; whether it is inside, or infinite, which is no plane. */
 static inline int fingerfem_hold_distance(const fingerfem_kernel *kernel, const double *point, double touch_distance,
                                           double *held)
 {
     const int d = kernel->parameters - 1;
-    if (point[d] >= touch_distance || (point[d] >= kernel->lower[d] && point[d] <= kernel->upper[d])) return 1;
+    if (point[d] >= kernel->lower[d] && point[d] <= kernel->upper[d]) return 1;
+    if (point[d] >= touch_distance) return point[d] == INFINITY;
     held[d] = point[d] > kernel->upper[d] ? kernel->upper[d] : kernel->lower[d];
     return 0;
 }
@@ -176,13 +182,13 @@ static inline int fingerfem_too_early(const fingerfem_kernel *kernel, int regime
 /* How well the conditions of a regime hold at a point: the least of them over its size, and not outside its box; not at
  * all where it would begin too early or the plane would pull. */
 static inline double fingerfem_holds(const fingerfem_kernel *kernel, int regime, const double *point,
-                                     const double *heights)
+                                     const double *heights, double *whole)
 {
     const fingerfem_tables *tables = &kernel->tables;
     const int form = 1 + regime, components = fingerfem_components(tables, form);
     const int conditions = components - FINGERFEM_CONDITIONS - kernel->has_pad;
     if (fingerfem_too_early(kernel, regime, point, heights)) return -INFINITY;
-    double coordinates[kernel->parameters], whole[fingerfem_terms(tables, form)];
+    double coordinates[FINGERFEM_MOST_PARAMETERS];
     fingerfem_coordinates(kernel, point, heights[kernel->corners[regime]], coordinates);
     double worst = -fingerfem_outside(tables, form, coordinates);
     fingerfem_products(tables, form, coordinates, whole);
@@ -199,17 +205,17 @@ static inline double fingerfem_holds(const fingerfem_kernel *kernel, int regime,
  * first possible one whose do; if none has, the one that fails least. Where the lookup's would begin too early, any is
  * possible. */
 static inline int fingerfem_regime(const fingerfem_kernel *kernel, const double *point, const double *heights,
-                                   double touch_distance)
+                                   double touch_distance, double *memory)
 {
     const int cell = fingerfem_lookup_cell(kernel, point, touch_distance), first = kernel->lookup[cell];
     const int any = fingerfem_too_early(kernel, first, point, heights);
     const uint64_t one = 1, possible = any ? ~(uint64_t)0 : kernel->possible[cell];
     if (possible == one << first) return first;
     int best = first;
-    double least = fingerfem_holds(kernel, first, point, heights);
+    double least = fingerfem_holds(kernel, first, point, heights, memory);
     for (int r = 0; r < kernel->regimes && least < 0.0; r++) {
         if (r == first || !(possible >> r & one)) continue;
-        const double own = fingerfem_holds(kernel, r, point, heights);
+        const double own = fingerfem_holds(kernel, r, point, heights, memory);
         if (own > least) {
             best = r;
             least = own;
@@ -235,16 +241,17 @@ static inline void fingerfem_never_pull(const fingerfem_kernel *kernel, double *
 
 /* Add what contact does to an answer and its derivatives; rising are a regime's touch height's, (tensions). */
 static inline void fingerfem_add_contact(const fingerfem_kernel *kernel, int regime, const double *point, double height,
-                                         const double *rising, double *out, double *jacobian)
+                                         const double *rising, double *memory, double *out, double *jacobian)
 {
     const fingerfem_tables *tables = &kernel->tables;
     const int p = kernel->parameters, d = p - 1, form = 1 + regime, terms = fingerfem_terms(tables, form);
     const double path = height - point[d], whole_path = height - kernel->nearest + kernel->softening;
     const double share = path / whole_path, size = kernel->begins[regime] ? path : 1.0;
     const double growth = kernel->begins[regime] ? 1.0 : 0.0;
-    double coordinates[p], products[terms], slopes[p * terms], gradient[p];
+    double coordinates[FINGERFEM_MOST_PARAMETERS], gradient[FINGERFEM_MOST_PARAMETERS];
+    double *products = memory, *slopes = products + terms, *work = slopes + p * terms;
     fingerfem_coordinates(kernel, point, height, coordinates);
-    fingerfem_products_and_slopes(tables, form, coordinates, products, slopes);
+    fingerfem_products_and_slopes(tables, form, coordinates, work, products, slopes);
     for (int j = 0; j < fingerfem_components(tables, form); j++) {
         const int row = fingerfem_row(kernel, regime, j);
         if (row < 0) continue;
@@ -270,31 +277,32 @@ static inline void fingerfem_free_answer(const fingerfem_kernel *kernel, const d
     if (kernel->has_pad) out[FINGERFEM_PAD] = 0.0;
 }
 
-FINGERFEM_API int fingerfem_answer(const fingerfem_kernel *kernel, const double *point, double *out, double *jacobian)
+FINGERFEM_API int fingerfem_answer(const fingerfem_kernel *kernel, const double *point, double *memory, double *out,
+                                   double *jacobian)
 {
     const fingerfem_tables *tables = &kernel->tables;
     const int p = kernel->parameters, terms = fingerfem_terms(tables, 0);
     const int corners = fingerfem_components(tables, 0) - FINGERFEM_HEIGHTS;
     const int rows = FINGERFEM_PAD + kernel->has_pad;
-    double held[p], rising[p], products[terms], slopes[fingerfem_axes(tables, 0) * terms];
+    double held[FINGERFEM_MOST_PARAMETERS], rising[FINGERFEM_MOST_PARAMETERS], *products = memory, *slopes = memory + terms;
+    double *heights = slopes + fingerfem_axes(tables, 0) * terms, *work = heights + (corners > 0 ? corners : 0);
     int inside = fingerfem_hold_tensions(kernel, point, held);
     for (int j = 0; j < rows * p; j++) jacobian[j] = 0.0;
-    fingerfem_products_and_slopes(tables, 0, held, products, slopes);
+    fingerfem_products_and_slopes(tables, 0, held, work, products, slopes);
     fingerfem_free_answer(kernel, products, out);
     for (int i = 0; i < FINGERFEM_HEIGHTS; i++)
         fingerfem_gradient(tables, 0, i, slopes, jacobian + p * (FINGERFEM_TIP + i));
     if (kernel->has_obstacle) {
-        double heights[corners];
         for (int j = 0; j < corners; j++) heights[j] = fingerfem_component(tables, 0, FINGERFEM_HEIGHTS + j, products);
         const int leading = fingerfem_leading(heights, corners);
         out[FINGERFEM_TOUCH] = heights[leading];
         fingerfem_gradient(tables, 0, FINGERFEM_HEIGHTS + leading, slopes, jacobian + p * FINGERFEM_TOUCH);
         inside &= fingerfem_hold_distance(kernel, point, heights[leading], held);
         if (held[p - 1] < heights[leading]) {
-            const int regime = fingerfem_regime(kernel, held, heights, heights[leading]);
+            const int regime = fingerfem_regime(kernel, held, heights, heights[leading], work);
             const int corner = kernel->corners[regime];
             fingerfem_gradient(tables, 0, FINGERFEM_HEIGHTS + corner, slopes, rising);
-            fingerfem_add_contact(kernel, regime, held, heights[corner], rising, out, jacobian);
+            fingerfem_add_contact(kernel, regime, held, heights[corner], rising, work, out, jacobian);
         }
     }
     for (int j = 0; j < p && !inside; j++)

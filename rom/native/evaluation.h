@@ -3,17 +3,21 @@
 #define FINGERFEM_EVALUATION_H
 #include "kernel.h"
 
+/* Numbers of memory that functions of these forms need: `memory`, which they spoil. */
+int32_t fingerfem_forms_memory(const fingerfem_tables *tables);
+
 /* Answer at one point, (parameters): out, (5, or 6 with a pad), and its derivatives, (5 or 6, parameters).
- * Returns 1 if the point is inside the trained box. Outside, the answer is that of the nearest point inside, and
- * derivatives across its walls are 0; a plane that is not touched may stand anywhere. */
-int fingerfem_answer(const fingerfem_kernel *kernel, const double *point, double *out, double *jacobian);
+ * Returns 1 if the point is inside the trained box; d = infinity is no plane, and may always be. Outside, the answer is
+ * that of the nearest point inside, of a plane that is not touched that of no plane; derivatives across walls are 0. */
+int fingerfem_answer(const fingerfem_kernel *kernel, const double *point, double *memory, double *out, double *jacobian);
 
 /* Answers at many points, (count, parameters), with the regimes that hold, -1 without contact. */
-void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *points, double *out, uint8_t *inside,
-                       int32_t *regimes);
+void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *points, double *memory, double *out,
+                       uint8_t *inside, int32_t *regimes);
 
 /* Derivatives of a row of the answers by the plane's distance at many points, (count, parameters). */
-void fingerfem_slopes(const fingerfem_kernel *kernel, int count, const double *points, int row, double *slopes);
+void fingerfem_slopes(const fingerfem_kernel *kernel, int count, const double *points, int row, double *memory,
+                      double *slopes);
 
 /* How much the errors, (columns), of contact grow past touch, at a point of the box: rates, (cells, columns), by length
  * of contact path [1/m], which has a margin [m]. */
@@ -25,6 +29,6 @@ void fingerfem_contact_errors(const fingerfem_kernel *kernel, const double *rate
                               int count, const double *points, const double *touch_distances, double *found);
 
 /* Form f at many points, (count, axes): values, (count, components), and, unless NULL, gradients, (..., axes). */
-void fingerfem_form(const fingerfem_tables *tables, int form, int count, const double *points, double *values,
-                    double *gradients);
+void fingerfem_form(const fingerfem_tables *tables, int form, int count, const double *points, double *memory,
+                    double *values, double *gradients);
 #endif

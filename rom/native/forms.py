@@ -11,6 +11,12 @@ from rom.native import EVALUATION, pointer
 AXES, TERMS, COMPONENTS, MODES, ROW = range(5)  # columns of a form's row and their number, as in kernel.h
 
 
+def memory_of(tables: Any) -> Any:
+    """Memory for a function of a struct fingerfem_tables, or of a kernel with it, to work in: a call's own."""
+    own = tables if EVALUATION.ffi.typeof(tables).kind == "pointer" else EVALUATION.ffi.addressof(tables)
+    return pointer(np.empty(EVALUATION.functions.fingerfem_forms_memory(own)))
+
+
 def values(tables: Any, form: int, points: np.ndarray) -> np.ndarray:
     """Values of a form, shape (n, components), at points, shape (n, axes).
 
@@ -18,7 +24,8 @@ def values(tables: Any, form: int, points: np.ndarray) -> np.ndarray:
     """
     points = np.ascontiguousarray(points, float)
     found = np.empty((len(points), tables.forms[ROW * form + COMPONENTS]))
-    EVALUATION.functions.fingerfem_form(tables, form, len(points), pointer(points), pointer(found), EVALUATION.ffi.NULL)
+    given = pointer(points), memory_of(tables), pointer(found), EVALUATION.ffi.NULL
+    EVALUATION.functions.fingerfem_form(tables, form, len(points), *given)
     return found
 
 
@@ -27,5 +34,6 @@ def values_and_gradients(tables: Any, form: int, points: np.ndarray) -> tuple[np
     points = np.ascontiguousarray(points, float)
     components, axes = tables.forms[ROW * form + COMPONENTS], points.shape[1]
     found, gradients = np.empty((len(points), components)), np.empty((len(points), components, axes))
-    EVALUATION.functions.fingerfem_form(tables, form, len(points), pointer(points), pointer(found), pointer(gradients))
+    given = pointer(points), memory_of(tables), pointer(found), pointer(gradients)
+    EVALUATION.functions.fingerfem_form(tables, form, len(points), *given)
     return found, gradients

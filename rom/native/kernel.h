@@ -9,6 +9,9 @@
 /* Rows of an answer: tip displacement x, y, z [m], contact force [N], touch distance [m], pad pressure [Pa]. */
 enum { FINGERFEM_TIP = 0, FINGERFEM_FORCE = 3, FINGERFEM_TOUCH = 4, FINGERFEM_PAD = 5 };
 
+/* Limits of a model, which are checked when its file is read; regimes are the bits of a number. */
+enum { FINGERFEM_MOST_PARAMETERS = 9, FINGERFEM_MOST_REGIMES = 64 };
+
 /* Columns of a form's row of `forms`. */
 enum { FINGERFEM_AXES, FINGERFEM_TERMS, FINGERFEM_COMPONENTS, FINGERFEM_MODES, FINGERFEM_ROW };
 
@@ -24,6 +27,9 @@ typedef struct {
     const double *scales;  /* (forms, most_axes, 2): lower end, intervals per unit */
     const double *data;    /* pieces, (intervals, 4, terms) by axis, and modes, (components, terms), of every form */
 } fingerfem_tables;
+
+/* Numbers of memory that functions of forms need. */
+#define FINGERFEM_FORMS_MEMORY(axes, terms, components) (3 * (1 + (axes)) * (terms) + (components)) /* at most */
 
 /* Form 0 is the free one, by tensions: tip [m], then touch heights [m] of the corners that may touch first. Form 1 + r
  * is regime r's, by tensions and contact path: what contact adds to the tip [m], contact force [N], then the regime's

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom.segment.native import SEGMENT, pointer
+from rom.segment.native import SEGMENT, memory_of, pointer
 from rom.segment.segment_map import SegmentMap
 
 
@@ -42,8 +42,9 @@ class InverseMap:
         self._inside = np.zeros(1, np.int32)
         arrays = (self._tensions, self._centre, self._quaternion, self.wrench, self.stiffness)
         self._given = [pointer(array) for array in arrays] + [pointer(self._inside, "int32_t[]")]
+        self._given.insert(3, memory_of(self.segment.struct))
         self._spring = np.zeros(6), np.zeros((6, 6))
-        self._spring_given = [*self._given[2:5], *map(pointer, self._spring)]
+        self._spring_given = [*map(pointer, arrays[2:]), *map(pointer, self._spring)]
 
     def find(self, tensions: ArrayLike, centre: ArrayLike, quaternion: ArrayLike) -> int:
         """Find the wrench of a pose.

@@ -119,7 +119,7 @@ def find_object(
         stiffness = float(np.median(slopes[pressed])) if pressed.any() else float(felt.max() / within)
         near = ~pressed & np.isfinite(touch)  # what is not touched yet is pulled on by its gap
         off = np.where(pressed, force, 0.0)
-        off[near] = stiffness * (touch - points[:, -1])[near]
+        off[near] = stiffness * np.minimum(touch - points[:, -1], 0.0)[near]
         by_place = np.where(pressed[:, None], found.by_object[:, FORCE, :3], 0.0)
         by_place[near] = stiffness * found.by_object[near, TOUCH, :3]
         error = share * force

@@ -141,7 +141,7 @@ class TouchedSegment(PickledByFields):
     def rubber_gap(self, point: np.ndarray, wrenches: np.ndarray) -> float:
         """The rubber's least distance from the object under wrenches, shape (6 plates,) [m]; infinite if unknown."""
         given = map(native.pointer, (np.array(point, float), np.array(wrenches, float).ravel()))
-        return float(SEGMENT.functions.fingerfem_rubber_gap(self.touching, *given))
+        return float(SEGMENT.functions.fingerfem_rubber_gap(self.touching, *given, native.memory_of(self.chain.struct)))
 
     @property
     def native(self) -> dict[str, Any]:

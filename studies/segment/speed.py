@@ -10,7 +10,7 @@ import numpy as np
 from control import Finger, problems
 from control.model import Model
 from rom import Surrogate, TouchedSegment
-from rom.native import EVALUATION
+from rom.native import EVALUATION, forms
 from rom.native import pointer as numbers
 from rom.segment import native
 from rom.segment.objects import facing_plane
@@ -47,9 +47,11 @@ def row(run: Run, plan: maps.Plan, count: int) -> dict:
     touched = known.inside & (known.out[:, 3] > 0) & surrogate.evaluate(points).inside
     points, wrenches = np.ascontiguousarray(points[touched]), known.wrenches[touched]
     out, jacobian, pose, motion = (np.empty(size) for size in (8, 64, 8, 6 * (len(lower) + 5)))
-    theirs = [(surrogate.kernel, numbers(p), numbers(out), numbers(jacobian)) for p in points]
+    work = forms.memory_of(surrogate.kernel.tables)
+    theirs = [(surrogate.kernel, numbers(p), work, numbers(out), numbers(jacobian)) for p in points]
     parts = [(np.ascontiguousarray(p[:-1]), np.ascontiguousarray(w)) for p, w in zip(points, wrenches, strict=True)]
-    ours = [(segment.struct, *map(native.pointer, (*part, pose, motion))) for part in parts]
+    room, found = native.memory_of(segment.struct), [native.pointer(one) for one in (pose, motion)]
+    ours = [(segment.struct, *map(native.pointer, part), room, *found) for part in parts]
     query = each(EVALUATION.functions.fingerfem_answer, theirs)
     place = each(native.SEGMENT.functions.fingerfem_place, ours)
     cold = native.touches(model.touching, points)

@@ -19,10 +19,12 @@ from rom.native import EVALUATION, SEGMENT
 HERE = Path(__file__).parent
 ROOT = HERE.parents[2]
 EXPORTED = (
+    "fingerfem_model_memory",
     "fingerfem_model_tell",
     "fingerfem_model_sections",
     "control_standalone_size",
     "control_standalone",
+    "control_standalone_memory",
     "control_standalone_hold",
     "page_finger_size",
     "__heap_base",

@@ -21,6 +21,13 @@ def pointer(array: np.ndarray, kind: str = "double[]") -> Any:
     return SEGMENT.ffi.from_buffer(kind, array)
 
 
+def memory_of(compiled: Any) -> Any:
+    """Memory for a function of a struct fingerfem_segment or fingerfem_chain to work in: a call's own."""
+    chain = SEGMENT.ffi.typeof(compiled).item is SEGMENT.ffi.typeof("fingerfem_chain")
+    size = SEGMENT.functions.fingerfem_chain_memory if chain else SEGMENT.functions.fingerfem_segment_memory
+    return pointer(np.empty(size(compiled)))
+
+
 def struct(
     pose: Polynomial,
     corners: Polynomial | None,
@@ -42,20 +49,20 @@ def struct(
     if corners is not None:
         order = sorted(range(len(corners.powers)), key=lambda k: _by_degree(corners.powers[k].tolist()))
         bending, bent = corners.powers[order, :t], corners.coefficients[order]
-    monomials, groups, coefficients = _arranged(pose.powers, pose.coefficients, bending)
+    skin_powers, skin_coefficients, stations = np.zeros((0, t + 6), int), np.zeros((0, 0)), 0
+    if skin is not None:
+        skin_powers, numbers = skin.powers, skin.coefficients.shape[1]
+        skin_coefficients = np.pad(skin.coefficients.astype(np.float32), [(0, 0), (0, -numbers % SKIN_ROW)])
+        stations = numbers // (3 * EDGES)
+    monomials, groups, coefficients = _arranged(pose.powers, pose.coefficients, bending, skin_powers[:, :t])
     variables = np.array([max(np.flatnonzero(group), default=0) for group in groups])
     rows = np.arange(len(groups))
     without = groups.copy()
     without[rows, variables] = 0
     blocks = coefficients.reshape(-1, BLOCK, len(monomials), POSE)
     used = [int(np.flatnonzero(block.any(axis=(0, 2))).max(initial=0)) + 1 for block in blocks]
-    skin_powers, skin_coefficients, stations = np.zeros((0, t + 6), int), np.zeros((0, 0)), 0
-    if skin is not None:
-        skin_powers, numbers = skin.powers, skin.coefficients.shape[1]
-        skin_coefficients = np.pad(skin.coefficients, [(0, 0), (0, -numbers % SKIN_ROW)])
-        stations = numbers // (3 * EDGES)
     between = _between(stations) if stations else np.zeros((0, 0))
-    at_rest = np.where((groups % 2).any(axis=1), 0.0, (-1.0) ** (groups.sum(axis=1) // 2))  # products without a wrench
+    free_skin = _free_skin(monomials, skin_powers, skin_coefficients)
     return SEGMENT.struct(
         "fingerfem_segment",
         tensions=t,
@@ -70,11 +77,13 @@ def struct(
         parents=(groups[None] == without[:, None]).all(axis=2).argmax(axis=1),
         variables=variables,
         powers=groups[rows, variables],
-        free_coefficients=np.einsum("g,gmi->mi", at_rest, coefficients),
+        free_coefficients=np.einsum("g,gmi->mi", _at_rest(groups), coefficients),
         skin_terms=len(skin_powers),
         skin_numbers=skin_coefficients.shape[1],
+        skin_monomials=len(free_skin),
         skin_powers=skin_powers,
         skin_coefficients=skin_coefficients,
+        free_skin=free_skin,
         stations=stations,
         places=len(between),
         between=between,
@@ -83,6 +92,21 @@ def struct(
         corner_monomials=len(bending),
         corner_coefficients=bent,
     )
+
+
+def _at_rest(powers: np.ndarray) -> np.ndarray:
+    """Products of the wrench's polynomials, of powers of shape (k, 6), without a wrench; shape (k,)."""
+    return np.where((powers % 2).any(axis=1), 0.0, (-1.0) ** (powers.sum(axis=1) // 2))
+
+
+def _free_skin(monomials: np.ndarray, powers: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    """The rubber's coefficients, shape (k, numbers), without a wrench: by the first monomials of the tensions."""
+    t = monomials.shape[1]
+    row = {tuple(one): k for k, one in enumerate(monomials.tolist())}
+    of = np.array([row[tuple(one)] for one in powers[:, :t].tolist()], int)
+    found = np.zeros((of.max(initial=-1) + 1, coefficients.shape[1]))
+    np.add.at(found, of, _at_rest(powers[:, t:])[:, None] * coefficients.astype(float))
+    return found
 
 
 def _between(stations: int) -> np.ndarray:
@@ -102,17 +126,20 @@ def _by_degree(powers: Sequence[int]) -> tuple[int, ...]:
     return sum(powers), *powers
 
 
-def _arranged(powers: np.ndarray, values: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _arranged(
+    powers: np.ndarray, values: np.ndarray, first: np.ndarray, also: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Powers, shape (k, t + 6), and coefficients, shape (k, 7), in the order of segment.h.
 
-    The monomials of the tensions begin with those of powers `first`, shape (j, t).
+    The monomials of the tensions begin with those of powers `first`, shape (j, t); those of `also`, shape (l, t), are
+    among them.
 
     Returns:
         monomials of the tensions, shape (monomials, t); powers of the wrench, shape (groups, 6), those with most
         monomials first, so that a parent stands before its groups; coefficients, shape (groups, monomials, 8).
     """
     t, given = first.shape[1], [tuple(row) for row in first.tolist()]
-    others = {tuple(row) for row in powers[:, :t].tolist()} - set(given)
+    others = {tuple(row) for row in [*powers[:, :t].tolist(), *also.tolist()]} - set(given)
     monomials = given + sorted(others, key=_by_degree)
     counts = Counter(tuple(row) for row in powers[:, t:].tolist())
     groups = sorted(counts, key=lambda group: (-counts[group], sum(group), group))
@@ -131,9 +158,8 @@ def _arranged(powers: np.ndarray, values: np.ndarray, first: np.ndarray) -> tupl
 def place(compiled: Any, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
     """Pose, shape (7,), its motion by the inputs, shape (6, t + 6), and whether these, shape (t + 6,), are inside."""
     pose, motion, t = np.empty(8), np.empty((6, len(inputs))), len(inputs) - 6
-    inside = SEGMENT.functions.fingerfem_place(
-        compiled, pointer(inputs[:t].copy()), pointer(inputs[t:].copy()), pointer(pose), pointer(motion)
-    )
+    given = pointer(inputs[:t].copy()), pointer(inputs[t:].copy()), memory_of(compiled), pointer(pose), pointer(motion)
+    inside = SEGMENT.functions.fingerfem_place(compiled, *given)
     return pose[:7], motion, bool(inside)
 
 
@@ -168,7 +194,7 @@ def place_chain(
     (n, _), t = wrenches.shape, len(tensions)
     centres, rotations, motions = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((n, 6, t + 6 * n))
     inside = SEGMENT.functions.fingerfem_chain_place(
-        compiled, *map(pointer, (tensions, wrenches, centres, rotations, motions))
+        compiled, *map(pointer, (tensions, wrenches)), memory_of(compiled), *map(pointer, (centres, rotations, motions))
     )
     return centres, rotations, motions, bool(inside)
 
@@ -207,7 +233,8 @@ def contacts(touching: Any, tensions: np.ndarray, d: float, centres: np.ndarray,
     kinds = ("int32_t[]",) * 2 + ("double[]",) * 5
     pulled, *places = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, centres, rotations)]
     given = [pointer(part, kind) for part, kind in zip(found, kinds, strict=True)]
-    count = SEGMENT.functions.fingerfem_contacts(touching, pulled, d, *places, *given)
+    memory = memory_of(touching.chain)
+    count = SEGMENT.functions.fingerfem_contacts(touching, pulled, d, *places, memory, *given)
     return Contacts(*(part[:count] for part in found))
 
 
@@ -222,7 +249,7 @@ def rubber_boxes(
     """
     found = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3, 3))
     given = [pointer(np.ascontiguousarray(one, float)) for one in (inputs, begins, centre, rotation)]
-    known = SEGMENT.functions.fingerfem_rubber_boxes(compiled, *given, count, *map(pointer, found))
+    known = SEGMENT.functions.fingerfem_rubber_boxes(compiled, *given, count, memory_of(compiled), *map(pointer, found))
     return found if known else None
 
 
@@ -269,5 +296,5 @@ def touches(touching: Any, points: np.ndarray, wrenches: np.ndarray | None = Non
     )
     kinds = ("double[]",) * 4 + ("int32_t[]",) * 2 + ("int64_t[]", "double[]")
     given = [SEGMENT.ffi.NULL if part is None else pointer(part, kind) for part, kind in zip(found, kinds, strict=True)]
-    SEGMENT.functions.fingerfem_touches(touching, n, pointer(points), *given)
+    SEGMENT.functions.fingerfem_touches(touching, n, pointer(points), memory_of(touching.chain), *given)
     return found._replace(inside=found.inside.astype(bool))

@@ -4,13 +4,10 @@
  * march is a nonlinear transfer-matrix method.) */
 #include "chain.h"
 
-int chain_size(const fingerfem_chain *chain)
+int32_t fingerfem_chain_memory(const fingerfem_chain *chain)
 {
     int size = 0;
-    for (int k = 0; k < chain->plates; k++) {
-        const fingerfem_segment *segment = chain->segments[k];
-        size += 2 * FINGERFEM_POSE * segment->groups + (1 + segment->tensions) * segment->monomials;
-    }
+    for (int k = 0; k < chain->plates; k++) size += fingerfem_segment_memory(chain->segments[k]);
     return size;
 }
 
@@ -36,6 +33,7 @@ void chain_contract(const fingerfem_chain *chain, const double *tensions, double
         found->products[k] = memory + size;
         memory += 2 * size + (1 + segment->tensions) * segment->monomials;
     }
+    found->work = memory;
 }
 
 static void cross(const double *a, const double *b, double *out)
@@ -193,7 +191,7 @@ void chain_by_tensions(const chain_contracted *map, chain_state *state)
     for (int k = chain->plates - 1; k >= 0; k--) {
         chain_plate *plate = state->plates + k;
         double by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
-        map_by_tensions(chain->segments[k], map->monomials[k], map->products[k], by_tensions);
+        map_by_tensions(chain->segments[k], map->monomials[k], map->products[k], map->work, by_tensions);
         for (int j = 0; j < chain->segments[k]->tensions; j++)
             map_motion(plate->pose, by_tensions + FINGERFEM_POSE * j, MAP_MOST_TENSIONS, j, &plate->by_tensions[0][0]);
         double borne[W];
@@ -204,11 +202,11 @@ void chain_by_tensions(const chain_contracted *map, chain_state *state)
     compose(chain, w, inputs, state);
 }
 
-int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *centres,
-                          double *rotations, double *motions)
+int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
+                          double *centres, double *rotations, double *motions)
 {
     const int n = chain->plates, w = W * n, t = chain->tensions;
-    double memory[chain_size(chain)], held[MAP_MOST_TENSIONS];
+    double held[MAP_MOST_TENSIONS];
     chain_contracted map;
     chain_state state;
     int inside = 1;

@@ -11,12 +11,12 @@ enum {
 typedef double chain_matrix[CHAIN_WRENCH][CHAIN_WRENCH];
 
 /* Of every segment how some tensions bend its plate, their monomials, what was contracted for them, and memory for the
- * products of its wrench's polynomials. */
+ * products of its wrench's polynomials; and memory to work in, of one segment at a time. */
 typedef struct {
     const fingerfem_chain *chain;
     double corners[FINGERFEM_MOST_PLATES][FINGERFEM_CORNERS];
     const double *monomials[FINGERFEM_MOST_PLATES], *contracted[FINGERFEM_MOST_PLATES];
-    double *products[FINGERFEM_MOST_PLATES];
+    double *products[FINGERFEM_MOST_PLATES], *work;
 } chain_contracted;
 
 /* A plate: what it bears, and where its segment alone has it, seen from that one's clamp; then where it is in space, and
@@ -30,13 +30,10 @@ typedef struct {
     chain_plate plates[FINGERFEM_MOST_PLATES];
 } chain_state;
 
-/* Numbers that hold the monomials, the contracted coefficients and the products of all segments. */
-int chain_size(const fingerfem_chain *chain);
-
 /* The monomials of a segment's tensions, and how they bend its plate. */
 void chain_bend(const fingerfem_chain *chain, int k, const double *tensions, double *monomials, chain_contracted *found);
 
-/* Contract all segments at tensions inside their box, into memory of that size. */
+/* Contract all segments at tensions inside their box, into memory of fingerfem_chain_memory's size. */
 void chain_contract(const fingerfem_chain *chain, const double *tensions, double *memory, chain_contracted *found);
 
 /* The plates under wrenches, (6 plates), and their motions by these. */

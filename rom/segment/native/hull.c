@@ -81,11 +81,10 @@ static double nearest(const fingerfem_object *object, const double *point, objec
     return highest > 0.0 ? least : highest;
 }
 
-double hull_distance(const fingerfem_object *object, const double *point)
+double hull_distance(const fingerfem_object *object, const double *point, double *normal)
 {
     objects_feature feature;
-    vector n;
-    return nearest(object, point, &feature, n) - object->radius;
+    return nearest(object, point, &feature, normal) - object->radius;
 }
 
 /* A feature as the plate sees it. */

@@ -6,6 +6,6 @@
 /* The contacts of a hull that stands at `place`, (3) [m], from the plate's centre, along the axes of space. */
 void hull_find(const fingerfem_object *object, const double *place, const double *rotation, objects_contacts *found);
 
-/* Distance of a point, (3) [m], given from the hull's place; negative inside. */
-double hull_distance(const fingerfem_object *object, const double *point);
+/* Distance of a point, (3) [m], given from the hull's place; negative inside. With the normal there, (3). */
+double hull_distance(const fingerfem_object *object, const double *point, double *normal);
 #endif

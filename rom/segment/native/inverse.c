@@ -42,12 +42,12 @@ static double size_of(const fingerfem_segment *segment, const double *motion)
 }
 
 int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, const double *centre,
-                   const double *quaternion, double *wrench, double *stiffness, int32_t *inside)
+                   const double *quaternion, double *memory, double *wrench, double *stiffness, int32_t *inside)
 {
     enum { W = FINGERFEM_WRENCH };
     const int t = segment->tensions, size = FINGERFEM_POSE * segment->groups;
     const double *lower = segment->lower + t, *upper = segment->upper + t;
-    double held[MAP_MOST_TENSIONS], contracted[size], products[size], monomials[(1 + t) * segment->monomials];
+    double held[MAP_MOST_TENSIONS], *contracted = memory, *products = memory + size, *monomials = products + size;
     double pose[FINGERFEM_POSE], by_wrench[W * FINGERFEM_POSE], yielding[W * W], motion[W], step[W], tried[W];
     double least = INFINITY, share = 1.0;
     *inside = 1;

@@ -3,7 +3,7 @@
 void map_monomials(const fingerfem_segment *segment, const double *tensions, double *found)
 {
     const int t = segment->tensions, all = segment->monomials;
-    double values[MAP_MOST_TENSIONS][MAP_MOST_POWER], slopes[MAP_MOST_TENSIONS][MAP_MOST_POWER];
+    double values[MAP_MOST_TENSIONS][MAP_POWERS], slopes[MAP_MOST_TENSIONS][MAP_POWERS];
     for (int k = 0; k < t; k++) {
         const double scale = 2.0 / (segment->upper[k] - segment->lower[k]);
         map_chebyshev(scale * (tensions[k] - segment->lower[k]) - 1.0, segment->most_powers[k], values[k], slopes[k]);
@@ -47,13 +47,24 @@ static map_eight summed(int monomials, const double *weights, const double *coef
     return even + odd;
 }
 
-void map_by_tensions(const fingerfem_segment *segment, const double *monomials, const double *products,
+int map_work(const fingerfem_segment *segment)
+{
+    const int pose = FINGERFEM_POSE * segment->monomials, skin = segment->skin_terms + 2 * segment->skin_numbers;
+    return pose > skin ? pose : skin;
+}
+
+int32_t fingerfem_segment_memory(const fingerfem_segment *segment)
+{
+    return 2 * FINGERFEM_POSE * segment->groups + (1 + segment->tensions) * segment->monomials + map_work(segment);
+}
+
+void map_by_tensions(const fingerfem_segment *segment, const double *monomials, const double *products, double *work,
                      double *by_tensions)
 {
     const int all = segment->monomials, blocks = segment->groups / FINGERFEM_BLOCK;
     const double *from = segment->coefficients;
-    double under[FINGERFEM_POSE * all]; /* the wrench contracted */
-    memset(under, 0, sizeof under);
+    double *under = work; /* the wrench contracted */
+    memset(under, 0, (size_t)(FINGERFEM_POSE * all) * sizeof *under);
     for (int b = 0, next; b < blocks; b = next) { /* blocks of as many monomials stay in registers */
         const int count = segment->block_monomials[b], size = FINGERFEM_BLOCK * FINGERFEM_POSE;
         for (next = b; next < blocks && segment->block_monomials[next] == count;) next++;
@@ -77,7 +88,7 @@ void map_by_tensions(const fingerfem_segment *segment, const double *monomials, 
 static void wrench_products(const fingerfem_segment *segment, const double *wrench, double *products)
 {
     const double *lower = segment->lower + segment->tensions, *upper = segment->upper + segment->tensions;
-    double values[FINGERFEM_WRENCH][MAP_MOST_POWER], slopes[FINGERFEM_WRENCH][MAP_MOST_POWER];
+    double values[FINGERFEM_WRENCH][MAP_POWERS], slopes[FINGERFEM_WRENCH][MAP_POWERS];
     const int32_t *most = segment->most_powers + segment->tensions;
     for (int i = 0; i < FINGERFEM_WRENCH; i++) {
         const double scale = 2.0 / (upper[i] - lower[i]);
@@ -183,11 +194,12 @@ void map_motion(const double *pose, const double *change, int columns, int k, do
     }
 }
 
-int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *pose,
-                    double *motion)
+int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *memory,
+                    double *pose, double *motion)
 {
     const int t = segment->tensions, columns = t + FINGERFEM_WRENCH, size = FINGERFEM_POSE * segment->groups;
-    double held[MAP_MOST_TENSIONS], contracted[size], products[size], monomials[(1 + t) * segment->monomials];
+    double held[MAP_MOST_TENSIONS], *contracted = memory, *products = memory + size, *monomials = products + size;
+    double *work = monomials + (1 + t) * segment->monomials;
     double by_wrench[FINGERFEM_WRENCH * FINGERFEM_POSE], by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
     int inside = 1;
     for (int k = 0; k < t; k++) {
@@ -198,7 +210,7 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
     map_monomials(segment, held, monomials);
     map_contract(segment, monomials, contracted);
     map_pose(segment, contracted, wrench, products, pose, by_wrench);
-    map_by_tensions(segment, monomials, products, by_tensions);
+    map_by_tensions(segment, monomials, products, work, by_tensions);
     for (int k = 0; k < t; k++) {
         double *change = by_tensions + FINGERFEM_POSE * k;
         if (held[k] != tensions[k]) memset(change, 0, FINGERFEM_POSE * sizeof *change);

@@ -4,8 +4,8 @@
 #include <string.h>
 #include "segment.h"
 
-#define MAP_MOST_POWER 32
-#define MAP_MOST_TENSIONS 8
+#define MAP_POWERS (FINGERFEM_MOST_POWER + 1)
+#define MAP_MOST_TENSIONS FINGERFEM_MOST_TENSIONS
 
 /* Eight numbers that are worked on at once, in as many registers as the processor needs for them. */
 typedef double map_eight __attribute__((vector_size(64), aligned(8)));
@@ -51,9 +51,13 @@ void map_contract(const fingerfem_segment *segment, const double *monomials, dou
 void map_pose(const fingerfem_segment *segment, const double *coefficients, const double *wrench, double *products,
               double *pose, double *by_wrench);
 
-/* Derivatives of the pose by the tensions, (tensions, 8), with the products that `map_pose` has left. */
-void map_by_tensions(const fingerfem_segment *segment, const double *monomials, const double *products,
+/* Derivatives of the pose by the tensions, (tensions, 8), with the products that `map_pose` has left; `work` is of
+ * map_work's size. */
+void map_by_tensions(const fingerfem_segment *segment, const double *monomials, const double *products, double *work,
                      double *by_tensions);
+
+/* Numbers of memory that one function of a segment works in at a time. */
+int map_work(const fingerfem_segment *segment);
 
 /* Pose, (8), without a wrench, and its derivatives by the tensions, (tensions, 8); the box is as wide to both sides of
  * that. */

@@ -3,6 +3,9 @@
 #include <string.h>
 #include "hull.h"
 
+#define FAR 1.0       /* from where an object comes [m] */
+#define MARCHES 60    /* towards the distance at which it touches */
+#define TOUCHED 1e-12 /* [m] */
 #define TINY 1e-12 /* of a squared sine below which a line is along an edge, and corners alone count [-] */
 
 typedef double vector[3];
@@ -165,14 +168,41 @@ void objects_change(const fingerfem_object *object, const objects_contacts *cont
     }
 }
 
-double objects_distance(const fingerfem_object *object, double d, const double *place)
+double objects_distance(const fingerfem_object *object, double d, const double *place, double *normal)
 {
     vector r;
     for (int i = 0; i < 3; i++) r[i] = place[i] - object->centre[i] - d * object->direction[i];
-    if (object->shape == FINGERFEM_HULL) return hull_distance(object, r);
+    if (object->shape == FINGERFEM_HULL) return hull_distance(object, r, normal);
     const double along = objects_dot(object->axis, r);
-    if (object->shape == FINGERFEM_PLANE) return along;
+    if (object->shape == FINGERFEM_PLANE) {
+        memcpy(normal, object->axis, sizeof(vector));
+        return along;
+    }
     if (object->shape == FINGERFEM_CYLINDER)
         for (int i = 0; i < 3; i++) r[i] -= along * object->axis[i];
-    return sqrt(objects_dot(r, r)) - object->radius;
+    const double size = sqrt(objects_dot(r, r));
+    for (int i = 0; i < 3; i++) normal[i] = size > 0.0 ? r[i] / size : -object->direction[i];
+    return size - object->radius;
+}
+
+/* By Newton's method from far away: the distance of a convex body is convex in d, so that it never goes too far. Where the
+ * point is outside at `least`, and the gap grows with d, it stays outside from there on. */
+double objects_reach(const fingerfem_object *object, const double *place, double least, double *normal)
+{
+    double d = FAR;
+    vector n;
+    if (isfinite(least)) {
+        const double gap = objects_distance(object, least, place, n);
+        if (gap >= 0.0 && objects_dot(n, object->direction) < 0.0) return least;
+    }
+    for (int step = 0; step < MARCHES && d > least; step++) {
+        const double gap = objects_distance(object, d, place, n), slope = -objects_dot(n, object->direction);
+        if (gap > 0.0 && slope <= 0.0) return least; /* it passes by */
+        if (fabs(gap) < TOUCHED || (object->shape == FINGERFEM_PLANE && step)) {
+            memcpy(normal, n, sizeof n);
+            return d;
+        }
+        d -= gap / slope;
+    }
+    return least;
 }

@@ -17,7 +17,12 @@ void objects_change(const fingerfem_object *object, const objects_contacts *cont
 void objects_change_with(const fingerfem_object *object, const objects_contacts *contacts, int k, int m, double *dp,
                          double *dn);
 
-/* Distance of a point of space, (3) [m], from an object moved by d [m]; negative inside. */
-double objects_distance(const fingerfem_object *object, double d, const double *place);
+/* Distance of a point of space, (3) [m], from an object moved by d [m]; negative inside. With the normal there, out of the
+ * object, (3). */
+double objects_distance(const fingerfem_object *object, double d, const double *place, double *normal);
+
+/* The largest d [m] at which an object touches a point of space, (3) [m], if that is above `least`, with the normal there;
+ * else `least`. */
+double objects_reach(const fingerfem_object *object, const double *place, double least, double *normal);
 
 #endif

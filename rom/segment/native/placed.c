@@ -112,7 +112,7 @@ double placed_touch_distance(const contact_problem *problem, placed *at)
 }
 
 int fingerfem_contacts(const fingerfem_touching *touching, const double *tensions, double d, const double *centres,
-                       const double *rotations, int32_t *plates, int32_t *names, double *gaps, double *points,
+                       const double *rotations, double *memory, int32_t *plates, int32_t *names, double *gaps, double *points,
                        double *normals, double *point_changes, double *normal_changes)
 {
     const fingerfem_chain *chain = touching->chain;
@@ -122,8 +122,7 @@ int fingerfem_contacts(const fingerfem_touching *touching, const double *tension
     double held[MAP_MOST_TENSIONS];
     for (int k = 0; k < chain->tensions; k++) held[k] = map_held(chain->segments[0], k, tensions[k]);
     for (int plate = 0; plate < chain->plates; plate++) {
-        double monomials[(1 + chain->segments[plate]->tensions) * chain->segments[plate]->monomials];
-        chain_bend(chain, plate, held, monomials, &map);
+        chain_bend(chain, plate, held, memory, &map);
         memcpy(at.chain.plates[plate].centre, centres + 3 * plate, 3 * sizeof *centres);
         memcpy(at.chain.plates[plate].rotation, rotations + 9 * plate, 9 * sizeof *rotations);
         find(&problem, d, plate, &at);

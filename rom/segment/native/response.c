@@ -36,7 +36,7 @@ INLINE void product(int size, const chain_matrix a, const chain_matrix b, chain_
 INLINE int find(int size, contact_state *state)
 {
     chain_matrix compliance, made;
-    double system[size * size], inverse[size * size];
+    double system[CHAIN_WRENCH * CHAIN_WRENCH], inverse[CHAIN_WRENCH * CHAIN_WRENCH];
     for (int i = 0; i < size; i++)
         memcpy(compliance[i], state->at.chain.plates[i / W].motion[i % W], (size_t)size * sizeof **compliance);
     product(size, state->following, compliance, made);
@@ -184,7 +184,7 @@ int response_stable(const contact_problem *problem, const contact_state *state)
 {
     const int w = problem->size;
     int rows[FINGERFEM_MOST_CONTACTS];
-    double columns[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH], yielding[w * w];
+    double columns[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH], yielding[CHAIN_WRENCH * CHAIN_WRENCH];
     double a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
     const int count = pressing(problem, state, rows, columns);
     for (int i = 0; i < w; i++) memcpy(yielding + w * i, state->yielding[i], (size_t)w * sizeof *yielding);

@@ -7,6 +7,9 @@
 /* Numbers of a pose, the last one 0: the clamp's place seen from the plate [m], the plate's quaternion [-]. */
 enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12, FINGERFEM_MOST_PLATES = 3 };
 
+/* Limits of a map, which are checked when its file is read. */
+enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31 };
+
 /* Rows of an answer, as of a surrogate: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
 enum { FINGERFEM_ROWS = 5 };
 
@@ -30,8 +33,10 @@ typedef struct {
     const double *free_coefficients;     /* (monomials, FINGERFEM_POSE): of the pose without a wrench */
     int32_t skin_terms, skin_numbers;    /* of points of the rubber, by stations and edges, and zeros that fill rows; 0
                                             without */
+    int32_t skin_monomials;              /* of the tensions, the first ones, by which these move without a wrench */
     const int32_t *skin_powers;          /* (skin_terms, tensions + 6) */
     const float *skin_coefficients;      /* (skin_terms, skin_numbers) */
+    const double *free_skin;             /* (skin_monomials, skin_numbers): without a wrench */
     int32_t stations, places;            /* of these points along every edge; and of places between them */
     const double *between;               /* (places, stations): weights of the stations there */
     double skin_error;                   /* [m] */
@@ -82,16 +87,20 @@ typedef struct {
     const fingerfem_object *object;
 } fingerfem_touching;
 
+/* Numbers of memory that functions of a segment, and of a chain, need: `memory`, which they spoil. */
+int32_t fingerfem_segment_memory(const fingerfem_segment *segment);
+int32_t fingerfem_chain_memory(const fingerfem_chain *chain);
+
 /* Where the plate is: pose, (FINGERFEM_POSE), at tensions and a wrench, (6), and its motion R^T dc, R^T dtheta by both,
  * (6, tensions + 6). Beyond the box it goes on linearly by the wrench, and stays by the tensions; returns 1 inside. */
-int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *pose,
-                    double *motion);
+int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *memory,
+                    double *pose, double *motion);
 
 /* The wrench, (6), that the plate bears where its centre, (3) [m], and its quaternion, (4), are seen from the clamp: the
  * inverse of the map, by Newton's method from the wrench given; and its stiffness, (6, 6), by motions R^T dc, R^T dtheta.
  * Returns the number of evaluations; negative if it found none: then the wrench is that of the nearest pose. */
 int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, const double *centre,
-                   const double *quaternion, double *wrench, double *stiffness, int32_t *inside);
+                   const double *quaternion, double *memory, double *wrench, double *stiffness, int32_t *inside);
 
 /* The same as a spring between plate and clamp: force, (6), and stiffness, (6, 6), by motions along the clamp's axes and
  * turns about the plate's own. The stiffness is symmetric, without directions in which it would push the plate away: a
@@ -101,57 +110,63 @@ void fingerfem_spring(const fingerfem_segment *segment, const double *quaternion
 
 /* Where all plates of a chain are: centres, (plates, 3) [m], rotations, (plates, 3, 3), and motions by tensions and
  * wrenches, (plates, 6, tensions + 6 plates); returns 1 if every segment's inputs lie in its box. */
-int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *centres,
-                          double *rotations, double *motions);
+int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
+                          double *centres, double *rotations, double *motions);
 
 /* Answer at a point, (tensions + 1), of tensions and d: out, (FINGERFEM_ROWS), its derivatives, (FINGERFEM_ROWS,
  * tensions + 1), and, unless it is NULL, by_object, (FINGERFEM_ROWS, 6), by the object's place and by its turning
- * about axes through its centre. The wrench, (6 plates), is where the solve begins, and what it ends with; zero begins without contact. Returns the number of evaluations of the map,
- * negative without an equilibrium on the object's approach; inside is 1 if tensions, wrench and d lie where the map was
- * trained and d may be, and the plate would rest there. */
-int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *wrench, double *out,
+ * about axes through its centre. The touch distance is that at which the object, coming along its direction, touches the
+ * free finger first, a plate or the rubber. The wrench, (6 plates), is where the solve begins, and what it ends with; zero
+ * begins without contact. Returns the number of evaluations of the map, negative without an equilibrium on the object's
+ * approach; inside is 1 if tensions, wrench and d lie where the map was trained and d may be, and the plate would rest
+ * there; d = infinity is no object, and may always be. */
+int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
                     double *jacobian, double *by_object, int32_t *inside);
+
+/* The same of plates alone: in place of the touch distance stands that of the first plate, from which on force grows. */
+int fingerfem_press(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
+                    double *jacobian, int32_t *inside);
 
 /* Contacts of the object at d with plates somewhere, whose centres, (plates, 3), and rotations, (plates, 3, 3), are given;
  * and tensions, which bend them; their number, FINGERFEM_MOST_CONTACTS at most. Of each: its plate and name, gap [m], point of the plate [m] and normal in
  * the plate's frame, (3), and how these change as the plate moves and turns, (3, 6). */
 int fingerfem_contacts(const fingerfem_touching *touching, const double *tensions, double d, const double *centres, const double *rotations,
-                       int32_t *plates, int32_t *names, double *gaps, double *points, double *normals,
+                       double *memory, int32_t *plates, int32_t *names, double *gaps, double *points, double *normals,
                        double *point_changes, double *normal_changes);
 
 /* Estimated error of the contact force [N] of an answer. */
 double fingerfem_touch_error(const fingerfem_touching *touching, const double *out, const double *jacobian);
 
-/* Least distance of the rubber's points from the object, at an answer [m]; infinite where nothing is known of them. The
+/* Least distance of the rubber's points from the object, at an answer [m]; infinite without an object, and where nothing is known of them. The
  * map knows nothing of rubber that touches: what may touch, below skin_error, is no answer. */
-double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench);
+double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench, double *memory);
 
 /* The rubber of a segment as boxes, one after another: the centre, (3) [m], half lengths, (3) [m], and axes, (3, 3), of each
  * of `count`, by inputs, (tensions + 6), the corners of the section where it begins, (4, 3) [m], with -y -z, -y z, y -z and
  * y z, and the place of its plate. Returns 0 where nothing is known of it. */
 int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *begins, const double *centre,
-                           const double *rotation, int count, double *centres, double *halves, double *axes);
+                           const double *rotation, int count, double *memory, double *centres, double *halves, double *axes);
 
 /* The surface of a chain under tensions and wrenches, (6 plates), as sections with four corners each, -y -z, -y z, y -z and
  * y z: of every segment where its rubber begins, FINGERFEM_JOINED more, its `places`, as many more, its plate's back and its
  * plate's front, (sections, 4, 3) [m]. Returns 0 where nothing is known of a segment's rubber. */
-int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *corners);
+int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
+                             double *corners);
 
-/* All that is told of an answer: that of `fingerfem_touch`, which is not inside either where rubber may touch; the touch
- * distance is the rubber's where that touches first; errors, (3) [m, N, m], are the estimated ones of tip, contact force
- * and touch distance: infinite without an equilibrium. */
-int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *wrench, double *out, double *jacobian,
-                   double *errors, int32_t *inside, double *rubber_gap);
+/* An answer with its errors: that of `fingerfem_touch`, which is not inside either where rubber may touch; errors,
+ * (3) [m, N, m], are the estimated ones of tip, contact force and touch distance: infinite without an equilibrium. */
+int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
+                   double *jacobian, double *errors, int32_t *inside, double *rubber_gap);
 
 /* The same at many points, (count, tensions + 1), each from rest: out, (count, FINGERFEM_ROWS), errors, (count, 3). */
-void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *out, double *errors,
-                     int32_t *inside);
+void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
+                     double *errors, int32_t *inside);
 
 /* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, of which by_objects
  * may be NULL, wrenches,
  * (count, 6 plates), where they begin and end, inside and evaluations, (count), the time of each [ns], without that of the
  * rubber's gaps, (count), where what touches is not inside. */
-void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out,
+void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
                        double *jacobians, double *by_objects, double *wrenches, int32_t *inside,
                        int32_t *evaluations, int64_t *nanoseconds, double *rubber_gaps);
 #endif

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rom.native import SEGMENT
-from rom.segment.native import ENDS, pointer
+from rom.segment.native import ENDS, memory_of, pointer
 
 
 class Told(NamedTuple):
@@ -28,7 +28,8 @@ def tells(touching: Any, points: np.ndarray) -> Told:
     """Answers and their estimated errors at tensions and d, shape (n, t + 1), each solved from rest."""
     points, n = np.ascontiguousarray(points, float), len(points)
     out, errors, inside = np.empty((n, 5)), np.empty((n, 3)), np.empty(n, np.int32)
-    given = pointer(points), pointer(out), pointer(errors), pointer(inside, "int32_t[]")
+    memory = memory_of(touching.chain)
+    given = pointer(points), memory, pointer(out), pointer(errors), pointer(inside, "int32_t[]")
     SEGMENT.functions.fingerfem_tells(touching, n, *given)
     return Told(out, errors, inside.astype(bool))
 
@@ -41,7 +42,7 @@ def sections(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> list[
     """
     counts = [compiled.segments[k].places + ENDS for k in range(compiled.plates)]
     found = np.empty((sum(counts), 4, 3))
-    given = (pointer(np.ascontiguousarray(one, float)) for one in (tensions, wrenches))
-    if not SEGMENT.functions.fingerfem_chain_sections(compiled, *given, pointer(found)):
+    given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, wrenches)]
+    if not SEGMENT.functions.fingerfem_chain_sections(compiled, *given, memory_of(compiled), pointer(found)):
         return None
     return np.split(found, np.cumsum(counts)[:-1])

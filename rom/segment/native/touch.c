@@ -3,6 +3,7 @@
 #include <math.h>
 #include <time.h>
 #include "response.h"
+#include "rubber.h"
 
 /* A vector of space as a plate sees it. */
 static void seen_by(const chain_plate *plate, const double *v, double *found)
@@ -108,30 +109,38 @@ static int report_derivatives(const contact_problem *problem, const contact_stat
     return 1;
 }
 
-/* Touch distance and its derivatives by the tensions and by the object's motion, of the free plates. */
-static void report_touch(const contact_problem *problem, const placed *at, double touch, double *out, double *jacobian,
-                         double *by_object)
+/* The point of the free plates that the object touches first. */
+static void touched_by_plates(const contact_problem *problem, const placed *at, touched_point *first)
+{
+    const objects_contacts *contacts = &at->contacts;
+    const int nearest = placed_nearest(contacts);
+    first->plate = at->chain.plates + contacts->plates[nearest];
+    for (int i = 0; i < 3; i++) first->p[i] = contacts->points[nearest][i] + contacts->bent[nearest][i];
+    memcpy(first->wrench, contacts->wrenches[nearest], sizeof first->wrench);
+    placed_bend(problem, contacts, nearest, first->bends);
+}
+
+/* Touch distance and its derivatives by the tensions and by the object's motion, of the point that is touched first. */
+static void report_touch(const contact_problem *problem, const touched_point *first, double touch, double *out,
+                         double *jacobian, double *by_object)
 {
     const int t = problem->touching->chain->tensions;
+    const chain_plate *plate = first->plate;
+    const double *normal = first->wrench;
+    double e[3];
     out[4] = touch;
     if (!isfinite(touch)) return;
-    const int nearest = placed_nearest(&at->contacts);
-    const chain_plate *plate = at->chain.plates + at->contacts.plates[nearest];
-    const double *normal = at->contacts.wrenches[nearest];
-    double e[3], down = 0.0, bends[3 * MAP_MOST_TENSIONS];
     placed_leaving(problem, plate, e);
-    placed_bend(problem, &at->contacts, nearest, bends);
-    for (int i = 0; i < 3; i++) down += normal[i] * e[i];
+    const double down = objects_dot(normal, e);
     for (int k = 0; k < t; k++) {
-        double opened = objects_dot(normal, bends + 3 * k);
+        double opened = objects_dot(normal, first->bends + 3 * k);
         for (int i = 0; i < W; i++) opened += normal[i] * plate->motion[i][problem->size + k];
         jacobian[(t + 1) * 4 + k] = opened / down;
     }
     for (int k = 0; k < W && by_object; k++) {
-        double p[3], unit[W] = {0.0}, place[3], v[3], seen[3];
+        double unit[W] = {0.0}, place[3], v[3], seen[3];
         unit[k] = 1.0;
-        for (int i = 0; i < 3; i++) p[i] = at->contacts.points[nearest][i] + at->contacts.bent[nearest][i];
-        for (int i = 0; i < 3; i++) place[i] = plate->centre[i] + objects_dot(plate->rotation + 3 * i, p);
+        for (int i = 0; i < 3; i++) place[i] = plate->centre[i] + objects_dot(plate->rotation + 3 * i, first->p);
         carried(problem->touching->object, touch, unit, place, v);
         seen_by(plate, v, seen);
         by_object[W * 4 + k] = -objects_dot(normal, seen) / down;
@@ -156,15 +165,17 @@ static void leave_free(const contact_problem *problem, contact_state *state)
     }
 }
 
-int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *wrench, double *out,
-                    double *jacobian, double *by_object, int32_t *inside)
+/* As fingerfem_touch; with the rubber, or of plates alone; `rubber` is then 1 if the rubber touches first. */
+static int touch_by(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
+                    double *jacobian, double *by_object, int32_t *inside, int *rubber)
 {
     const fingerfem_chain *chain = touching->chain;
     const fingerfem_object *object = touching->object;
     const int t = chain->tensions, p = t + 1;
-    double held[MAP_MOST_TENSIONS], memory[chain_size(chain)];
+    double held[MAP_MOST_TENSIONS];
     chain_contracted map;
     contact_state state;
+    touched_point first;
     const contact_problem problem = {touching, &map, W * chain->plates};
     const size_t size = (size_t)problem.size * sizeof *wrench;
     memset(jacobian, 0, (size_t)(FINGERFEM_ROWS * p) * sizeof *jacobian);
@@ -179,11 +190,14 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     memset(state.forces, 0, sizeof state.forces);
     chain_free(&map, &state.at.chain);
     const double touch = placed_touch_distance(&problem, &state.at);
-    report_touch(&problem, &state.at, touch, out, jacobian, by_object);
+    if (isfinite(touch)) touched_by_plates(&problem, &state.at, &first);
+    const double reach = rubber ? rubber_reach(&problem, &state.at.chain, touch, &first) : touch;
+    report_touch(&problem, &first, reach, out, jacobian, by_object);
+    if (rubber) *rubber = reach > touch;
     double d = point[t] > object->nearest ? point[t] : object->nearest;
     d = d < object->farthest ? d : object->farthest;
-    const int touches = d < touch, d_moves = d == point[t];
-    *inside &= d_moves || (!touches && !isnan(point[t]));
+    const int touches = d < touch && !(point[t] >= touch), d_moves = d == point[t];
+    *inside &= d_moves || point[t] == INFINITY;
     int evaluations = 1;
     if (touches) {
         memcpy(state.wrench, wrench, size);
@@ -203,7 +217,20 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
     return evaluations;
 }
 
-void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *out,
+int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
+                    double *jacobian, double *by_object, int32_t *inside)
+{
+    int rubber;
+    return touch_by(touching, point, memory, wrench, out, jacobian, by_object, inside, &rubber);
+}
+
+int fingerfem_press(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
+                    double *jacobian, int32_t *inside)
+{
+    return touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, NULL);
+}
+
+void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
                        double *jacobians, double *by_objects, double *wrenches, int32_t *inside,
                        int32_t *evaluations, int64_t *nanoseconds, double *rubber_gaps)
 {
@@ -212,42 +239,39 @@ void fingerfem_touches(const fingerfem_touching *touching, int count, const doub
         struct timespec begun, ended;
         double *wrench = wrenches + W * touching->chain->plates * i;
         clock_gettime(CLOCK_MONOTONIC, &begun);
-        evaluations[i] = fingerfem_touch(touching, points + p * i, wrench, out + FINGERFEM_ROWS * i,
+        evaluations[i] = fingerfem_touch(touching, points + p * i, memory, wrench, out + FINGERFEM_ROWS * i,
                                          jacobians + FINGERFEM_ROWS * p * i,
                                          by_objects ? by_objects + W * FINGERFEM_ROWS * i : NULL, inside + i);
         clock_gettime(CLOCK_MONOTONIC, &ended);
         nanoseconds[i] = (ended.tv_sec - begun.tv_sec) * 1000000000LL + ended.tv_nsec - begun.tv_nsec;
-        rubber_gaps[i] = fingerfem_rubber_gap(touching, points + p * i, wrench);
+        rubber_gaps[i] = fingerfem_rubber_gap(touching, points + p * i, wrench, memory);
         inside[i] &= !(rubber_gaps[i] < touching->chain->skin_error);
     }
 }
 
-int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *wrench, double *out, double *jacobian,
-                   double *errors, int32_t *inside, double *rubber_gap)
+int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
+                   double *jacobian, double *errors, int32_t *inside, double *rubber_gap)
 {
     const fingerfem_chain *chain = touching->chain;
-    const int t = chain->tensions, evaluations = fingerfem_touch(touching, point, wrench, out, jacobian, NULL, inside);
-    const double unknown = evaluations > 0 ? 0.0 : INFINITY, farthest = touching->object->farthest;
-    double away[MAP_MOST_TENSIONS + 1], free[CHAIN_WRENCH] = {0.0};
-    *rubber_gap = fingerfem_rubber_gap(touching, point, wrench);
+    int rubber;
+    const int evaluations = touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, &rubber);
+    const double unknown = evaluations > 0 ? 0.0 : INFINITY;
+    *rubber_gap = fingerfem_rubber_gap(touching, point, wrench, memory);
     *inside &= !(*rubber_gap < chain->skin_error);
-    memcpy(away, point, (size_t)t * sizeof *away);
-    away[t] = farthest;
-    const double rubber = farthest - fingerfem_rubber_gap(touching, away, free); /* the distance at which it would touch */
     errors[0] = chain->tip_error + chain->tip_error_by_force * out[3] + unknown;
     errors[1] = fingerfem_touch_error(touching, out, jacobian) + unknown;
-    errors[2] = chain->touch_error + (rubber > out[4] ? chain->touch_error_of_skin : 0.0);
-    out[4] = fmax(out[4], rubber);
+    errors[2] = chain->touch_error + (rubber ? chain->touch_error_of_skin : 0.0);
     return evaluations;
 }
 
-void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *out, double *errors,
-                     int32_t *inside)
+void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
+                     double *errors, int32_t *inside)
 {
     const int p = touching->chain->tensions + 1;
     double jacobian[FINGERFEM_ROWS * (MAP_MOST_TENSIONS + 1)], gap;
     for (int i = 0; i < count; i++) {
         double wrench[CHAIN_WRENCH] = {0.0};
-        fingerfem_tell(touching, points + p * i, wrench, out + FINGERFEM_ROWS * i, jacobian, errors + 3 * i, inside + i, &gap);
+        fingerfem_tell(touching, points + p * i, memory, wrench, out + FINGERFEM_ROWS * i, jacobian, errors + 3 * i, inside + i,
+                       &gap);
     }
 }

@@ -169,7 +169,8 @@ def test_c_alone_tells_what_python_tells_of_a_surrogate(surrogate, trained):
         expected = model.evaluate(points)
         for i, point in enumerate(points):
             out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty(36), np.zeros(18)
-            given = map(pointer, (point, wrench, out, errors, jacobian))
+            memory = np.empty(MODEL.functions.fingerfem_model_memory(own))
+            given = map(pointer, (point, memory, wrench, out, errors, jacobian))
             status = MODEL.functions.fingerfem_model_tell(own, *given)
             assert (status == 0) == expected.inside[i]
             assert errors[1] == pytest.approx(expected.error["contact_force"][i], rel=1e-9, abs=1e-12)

@@ -14,7 +14,9 @@ from tests.rom.segment import rod
 def compiled(segment: SegmentMap, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
     pose, motion, t = np.empty(8), np.empty((6, len(inputs))), segment.tensions
     parts = [inputs[:t].copy(), inputs[t:].copy(), pose, motion]
-    inside = native.SEGMENT.functions.fingerfem_place(segment.struct, *map(native.pointer, parts))
+    tensions, wrench, *out = map(native.pointer, parts)
+    memory = native.memory_of(segment.struct)
+    inside = native.SEGMENT.functions.fingerfem_place(segment.struct, tensions, wrench, memory, *out)
     return pose[:7], motion, bool(inside)
 
 

@@ -48,6 +48,7 @@ export class Model {
     this.struct = begin + about.root;
     const p = this.parameters.length;
     this.places = {
+      memory: this.numbers(code.fingerfem_model_memory(this.struct)),
       point: this.numbers(p),
       wrench: this.numbers(WRENCH),
       out: this.numbers(ROWS),
@@ -79,10 +80,10 @@ export class Model {
 
   /** Tip [m], contact force [N], touch distance [m], pad pressure [Pa], their errors, and why not to rely on them. */
   tell(point) {
-    const { point: at, wrench, out, errors, jacobian } = this.places;
+    const { point: at, memory, wrench, out, errors, jacobian } = this.places;
     this.at("point", point.length).set(point);
     this.at("wrench", WRENCH).fill(0);
-    const status = this.code.fingerfem_model_tell(this.struct, at, wrench, out, errors, jacobian);
+    const status = this.code.fingerfem_model_tell(this.struct, at, memory, wrench, out, errors, jacobian);
     const [x, y, z, force, touch, pad] = this.at("out", ROWS);
     const [tipError, forceError, touchError, padError] = this.at("errors", ERRORS);
     return {
@@ -98,8 +99,8 @@ export class Model {
 
   /** Corners of the surface's sections at the point that was told last, 12 numbers each [m]; null if not known. */
   sections() {
-    const { point, wrench, corners } = this.places;
-    if (!this.code.fingerfem_model_sections(this.struct, point, wrench, corners)) return null;
+    const { point, memory, wrench, corners } = this.places;
+    if (!this.code.fingerfem_model_sections(this.struct, point, wrench, memory, corners)) return null;
     return this.at("corners", CORNERS * this.about.sections);
   }
 
@@ -108,10 +109,11 @@ export class Model {
     if (!this.finger) {
       this.finger = this.take(this.code.page_finger_size());
       this.code.control_standalone(this.struct, this.numbers(this.code.control_standalone_size(this.struct)), this.finger);
+      this.places.memory_of_holds = this.numbers(this.code.control_standalone_memory(this.struct));
     }
-    const { start: begin, tensions, told } = this.places;
+    const { start: begin, memory_of_holds: memory, tensions, told } = this.places;
     this.at("start", start.length).set(start);
-    const status = this.code.control_standalone_hold(this.finger, begin, force, d, HOLD_TOLERANCE, tensions, told);
+    const status = this.code.control_standalone_hold(this.finger, begin, force, d, HOLD_TOLERANCE, memory, tensions, told);
     const [residual, error, evaluations] = this.at("told", 3);
     const found = status === CONVERGED ? "converged" : status === OUTSIDE ? "out_of_domain" : "unreachable";
     return { status: found, residual, error, evaluations, tensions: [...this.at("tensions", start.length)] };

@@ -1,6 +1,7 @@
 /* The FMU of a model: tensions and distance in; all that is told of the finger out. */
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include "fmu.h"
 
@@ -8,8 +9,8 @@ const int32_t fmu_kind = FMU_MODEL;
 
 int fmu_open(void **own)
 {
-    *own = NULL; /* solves need no memory between them */
-    return 1;
+    *own = malloc((size_t)fingerfem_model_memory(fmu_model) * sizeof(double)); /* a solve's, which leaves nothing in it */
+    return *own != NULL;
 }
 
 void fmu_keep(fmu_state *state) { (void)state; }
@@ -19,9 +20,8 @@ void fmu_answer(void *own, fmu_state *state)
 {
     double wrench[FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES] = {0.0};
     double *out = state->outputs, *errors = out + FINGERFEM_MOST_ROWS;
-    (void)own;
     memset(state->jacobian, 0, sizeof state->jacobian);
-    state->status = fingerfem_model_tell(fmu_model, state->inputs, wrench, out, errors, state->jacobian);
+    state->status = fingerfem_model_tell(fmu_model, state->inputs, own, wrench, out, errors, state->jacobian);
     for (int i = 0; i <= FINGERFEM_FORCE; i++)
         if (!isfinite(out[i]) && state->status == FINGERFEM_INSIDE) state->status = FINGERFEM_NO_EQUILIBRIUM;
     state->flag = state->status == FINGERFEM_INSIDE;
