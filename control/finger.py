@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control import problems
-from control.least_squares import CONVERGED, LIMIT, OUTSIDE, STATIONARY
+from control.answers import answered, beyond, listed, no_point, not_finite, not_positive, refused
+from control.least_squares import CONVERGED, STATIONARY
 from control.model import Model
 from control.motion import Limits, Motion
 from control.problems import known, rules
 from rom.native.answer import FORCE, PAD
 
-STATUSES = {CONVERGED: "converged", LIMIT: "iteration_limit", OUTSIDE: "out_of_domain"}
 NORMAL_95 = 1.96  # standard deviations within which 95 % of a normal distribution are [-]
 
 
@@ -68,9 +68,11 @@ class Finger:
             ValueError: a start of the wrong shape, or a distance where the model has no obstacle.
         """
         begin = (self.lower + self.upper) / 2 if start is None else self._start(start)
-        goal = self._goal(point, distance)
-        if goal is None or not np.isfinite(begin).all():
-            return self._out_of_domain(distance)
+        goal = np.asarray(point, float)
+        reason = self._refused(goal, distance) or not_finite("start", begin, "N")
+        if reason:
+            return self._out_of_domain(distance, reason)
+        goal = goal - self.rest
         return self._reach(goal, distance, begin, tolerance, self._sides(goal, distance))
 
     def follow(
@@ -105,10 +107,12 @@ class Finger:
         sides, found = (1, 1), []
         change = self.limits.rate * period
         for point in points:
-            goal = self._goal(point, distance)
-            if goal is None:
-                found.append(self._out_of_domain(distance, present, sides))
+            goal = np.asarray(point, float)
+            reason = self._refused(goal, distance)
+            if reason:
+                found.append(self._out_of_domain(distance, reason, present, sides))
                 continue
+            goal = goal - self.rest
             wanted = self._sides(goal, distance)
             # A side is changed only where its tendons are slack: no tendon is let go at once.
             pulled = [bool(np.any(present[self._offsets[:, a] != 0] > 0)) for a in (0, 1)]
@@ -117,14 +121,16 @@ class Finger:
             present = found[-1].tensions
         return found
 
-    def _goal(self, point: ArrayLike, distance: float) -> np.ndarray | None:
-        """Displacement of the tip to a point [m]; None if that is none."""
+    def _refused(self, point: np.ndarray, distance: float) -> str:
+        """Why a point before a plane is refused; empty if it is not."""
         if np.isfinite(distance):
             self._needs_obstacle()
-        goal = np.asarray(point, float)
-        if goal.shape != (3,) or not np.all(np.abs(goal) < 1e6) or not distance > -np.inf:
-            return None
-        return np.asarray(goal - self.rest)
+        return no_point(point) or ("" if distance == np.inf else self._beyond(distance))
+
+    def _beyond(self, distance: float) -> str:
+        """Why a distance is refused; empty if the model's plane may stand there."""
+        lower, upper = (end[-1] for end in self.model.limits) if self.model.has_obstacle else (np.inf, np.inf)
+        return beyond("distance", distance, lower, upper, "m")
 
     def _sides(self, goal: np.ndarray, distance: float) -> tuple[int, int]:
         """Sides of the finger on which a goal lies, as far as the tendons there are mirror images of the scene's."""
@@ -149,7 +155,9 @@ class Finger:
         mirrored = goal * np.array([1.0, *sides])
         tensions, found = problems.reach(self.known, start, change, mirrored, float(distance), rules(tolerance))
         error = self.model.tip_error(float(np.linalg.norm(goal)))
-        return self._motion(found.status, tensions, distance, found.residual, error, found.evaluations, sides, unit="m")
+        asked = f"point {listed(goal + self.rest)} m"
+        known = {"distance": distance, "error": error, "sides": sides, "unit": "m"}
+        return self._motion(found.status, tensions, found, asked, **known)
 
     def locate(self, tensions: ArrayLike, contact_force: ArrayLike, noise: float = 0.0, hint: float = np.nan) -> Motion:
         """Find the plane from tensions and the contact force felt; the motion's `distance` is d*.
@@ -169,11 +177,13 @@ class Finger:
         self._needs_obstacle()
         pulled, felt = np.array(tensions, float, ndmin=2, order="C"), np.array(contact_force, float, ndmin=1)
         if pulled.ndim != 2 or pulled.shape != (len(felt), self._tensions) or not len(felt):
-            return self._out_of_domain(np.nan)
+            wanted = f"tensions must be {self._tensions} for each of {len(felt)} contact forces"
+            return self._out_of_domain(np.nan, f"{wanted}, got shape {np.shape(tensions)}")
         lower, upper = self.model.limits
-        inside = np.all((pulled >= lower[:-1]) & (pulled <= upper[:-1]))
-        if not (inside and np.all((felt > 0) & (felt < np.inf)) and 0 <= noise < np.inf):
-            return self._out_of_domain(np.nan, pulled[-1])
+        reason = beyond("tensions", pulled, lower[:-1], upper[:-1], "N") or not_positive("contact_force", felt, "N")
+        reason = reason or beyond("noise", noise, 0.0, np.finfo(float).max, "N")
+        if reason:
+            return self._out_of_domain(np.nan, reason, pulled[-1])
         close = rules(1e-9 * max(float(felt.max()), 1.0))
         found = problems.locate(self.known, pulled, felt, float(hint), close)
         status, steep, error_95 = found.status, found.squared_slopes, found.weighted_error
@@ -181,9 +191,9 @@ class Finger:
         if len(felt) > 1 and steep > 0 and status != CONVERGED and found.residual <= 3 * noise + error:
             status = CONVERGED
         deviation = float(np.hypot(noise / np.sqrt(steep), error_95 / NORMAL_95 / steep)) if steep > 0 else np.inf
-        return self._motion(
-            status, pulled[-1], found.distance, found.residual, error, found.evaluations, deviation=deviation
-        )
+        asked = f"contact_force {listed(felt if len(felt) > 1 else felt[0])} N at tensions {listed(pulled[-1])} N"
+        known = {"distance": found.distance, "error": error, "deviation": deviation}
+        return self._motion(status, pulled[-1], found, asked, **known)
 
     def hold(
         self,
@@ -212,11 +222,13 @@ class Finger:
         if (contact_force is None) == (pad_pressure is None):
             raise ValueError(f"hold must have contact_force or pad_pressure, got {contact_force} and {pad_pressure}")
         begin = self._gentle if start is None else self._start(start)
-        lower, upper = self.model.limits
-        target = contact_force if pad_pressure is None else pad_pressure
+        name, target, unit = ("contact_force", contact_force, "N")
+        if pad_pressure is not None:
+            name, target, unit = "pad_pressure", pad_pressure, "Pa"
         assert target is not None
-        if not (lower[-1] <= distance <= upper[-1] and 0 < target < np.inf and np.isfinite(begin).all()):
-            return self._out_of_domain(distance)
+        reason = self._beyond(distance) or not_positive(name, target, unit) or not_finite("start", begin, "N")
+        if reason:
+            return self._out_of_domain(distance, reason)
         most = self.limits.pad_pressure
         if pad_pressure is not None:
             return self._press(self._needs_pad(), min(target, most), target, distance, begin, tolerance)
@@ -225,10 +237,12 @@ class Finger:
             return motion
         allowed = self._press(self._needs_pad(), most, most, distance, begin, tolerance)
         force, _ = self._pressed(allowed)
+        most_pressure = f"the pad then presses with limits.pad_pressure, {most:g} Pa, and the force misses it by"
         return replace(
             allowed,
             status="unreachable" if allowed.converged else allowed.status,
             residual=abs(force - target),
+            reason=allowed.reason or f"contact_force {target:g} N is not reached: {most_pressure} {target - force:g} N",
             error=float(self.model.evaluate([*allowed.tensions, distance]).error["contact_force"]),
         )
 
@@ -237,11 +251,14 @@ class Finger:
     ) -> Motion:
         """Hold what a model presses with, as far as it may: its aim, which is not beyond the target."""
         tensions, found = problems.hold(model, start, float(aim) / model.unit, float(distance), rules(tolerance))
-        status, missed = found.status, found.residual
+        status = found.status
+        found.residual *= model.unit
         if aim < target:
-            status, missed = STATIONARY if status == CONVERGED else status, missed + (target - aim) / model.unit
-        unit = "N" if model.row == FORCE else "Pa"
-        return self._motion(status, tensions, distance, missed * model.unit, found.error, found.evaluations, unit=unit)
+            status = STATIONARY if status == CONVERGED else status
+            found.residual += target - aim
+        name, unit = ("contact_force", "N") if model.row == FORCE else ("pad_pressure", "Pa")
+        asked = f"{name} {target:g} {unit} at distance {distance:g} m"
+        return self._motion(status, tensions, found, asked, distance=distance, error=found.error, unit=unit)
 
     def _pressed(self, motion: Motion) -> tuple[float, float]:
         """Contact force [N] and pad pressure [Pa] of a motion."""
@@ -263,39 +280,11 @@ class Finger:
             raise ValueError(f"start must be {self._tensions} tensions in N, got shape {found.shape}")
         return found
 
-    @staticmethod
-    def _motion(
-        status: int,
-        tensions: np.ndarray,
-        distance: float,
-        residual: float,
-        error: float,
-        tried: int,
-        sides: tuple[int, int] = (1, 1),
-        deviation: float = np.nan,
-        unit: str = "N",
-    ) -> Motion:
-        return Motion(
-            tensions=tensions,
-            distance=float(distance),
-            status=STATUSES.get(status, "unreachable"),
-            residual=float(residual),
-            error=float(error),
-            iterations=int(tried),
-            sides=sides,
-            deviation=deviation,
-            unit=unit,
-        )
+    def _motion(self, status: int, tensions: np.ndarray, found: Any, asked: str, **known: Any) -> Motion:
+        """A motion by an outcome; what was `asked` for is named if it is not met."""
+        return answered(status, tensions, found, asked, (self.lower, self.upper), **known)
 
     def _out_of_domain(
-        self, distance: float, tensions: np.ndarray | None = None, sides: tuple[int, int] = (1, 1)
+        self, distance: float, reason: str, tensions: np.ndarray | None = None, sides: tuple[int, int] = (1, 1)
     ) -> Motion:
-        return Motion(
-            tensions=self.lower.copy() if tensions is None else tensions,
-            distance=float(distance),
-            status="out_of_domain",
-            residual=np.inf,
-            error=np.nan,
-            iterations=0,
-            sides=sides,
-        )
+        return refused(self.lower.copy() if tensions is None else tensions, distance, reason, sides)

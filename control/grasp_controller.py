@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from control.answers import listed
 from control.finger import Finger
 from control.least_squares import CONVERGED, STATIONARY
 from control.problems import grip, rules
@@ -151,6 +152,24 @@ class Grip:
     def period(self) -> float:
         """From step to step [s]."""
         return self._options.period
+
+    @property
+    def reason(self) -> str:
+        """Why it does not hold its target, in a sentence with value and range; empty while it does or may yet."""
+        options, finger = self._options, self._finger
+        lower, upper = (listed(end) for end in (finger.lower, finger.upper))
+        target, end = f"contact_force {self._target:g} N", f"{finger.upper[finger.model.lead]:g} N"
+        nearest, farthest = (end[-1] for end in finger.model.limits)
+        feel = f"{max(options.feel, 3 * options.noise):g} N"
+        return {
+            "no_contact": f"contact must be felt above {feel} at lead tensions up to {end}, nothing was",
+            "lost_contact": f"contact must be felt again at lead tensions up to {self._highest:g} N, nothing was",
+            "sensor_failed": f"readings must be finite, less than {options.patience} pulls late and follow the "
+            f"tensions, but after {self.pulls} pulls they are not",
+            "unreachable": f"{target} at distance {self.distance:g} m must be met by tensions {lower} to {upper} N",
+            "out_of_domain": f"contact_force {self.felt:g} N felt at tensions {listed(self.tensions)} N must be that "
+            f"of a plane from {nearest:g} to {farthest:g} m",
+        }.get(self.status, "")
 
     @property
     def done(self) -> bool:

@@ -29,6 +29,7 @@ class Grasp:
     Attributes:
         status: of every finger: converged, or why not (see control.grasp_controller; iteration_limit if it took too
             many pulls).
+        reason: why a finger does not hold, in a sentence; empty if it does. One of each.
         tensions: of every finger, shape (fingers, tensions) [N].
         contact_forces: last felt, shape (fingers,) [N].
         distances: d* of every finger, shape (fingers,) [m]; nan without contact.
@@ -38,6 +39,7 @@ class Grasp:
     """
 
     status: list[str]
+    reason: list[str]
     tensions: np.ndarray
     contact_forces: np.ndarray
     distances: np.ndarray
@@ -54,6 +56,7 @@ class Grasp:
         """Plain numbers, without the history."""
         return {
             "status": self.status,
+            "reason": self.reason,
             "tensions": self.tensions.tolist(),
             "contact_forces": self.contact_forces.tolist(),
             "distances": self.distances.tolist(),
@@ -123,6 +126,7 @@ class Gripper:
             motion = finger.hold(float(force), float(np.asarray(distances, float)[i]))
             if not motion.converged:
                 why = f"finger {i} cannot press {force:.3g} N on a plane at {motion.distance:.3g} m ({motion.status})"
+                why += f": {motion.reason}"
                 return replace(found, contact_forces=np.full(len(self.fingers), np.nan), reason=why)
         return found
 
@@ -171,6 +175,7 @@ class Gripper:
         if len(plants) != len(grips):
             raise ValueError(f"plants must be one for each of the {len(grips)} fingers, got {len(plants)}")
         history: list[Pull] = []
+        late = f"the target must be held after at most {options.pulls} pulls, it was not"
         for time in range(options.pulls):
             closing = [i for i, grip in enumerate(grips) if not grip.done]
             if not closing:
@@ -194,6 +199,7 @@ class Gripper:
         centre, radius = self._object(np.where(holding, distances, np.nan))
         return Grasp(
             status=["iteration_limit" if grip.status == "moving" else grip.status for grip in grips],
+            reason=[grip.reason or (late if grip.status == "moving" else "") for grip in grips],
             tensions=np.array([grip.tensions for grip in grips]),
             contact_forces=np.array([grip.felt for grip in grips]),
             distances=distances,

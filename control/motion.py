@@ -35,6 +35,7 @@ class Motion:
             images (in y in free space only, in z before a plane too).
         deviation: standard deviation of `distance` where that was located [m]; else nan.
         unit: of residual and error: m, N or, where a pad's pressure is held, Pa.
+        reason: why it is not converged, in a sentence that names argument, value and range; empty if it is.
     """
 
     tensions: np.ndarray
@@ -46,6 +47,7 @@ class Motion:
     sides: tuple[int, int] = (1, 1)
     deviation: float = np.nan
     unit: str = "N"
+    reason: str = ""
 
     @property
     def converged(self) -> bool:
@@ -64,6 +66,7 @@ class Motion:
             "sides": list(self.sides),
             "deviation": self.deviation,
             "unit": self.unit,
+            "reason": self.reason,
         }
 
     def tables(self, names: Sequence[str] = (), answer: Answer | None = None) -> list[Table | str]:
@@ -79,6 +82,8 @@ class Motion:
             rows.append(row("distance d", self.distance, "m", self.deviation if np.isfinite(self.deviation) else None))
         rows.append(row("off the target", self.residual, self.unit, self.error))
         said: list[Table | str] = [quantities(rows, f"{MEANING[self.status]} ({self.iterations} evaluations)")]
+        if self.reason:
+            said.append(self.reason)
         if answer is not None:
             table, inside = answer.tables()
             said += [table, inside]

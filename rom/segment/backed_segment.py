@@ -17,11 +17,12 @@ from rom.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.native.answer import Answer
 from rom.segment.objects import Plane, facing_plane
-from rom.segment.touched_segment import TouchedSegment
+from rom.segment.touched_segment import QUANTITIES, TouchedSegment
 
 if TYPE_CHECKING:  # segments are below the surrogate, which is only asked
     from rom.surrogate import Surrogate
 
+VALUES = "tip", "contact_force", "touch_distance", "inside"  # of an answer
 SAME = ("geometry", "material", "mesh")  # parts of a scene that both were trained with
 
 
@@ -100,17 +101,21 @@ class BackedSegment(PickledByFields):
         found = self.touched.evaluate(points)
         unknown = ~found.inside
         behind = self.surrogate.evaluate(points[unknown])
-        for name in ("tip", "contact_force", "touch_distance", "inside"):
-            getattr(found, name)[unknown] = getattr(behind, name)
-        for name, error in found.error.items():
-            error[unknown] = behind.error[name]
-        if np.ndim(parameters) > 1:
-            return found
-        return replace(
-            found,
-            **{name: getattr(found, name)[0] for name in ("tip", "contact_force", "touch_distance", "inside")},
-            error={name: error[0] for name, error in found.error.items()},
-        )
+        values: dict[str, Any] = {name: getattr(found, name) for name in VALUES}
+        for name, value in values.items():
+            value[unknown] = getattr(behind, name)
+        parts: dict[str, dict[str, Any]] = {}
+        for of in dict.fromkeys([*found.error_parts, *behind.error_parts]):
+            # A part that one of the two does not have is 0 of its error.
+            front, back = (answer.error_parts.get(of, {}) for answer in (found, behind))
+            parts[of] = {name: np.array(front.get(name, np.zeros(len(points)))) for name in QUANTITIES}
+            for name, error in parts[of].items():
+                error[unknown] = back.get(name, 0.0)
+        if np.ndim(parameters) == 1:
+            values = {name: value[0] for name, value in values.items()}
+            parts = {of: {name: error[0] for name, error in part.items()} for of, part in parts.items()}
+        values["error"] = {name: sum(part[name] for part in parts.values()) for name in QUANTITIES}
+        return replace(found, **values, error_parts=parts)
 
     def jacobian(self, parameters: ArrayLike) -> np.ndarray:
         """Derivatives of the outputs at one point, shape (5, p)."""

@@ -119,7 +119,9 @@ def test_many_points_at_once_are_the_same_points_one_by_one(surrogate):
         ([0.0, 0.0, 0.001], True),
         ([100.0, 100.0, 0.031], True),
         ([100.0, 0.0, 0.001], True),
-        ([20.0, 0.0, np.inf], True),  # a plane that is not touched may stand anywhere
+        ([20.0, 0.0, np.inf], True),  # no plane
+        ([20.0, 0.0, 10.0], False),  # not touched, and where no plane of this model stands
+        ([20.0, 0.0, 0.0311], False),
         ([-1e-6, 0.0, 0.01], False),
         ([100.1, 0.0, 0.01], False),
         ([50.0, 0.0, 0.0009], False),

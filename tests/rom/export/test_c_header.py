@@ -45,6 +45,7 @@ def test_values_and_gradients_are_python_s_to_round_off(surrogate, compiled):
     random = np.random.default_rng(0)
     points = random.random((3000, 3)) * [100, 100, 0.03] + [0, 0, 0.001]
     special = [[0, 0, 0.001], [100, 100, 0.001], [100, 0, 0.031], [50, 50, np.inf], [-1, 50, 0.01], [np.nan, 0, 0.01]]
+    special += [[20, 0, 10.0], [20, 0, 0.0311]]
     regimes = set()
     for point in [*points, *np.array([[*special_point] for special_point in special], float)]:
         out, jacobian, inside = compiled(point)

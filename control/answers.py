@@ -1,0 +1,112 @@
+"""Motions by what came of a question, or why it is refused: in sentences that name argument, value and range."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from control.least_squares import CONVERGED, LIMIT, OUTSIDE, STATIONARY
+from control.motion import Motion
+
+STATUSES = {CONVERGED: "converged", LIMIT: "iteration_limit", OUTSIDE: "out_of_domain"}
+FARTHEST = 1e6  # of a point that can be asked for [m]
+
+
+def listed(values: ArrayLike) -> str:
+    """Numbers for a sentence."""
+    found = np.asarray(values, float)
+    return f"{found:g}" if found.ndim == 0 else "[" + ", ".join(f"{one:g}" for one in found.ravel()) + "]"
+
+
+def beyond(name: str, value: ArrayLike, lower: ArrayLike, upper: ArrayLike, unit: str) -> str:
+    """Why a value is refused; empty if all of it lies from `lower` to `upper`."""
+    known = np.asarray(value, float)
+    if known.size and np.all((known >= lower) & (known <= upper)):
+        return ""
+    return f"{name} must be from {listed(lower)} to {listed(upper)} {unit}, got {listed(known)} {unit}"
+
+
+def not_positive(name: str, value: ArrayLike, unit: str) -> str:
+    """Why a value is refused; empty if it is finite and above 0."""
+    known = np.asarray(value, float)
+    if known.size and np.all((known > 0) & (known < np.inf)):
+        return ""
+    return f"{name} must be finite and above 0 {unit}, got {listed(known)} {unit}"
+
+
+def not_finite(name: str, value: ArrayLike, unit: str) -> str:
+    """Why a value is refused; empty if it is finite."""
+    if np.isfinite(value).all():
+        return ""
+    return f"{name} must be finite in {unit}, got {listed(value)} {unit}"
+
+
+def no_point(value: np.ndarray) -> str:
+    """Why a point is refused; empty if it is one that can be asked for."""
+    if value.shape == (3,) and np.all(np.abs(value) < FARTHEST):
+        return ""
+    return f"point must be three numbers within {FARTHEST:g} m, got {listed(value)} of shape {value.shape}"
+
+
+def unanswered(status: int, asked: str, limits: tuple[np.ndarray, np.ndarray], missed: str, evaluations: int) -> str:
+    """Why a solve has no answer, by its status; empty if it has one.
+
+    Args:
+        status: of the solve, see control.least_squares.
+        asked: the argument and its value.
+        limits: lower and upper of the tensions, shapes (tensions,) [N].
+        missed: how far the nearest answer is from the target, with its unit.
+        evaluations: that the solve took.
+    """
+    within = f"tensions from {listed(limits[0])} to {listed(limits[1])} N"
+    if status == STATIONARY:
+        return f"{asked} must be met by {within}, the nearest of which miss it by {missed}"
+    if status == OUTSIDE:
+        return (
+            f"{asked} must be met where the model is trained, but the nearest answer by {within} is beyond that, "
+            "or rubber touches there"
+        )
+    if status == LIMIT:
+        return f"{asked} was not met by {evaluations} evaluations: begin from another start"
+    return ""
+
+
+def answered(
+    status: int, tensions: np.ndarray, found: Any, asked: str, limits: tuple[np.ndarray, np.ndarray], **known: Any
+) -> Motion:
+    """The motion of a solve.
+
+    Args:
+        status: of it.
+        tensions: that it found, shape (tensions,) [N].
+        found: its outcome, a struct control_outcome.
+        asked: the argument and its value.
+        limits: lower and upper of the tensions, shapes (tensions,) [N].
+        known: all else that a motion has.
+    """
+    residual, evaluations = float(found.residual), int(found.evaluations)
+    own: dict[str, Any] = {name: value if name in ("sides", "unit") else float(value) for name, value in known.items()}
+    return Motion(
+        tensions=tensions,
+        status=STATUSES.get(status, "unreachable"),
+        residual=residual,
+        iterations=evaluations,
+        reason=unanswered(status, asked, limits, f"{residual:.3g} {known.get('unit', 'N')}", evaluations),
+        **own,
+    )
+
+
+def refused(tensions: np.ndarray, distance: float, reason: str, sides: tuple[int, int]) -> Motion:
+    """No motion: the tensions stay."""
+    return Motion(
+        tensions=tensions,
+        distance=float(distance),
+        status="out_of_domain",
+        residual=np.inf,
+        error=np.nan,
+        iterations=0,
+        sides=sides,
+        reason=reason,
+    )

@@ -1,0 +1,101 @@
+"""Every refusal has a reason: a sentence that names the argument, its value and its range."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from control import Finger, Gripper, SimulatedPlant
+from rom import TouchedSegment
+
+NAN = float("nan")
+
+
+@pytest.fixture(scope="module")
+def finger() -> Finger:
+    return Finger(TouchedSegment.load())
+
+
+REFUSED = {
+    "a plane in millimetres": (lambda one: one.hold(1.0, 10), "distance must be from 0 to 0.05 m, got 10 m"),
+    "a plane too near": (lambda one: one.hold(1.0, -0.001), "distance must be from 0 to 0.05 m, got -0.001 m"),
+    "no plane": (lambda one: one.hold(1.0), "distance must be from 0 to 0.05 m, got nan m"),
+    "no force": (lambda one: one.hold(0.0, 0.01), "contact_force must be finite and above 0 N, got 0 N"),
+    "a force that pulls": (lambda one: one.hold(-2.0, 0.01), "contact_force must be finite and above 0 N, got -2 N"),
+    "a start": (lambda one: one.hold(1.0, 0.01, start=[NAN, 0]), "start must be finite in N, got [nan, 0] N"),
+    "reach before it": (
+        lambda one: one.reach(one.rest, 10.0),
+        "distance must be from 0 to 0.05 m, got 10 m",
+    ),
+    "a point": (lambda one: one.reach([NAN, 0, 0]), "point must be three numbers within 1e+06 m, got [nan, 0, 0]"),
+    "two numbers": (lambda one: one.reach([0.0, 0.1]), "point must be three numbers within 1e+06 m, got [0, 0.1]"),
+    "reach from": (lambda one: one.reach(one.rest, start=[np.inf, 0]), "start must be finite in N, got [inf, 0] N"),
+    "follow": (lambda one: one.follow([[NAN] * 3], 0.01)[0], "point must be three numbers within 1e+06 m"),
+    "follow before it": (
+        lambda one: one.follow([one.rest], 0.01, 10.0)[0],
+        "distance must be from 0 to 0.05 m, got 10 m",
+    ),
+    "felt at": (
+        lambda one: one.locate([500.0, 0.0], 1.0),
+        "tensions must be from [0, 0] to [100, 100] N, got [500, 0] N",
+    ),
+    "felt": (lambda one: one.locate([50.0, 0.0], 0.0), "contact_force must be finite and above 0 N, got [0] N"),
+    "readings": (
+        lambda one: one.locate([50.0], 1.0),
+        "tensions must be 2 for each of 1 contact forces, got shape (1,)",
+    ),
+    "noise": (lambda one: one.locate([50.0, 0.0], 1.0, noise=-1.0), "noise must be from 0 to 1.79769e+308 N, got -1 N"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_refusal_names_argument_value_and_range(finger, name):
+    ask, reason = REFUSED[name]
+    motion = ask(finger)
+    assert motion.status == "out_of_domain" and motion.reason.startswith(reason)
+    assert motion.as_json()["reason"] == motion.reason and motion.reason in motion.tables()
+
+
+def test_an_answer_has_a_reason_if_and_only_if_it_is_not_converged(finger):
+    random, statuses = np.random.default_rng(0), set()
+    for _ in range(150):
+        force, d = 10 ** random.uniform(-2, 2), random.uniform(-0.002, 0.052)
+        for motion in (
+            finger.hold(force, d),
+            finger.reach(finger.rest + random.uniform(-0.03, 0.03, 3), d),
+            finger.locate(random.uniform(0, 100, 2), force),
+        ):
+            statuses.add(motion.status)
+            assert bool(motion.reason) == (not motion.converged) and "\n" not in motion.reason
+            if motion.reason:
+                assert any(name in motion.reason for name in ("contact_force", "distance", "point"))
+                assert "must be" in motion.reason or "was not met by" in motion.reason
+    assert {"converged", "unreachable", "out_of_domain"} <= statuses
+
+
+def test_what_is_out_of_reach_is_named_with_what_misses_it(finger):
+    motion = finger.hold(500.0, 0.005)
+    assert motion.reason.startswith("contact_force 500 N at distance 0.005 m must be met ")
+    far = finger.reach([0.0, 0.2, 0.0])
+    miss = f"the nearest of which miss it by {far.residual:.3g} m"
+    assert far.reason == f"point [0, 0.2, 0] m must be met by tensions from [0, 0] to [100, 100] N, {miss}"
+
+
+def test_a_grasp_of_nothing_says_of_every_finger_why(surrogate):
+    gripper = Gripper(surrogate)
+    grasp = gripper.grasp(1.0, [SimulatedPlant(surrogate, np.inf) for _ in range(3)])
+    assert grasp.status == ["no_contact"] * 3
+    expected = "contact must be felt above 0.05 N at lead tensions up to 100 N, nothing was"
+    assert grasp.reason == [expected] * 3 and grasp.as_json()["reason"] == grasp.reason
+    held = gripper.grasp(1.0, [SimulatedPlant(surrogate, 0.01) for _ in range(3)])
+    assert held.converged and held.reason == [""] * 3
+
+
+def test_the_command_prints_the_reason():
+    words = [sys.executable, "-m", "control", "hold", "--distance", "0.005", "--contact-force", "500"]
+    done = subprocess.run([*words, "--json"], capture_output=True, text=True)
+    assert done.returncode == 3 and json.loads(done.stdout)["reason"].startswith("contact_force 500 N at distance")
+    shown = subprocess.run(words, capture_output=True, text=True)
+    assert shown.returncode == 3 and "contact_force 500 N at distance" in " ".join(shown.stdout.split())
