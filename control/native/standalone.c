@@ -108,6 +108,13 @@ int control_standalone_hold(const control_finger *finger, const double *start, d
 {
     const control_rules rules = {tolerance, 0.4, 1e-4, 0.1, 6, 60};
     control_outcome outcome = {0};
+    if (!(distance >= finger->nearest && distance <= finger->farthest && target > 0.0 && target < INFINITY)) {
+        memcpy(tensions, start, (size_t)(finger->parameters - 1) * sizeof *tensions);
+        told[0] = INFINITY;
+        told[1] = NAN;
+        told[2] = 0.0;
+        return CONTROL_OUTSIDE;
+    }
     control_hold(finger, start, target, distance, &rules, memory, tensions, &outcome);
     told[0] = outcome.residual;
     told[1] = outcome.error;

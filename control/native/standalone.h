@@ -15,7 +15,8 @@ int control_standalone_memory(const fingerfem_model *model);
 void control_standalone(const fingerfem_model *model, double *memory, control_finger *finger);
 
 /* Hold, see control_hold, with the rules of control.problems.rules: tensions, (tensions), and what came of it, (3): residual
- * [N], estimated error [N], evaluations. Memory is of control_standalone_memory's size. Returns the outcome's status. */
+ * [N], estimated error [N], evaluations. Memory is of control_standalone_memory's size. Returns the outcome's
+ * status; a distance or a force that cannot be is CONTROL_OUTSIDE, as of control.finger.Finger.hold. */
 int control_standalone_hold(const control_finger *finger, const double *start, double target, double distance,
                             double tolerance, double *memory, double *tensions, double *told);
 #endif

@@ -258,6 +258,53 @@ def test_it_holds_a_force_while_the_plane_moves(page):
     assert not page.find_element("id", "hold").is_selected()
 
 
+def typed(driver, name: str, value: str) -> None:
+    """Write into a number's field, as a person does, and wait until the page has followed."""
+    field = driver.find_element("css selector", f"input[type=number][aria-label^='{name} ']")
+    field.clear()
+    field.send_keys(value, "\n")
+    driver.execute_script("return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def said(driver) -> tuple[str, str | None]:
+    """The message of the last hold, and its status."""
+    found = driver.find_element("id", "said")
+    return found.text, found.get_attribute("data-status")
+
+
+@pytest.mark.parametrize("let_go", ["uncheck", "pull", "type"])
+def test_the_message_of_a_hold_goes_with_it(page, let_go):
+    from selenium.webdriver.common.keys import Keys
+
+    hold = page.find_element("id", "hold")
+    typed(page, "force", "500")
+    assert hold.is_selected() and said(page)[0].startswith("out of reach") and said(page)[1] == "unreachable"
+    if let_go == "uncheck":
+        moved(page, "hold", Keys.SPACE, 1)
+    elif let_go == "pull":
+        moved(page, "pull-0", Keys.ARROW_LEFT, 1)
+    else:
+        typed(page, "F2", "3")
+    assert not hold.is_selected() and said(page) == ("", None)
+    moved(page, "d", Keys.ARROW_RIGHT, 1)  # what does not hold leaves no message either
+    assert not hold.is_selected() and said(page) == ("", None)
+    moved(page, "hold", Keys.SPACE, 1)
+    assert said(page)[0].startswith("out of reach")
+
+
+def test_a_hold_that_is_refused_names_the_number_and_its_range(page):
+    from selenium.webdriver.common.keys import Keys
+
+    moved(page, "hold", Keys.SPACE, 1)
+    typed(page, "d", "10000")
+    assert said(page) == ("d must be from 0 to 50 mm, got 10000 mm", "out_of_domain")
+    assert page.find_element("id", "status").get_attribute("data-inside") == "false"
+    typed(page, "d", "10")
+    assert said(page)[1] == "converged"
+    typed(page, "force", "-1")
+    assert said(page) == ("the force must be above 0 N, got -1 N", "out_of_domain")
+
+
 def test_its_controller_is_the_robot_s(page):
     from control import Finger
 

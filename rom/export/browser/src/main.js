@@ -44,10 +44,17 @@ async function start() {
       })
     : null;
   by("contact").hidden = !about.has_obstacle;
-  by("hold")?.addEventListener("change", changed);
+  const silence = () => {
+    by("said").textContent = "";
+    delete by("said").dataset.status;
+  };
+  by("hold").addEventListener("change", () => {
+    if (!by("hold").checked) silence();
+    changed();
+  });
   const release = () => {
-    if (by("hold").checked) by("said").textContent = "";
     by("hold").checked = false;
+    silence();
   };
 
   const reach = about.geometry.segments.reduce((a, b) => a + b, 0);
@@ -95,12 +102,20 @@ async function start() {
     by("nothing").hidden = false;
   }
 
+  /** Why no force can be held as the page is set; null if one may. */
+  const refusal = () => {
+    const millimetres = (value) => told(1000 * value);
+    if (!(plane.value >= plane.lower && plane.value <= plane.upper))
+      return `d must be from ${millimetres(plane.lower)} to ${millimetres(plane.upper)} mm, got ${millimetres(plane.value)} mm`;
+    return force.value > 0 ? null : `the force must be above 0 N, got ${told(force.value)} N`;
+  };
+
   const hold = () => {
     const found = model.hold(dials.map((one) => one.value), force.value, plane.value);
     const meant = {
       converged: `held within ${told(found.residual)} N, ± ${off(found.error)} N estimated`,
       unreachable: `out of reach: this is what comes nearest, ${told(found.residual)} N off`,
-      out_of_domain: "no answer that the model knows",
+      out_of_domain: refusal() ?? "no answer within what was trained",
     };
     by("said").textContent = meant[found.status];
     by("said").dataset.status = found.status;
