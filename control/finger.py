@@ -46,6 +46,10 @@ class Finger:
         self.rest = np.array([sum(geometry["segments"]) - geometry["plate"] / 2, 0.0, 0.0])  # tip plate's centre [m]
         self._offsets = np.array([tendon["offset"] for tendon in tendons], float)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled and copied by its parameters: what compiled code reads is made again."""
+        return type(self), (self.model, self.limits)
+
     def reach(
         self,
         point: ArrayLike,

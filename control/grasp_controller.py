@@ -113,7 +113,6 @@ class Grip:
 
     def __init__(self, finger: Finger, target: float, options: GraspOptions):
         self._finger, self._options = finger, options
-        self._known, self._rules = finger.known, rules(1e-6)
         self.tensions = finger.lower.copy()
         self.stage, self.status, self.felt, self.distance = "approach", "moving", 0.0, np.nan
         self.events: list[tuple[int, str]] = []
@@ -241,7 +240,8 @@ class Grip:
         if self.stage == "hold":
             self._aim = self._target
         believed = self._options.fastest if self._surprised >= SURPRISED else gain
-        tensions, found = grip(self._known, then, felt, self.tensions, self._aim, self.distance, believed, self._rules)
+        known = self._finger.known, then, felt, self.tensions, self._aim, self.distance, believed
+        tensions, found = grip(*known, rules(1e-6))
         held, self.distance = found.status, found.distance
         self._judge(felt, found.expected)
         if np.isfinite(self._finger.limits.pad_pressure) and np.isfinite(self.distance):

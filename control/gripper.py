@@ -90,6 +90,10 @@ class Gripper:
         angles = 2 * np.pi * np.arange(fingers) / fingers
         self.directions = np.column_stack([np.cos(angles), np.sin(angles)])
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled and copied by its parameters."""
+        return type(self), (self.model, len(self.fingers), self.radius, self.fingers[0].limits)
+
     def distances(self, centre: Sequence[float], radius: float) -> np.ndarray:
         """Distances of an object's faces from the fingers, shape (fingers,) [m]."""
         return self.radius - self.directions @ np.asarray(centre, float) - radius

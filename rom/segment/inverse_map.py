@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -45,6 +46,14 @@ class InverseMap:
         self._given.insert(3, memory_of(self.segment.struct))
         self._spring = np.zeros(6), np.zeros((6, 6))
         self._spring_given = [*map(pointer, arrays[2:]), *map(pointer, self._spring)]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled and copied by its map and what it found last, without addresses."""
+        found = self.wrench.copy(), self.stiffness.copy(), self.inside, self.converged
+        return type(self), (self.segment,), (found, self._quaternion.copy())
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        (self.wrench[:], self.stiffness[:], self.inside, self.converged), self._quaternion[:] = state
 
     def find(self, tensions: ArrayLike, centre: ArrayLike, quaternion: ArrayLike) -> int:
         """Find the wrench of a pose.
