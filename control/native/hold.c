@@ -159,6 +159,12 @@ void control_hold_problem(control_problem *problem, const double *start, double 
     control_ask_first(problem);
     hold(problem, start, target, distance, rules, outcome);
     int known = control_knows(problem, problem->best, distance);
+    if (!known && outcome->status == CONTROL_CONVERGED) { /* near the start nothing is known: the gentlest is the likeliest */
+        const int evaluations = outcome->evaluations;
+        hold(problem, problem->finger->lower, target, distance, rules, outcome);
+        outcome->evaluations += evaluations;
+        known = control_knows(problem, problem->best, distance);
+    }
     if ((!known || outcome->status != CONTROL_CONVERGED) && control_ask_behind(problem)) {
         hold(problem, start, target, distance, rules, outcome);
         known = control_knows(problem, problem->best, distance);
