@@ -17,6 +17,7 @@ import numpy as np
 
 T = TypeVar("T")
 BLOCK = 512  # bytes before what is HDF5
+SHOWN = 200  # characters of a value in a message
 COMPRESSED = 1024  # bytes from which on an array is
 
 
@@ -48,13 +49,26 @@ def load(path: Path, kind: str, number: int, read: Callable[[h5py.File], T]) -> 
         _check(path, kind, number)
         with h5py.File(path, "r") as stored:
             return read(stored)
-    except ModelError:
-        raise
+    except ModelError as error:
+        if str(path) in str(error):
+            raise
+        raise ModelError(f"{path}: {error}") from None
     except FileNotFoundError:
         raise ModelError(f"{path}: No such file") from None
     except Exception as error:  # whatever wrote a file whose checksum is right, it was not this project
         reason = (str(error).splitlines() or [type(error).__name__])[0]
         raise ModelError(f"{path}: is not a model file ({reason})") from None
+
+
+def require(ok: bool, rule: str, value: object) -> None:
+    """Refuse a file whose contents do not keep a rule.
+
+    Raises:
+        ModelError: they do not; one line with the rule and the value.
+    """
+    if not ok:
+        text = str(value)
+        raise ModelError(f"{rule}, got {text if len(text) <= SHOWN else text[:SHOWN] + '...'}")
 
 
 def kind_of(path: Path) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from rom import checked_file
+from rom import checked_file, limits
 from rom.checked_file import ModelError
 from rom.components import Components, Errors, Field, Regime
 from rom.fit.contact_coordinates import ContactCoordinates
@@ -31,9 +31,15 @@ def load(path: Path) -> dict[str, Any]:
     """Read a model: the fields of its Components by name.
 
     Raises:
-        ModelError: no file, no model, a damaged one, or one of another format.
+        ModelError: no file, no model, a damaged one, one of another format, or one that compiled code cannot read.
     """
-    return checked_file.load(path, KIND, FORMAT, _read)
+    return checked_file.load(path, KIND, FORMAT, _checked)
+
+
+def _checked(file: h5py.File) -> dict[str, Any]:
+    found = _read(file)
+    limits.check(Components(**found))
+    return found
 
 
 def _write(model: Components, file: h5py.File) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom import model_file
+from rom import limits, model_file
 from rom.checked_file import ModelError
 from rom.components import HEIGHTS, Components, Regime
 from rom.fit import layout
@@ -61,7 +61,12 @@ class Surrogate(PickledByFields, Components):
 
     @cached_property
     def kernel(self) -> Any:
-        """The arrays for the compiled answer, a struct fingerfem_kernel."""
+        """The arrays for the compiled answer, a struct fingerfem_kernel.
+
+        Raises:
+            ModelError: a model beyond what compiled code holds.
+        """
+        limits.check_sizes(self)
         return EVALUATION.struct("fingerfem_kernel", **self.kernel_numbers())
 
     @property

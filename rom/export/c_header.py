@@ -37,7 +37,7 @@ def header(model: Surrogate, name: str = "finger") -> str:
     axes, terms, components = (int(numbers["tables"][f"most_{of}"]) for of in ("axes", "terms", "components"))
     texts = {
         "TITLE": re.sub(r"[^\w .,:()-]", " ", str(model.scene["name"])),
-        "FINGERPRINT": model.provenance["fingerprint"],
+        "FINGERPRINT": str(model.provenance.get("fingerprint", "unknown")),
         "PARAMETERS": "\n".join(parameters),
         "COUNT": str(len(parameters)),
         "ROWS": str(6 if model.has_pad else 5),

@@ -71,7 +71,7 @@ def edges_of(model: Surrogate) -> tuple[dict[str, Any], int]:
                     signs.append([1.0, 1.0, 1.0 if own == z else -1.0])
                     rest.append([x, y, z])
                     break
-    if len(rows) % 4:  # a mesh without nodes there
+    if not rows or len(rows) % 4:  # a mesh without nodes there
         return {}, 0
     index = (3 * np.array(rows)[:, None] + np.arange(3)).ravel()
 

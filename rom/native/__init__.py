@@ -226,6 +226,7 @@ _SOURCES = (
     "contact.c",
     "touch.c",
     "rubber.c",
+    "surface.c",
 )
 SEGMENT = Library(
     "segment",

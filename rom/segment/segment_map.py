@@ -17,7 +17,7 @@ from rom import checked_file
 from rom.checked_file import ModelError
 from rom.fit.chebyshev import Polynomial
 from rom.native import PickledByFields
-from rom.segment import native
+from rom.segment import limits, native
 from rom.segment.field import Field
 from rom.snapshots.rigid_motion import motions, rotations
 from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters, percent
@@ -116,7 +116,12 @@ class SegmentMap(PickledByFields):
 
     @cached_property
     def struct(self) -> Any:
-        """For compiled code, a struct fingerfem_segment."""
+        """For compiled code, a struct fingerfem_segment.
+
+        Raises:
+            ModelError: a map beyond what compiled code holds.
+        """
+        limits.check_sizes(self)
         return native.struct(self.pose, self.corners, self.skin, self.skin_error, self.half_lengths)
 
     def place(self, inputs: ArrayLike) -> Placed:
@@ -244,7 +249,7 @@ class SegmentMap(PickledByFields):
                 lower=lower, upper=upper, powers=powers.astype(int), coefficients=coefficients.astype(float)
             )
 
-        return cls(
+        found = cls(
             **{name: json.loads(file.attrs[name]) for name in PLAIN},
             force_error=float(file.attrs["force_error"]),
             place_error=float(file.attrs["place_error"]),
@@ -257,6 +262,8 @@ class SegmentMap(PickledByFields):
             shortenings=polynomial("shortening_") if "shortening_powers" in file else None,
             shortening_error=float(file.attrs.get("shortening_error", np.nan)),
         )
+        limits.check(found)
+        return found
 
 
 def _not_stored(quantity: str) -> ModelError:
