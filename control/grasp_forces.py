@@ -40,8 +40,8 @@ class Object:
         for name in ("mass", "friction", "admissible_force"):
             if not 0 < getattr(self, name) < np.inf:
                 raise ValueError(f"{name} must be above 0, got {getattr(self, name)}")
-        if np.shape(self.down) != (3,) or not 1e-9 < np.linalg.norm(self.down) < 1e9:
-            raise ValueError(f"down must be a direction, got {self.down}")
+        if np.shape(self.down) != (3,) or not np.isfinite(self.down).all() or not np.any(self.down):
+            raise ValueError(f"down must be a direction, three finite numbers that are not all 0, got {self.down}")
         if not 0 <= self.lean <= np.pi / 2:
             raise ValueError(f"lean must be from 0 to a right angle, got {self.lean}")
 
@@ -145,7 +145,8 @@ def _least(directions: np.ndarray, held: Object) -> tuple[float, np.ndarray]:
 def _balance(directions: np.ndarray, held: Object) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Balance of forces and moments, A x = b, friction, C x <= 0; x: contact, axial, tangential forces by weight."""
     n = len(directions)
-    down = np.asarray(held.down, float) / np.linalg.norm(held.down)
+    down = np.asarray(held.down, float) / np.abs(held.down).max()
+    down /= np.linalg.norm(down)
     none, across = np.zeros(n), np.column_stack([-directions[:, 1], directions[:, 0]])
     forces = [
         np.concatenate([none, np.ones(n), none]),

@@ -11,6 +11,11 @@ derivative by the nodes is that at a fixed place, n N; its second one counts tha
     g'' = N^T C N - B^T A^-1 B,    A = d2g/d(s,t)2,    B = d2g/d(s,t)du,
 
 with the obstacle's normal n, the normal's gradient C and the facet's shape functions N.
+
+Where a facet lies flush on the obstacle any point is nearest, and round-off would choose another one in every iteration.
+So facets and edges are taken for slightly domed: a point's gap grows by DOME/2 times its squared distance from the
+middle over the facet's size: by a millionth of that size at the edge. The nearest point of a flush one is then its
+middle.
 """
 
 from __future__ import annotations
@@ -26,7 +31,8 @@ from fingerfem.mechanics.obstacles import NUMPY, Body
 
 HEM = 0.005  # of a facet's edge [-]
 ITERATIONS, HALVINGS, SETTLED = 60, 30, 1e-13  # towards the nearest points; of a step; a step that is none [-]
-FLATTEST = 1e-3  # what is less curved lies flush on the facet: the nearest point is then any, and stays [1/m]
+DOME = 1e-5  # curvature that facets and edges are given, times the facet's size [-]
+FLATTEST = 1e-3  # of that curvature: what is less curved does not move its nearest point [-]
 START = np.array([[s, t] for s in np.linspace(0, 1, 5) for t in np.linspace(0, 1, 5)])
 # What may move at a facet's springs, (s, t), and where they begin: within, on its edges, at its corners.
 FREE = np.array([[1, 1], [1, 0], [1, 0], [0, 1], [0, 1], [0, 0], [0, 0], [0, 0], [0, 0]], bool)
@@ -96,6 +102,8 @@ class ClosestPoints:
         middle = self._element.tabulate(1, np.array([[0.5, 0.5]]))[1:, 0, :, 0]
         along = np.einsum("in,mnj->imj", middle, self._rest)
         self._stiffness = stiffness * np.linalg.norm(np.cross(along[0], along[1]), axis=1)  # [N/m], by facet
+        squares = np.sum(along**2, axis=2).T
+        self._domes = DOME * squares / np.sqrt(squares.sum(axis=1, keepdims=True))  # by (s, t), shape (facets, 2) [m]
 
     def springs(self, displacement: np.ndarray, distance: float, held: bool = False) -> Springs:
         """At nodal displacements, shape (3 nodes,), and the obstacle's distance [m].
@@ -110,7 +118,8 @@ class ClosestPoints:
         near = np.flatnonzero(away - radius <= farthest)
         of = np.repeat(near, len(FREE))
         free = np.tile(FREE, (len(near), 1))
-        found = Facets(self._element, places[of], self._body, distance)
+        domes = np.where(free, self._domes[of], 0.0)
+        found = Facets(self._element, places[of], domes, self._body, distance)
         at = found.nearest(np.tile(FIXED, (len(near), 1)), free)
         inside = np.where(free, np.minimum(at, 1 - at), np.inf).min(axis=1)
         share = np.clip(inside / HEM, 0.0, 1.0)
@@ -120,7 +129,7 @@ class ClosestPoints:
         if held:
             least = self._comm.allreduce(float(gap.min(initial=np.inf)), op=MPI.MIN)
             acts |= (gap <= least) & np.isfinite(gap)
-        acting = Facets(self._element, places[of[acts]], self._body, distance)
+        acting = Facets(self._element, places[of[acts]], domes[acts], self._body, distance)
         gradient, curvature = acting.derivatives(at[acts], free[acts])
         k, g = weight[acts], gap[acts]
         flat = gradient.reshape(len(g), 3 * self._nodes.shape[1])
@@ -141,17 +150,27 @@ class Facets:
     Args:
         element: of the reference facet.
         places: of their nodes, shape (m, n, 3) [m].
+        domes: second derivatives of the gaps by (s, t) that are added, 0 along what is fixed, shape (m, 2) [m].
         body: the obstacle, at `distance` [m].
     """
 
-    def __init__(self, element: basix.finite_element.FiniteElement, places: np.ndarray, body: Body, distance: float):
-        self._element, self._places, self._body, self._distance = element, places, body, distance
+    def __init__(
+        self,
+        element: basix.finite_element.FiniteElement,
+        places: np.ndarray,
+        domes: np.ndarray,
+        body: Body,
+        distance: float,
+    ):
+        self._element, self._places, self._domes = element, places, domes
+        self._body, self._distance = body, distance
 
     def gaps(self, at: np.ndarray) -> np.ndarray:
         """At local places, shape (m, 2): shape (m,) [m]."""
         values = self._tables(0, at)[0]
         x = np.einsum("mn,mni->mi", values, self._places)
-        return np.asarray(self._body.signed_distance(x.T, self._distance, NUMPY))
+        domed = np.sum(self._domes * (at - 0.5) ** 2, axis=1) / 2
+        return np.asarray(self._body.signed_distance(x.T, self._distance, NUMPY) + domed)
 
     def _tables(self, most: int, at: np.ndarray) -> np.ndarray:
         """Shape functions and their derivatives, shape (derivatives, m, n)."""
@@ -166,8 +185,9 @@ class Facets:
         d = np.full(len(at), self._distance)
         normal, turning = self._body.normal_at(x[:, 0], d), self._body.curvature_at(x[:, 0], d)
         along, second = x[:, 1:3], x[:, [3, 4, 4, 5]].reshape(-1, 2, 2, 3)
-        slope = np.einsum("mi,mai->ma", normal, along)
+        slope = np.einsum("mi,mai->ma", normal, along) + self._domes * (at - 0.5)
         bend = np.einsum("mai,mij,mbj->mab", along, turning, along) + np.einsum("mi,mabi->mab", normal, second)
+        bend += self._domes[:, :, None] * np.eye(2)
         return tables, along, slope, bend, normal, turning
 
     def nearest(self, start: np.ndarray, free: np.ndarray) -> np.ndarray:
@@ -179,13 +199,13 @@ class Facets:
             better = gap < value
             at[better], value[better] = tried[better], gap[better]
         for _ in range(ITERATIONS):
-            _, along, slope, bend, _, _ = self._bent(at)
+            _, _, slope, bend, _, _ = self._bent(at)
             held = ~free | ((at <= 0) & (slope > 0)) | ((at >= 1) & (slope < 0))
             slope[held] = 0.0
-            least = FLATTEST * np.einsum("mai,mai->m", along, along)[:, None, None]  # [m]
-            step = -np.linalg.solve(_held(bend + 1e-6 * least * np.eye(2), held), slope[..., None])[..., 0]
+            least = self._domes.max(axis=1, initial=0.0)[:, None]  # [m]; 0 where nothing is free
+            step = -np.linalg.solve(_held(bend + 1e-6 * least[..., None] * np.eye(2), held), slope[..., None])[..., 0]
             downhill = np.sum(step * slope, axis=1) < 0
-            step = np.where(downhill[:, None], step, -slope / least[..., 0])
+            step = np.where(downhill[:, None], step, -slope / np.where(least > 0, least, 1.0))
             share = np.ones(len(at))
             for _ in range(HALVINGS):
                 ahead = np.clip(at + share[:, None] * step, 0, 1)
@@ -211,7 +231,7 @@ class Facets:
         mixed = tables[:, 0, None, :, None] * turned[:, :, None] + tables[:, 1:3, :, None] * normal[:, None, None]
         mixed = (mixed * free[:, :, None, None]).reshape(m, 2, 3 * n)
         values, vectors = np.linalg.eigh(_held(bend, ~free))
-        least = FLATTEST * np.einsum("mai,mai->m", along, along)[:, None]
+        least = FLATTEST * self._domes.max(axis=1, initial=0.0)[:, None]
         moves = np.divide(1.0, values, out=np.zeros_like(values), where=np.abs(values) > least)
         turned = np.swapaxes(vectors, 1, 2) @ mixed
         return gradient, curvature - np.swapaxes(turned, 1, 2) @ (moves[:, :, None] * turned)

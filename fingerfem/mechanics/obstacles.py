@@ -15,7 +15,7 @@ import numpy as np
 import ufl
 from scipy.spatial.transform import Rotation
 
-from fingerfem.scene.tables import Obstacle
+from fingerfem.scene.tables import Obstacle, unit
 
 Vector = tuple[float, ...]  # of three
 Coordinates = Any  # x, y, z: UFL scalars, or arrays of shape (n,) [m]
@@ -272,10 +272,10 @@ def body(obstacle: Obstacle | None, side: float) -> Body:
     """The body of a scene's obstacle; a plane stands on the finger's side, y = side/2, unless it says where."""
     if obstacle is None:
         return Plane(centre=(0.0, side / 2, 0.0), direction=(0.0, 1.0, 0.0), normal=(0.0, -1.0, 0.0))
-    direction = _unit(obstacle.leaving)
+    direction = unit(obstacle.leaving)
     if obstacle.shape == "plane":
         centre = tuple(obstacle.centre or (0.0, side / 2, 0.0))
-        return Plane(centre=centre, direction=direction, normal=_unit(obstacle.normal or (0.0, -1.0, 0.0)))
+        return Plane(centre=centre, direction=direction, normal=unit(obstacle.normal or (0.0, -1.0, 0.0)))
     assert obstacle.centre is not None
     centre = tuple(obstacle.centre)
     if obstacle.shape == "box":
@@ -289,10 +289,4 @@ def body(obstacle: Obstacle | None, side: float) -> Body:
     if obstacle.shape == "sphere":
         return Sphere(centre=centre, direction=direction, radius=obstacle.radius)
     assert obstacle.axis is not None
-    return Cylinder(centre=centre, direction=direction, radius=obstacle.radius, axis=_unit(obstacle.axis))
-
-
-def _unit(vector: Sequence[float]) -> Vector:
-    """The unit vector of a vector; of one along an axis, without rounding."""
-    length = float(np.linalg.norm(vector))
-    return tuple(float(value) / length for value in vector)
+    return Cylinder(centre=centre, direction=direction, radius=obstacle.radius, axis=unit(obstacle.axis))

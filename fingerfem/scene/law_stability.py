@@ -19,7 +19,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 # Principal stretches between which a law has to be stable [-]. The draft finger, bent by 100 N on one tendon, has
-# 0.72 to 1.15. A state beyond the range may be past the law's stability; then no equilibrium is found, or it is not stable.
+# 0.72 to 1.15. A state beyond may be past the law's stability; then no equilibrium is found, or it is not stable.
 SHORTEST, LONGEST = 0.7, 1.5
 # Which principal directions are stretched; the others are free, but for the second one of planar stretch, which keeps
 # its length. The ends of each path are where a principal stretch of incompressible rubber is SHORTEST or LONGEST.

@@ -119,8 +119,9 @@ class MooneyRivlin(Law):
         lost = None if self.C01 >= 0 else first_loss(Constants(self.C10, self.C01, self.D1))
         if lost is not None:
             raise ValueError(
-                f"law must be stable at all stretches from {SHORTEST} to {LONGEST}, got C01 = {self.C01:g} Pa and C10 = "
-                f"{self.C10:g} Pa, which lose stability at {lost[1]:.3f} in {lost[0]} stretch; raise C01 or lower D1"
+                f"law must be stable at all stretches from {SHORTEST} to {LONGEST}, got C01 = {self.C01:g} Pa and "
+                f"C10 = {self.C10:g} Pa, which lose stability at {lost[1]:.3f} in {lost[0]} stretch; "
+                "raise C01 or lower D1"
             )
         return self
 

@@ -80,6 +80,16 @@ class Pad(Table):
 
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 Place = Annotated[list[Offset], Field(min_length=3, max_length=3)]  # [m]
+
+
+def unit(vector: Sequence[float]) -> tuple[float, ...]:
+    """The unit vector of a vector of any length, also of one whose square is no number; exact along an axis."""
+    largest = max(map(abs, vector))
+    scaled = [part / largest for part in vector]
+    length = float(np.linalg.norm(scaled))
+    return tuple(part / length for part in scaled)
+
+
 # What places an obstacle, and which of it every shape needs or may have. A plane without any is y = side/2 + d.
 PLACING = ("shape", "centre", "direction", "normal", "axis", "radius", "sides", "rotation", "rounding")
 NEEDS = {"plane": (), "sphere": ("centre", "radius"), "cylinder": ("centre", "axis", "radius")}
@@ -114,8 +124,8 @@ class Obstacle(Table):
                 raise ValueError(f"{name} must be left out of a {self.shape}, got {getattr(self, name)}")
         for name in ("direction", "normal", "axis"):
             value = getattr(self, name)
-            if value is not None and not 1e-6 < sum(part * part for part in value) < 1e12:
-                raise ValueError(f"{name} must be a vector, got {value}")
+            if value is not None and not any(value):
+                raise ValueError(f"{name} must be a vector of some length, got {value}")
         if self.normal is not None and self.centre is None:
             raise ValueError(f"centre must be given for a plane with a normal, got none beside {self.normal}")
         if self.sides is not None and self.rounding is not None and 2 * self.rounding > min(self.sides):
@@ -131,18 +141,12 @@ class Obstacle(Table):
 
     def _check_direction(self) -> None:
         along = self.leaving
-        length = sum(part * part for part in along) ** 0.5
         if self.shape == "plane":
             normal = self.normal or [0.0, -1.0, 0.0]
-            size = sum(part * part for part in normal) ** 0.5
-            away = -sum(a * b for a, b in zip(along, normal, strict=True)) / (length * size)
-            if away < 0.1:
+            if -np.dot(unit(along), unit(normal)) < 0.1:
                 raise ValueError(f"direction must lead the plane away, against its normal {normal}, got {along}")
-        if self.axis is not None:
-            size = sum(part * part for part in self.axis) ** 0.5
-            parallel = abs(sum(a * b for a, b in zip(along, self.axis, strict=True))) / (length * size)
-            if parallel > 0.995:
-                raise ValueError(f"direction must not be along the cylinder's axis {self.axis}, got {along}")
+        if self.axis is not None and abs(np.dot(unit(along), unit(self.axis))) > 0.995:
+            raise ValueError(f"direction must not be along the cylinder's axis {self.axis}, got {along}")
 
     @model_serializer(mode="wrap")
     def _without_its_usual_place(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -34,7 +34,7 @@ class Object:
             if not np.isfinite(value).all():
                 raise ValueError(f"{name} must be finite, got {value}")
         for name in ("direction", "normal", "axis"):
-            if not np.linalg.norm(getattr(self, name, (1.0,))) > 0:
+            if not np.any(getattr(self, name, (1.0,))):
                 raise ValueError(f"{name} must be a vector of some length, got {getattr(self, name)}")
         if not getattr(self, "radius", 1.0) > 0:
             raise ValueError(f"radius must be above 0 m, got {getattr(self, 'radius', None)}")
@@ -147,5 +147,5 @@ def facing_plane(side: float, distances: tuple[float, float]) -> Plane:
 
 
 def _unit(vector: Vector) -> list[float]:
-    length = float(np.linalg.norm(vector))
-    return [float(part) / length if length else 0.0 for part in vector]
+    scaled = np.asarray(vector, float) / (np.abs(vector).max() or 1.0)  # of any length, also where its square is none
+    return [float(part) for part in scaled / (np.linalg.norm(scaled) or 1.0)]

@@ -120,6 +120,39 @@ def test_derivatives_are_differences(pressed):
     assert found == pytest.approx(by_tensions, rel=1e-4)
 
 
+AHEAD = {
+    "plane": {"centre": [0.05, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0]},
+    "sphere": {"shape": "sphere", "centre": [0.06, 0.0, 0.0], "radius": 0.01, "direction": [1.0, 0.0, 0.0]},
+    "cylinder": {
+        "shape": "cylinder",
+        "centre": [0.06, 0.0, 0.0],
+        "radius": 0.01,
+        "axis": [0.0, 0.0, 1.0],
+        "direction": [1.0, 0.0, 0.0],
+    },
+    "box": {
+        "shape": "box",
+        "centre": [0.06, 0.0, 0.0],
+        "sides": [0.02, 0.02, 0.02],
+        "rounding": 0.002,
+        "direction": [1.0, 0.0, 0.0],
+    },
+}
+
+
+@pytest.mark.parametrize("shape", AHEAD)
+def test_an_obstacle_ahead_of_the_straight_finger_compresses_it(shape, table):
+    table["mesh"]["cells"], table["obstacle"] = [10, 5], table["obstacle"] | {"distance": [-0.001, 0.01]}
+    finger, pushed = model(table, **AHEAD[shape]), 1e-4  # [m]
+    free = finger.solve([0.0, 0.0])
+    assert free.touch_distance == pytest.approx(0.0, abs=1e-7)  # a round one is nearest between the points looked at
+    state = finger.solve([0.0, 0.0], -pushed)
+    stiffness = finger.scene.law.young_modulus * 0.010**2 / 0.049  # [N/m] of the rubber
+    assert state.contact_force == pytest.approx(stiffness * pushed, rel=0.1)
+    assert state.tip == pytest.approx([-pushed, 0, 0], abs=0.1 * pushed)
+    assert state.clamp_reaction == pytest.approx([state.contact_force, 0, 0], rel=1e-6, abs=1e-6)
+
+
 def test_an_obstacle_that_is_passed_by_presses_nothing(table):
     finger = model(table, shape="sphere", centre=[0.05, 0.02, 0.2], radius=0.01)
     state = finger.solve(TENSIONS, D)

@@ -65,6 +65,23 @@ def test_at_the_touch_distance_a_point_is_touched_and_before_it_is_not(obstacle,
         assert np.all(obstacle.signed_distance(points[~touching].T, d, NUMPY) > 0)
 
 
+@pytest.mark.parametrize("scale", [1e-200, 1e-6, 1e6, 1e200])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_normals_axes_and_directions_may_have_any_length(shape, scale, points):
+    table = {"direction": [0.2, 1.0, -0.1]} | SHAPES[shape] | USUAL
+    scaled = {name: [scale * part for part in table[name]] for name in ("direction", "normal", "axis") if name in table}
+    ours, theirs = (body(Obstacle(**one), SIDE) for one in (table | scaled, table))
+    for name in ("direction", "normal", "axis"):
+        assert getattr(ours, name, ()) == pytest.approx(getattr(theirs, name, ()), rel=1e-15)
+    d = np.full(len(points), 0.003)
+    assert ours.signed_distance(points.T, 0.003, NUMPY) == pytest.approx(
+        theirs.signed_distance(points.T, 0.003, NUMPY), abs=1e-16
+    )
+    assert ours.normal_at(points, d) == pytest.approx(theirs.normal_at(points, d), abs=1e-13)
+    with np.errstate(invalid="ignore"):
+        assert ours.touch_distance(points) == pytest.approx(theirs.touch_distance(points), abs=1e-11)
+
+
 def test_the_facing_plane_is_what_scenes_had_before_there_were_shapes(points):
     plane = body(Obstacle(**USUAL), SIDE)
     assert np.array_equal(plane.touch_distance(points), points[:, 1] - SIDE / 2)
@@ -92,7 +109,7 @@ def test_the_facing_plane_is_what_scenes_had_before_there_were_shapes(points):
         ),
         (
             {"shape": "sphere", "centre": [0, 0.02, 0], "radius": 0.01, "direction": [0, 0, 0]},
-            "direction must be a vec",
+            "direction must be a vector of some length",
         ),
     ],
 )
