@@ -12,10 +12,9 @@ derivative by the nodes is that at a fixed place, n N; its second one counts tha
 
 with the obstacle's normal n, the normal's gradient C and the facet's shape functions N.
 
-Where a facet lies flush on the obstacle any point is nearest, and round-off would choose another one in every iteration.
-So facets and edges are taken for slightly domed: a point's gap grows by DOME/2 times its squared distance from the
-middle over the facet's size: by a millionth of that size at the edge. The nearest point of a flush one is then its
-middle.
+Where a facet lies flush on the obstacle any point is nearest, and round-off would choose another in every iteration. So
+facets and edges are taken for slightly domed: a point's gap grows by DOME/2 times its squared distance from the middle
+over the facet's size, by a millionth of that size at the edge. The nearest point of a flush facet is then its middle.
 """
 
 from __future__ import annotations

@@ -79,7 +79,8 @@ class Pad(Table):
 
 
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
-Place = Annotated[list[Offset], Field(min_length=3, max_length=3)]  # [m]
+Coordinate = Annotated[float, Field(ge=-8.0, le=8.0)]  # [m], as far as eight segments reach
+Place = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]  # [m]
 
 
 def unit(vector: Sequence[float]) -> tuple[float, ...]:

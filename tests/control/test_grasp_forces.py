@@ -104,3 +104,13 @@ def test_faces_that_lean_more_than_the_angle_of_friction_are_refused():
     assert not found.exist and found.reason == "faces that may lean by 28.6 degrees slip at a friction of 0.5"
     with pytest.raises(ValueError, match="lean must be from 0 to a right angle"):
         Object(mass=0.01, friction=0.5, admissible_force=50.0, lean=-0.1)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1e-6, 1e6, 1e200])
+def test_the_direction_of_gravity_may_have_any_length(scale):
+    down = (0.3, -0.8, 0.1)
+    ours, theirs = (
+        targets(THREE, Object(mass=0.05, friction=0.4, admissible_force=5.0, down=one))
+        for one in (tuple(scale * part for part in down), down)
+    )
+    assert theirs.exist and ours.contact_forces == pytest.approx(theirs.contact_forces, rel=1e-9)

@@ -408,3 +408,43 @@ def test_objects_that_are_none_are_refused():
         Sphere(centre=(0, 0, 0), direction=(0, 1, 0), radius=0.0)
     with pytest.raises(ValueError, match="normal must be a vector"):
         Plane(centre=(0, 0, 0), direction=(0, 1, 0), normal=(0, 0, 0))
+
+
+AHEAD = rod.LENGTH + rod.PLATE
+OBJECTS = {
+    "plane": Plane(centre=(AHEAD, 0, 0), normal=(-1, 0, 0), direction=(1, 0, 0)),
+    "sphere": Sphere(centre=(AHEAD + 0.01, 0, 0), radius=0.01, direction=(1, 0, 0)),
+    "cylinder": Cylinder(centre=(AHEAD + 0.01, 0, 0), radius=0.01, axis=(0, 0, 1), direction=(1, 0, 0)),
+    "hull": box(centre=(AHEAD + 0.01, 0, 0), sides=(0.02, 0.02, 0.02), direction=(1, 0, 0)),
+}
+
+
+@pytest.mark.parametrize("shape", OBJECTS)
+def test_an_object_ahead_of_the_straight_finger_compresses_it(segment, shape):
+    model, pushed = TouchedSegment(segment=segment, obstacle=OBJECTS[shape]), 4e-5  # [m]
+    found = model.evaluate([0.0, 0.0, -pushed])
+    assert found.contact_force == pytest.approx(rod.AXIAL / rod.LENGTH * pushed, rel=0.02)
+    assert found.tip == pytest.approx([-pushed, 0, 0], abs=0.02 * pushed)
+    assert model.evaluate([0.0, 0.0, pushed]).contact_force == 0.0
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1e-6, 1e6, 1e200])
+@pytest.mark.parametrize("shape", OBJECTS)
+def test_normals_axes_and_directions_may_have_any_length(segment, shape, scale):
+    tilted = {"direction": (0.3, 1.0, -0.2), "normal": (-0.4, -1.0, 0.1), "axis": (0.2, -0.1, 1.0)}
+    own = {name: vector for name, vector in tilted.items() if hasattr(OBJECTS[shape], name)}
+    scaled = {name: tuple(scale * part for part in vector) for name, vector in own.items()}
+    beside = {"centre": (0.045, 0.015, 0.001), "distances": (-0.05, 0.05)}
+    ours, theirs = (
+        TouchedSegment(segment=segment, obstacle=replace(OBJECTS[shape], **beside | one)) for one in (scaled, own)
+    )
+    pressed = [20.0, 5.0, float(theirs.outputs([20.0, 5.0, 0.0])[0, 4]) - 2e-4]
+    assert np.isfinite(pressed).all() and theirs.outputs(pressed)[0, 3] > 0
+    assert ours.outputs(pressed) == pytest.approx(theirs.outputs(pressed), rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["direction", "normal", "axis"])
+def test_a_direction_without_length_is_refused(name):
+    shape = {"direction": "sphere", "normal": "plane", "axis": "cylinder"}[name]
+    with pytest.raises(ValueError, match=f"{name} must be a vector of some length"):
+        replace(OBJECTS[shape], **{name: (0.0, 0.0, 0.0)})
