@@ -130,8 +130,8 @@ def _moduli_by_volume(term: Term, u: fem.Function, u0: fem.Function, change: fem
     assert term.volumetric is not None
     F, F0 = kinematics.deformation_gradient(u), kinematics.deformation_gradient(u0)
     H, H0 = kinematics.cofactor(F), kinematics.cofactor(F0)
-    _, stiffness = _slopes(term.volumetric, ufl.det(F))
-    pressure, slope = _slopes(term.volumetric, ufl.det(F0))
+    _, stiffness = slopes(term.volumetric, ufl.det(F))
+    pressure, slope = slopes(term.volumetric, ufl.det(F0))
     predicted = pressure + slope * ufl.inner(H0, ufl.grad(change))
 
     def moduli(one: int, other: int) -> Any:
@@ -144,7 +144,7 @@ def _moduli_by_volume(term: Term, u: fem.Function, u0: fem.Function, change: fem
     return moduli
 
 
-def _slopes(volumetric: strain_energy.Dilatational, J: Any) -> tuple[Any, Any]:
+def slopes(volumetric: strain_energy.Dilatational, J: Any) -> tuple[Any, Any]:
     """Pressure U'(J) and its derivative U''(J) [Pa]."""
     J = ufl.variable(J)
     pressure = ufl.diff(volumetric(J), J)

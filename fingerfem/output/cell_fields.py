@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import ufl
 
 from fingerfem.discretisation import form_cache, forms, regions
+from fingerfem.discretisation.tangent import gauss
+from fingerfem.discretisation.volume_energies import constants, slopes
 from fingerfem.mechanics import kinematics, strain_energy
 
 if TYPE_CHECKING:
@@ -18,20 +20,29 @@ def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
     """Fields of the rubber at the cells' midpoints, nan in plates, each of shape (cells,) of this rank.
 
     S11 is the axial second Piola-Kirchhoff stress [Pa], von_mises that of the Cauchy stress [Pa], both without the
-    tendons' own tension; J is the volume ratio [-].
+    tendons' own tension; J is the volume ratio [-]. Of rubber with a pressure of its own, pressure and J are means over
+    the points of that pressure: elsewhere the bulk modulus times J - 1 is none.
     """
-    u, mesh = model.problem.fields.u, model.problem.mesh.mesh
-    S = strain_energy.stress(
-        strain_energy.energy(model.problem.law, forms.constants(mesh)), kinematics.right_cauchy_green(u)
-    )
-    F = kinematics.deformation_gradient(u)
-    J = ufl.det(F)
+    problem = model.problem
+    u, mesh, law, number = problem.fields.u, problem.mesh.mesh, problem.law, constants(problem.mesh.mesh)
+    whole = strain_energy.energy(law, number), None
+    energy, volumetric = strain_energy.parts(law, number) if law.is_mixed else whole
+    C, F = kinematics.right_cauchy_green(u), kinematics.deformation_gradient(u)
+    S, J = strain_energy.stress(energy, C), ufl.det(F)
     deviator = ufl.dev(F * S * F.T / J)
-    sought = {"S11": S[0, 0], "von_mises": ufl.sqrt(1.5 * ufl.inner(deviator, deviator)), "J": J}
-    cells = np.arange(len(model.problem.mesh.midpoints.T), dtype=np.int32)
+    cells = np.arange(len(problem.mesh.midpoints.T), dtype=np.int32)
+
+    def mean(value: Any, points: np.ndarray) -> np.ndarray:
+        return form_cache.expression(value, points).eval(mesh, cells).reshape(len(cells), -1).mean(axis=1)
+
     middle = np.array([[0.5, 0.5, 0.5]])
-    compiled = {name: form_cache.expression(value, middle) for name, value in sought.items()}
-    found = {name: expression.eval(mesh, cells).ravel() for name, expression in compiled.items()}
+    sought = {"S11": S[0, 0], "von_mises": ufl.sqrt(1.5 * ufl.inner(deviator, deviator)), "J": J}
+    found = {name: mean(value, middle) for name, value in sought.items()}
+    if volumetric is not None:
+        points, _ = gauss(forms.quadrature_degree(model.scene.mesh.order) - 1)
+        pressure, _ = slopes(volumetric, J)
+        found["S11"] += mean(pressure, points) * mean(J * ufl.inv(C)[0, 0], middle)
+        found["J"] = mean(J, points)
     tags = model.problem.mesh.cells
     for values in found.values():
         values[tags.indices[tags.values >= regions.PLATE]] = np.nan

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fingerfem import FingerModel
+from fingerfem.output.cell_fields import cell_fields
 from fingerfem.scene.laws import neo_hookean_from
 from fingerfem.scene.scene import Scene
 
@@ -43,6 +44,13 @@ def test_iterations_do_not_grow_with_the_bulk_modulus(poisson, pull):
 
 
 @pytest.mark.parametrize("pull", PULLS)
+def test_it_takes_no_more_iterations_than_the_rubber_on_which_presets_measure_their_cost(pull):
+    """An iteration of the mixed form costs as much as another (docs/solver.md)."""
+    most = max(bent(poisson, pull).newton_iterations for poisson in POISSON)
+    assert most <= 1.25 * bent(0.3, pull).newton_iterations
+
+
+@pytest.mark.parametrize("pull", PULLS)
 def test_the_bending_converges_as_the_bulk_modulus_grows(pull):
     """What is left of the tip's displacement to the incompressible limit falls as 1 - 2 nu."""
     limit = bent(0.499995, pull).tip[1]
@@ -71,6 +79,22 @@ def test_the_volume_ratio_reported_is_that_of_the_pressure():
     compressible = bent(0.3, 1.0)
     silicone(0.3).take(compressible)
     assert compressible.smallest_volume_ratio == silicone(0.3).problem.limits.smallest_of_cells()
+
+
+@pytest.mark.parametrize("poisson", [0.49, 0.499995])
+def test_stresses_are_those_of_the_pressure_and_not_of_the_displacements_volume(poisson):
+    """Linear cells have their pressure at the midpoint, where stresses are reported, quadratic ones around it.
+
+    The two meshes differ by a fifth of the largest value, in the cells at the clamp's edge.
+    """
+    fields = []
+    for order in (1, 2):
+        model = silicone(poisson, (20, 5), order)
+        model.solve([1.0], sensitivities=False)
+        fields.append(cell_fields(model))
+    for name, at_rest in (("S11", 0.0), ("J", 1.0)):
+        largest = np.nanmax(np.abs(fields[0][name] - at_rest))
+        assert np.nanmax(np.abs(fields[1][name] - fields[0][name])) < 0.3 * largest
 
 
 @pytest.mark.parametrize(("pull", "distance"), [(1.0, 0.010), (1.5, 0.020)])
