@@ -20,7 +20,7 @@ FRONT = Path(__file__).with_name("front.json")
 KEYS = ("accuracy", "budget", "preset")
 OF_MESH, OF_SAMPLING = ("cells", "order"), ("lines", "tension_nodes", "contact_nodes")
 TENSIONS, SLENDERNESS = 2, 5.0  # of the finger the front was measured on; its length over its side [-]
-# By number of tensions: lines of states, times those of one tension, and errors of maps, times those of two. Products of
+# By number of tensions: lines of states over those of one tension, errors of maps over those of two. Products of
 # polynomials grow faster than tensions. More tensions than errors here have no promise; a surrogate of a plane has
 # one up to TENSIONS.
 GROWTH, ERRORS = (1.0, 2.0, 4.0, 8.0), (1.0, 1.0, 1.5, 2.0)
