@@ -7,12 +7,17 @@ from __future__ import annotations
 
 from typing import Any
 
-import gymnasium
 import numpy as np
 
-from control.finger import Finger
-from control.model import Model
-from control.plant import Flaws, SimulatedPlant
+from rom.packages import require
+
+require("gymnasium")
+
+import gymnasium  # noqa: E402
+
+from control.finger import Finger  # noqa: E402
+from control.model import Model  # noqa: E402
+from control.plant import Flaws, SimulatedPlant  # noqa: E402
 
 FELT = 10.0  # times the largest target: what a sensor says beyond is not observed
 DRAWS = 1000  # of planes and targets, until one can be held

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from rom.interruption import first_rank, interruptible
+from rom.program import NOTHING_USABLE, begin, one_line
 
 if __name__ == "__main__":
-    interruptible()  # what comes next takes seconds to import
+    begin()
 
 import atexit
 import json
@@ -17,21 +17,18 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
-try:
-    import typer
-except ModuleNotFoundError:
-    raise SystemExit("typer is missing; python3 -m fingerfem.doctor says what else is, and what to do") from None
+import typer
 
 import fingerfem
 from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.output.rows import finish
 from fingerfem.scene.amounts import seconds as duration
 from fingerfem.scene.amounts import share
-from fingerfem.scene.loads import read_loads
+from rom.interruption import first_rank, interruptible
+from rom.packages import DRAWING, SOLVING, require
 from rom.terminal import log_lines, say
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
-BAD_INPUT, NOTHING_USABLE = 2, 3
 KEPT = "stopped by {}: solved states are kept; run the same command again"
 CALLER = "FINGERFEM_CALLER"  # variable of a program that calls the farm and says itself why it was stopped
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
@@ -50,7 +47,10 @@ def solve(
     paraview: Annotated[Path | None, typer.Option(help="Also write the fields for ParaView, a .vtu file.")] = None,
 ) -> None:
     """Solve one state from rest with the full-order model; under mpirun the ranks share the finger."""
+    require(*SOLVING, *(DRAWING if picture is not None or paraview is not None else ()))
     from mpi4py import MPI
+
+    from fingerfem.scene.loads import read_loads
 
     comm = MPI.COMM_WORLD
     scene = fingerfem.load_scene(scene_file)
@@ -90,7 +90,9 @@ def certify(
 
     A surrogate's own displacement field is where it begins; for a map of a segment that is rest.
     """
+    require(*SOLVING)
     from fingerfem.certify import Certifier, load
+    from fingerfem.scene.loads import read_loads
 
     certifier = Certifier(load(model_file))
     found = certifier.certify(**read_loads(certifier.full_order.scene, loads or []))
@@ -136,6 +138,7 @@ def snapshots(
 ) -> None:
     """Solve what is missing of a snapshot set; run it under mpirun, as often as needed."""
     os.environ.setdefault("OMPI_MCA_async_mpi_finalize", "1")  # or Open MPI would wait at its end for killed ranks
+    require(*SOLVING)
     import petsc4py
     from mpi4py import MPI
 
@@ -251,7 +254,9 @@ def render(
     field: Annotated[str, typer.Option(help="S11, von_mises or J.")] = "S11",
 ) -> None:
     """Draw deformed fingers coloured by a field of the rubber, one panel a load case."""
+    require(*SOLVING, *DRAWING)
     from fingerfem.output.pictures import Deformed, draw
+    from fingerfem.scene.loads import read_loads
 
     scene = fingerfem.load_scene(scene_file)
     cases = [read_loads(scene, words.split()) for words in case]
@@ -274,12 +279,8 @@ def sketch(
 
 def main() -> None:
     """Run the command; bad input is one line and exit code 2, no equilibrium one line and 3."""
-    try:
+    with one_line(LoadNotReached):
         app()
-    except (ValueError, OSError, LoadNotReached) as error:
-        if first_rank():  # all ranks of a job stop for the same reason
-            say(str(error))
-        raise SystemExit(NOTHING_USABLE if isinstance(error, LoadNotReached) else BAD_INPUT) from None
 
 
 if __name__ == "__main__":

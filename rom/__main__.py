@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from rom.interruption import interruptible
+from rom.program import begin
 
 if __name__ == "__main__":
-    interruptible()  # what comes next takes a second to import
+    begin()
 
 from dataclasses import replace
 from pathlib import Path

@@ -9,10 +9,10 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
+from rom.program import NOTHING_USABLE as NOTHING_USABLE
+from rom.program import one_line
 from rom.table import Table, accuracy, print_tables
-from rom.terminal import say
 
-BAD_INPUT, NOTHING_USABLE = 2, 3
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
 
@@ -76,8 +76,5 @@ def _strict(value: Any) -> Any:
 
 def run(app: Callable[[], None]) -> None:
     """Run a command line; bad input is one line on stderr and exit code 2."""
-    try:
+    with one_line():
         app()
-    except (ValueError, OSError) as error:
-        say(str(error))
-        raise SystemExit(BAD_INPUT) from None

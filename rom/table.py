@@ -8,11 +8,11 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
-from rom.terminal import fitted
+from rom.terminal import fitted, printable
 
 SHOWN = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}  # see `shown`
 ZERO = 1e-10  # of what is shown: below that a value is round-off
@@ -49,6 +49,14 @@ class Table:
         ]
         return "\n".join([*([self.title] if self.title else []), *(line.rstrip() for line in lines)])
 
+    def printed(self, stream: TextIO) -> Table:
+        """The same in characters that a stream's encoding has."""
+        return Table(
+            header=[printable(cell, stream) for cell in self.header],
+            rows=[[printable(cell, stream) for cell in row] for row in self.rows],
+            title=printable(self.title, stream),
+        )
+
     @property
     def html(self) -> str:
         """For a notebook."""
@@ -64,7 +72,8 @@ def as_html(parts: Iterable[Table | str]) -> str:
 
 
 def print_tables(parts: Iterable[Table | str]) -> None:
-    """Tables and lines between them, on stdout."""
+    """Tables and lines between them, on stdout, in characters that its encoding has."""
+    parts = [part.printed(sys.stdout) if isinstance(part, Table) else printable(part, sys.stdout) for part in parts]
     if sys.stdout.isatty() and find_spec("rich") is not None:
         _print_rich(parts)
         return

@@ -7,12 +7,15 @@ import shutil
 import sys
 import textwrap
 import time
+import unicodedata
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from importlib.util import find_spec
 from typing import Protocol, TextIO
 
 EVERY = 10.0  # [s] between two lines of progress where there is no bar
+# What stands for characters that the encoding of an output does not have.
+PLAIN = {"µ": "u", "±": "+-"}
 
 
 class Progress(Protocol):
@@ -41,9 +44,32 @@ def say(line: str, terminal: bool = False) -> None:
 def own_terminal() -> TextIO | None:
     """The terminal that the process belongs to, if any: mpirun passes on whole lines only, and at its end nothing."""
     try:
-        return open("/dev/tty", "w")
+        return open("/dev/tty", "w", encoding=sys.stderr.encoding, errors=sys.stderr.errors)
     except OSError:
         return None
+
+
+def printable(text: str, stream: TextIO) -> str:
+    """A text in characters that a stream's encoding has."""
+    encoding = stream.encoding or "utf-8"
+    try:
+        text.encode(encoding)
+    except UnicodeEncodeError:
+        return "".join(one if _has(encoding, one) else replacement(one) for one in text)
+    return text
+
+
+def _has(encoding: str, character: str) -> bool:
+    try:
+        return bool(character.encode(encoding))
+    except UnicodeEncodeError:
+        return False
+
+
+def replacement(character: str) -> str:
+    """What stands for a character in ASCII: itself without accents, or a question mark."""
+    plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+    return PLAIN.get(character) or plain or "?"
 
 
 def fitted(text: str) -> str:

@@ -1,10 +1,14 @@
 """Fingers in a MuJoCo scene, each the trained map of its rubber: palm, gravity, friction and objects are MuJoCo's.
 
-Needs the optional extra: pip install 'fingerfem[mujoco]'.
+Needs the optional extra: pip install -e '.[mujoco]'.
 """
 
-from control.mujoco.attach import Attached, attach, attach_gripper
-from control.mujoco.plant import MujocoPlant, plants
-from control.mujoco.simulation import Simulation, SimulationStopped
+from rom.packages import require
+
+require("mujoco")
+
+from control.mujoco.attach import Attached, attach, attach_gripper  # noqa: E402
+from control.mujoco.plant import MujocoPlant, plants  # noqa: E402
+from control.mujoco.simulation import Simulation, SimulationStopped  # noqa: E402
 
 __all__ = ["Attached", "MujocoPlant", "Simulation", "SimulationStopped", "attach", "attach_gripper", "plants"]

@@ -1,6 +1,6 @@
 """A gymnasium environment: three fingers pick up a solid that is not known, by changing their tensions.
 
-Needs the optional extras: pip install 'fingerfem[mujoco,gymnasium]'. Importing this registers fingerfem/Grasp-v0:
+Needs the optional extras: pip install -e '.[mujoco,gymnasium]'. Importing this registers fingerfem/Grasp-v0:
 
     gymnasium.make_vec("control.mujoco.environment:fingerfem/Grasp-v0", num_envs=4, vectorization_mode="async")
 """
@@ -9,14 +9,19 @@ from __future__ import annotations
 
 from typing import Any
 
-import gymnasium
 import numpy as np
 
-from control.gripper import Gripper
-from control.mujoco.simulation import Simulation, SimulationStopped
-from control.mujoco.solids import SHAPES, random_error, random_solid
-from control.mujoco.table import table
-from rom import SegmentMap, TouchedSegment
+from rom.packages import require
+
+require("gymnasium")
+
+import gymnasium  # noqa: E402
+
+from control.gripper import Gripper  # noqa: E402
+from control.mujoco.simulation import Simulation, SimulationStopped  # noqa: E402
+from control.mujoco.solids import SHAPES, random_error, random_solid  # noqa: E402
+from control.mujoco.table import table  # noqa: E402
+from rom import SegmentMap, TouchedSegment  # noqa: E402
 
 NAME = "fingerfem/Grasp-v0"
 LARGEST = 5.0  # [N]: a contact force that is observed as 1

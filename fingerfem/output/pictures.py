@@ -136,4 +136,5 @@ def draw(panels: Sequence[Deformed], picture: str | Path) -> None:
     Path(picture).parent.mkdir(parents=True, exist_ok=True)
     done = subprocess.run(command, input=pickle.dumps(list(panels)), capture_output=True)
     if done.returncode or not Path(picture).exists():
-        raise NoDisplay(f"VTK could not draw {picture}: {done.stderr.decode().strip()[-300:]}")
+        lines = done.stderr.decode(errors="replace").strip().splitlines() or [f"exit code {done.returncode}"]
+        raise NoDisplay(f"VTK could not draw {picture}: {lines[-1]}")

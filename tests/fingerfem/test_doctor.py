@@ -36,7 +36,7 @@ def test_it_answers_where_the_command_line_s_own_packages_are_missing(tmp_path):
     (tmp_path / "typer.py").write_text("raise ModuleNotFoundError('no typer here')")
     settings = os.environ | {"PYTHONPATH": str(tmp_path)}
     done = subprocess.run(DOCTOR, cwd=ROOT, capture_output=True, text=True, env=settings)
-    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "python3 -m fingerfem.doctor" in done.stderr
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and "python3 -m fingerfem.doctor" in done.stderr
     done = subprocess.run(
         [sys.executable, "-m", "fingerfem.doctor"], cwd=ROOT, capture_output=True, text=True, env=settings
     )

@@ -1,0 +1,68 @@
+"""How a command begins and ends: Ctrl-C, bad input and a missing package are one line each; output fits its encoding.
+
+Only the standard library is imported here, as a command calls `begin` before it imports anything else.
+"""
+
+from __future__ import annotations
+
+import codecs
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import TracebackType
+from typing import NoReturn
+
+from rom.interruption import first_rank, interruptible
+from rom.packages import explained
+from rom.terminal import replacement, say
+
+BAD_INPUT, NOTHING_USABLE = 2, 3
+PLAIN = "fingerfem.plain"  # name of the error handler of `codecs`
+
+
+def begin() -> None:
+    """From here on Ctrl-C and an import that fails end the process in one line, and no character stops its output."""
+    interruptible()  # what comes next may take seconds to import
+    sys.excepthook = _explain
+    codecs.register_error(PLAIN, _plain)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors=PLAIN)
+
+
+@contextmanager
+def one_line(*unusable: type[Exception]) -> Iterator[None]:
+    """Ends the process in one line for bad input, exit code 2; or for one of these exceptions, exit code 3."""
+    try:
+        yield
+    except ImportError as error:
+        reason = explained(error)
+        if reason is None:
+            raise
+        _end(reason, BAD_INPUT)
+    except unusable as error:
+        _end(str(error), NOTHING_USABLE)
+    except (ValueError, OSError) as error:
+        _end(str(error), BAD_INPUT)
+
+
+def _end(reason: str, code: int) -> NoReturn:
+    if first_rank():  # all ranks of a job stop for the same reason
+        say(reason)
+    raise SystemExit(code) from None
+
+
+def _explain(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+    """What Python calls for an exception that nobody catches: an import at the top of a command, for example."""
+    reason = explained(error) if isinstance(error, ImportError) else None
+    if reason is None:
+        sys.__excepthook__(kind, error, trace)
+    else:
+        _end(reason, BAD_INPUT)
+
+
+def _plain(error: UnicodeError) -> tuple[str, int]:
+    """An error handler of `codecs`: characters that the encoding has, for those that it does not have."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(map(replacement, error.object[error.start : error.end])), error.end
