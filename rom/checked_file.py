@@ -7,13 +7,15 @@ itself can crash on a damaged file.
 from __future__ import annotations
 
 import hashlib
-import tempfile
+import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
 import h5py
 import numpy as np
+
+from rom.whole_file import write_whole
 
 T = TypeVar("T")
 BLOCK = 512  # bytes before what is HDF5
@@ -26,17 +28,20 @@ class ModelError(ValueError):
 
 
 def save(path: Path, kind: str, number: int, write: Callable[[h5py.File], None]) -> None:
-    """Write a file of a kind and format, beside and renamed: it is whole or absent."""
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:
-        file = Path(beside) / path.name
-        with h5py.File(file, "w", userblock_size=BLOCK, libver="v110") as stored:
-            write(stored)
-        with file.open("r+b") as stream:
-            stream.seek(BLOCK)
-            line = f"{kind}, format {number}, sha256 {hashlib.sha256(stream.read()).hexdigest()}\n"
-            stream.seek(0)
-            stream.write(line.encode())
-        file.replace(path)
+    """Write a file of a kind and format: it is whole or absent.
+
+    HDF5 works in memory, as its library can crash where a disk is full.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    memory = io.BytesIO()
+    with h5py.File(memory, "w", userblock_size=BLOCK, libver="v110") as stored:
+        write(stored)
+    contents = memory.getbuffer()
+    line = f"{kind}, format {number}, sha256 {hashlib.sha256(contents[BLOCK:]).hexdigest()}\n".encode()
+    contents[: len(line)] = line
+    write_whole(path, lambda stream: stream.write(contents))
 
 
 def load(path: Path, kind: str, number: int, read: Callable[[h5py.File], T]) -> T:

@@ -27,7 +27,7 @@ from typing import Any
 
 import jinja2
 
-from rom.snapshots.files import write_whole
+from rom.whole_file import write_whole
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"

@@ -10,8 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from rom.snapshots.files import write_whole
 from rom.snapshots.snapshot_set import Description, SnapshotSet
+from rom.whole_file import write_whole
 
 ROOT = Path(__file__).resolve().parents[1]
 STANDARD, REFERENCE = (10, 5, 2), (32, 7, 2)  # cells along and across, Lagrange order

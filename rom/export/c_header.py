@@ -15,6 +15,7 @@ import numpy as np
 from rom.checked_file import ModelError
 from rom.native import EVALUATION, HERE, KINDS
 from rom.surrogate import Surrogate
+from rom.whole_file import write_whole
 
 PER_LINE = 4  # numbers
 
@@ -49,17 +50,18 @@ def header(model: Surrogate, name: str = "finger") -> str:
         "ARRAYS": "\n".join(arrays),
         "KERNEL": kernel,
     }
-    text = (HERE / "exported.h.in").read_text()
+    text = (HERE / "exported.h.in").read_text(encoding="utf-8")
     return re.sub(r"@(\w+)@|@", lambda found: texts[found[1]] if found[1] else name, text)
 
 
 def export(model: Surrogate, path: Path) -> None:
     """Write the header; its names begin with the file's name."""
-    path.write_text(header(model, path.stem))
+    text = header(model, path.stem)
+    write_whole(path, lambda stream: stream.write(text.encode()))
 
 
 def _without_includes(file: Path) -> str:
-    return re.sub(r"^#include.*\n", "", file.read_text(), flags=re.MULTILINE)
+    return re.sub(r"^#include.*\n", "", file.read_text(encoding="utf-8"), flags=re.MULTILINE)
 
 
 def _initialiser(kind: str, values: dict[str, Any], name: str, arrays: list[str]) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import base64
 import json
 import math
-import tempfile
 import zlib
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from rom.segment.native import ENDS
 from rom.segment.touched_segment import TouchedSegment
 from rom.snapshots.grid import levels
 from rom.surrogate import Surrogate
+from rom.whole_file import write_whole
 
 VIEWER = Path(__file__).with_name("viewer.html")
 FEW = 10.0  # [N]: what a bar of forces shows of a surrogate that was not measured
@@ -36,10 +36,8 @@ def write(model: Surrogate | TouchedSegment, path: Path) -> None:
     if path.suffix.lower() not in (".html", ".htm"):
         raise ModelError(f"page must be a file named .html, got {path}")
     text = json.dumps(about(model), allow_nan=False).replace("<", "\\u003c")
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:  # whole or absent
-        made = Path(beside) / path.name
-        made.write_text(VIEWER.read_text().replace("@MODEL@", text))
-        made.replace(path)
+    page = VIEWER.read_text(encoding="utf-8").replace("@MODEL@", text)
+    write_whole(path, lambda stream: stream.write(page.encode()))
 
 
 def about(model: Surrogate | TouchedSegment) -> dict[str, Any]:

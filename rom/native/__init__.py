@@ -96,7 +96,7 @@ class Library:
         if self._includes is not None:
             found.include(self._includes.ffi)
         for header in self._headers:
-            found.cdef(re.sub(r"^\s*#.*$", "", header.read_text(), flags=re.MULTILINE))
+            found.cdef(re.sub(r"^\s*#.*$", "", header.read_text(encoding="utf-8"), flags=re.MULTILINE))
         return found
 
     @cached_property

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rom.snapshots.files import write_whole
 from rom.snapshots.grid import SHARE
+from rom.whole_file import write_whole
 
 
 @dataclass(frozen=True, kw_only=True)

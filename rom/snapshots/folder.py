@@ -9,9 +9,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 from rom.snapshots.description import Description
-from rom.snapshots.files import write_whole
 from rom.snapshots.plan import Plan, PlanError, read_round
 from rom.snapshots.snapshot_set import SnapshotError, read_description, read_task
+from rom.whole_file import write_whole
 
 OURS = (
     "tasks",

@@ -11,7 +11,7 @@ from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 
 from rom.snapshots.description import Description, Line
-from rom.snapshots.files import write_whole
+from rom.whole_file import write_whole
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -29,9 +29,9 @@ from scipy.spatial import cKDTree
 
 from rom.snapshots.body import Body
 from rom.snapshots.description import FORMAT, Description, Line
-from rom.snapshots.files import write_whole
 from rom.snapshots.plan import Plan
 from rom.snapshots.schema import FIELDS
+from rom.whole_file import write_whole
 
 SAME_PLACE = 1e-9  # share of a parameter's range within which states are at one place [-]
 

@@ -20,6 +20,7 @@ from rom.export.model import MODEL, errors_of
 from rom.native import FLAGS, compiler
 from rom.segment.touched_segment import TouchedSegment
 from rom.surrogate import Surrogate
+from rom.whole_file import whole_file
 
 VERSIONS = 2, 3  # of FMI
 ROOT = Path(__file__).parents[3]  # rom/ is in it
@@ -105,7 +106,9 @@ def sources_of(model: Surrogate | TouchedSegment, interface: Interface, version:
 
 def included(units: list[Path]) -> list[Path]:
     """C files that others include."""
-    names = [(unit, re.findall(r'^#include "(.*\.c)"', unit.read_text(), re.MULTILINE)) for unit in units]
+    names = [
+        (unit, re.findall(r'^#include "(.*\.c)"', unit.read_text(encoding="utf-8"), re.MULTILINE)) for unit in units
+    ]
     return [unit.parent / name for unit, found in names for name in found]
 
 
@@ -177,10 +180,7 @@ def compiled(sources: Sources) -> bytes:
 
 
 def pack(files: dict[str, bytes], path: Path) -> None:
-    """Write a zip file, beside and renamed: it is whole or absent."""
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as beside:
-        made = Path(beside) / path.name
-        with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name in sorted(files, key=lambda name: (name != "modelDescription.xml", name)):
-                archive.writestr(zipfile.ZipInfo(name, STAMP), files[name], zipfile.ZIP_DEFLATED)
-        made.replace(path)
+    """Write a zip file: it is whole or absent."""
+    with whole_file(path) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(files, key=lambda name: (name != "modelDescription.xml", name)):
+            archive.writestr(zipfile.ZipInfo(name, STAMP), files[name], zipfile.ZIP_DEFLATED)

@@ -1,0 +1,44 @@
+"""Files that appear whole or not at all: nothing half written is ever found under a file's name."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+
+@contextlib.contextmanager
+def whole_file(file: Path, once: bool = False) -> Iterator[Path]:
+    """A path beside a file, to be written in the context, which then gets the file's name.
+
+    Args:
+        file: the file.
+        once: whoever comes first writes it.
+
+    Raises:
+        OSError: names the file, not the path beside it.
+    """
+    beside = file.with_name(f".{file.name}.{uuid4().hex}")
+    try:
+        yield beside
+        with beside.open("rb") as stream:
+            os.fsync(stream.fileno())
+        if once:
+            with contextlib.suppress(FileExistsError):
+                os.link(beside, file)
+        else:
+            os.replace(beside, file)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(file)) from None
+    finally:
+        with contextlib.suppress(OSError):  # what stopped the file is what is reported
+            beside.unlink(missing_ok=True)
+
+
+def write_whole(file: Path, write: Callable[[Any], None], once: bool = False) -> None:
+    """Write a file by a function of a binary stream, see `whole_file`."""
+    with whole_file(file, once) as beside, beside.open("xb") as stream:
+        write(stream)

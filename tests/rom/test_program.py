@@ -1,0 +1,88 @@
+"""What a command prints fits the encoding of its output, and messages name the files that were asked for."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+
+import pytest
+from terminal import ROOT, shown
+
+SMALL = 4096  # [bytes] of the largest file that may be written
+COMMANDS = {
+    "rom info": ["info", "rom/finger.h5"],
+    "rom check": ["check", "{}/finger.h5", "{}/heldout"],
+    "control hold": ["hold", "--distance", "0.01"],
+    "control reach": ["reach", "rom/finger.h5", "0", "-0.001", "0"],
+    "control grasp": ["grasp"],
+    "control campaign": ["campaign", "--starts", "4"],
+}
+PLAIN = {"µ": "u", "±": "+-"}
+
+
+def command(name, trained) -> list[str]:
+    words = [word.format(trained) for word in COMMANDS[name]]
+    return [sys.executable, "-m", name.split()[0], *words]
+
+
+def printed(name, trained, encoding: str) -> str:
+    settings = os.environ | {"PYTHONIOENCODING": encoding}
+    done = subprocess.run(command(name, trained), cwd=ROOT, env=settings, capture_output=True)
+    assert b"encode" not in done.stderr and b"Traceback" not in done.stderr, done.stderr
+    assert done.returncode in (0, 3), done.stderr
+    return done.stdout.decode(encoding)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_in_ascii_a_command_prints_the_same_in_plain_characters(trained, name):
+    ours, theirs = printed(name, trained, "ascii"), printed(name, trained, "utf-8")
+    for character, plain in PLAIN.items():
+        theirs = theirs.replace(character, plain)
+    assert ours.isascii() and len(ours.splitlines()) == len(theirs.splitlines())
+    if name != "control campaign":  # which prints times
+        assert ours.split() == theirs.split()
+
+
+def test_in_ascii_columns_stand_under_their_headers(trained):
+    lines = printed("control hold", trained, "ascii").splitlines()
+    (k,) = [k for k, line in enumerate(lines) if line.startswith("contact force")]
+    header = next(line for line in reversed(lines[:k]) if "+- error" in line)
+    end = header.index("+- error") + len("+- error")
+    assert lines[k][end - 1].isdigit() and lines[k][end : end + 3] == "   "
+
+
+@pytest.mark.parametrize("name", ["rom check", "rom info", "control campaign"])
+def test_on_a_terminal_bars_and_boxes_are_plain_too(trained, name):
+    seen = shown(command(name, trained), PYTHONIOENCODING="ascii")
+    assert seen.code == 0 and "encode" not in seen.text, seen.text
+    assert seen.raw.isascii(), [one for one in seen.raw if not one.isascii()]
+    assert "---" in seen.text
+
+
+def limited(*words: object) -> subprocess.CompletedProcess[str]:
+    """A command that cannot write a large file."""
+    return subprocess.run(
+        [sys.executable, "-m", *map(str, words)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (SMALL, SMALL)),
+    )
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["rom", "chain", "rom/finger.h5", "-o", "{}/finger.h5"],
+        ["rom", "page", "rom/finger.h5", "-o", "{}/finger.html"],
+        ["rom", "export", "rom/plane.h5", "{}/finger.h"],
+    ],
+    ids=lambda words: words[1],
+)
+def test_a_file_that_cannot_be_written_is_named_as_it_was_asked_for_and_leaves_nothing(tmp_path, words):
+    done = limited(*(word.format(tmp_path) for word in words))
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.splitlines()[-1] == f"[Errno 27] File too large: '{words[-1].format(tmp_path)}'"
+    assert "Traceback" not in done.stderr and list(tmp_path.iterdir()) == []
