@@ -1,5 +1,6 @@
 """Everything here needs DOLFINx."""
 
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -52,3 +53,11 @@ def undisturbed(scene, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("sets") / "undisturbed"
     run(1, scene, folder)
     return folder
+
+
+@pytest.fixture(scope="session")
+def hostile(tmp_path_factory) -> str:
+    library = tmp_path_factory.mktemp("hostile") / "hostile.so"
+    source = Path(__file__).with_name("hostile.c")
+    subprocess.run(["gcc", "-shared", "-fPIC", "-o", str(library), str(source), "-ldl"], check=True)
+    return str(library)

@@ -1,5 +1,6 @@
 """What a machine may do to a set: each is really done, and each ends in a complete set or in one clear line."""
 
+import json
 import os
 import shutil
 import signal
@@ -15,14 +16,6 @@ from farm import PATIENCE, ROOT, assert_same, command, run
 from fingerfem.snapshots import ledger
 from fingerfem.snapshots.claims import ClaimFiles, Locks, why_no_locks
 from rom.snapshots.snapshot_set import read_description, read_task, task_file
-
-
-@pytest.fixture(scope="session")
-def hostile(tmp_path_factory) -> str:
-    library = tmp_path_factory.mktemp("hostile") / "hostile.so"
-    source = Path(__file__).parents[1] / "hostile.c"
-    subprocess.run(["gcc", "-shared", "-fPIC", "-o", str(library), str(source), "-ldl"], check=True)
-    return str(library)
 
 
 def begun(line: list[str], folder: Path, files: int, **settings) -> subprocess.Popen:
@@ -51,6 +44,16 @@ def test_a_job_that_is_killed_leaves_a_set_that_the_next_completes(scene, undist
     run(2, scene, tmp_path / "set")
     assert_same(tmp_path / "set", undisturbed)
     assert not list((tmp_path / "set" / "attempts").iterdir())
+
+
+def test_a_kill_at_any_change_of_a_file_leaves_nothing_that_passes_as_done(undisturbed, tmp_path, hostile):
+    line = [sys.executable, str(Path(__file__).with_name("kills.py")), str(undisturbed), str(tmp_path)]
+    settings = {"LD_PRELOAD": hostile, "PYTHONPATH": os.pathsep.join(map(str, [ROOT, ROOT / "tests" / "fingerfem"]))}
+    done = subprocess.run(line, cwd=ROOT, env=os.environ | settings, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    kills = json.loads(done.stdout)
+    # At least: a write, its fsync and a rename; of a set for its description, its body, two lines and a round.
+    assert kills["set"] >= 15 and min(kills.values()) >= 6, kills
 
 
 def test_sigterm_drops_the_line_at_hand_and_is_no_death(scene, undisturbed, tmp_path):
