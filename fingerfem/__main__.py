@@ -181,8 +181,9 @@ def snapshots(
     if ranks_per_finger == 1:
         signal.signal(signal.SIGTERM, _terminated)
         interruptible(KEPT.format("Ctrl-C"))
-    else:  # ranks may be waiting for each other in MPI: they end at once
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    else:  # no rank may leave its contexts while others wait for it in MPI: they end at once
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda asked, _: os._exit(128 + asked))
     found = job.run(progress)
     if job.is_first:
         finish(found, as_json, NOTHING_USABLE if job.is_unusable else 0)

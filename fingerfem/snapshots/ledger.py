@@ -1,13 +1,15 @@
 """What became of every state of a set: solved, failed and why, given up after the third death, or still to do.
 
 What is solved or failed stands in the tasks' files. Attempts that have not ended stand in `attempts/TASK`, one line
-each: a process that dies leaves its line behind.
+each: a process that dies leaves its line behind. One that was asked to end by a signal is no death, even if it was
+killed before it could take its line back: the number of the signal, a byte, follows the line.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import signal
 import socket
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,42 +21,58 @@ from rom.snapshots.plan import Plan
 from rom.snapshots.snapshot_set import Description, SnapshotError, read_task, task_file
 
 DEATHS = 3  # of processes at one task, after which nobody tries it again
+ASKED = (chr(signal.SIGINT), chr(signal.SIGTERM))  # what follows the note of a process that was asked to end
 QUARANTINED = "quarantined"  # how the reason of such states begins
 
 
 def deaths(path: str | Path, task: str) -> int:
     """How many processes died at a task nobody works on now."""
     try:
-        return len(_attempts(path, task).read_text().splitlines())
+        notes = _attempts(path, task).read_text().split("\n")
     except OSError:
         return 0
+    return sum(after[:1] not in ASKED for after in notes[1:])
 
 
 def begin(path: str | Path, task: str) -> None:
-    """Note an attempt at a task; the note stays if the process dies."""
+    """Note an attempt at a task; the note stays if the process dies.
+
+    A signal that Python handles adds its number to the note, at once: where Python waits for compiled code, its handler
+    may be too late, as mpirun kills a quarter of a second after it asks to end.
+    """
     file = _attempts(path, task)
     file.parent.mkdir(exist_ok=True)
-    with file.open("a") as stream:
-        stream.write(_me())
+    note = os.open(file, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NONBLOCK, 0o644)
+    os.write(note, _me().encode())
+    _close(signal.set_wakeup_fd(note, warn_on_full_buffer=False))
 
 
 def _me() -> str:
     return f"{socket.gethostname()} {os.getpid()}\n"
 
 
+def _close(note: int) -> None:
+    if note >= 0:
+        os.close(note)
+
+
 def withdraw(path: str | Path, task: str) -> None:
     """Take this process's note back, if it is there yet: the attempt was dropped."""
+    _close(signal.set_wakeup_fd(-1))
     file = _attempts(path, task)
     try:
-        noted = file.read_text().splitlines(keepends=True)
+        former, mine, _ = file.read_text().rpartition(_me())
     except FileNotFoundError:
         return
-    former = noted[:-1] if noted[-1:] == [_me()] else noted
-    file.write_text("".join(former)) if former else file.unlink()
+    if mine and former:
+        file.write_text(former)
+    elif mine:
+        file.unlink()
 
 
 def end(path: str | Path, task: str) -> None:
     """Forget a task's attempts: it has its file."""
+    _close(signal.set_wakeup_fd(-1))
     _attempts(path, task).unlink(missing_ok=True)
 
 

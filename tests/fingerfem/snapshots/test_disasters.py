@@ -75,6 +75,56 @@ def test_sigterm_to_mpirun_ends_all_ranks_in_ten_seconds(scene, tmp_path):
     assert job.returncode != 0
 
 
+BUSY = """
+import signal, sys
+from fingerfem.snapshots import ledger
+
+signal.signal(signal.SIGTERM, lambda *_: None)
+ledger.begin(sys.argv[1], "free-0")
+print("begun", flush=True)
+sum(range(10**10))  # compiled code, during which no handler of Python runs
+"""
+
+
+@pytest.mark.parametrize("asked", [True, False])
+def test_a_busy_process_that_is_asked_to_end_and_then_killed_is_no_death(tmp_path, asked):
+    for attempt in range(2):
+        job = subprocess.Popen([sys.executable, "-c", BUSY, str(tmp_path)], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+        assert job.stdout.readline() == "begun\n"
+        if asked:
+            job.terminate()
+            while not (tmp_path / "attempts" / "free-0").read_bytes().endswith(bytes([signal.SIGTERM])):
+                time.sleep(0.01)
+        job.kill()
+        job.wait()
+        assert ledger.deaths(tmp_path, "free-0") == (0 if asked else attempt + 1)
+    ledger.begin(tmp_path, "free-0")
+    assert ledger.deaths(tmp_path, "free-0") == (1 if asked else 3)  # alive, or dead: nobody asks while it works
+    ledger.withdraw(tmp_path, "free-0")
+    assert ledger.deaths(tmp_path, "free-0") == (0 if asked else 2)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("options", [[], ["--ranks-per-finger", "2"]])
+def test_ctrl_c_at_any_moment_is_no_death_however_long_a_factorisation_takes(tmp_path, options):
+    """On the finer mesh compiled code runs for longer than mpirun waits between asking and killing."""
+    line = command(2, ROOT / "scenes" / "finer.toml", tmp_path / "set", *options)
+    for moment in range(10):
+        job = subprocess.Popen(
+            line, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        )
+        while not list((tmp_path / "set").glob("attempts/*")):
+            assert job.poll() is None, job.communicate()
+            time.sleep(0.01)
+        time.sleep(0.5 + 0.17 * moment)
+        os.killpg(job.pid, signal.SIGINT)
+        said = job.communicate(timeout=PATIENCE)[1]
+        assert job.returncode != 0 and "Traceback" not in said
+        notes = {file.name: file.read_bytes() for file in (tmp_path / "set" / "attempts").iterdir()}
+        assert [task for task in notes if ledger.deaths(tmp_path / "set", task)] == [], (moment, notes)
+        shutil.rmtree(tmp_path / "set" / "attempts")
+
+
 def test_three_deaths_at_one_line_quarantine_it_and_what_needs_it_and_retry_solves_them(scene, undisturbed, tmp_path):
     folder = tmp_path / "set"
     shutil.copytree(undisturbed, folder)
