@@ -15,6 +15,7 @@ from control.answers import listed
 from control.finger import Finger
 from control.least_squares import CONVERGED, STATIONARY
 from control.problems import grip, rules
+from rom.brief import brief
 
 PAST = 256  # pulls that are remembered: a reading that is older cannot be used
 SMOOTH = 0.2  # share of a reading's news in the contact force that a noisy finger is said to hold, at most
@@ -78,6 +79,7 @@ class GraspOptions:
         return self.period / max(self.period, self.settling)
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Pull:
     """One pull of one finger: its stage (approach, squeeze, hold), tensions [N], force felt [N], d* so far [m]."""

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linprog
 
+from rom.brief import brief
+
 GRAVITY = 9.80665  # [m/s^2]
 SIDES = 32  # of the polygon inside the friction circle
 
@@ -56,6 +58,7 @@ class Object:
         return float(np.tan(max(np.arctan(self.friction) - self.lean, 0.0)))
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Targets:
     """Contact forces for an object.

@@ -15,6 +15,7 @@ from control.grasp_forces import Object, Targets, targets
 from control.model import Model
 from control.motion import Limits
 from control.plant import Plant, age_of
+from rom.brief import brief
 from rom.native.answer import FORCE
 
 FIRST = 0.3  # of a contact force that the first touch may have, readings in doubt and late included
@@ -22,6 +23,7 @@ SQUEEZE = 0.06  # [s] from touch to the held force
 STEEP = 1000  # points at which it looks how steeply contact force grows with tension
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Grasp:
     """How a grasp ended.

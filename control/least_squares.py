@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from control.native import CONTROL
+from rom.brief import brief
 from rom.native import pointer
 
 GOING, CONVERGED, STATIONARY, LIMIT, OUTSIDE = range(5)  # as in least_squares.h
@@ -55,6 +56,7 @@ def struct(rules: Rules) -> Any:
 RULES = Rules()
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Solution:
     """Where it stopped and why: "converged", "stationary" (a minimum above the tolerance) or "iteration_limit"."""

@@ -12,10 +12,12 @@ import numpy as np
 
 from control.grasp_controller import Grip
 from control.plant import Plant, age_of
+from rom.brief import brief
 
 logger = logging.getLogger(__name__)
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Report:
     """How a loop ran.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rom.brief import brief
 from rom.native.answer import Answer
 from rom.table import Table, as_html, quantities, row
 
@@ -20,6 +21,7 @@ MEANING = {
 }
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Motion:
     """What a controller asks of a finger.
@@ -98,6 +100,7 @@ class Motion:
         return as_html(self.tables())
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Limits:
     """What the tendons' motors can do; the model's trained tensions limit them too.

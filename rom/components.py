@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.brief import brief
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.fit.layout import RegimeLayout
 from rom.fit.mesh_error import MeshError
@@ -18,6 +19,7 @@ from rom.snapshots.contact_regimes import Code
 HEIGHTS = 0.01  # share of a tolerance that free tip and heights are kept to
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Regime:
     """Contact in one regime, see rom.snapshots.contact_regimes.
@@ -46,6 +48,7 @@ class Regime:
         return RegimeLayout(conditions, len(self.form.modes) > RegimeLayout(conditions, False).count)
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Field:
     """The displacement of all nodes.
@@ -63,6 +66,7 @@ class Field:
     regimes: Sequence[Separated] = ()
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Errors:
     """The surrogate's estimate of its own error, see rom.error_model; meant to cover 95 % of the true ones.
@@ -85,6 +89,7 @@ class Errors:
     mesh: MeshError | None = None
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Components:
     """All that a model file holds, see rom.model_file.

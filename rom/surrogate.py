@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom import limits, model_file
+from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.components import HEIGHTS, Components, Regime
 from rom.fit import layout
@@ -26,6 +27,7 @@ logger = logging.getLogger(__name__)
 SHIPPED = Path(__file__).with_name("plane.h5")  # made by `make plane`
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Surrogate(PickledByFields, Components):
     """A trained model of one scene.

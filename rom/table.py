@@ -12,6 +12,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
+from rom.brief import brief
 from rom.terminal import fitted, printable
 
 SHOWN = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}  # see `shown`
@@ -21,6 +22,7 @@ NOT_MEASURED = "accuracy not measured: build with --held-out"
 COVERED = "± error"  # column of estimated errors, which cover 95 of 100 states
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Table:
     """Rows of words under a header.

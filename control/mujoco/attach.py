@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from control.mujoco import keyframes
 from control.mujoco.rod import CLAMP_SECTIONS, END_SECTIONS, Lump, Rod, united
 from rom import Chain, SegmentMap
+from rom.brief import brief
 
 STIFF = (0.999, 0.9999, 1e-5, 0.5, 2.0)  # impedance of contacts: MuJoCo's own gives way by millimetres
 FAST = 2.0  # time constant of contacts, in steps: MuJoCo's least
@@ -25,6 +26,7 @@ FREE = {"damping": 0.0, "stiffness": 0.0, "armature": 0.0, "frictionloss": 0.0, 
 TOUCHES = {"contype": 1, "conaffinity": 1, "condim": 3, "priority": 0, "gap": 0.0}
 
 
+@brief
 @dataclass(frozen=True)
 class Attached:
     """A finger in a MuJoCo model.

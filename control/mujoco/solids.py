@@ -14,6 +14,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from control.grasp_forces import Object
+from rom.brief import brief
 
 SHAPES = ("box", "sphere", "cylinder", "cone", "mesh")
 POSE_ERROR = 0.004  # of a gripper above a solid, at most [m]
@@ -23,6 +24,7 @@ BELOW = 0.002  # its middle a ball is grasped [m]: above it is pushed down, howe
 STANDS = 0.8  # of a mesh's lower half, where it is cut off so that it stands [-]
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Solid:
     """What is to be picked up.

@@ -10,6 +10,7 @@ import numpy as np
 from control.mujoco.attach import Attached
 from control.mujoco.rod import Coupling
 from control.mujoco.rubber import Rubber
+from rom.brief import brief
 from rom.segment.inverse_map import InverseMap
 
 LOWER = np.tril_indices(6)
@@ -18,6 +19,7 @@ BODY = mujoco.mjtObj.mjOBJ_BODY
 KEEP = "compile it without fusestatic, discardvisual, settotalmass and boundmass"
 
 
+@brief
 @dataclass
 class Held:
     """Where a plate was last that its map knew, (7,); its wrench, force and stiffness there, (6,), (6,) and (6, 6).
@@ -32,6 +34,7 @@ class Held:
     trained: np.ndarray
 
 
+@brief
 @dataclass(frozen=True)
 class Spring:
     """One segment's rubber in a compiled model.

@@ -9,12 +9,14 @@ import struct
 from dataclasses import dataclass, field
 from typing import Any
 
+from rom.brief import brief
 from rom.native import SEGMENT, kept_by
 
 POINTER, ALIGNED = 4, 8  # [bytes]
 PACKED = {"double": "d", "float": "f", "int32_t": "i", "int64_t": "q", "uint8_t": "B", "uint64_t": "Q"}
 
 
+@brief
 @dataclass
 class Image:
     """Memory that begins with a struct; addresses in it count from its own begin.

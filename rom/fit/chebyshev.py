@@ -19,6 +19,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.linalg import qr, solve_triangular
 
+from rom.brief import brief
+
 SLOPES = 0.1  # weight of a derivative by an axis scaled to [-1, 1], beside a value
 ROWS = 1.5  # rows a fit has at least for every coefficient
 NOISE, DECAY = 1e-7, 0.4  # coefficients are expected to be smaller than DECAY^degree / NOISE
@@ -30,6 +32,7 @@ NOTHING = 1e-9  # share of the largest function below which another, as it is he
 PATIENCE = 3  # degrees without a better prediction after which none is expected
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Samples:
     """What is known of m functions of p variables.
@@ -52,6 +55,7 @@ class Samples:
     noise: float = NOISE
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Polynomial:
     """Sum of coefficients times products of Chebyshev polynomials of the scaled variables; linear beyond its box.
@@ -109,6 +113,7 @@ class Polynomial:
         return 2 * (points - self.lower) / (self.upper - self.lower) - 1
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Fitted:
     """A polynomial, and how well it predicts what it was not fitted to.

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
+from rom.brief import brief
 from rom.fit import layout, regime_fit
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.fit.free_response import FreeResponse
@@ -27,6 +28,7 @@ NEIGHBOURS = 24  # states nearby whose regimes are possible
 LOOKUP = 4000  # cells of the regime lookup, about
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class ContactResponse:
     """The contact states of a set, by regime.

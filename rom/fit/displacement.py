@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rom.brief import brief
 from rom.fit.chebyshev import Fitted, Samples, fit
 from rom.fit.contact_response import ContactResponse
 from rom.fit.free_response import FreeResponse
@@ -17,6 +18,7 @@ FINER = 0.3  # share of the tolerance
 MOST_MODES = 60  # POD modes of one kind of states
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class FittedDisplacement:
     """The fitted displacements of a set.

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from rom.brief import brief
 from rom.fit.chebyshev import NOISE, Fitted, Polynomial, Samples, fit
 from rom.fit.layout import HEIGHTS, TIP, height
 from rom.snapshots.body import Body
@@ -16,6 +17,7 @@ PLACES = 2000  # tensions at which to see what leads
 CLOSE = 1e-7  # [m]: heights so close to the largest may stand for it
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class FreeResponse:
     """Tip and heights of what may touch first, as functions of the tensions.

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rom.brief import brief
 from rom.fit import layout
 from rom.fit.chebyshev import Fitted, Polynomial, Samples, fit
 from rom.fit.contact_coordinates import ContactCoordinates
@@ -19,6 +20,7 @@ BEYOND = 1.5  # of a box scaled to [-1, 1], how far beyond a fit is still of use
 SMALL = 0.02  # share of a regime's largest force below which errors count as of that force
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class FitDomain:
     """Where the states of a regime lie in its coordinates.
@@ -72,6 +74,7 @@ class FitDomain:
         return fit(samples, before, alike=field, rows=None if before is None else ROWS)
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class FittedRegime:
     """The contact states of one regime.

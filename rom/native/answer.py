@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.brief import brief
 from rom.native import EVALUATION, pointer
 from rom.native.forms import memory_of
 from rom.table import COVERED, Table, as_html, components, number, quantities, row, shown
@@ -18,6 +19,7 @@ INSIDE = "inside what was trained; errors cover 95 of 100 states"
 OUTSIDE = "not inside what was trained: nothing says how far this is from the truth"
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Answer:
     """What the surrogate says at one point, shapes without n, or at n points.

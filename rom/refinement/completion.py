@@ -14,9 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline, KroghInterpolator
 
+from rom.brief import brief
+
 WIDTH = 4  # planes that a prediction uses
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class KnownGrid:
     """What is known of a function of several variables, on a grid of which every stride-th node is complete.
@@ -40,6 +43,7 @@ class KnownGrid:
     open: Sequence[int] = ()
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Completed:
     """A function on the whole grid.

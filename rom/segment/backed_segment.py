@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.native.answer import Answer
@@ -26,6 +27,7 @@ VALUES = "tip", "contact_force", "touch_distance", "inside"  # of an answer
 SAME = ("geometry", "material", "mesh")  # parts of a scene that both were trained with
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class BackedSegment(PickledByFields):
     """A model of tensions and a plane's distance: a segment's map, with a surrogate for what the map does not know.

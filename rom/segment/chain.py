@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom import checked_file
+from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.segment import native, segment_map
@@ -28,6 +29,7 @@ KINDS = (segment_map.KIND, KIND)  # of files that `Chain.load` reads
 MOST_PLATES = 3  # as in native/segment.h
 
 
+@brief
 class ChainPlaced(NamedTuple):
     """Where the n plates of a chain are, from clamp to tip.
 
@@ -44,6 +46,7 @@ class ChainPlaced(NamedTuple):
     inside: bool
 
 
+@brief
 @dataclass(frozen=True)
 class Chain(PickledByFields):
     """Segments from clamp to tip.

@@ -9,9 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rom.brief import brief
 from rom.fit.chebyshev import Polynomial
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Field:
     """Places of nodes by the inputs.

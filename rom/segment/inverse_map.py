@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rom.brief import brief
 from rom.segment.native import SEGMENT, memory_of, pointer
 from rom.segment.segment_map import SegmentMap
 
 
+@brief
 @dataclass
 class InverseMap:
     """The wrench that the plate of one finger bears, followed from pose to pose.

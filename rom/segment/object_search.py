@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
+from rom.brief import brief
 from rom.segment.touched_segment import TouchedSegment
 
 FORCE, TOUCH = 3, 4  # rows of an answer
@@ -21,6 +22,7 @@ STARTS = np.array(
 LEAST = 1e-6  # standard deviation of a felt force that is at least counted with [N]
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class FoundObject:
     """An object's place.

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from rom.brief import brief
 from rom.segment.polyhedron import polyhedron
 
 Vector = tuple[float, float, float]
@@ -78,6 +79,7 @@ class Cylinder(Object):
     axis: Vector = field(default=(0.0, 0.0, 1.0))
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Hull(Object):
     """The convex hull of `vertices`, given from its centre, shape (n, 3) [m], rounded by a radius [m] all around.

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom import checked_file
+from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.fit.chebyshev import Polynomial
 from rom.native import PickledByFields
@@ -26,6 +27,7 @@ KIND, FORMAT = "fingerfem segment map", 2
 PLAIN = ("parameters", "scene", "accuracy", "provenance", "finer_mesh_factors")
 
 
+@brief
 class Placed(NamedTuple):
     """Where a plate is, at n inputs; shapes without n at one.
 
@@ -42,6 +44,7 @@ class Placed(NamedTuple):
     inside: np.ndarray
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class SegmentMap(PickledByFields):
     """A segment condensed to its plate.

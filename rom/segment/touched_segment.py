@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import lsq_linear
 
+from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.native.answer import Answer
@@ -28,6 +29,7 @@ CLOSED = 1e-7  # [m]: gaps of contacts that may press, once the solve has ended
 SHIPPED = Path(__file__).parents[1] / "finger.h5"  # made by `make model`
 
 
+@brief
 class ContactForce(NamedTuple):
     """What the object does to a plate at a point.
 
@@ -46,6 +48,7 @@ class ContactForce(NamedTuple):
     slides: bool
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class TouchedSegment(PickledByFields):
     """A segment or several, and a rigid object without friction that any of their plates may touch.

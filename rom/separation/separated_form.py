@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rom.brief import brief
 from rom.native import EVALUATION, PickledByFields
 from rom.native.forms import AXES, COMPONENTS, MODES, ROW, TERMS, values, values_and_gradients
 from rom.separation import hermite
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Separated(PickledByFields):
     """A sum of products of nodal functions on evenly spaced nodes.

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from rom.brief import brief
 from rom.snapshots.grid import SHARE
 from rom.whole_file import write_whole
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Body:
     """The finger at rest.

@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from rom.brief import brief
+
 FORMAT = 5  # of snapshot sets
 
 
@@ -36,6 +38,7 @@ class Line:
     tensions: tuple[float, ...] = ()
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Description:
     """What a set holds; equal descriptions hold equal numbers.

@@ -10,10 +10,12 @@ import json
 from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 
+from rom.brief import brief
 from rom.snapshots.description import Description, Line
 from rom.whole_file import write_whole
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Round:
     """What refines a set next.

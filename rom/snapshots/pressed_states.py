@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rom.brief import brief
 from rom.snapshots import mesh_transfer
 from rom.snapshots.body import Body
 from rom.snapshots.grid import levels
@@ -17,6 +18,7 @@ STATIONS = 8  # of skin points along an edge
 SKIN_FROM = 0.15  # of the rubber's length, where the first one stands [-]: before, the clamp holds it
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class PressedStates:
     """States of a segment with one plate, those without a wrench among them.

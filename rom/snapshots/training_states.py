@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from rom.brief import brief
 from rom.snapshots.body import Body
 from rom.snapshots.contact_regimes import Code
 from rom.snapshots.schema import FIELDS, QUANTITIES
@@ -18,6 +19,7 @@ BULGE = 1e-6  # [m]: by how much a face may reach farther than its edges, which 
 Table = dict[str, np.ndarray]  # quantity by name, and its derivatives, shapes (states, *quantity)
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class TrainingStates:
     """All states of a training set that have an answer, each once, wherever they lie.

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.export.fmu import description
 from rom.export.fmu.numbers import definitions, literal
@@ -38,6 +39,7 @@ FOLDERS = {
 STAMP = (1980, 1, 1, 0, 0, 0)  # of files in it: the same model makes the same FMU
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Sources:
     """C sources.

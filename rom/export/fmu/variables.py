@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.segment.touched_segment import TouchedSegment
 from rom.surrogate import Surrogate
@@ -45,6 +46,7 @@ class Variable:
     discrete: bool = False
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Interface:
     """What an FMU shows.

@@ -16,10 +16,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rom.brief import brief
+
 SOFT = 1e-9  # [m/N], as in native/contact.h
 OPEN, STICKS, SLIDES = 0, 1, 2
 
 
+@brief
 class Law(NamedTuple):
     """The equations at m contacts, in newtons.
 

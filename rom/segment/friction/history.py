@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.segment.friction.contact_law import OPEN, SLIDES
 from rom.segment.friction.increment import Loads, Resting, advance, free
@@ -21,6 +22,7 @@ NEAR = 1e-6  # [m]: motion of the plates that is never too much
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class FrictionState:
     """Where a history has led.

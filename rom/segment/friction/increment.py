@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rom.brief import brief
 from rom.segment import native
 from rom.segment.chain import ChainPlaced
 from rom.segment.friction.contact_law import OPEN, SLIDES, Law, law
@@ -18,6 +19,7 @@ SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of the friction, where it comes in steps
 Label = tuple[int, int]  # of a contact: its plate, and what of it and of the object
 
 
+@brief
 class Loads(NamedTuple):
     """What a finger bears.
 
@@ -39,6 +41,7 @@ class Loads(NamedTuple):
         return Loads(tensions, self.d + share * (other.d - self.d), moved)
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Resting:
     """An equilibrium with friction.

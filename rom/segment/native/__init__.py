@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rom.brief import brief
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
 
@@ -199,6 +200,7 @@ def place_chain(
     return centres, rotations, motions, bool(inside)
 
 
+@brief
 class Contacts(NamedTuple):
     """Where plates and an object may touch, at m points.
 
@@ -253,6 +255,7 @@ def rubber_boxes(
     return found if known else None
 
 
+@brief
 class Touched(NamedTuple):
     """Answers at n points.
 

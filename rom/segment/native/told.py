@@ -6,10 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rom.brief import brief
 from rom.native import SEGMENT
 from rom.segment.native import ENDS, memory_of, pointer
 
 
+@brief
 class Told(NamedTuple):
     """What is told of answers at n points.
 

@@ -13,10 +13,12 @@ from typing import Any
 import numpy as np
 from scipy.linalg import block_diag
 
+from rom.brief import brief
 from rom.snapshots.grid import SHARE
 from rom.snapshots.pressed_states import PressedStates
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Mirror:
     """A map of a segment onto itself: x -> inputs @ x of tensions and wrench, y -> pose @ y of the pose.

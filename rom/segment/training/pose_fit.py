@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rom.brief import brief
 from rom.fit.chebyshev import Polynomial
 from rom.segment.training.contact_error import relative_force_errors
 from rom.segment.training.index_set import PURE_TERMS, index_set, pure_degree, tensions_alone
@@ -23,6 +24,7 @@ LOWEST, STEP = 2.0, 0.5  # weighted degree a search begins with, and by how much
 SHARE = 0.9  # quantile of the predicted states' errors by which fits are compared [-]
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class PoseFit:
     """A fit, and how it predicts what it was not fitted to.

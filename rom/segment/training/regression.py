@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 
+from rom.brief import brief
 from rom.fit.chebyshev import Polynomial, products
 from rom.snapshots.pressed_states import PressedStates
 
@@ -19,6 +20,7 @@ RIDGE = 1e-12  # of the normal equations' largest entry: no wrench of one force 
 # products are known by nothing [-]
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Samples:
     """What is known of m functions of p inputs.
