@@ -112,6 +112,20 @@ def test_solve_fits_the_window_and_ctrl_c_ends_it_in_one_line(scene):
     seen.assert_interrupted("stopped by Ctrl-C; nothing was written, the same command begins again")
 
 
+def test_in_ascii_states_bars_and_names_are_plain(scene, undisturbed, begun, tmp_path):
+    named = tmp_path / "named.toml"
+    named.write_text(scene.read_text().replace('name = "', 'name = "Prüfling µ ', 1))
+    for words in (["solve", str(named), "F1=10", "d=0.005"], ["status", str(undisturbed)]):
+        seen = shown([sys.executable, "-m", "fingerfem", *words], PYTHONIOENCODING="ascii")
+        assert seen.code == 0 and seen.raw.isascii() and "encode" not in seen.text, seen.text
+    seen = shown([*FARM, str(scene), str(begun), "--progress", "bar"], PYTHONIOENCODING="ascii")
+    assert seen.code == 0 and seen.raw.isascii() and "states/s" in seen.text, seen.text
+    words = [word for word in command(2, scene, tmp_path / "new", "--progress", "bar") if word != "--json"]
+    seen = shown(words, PYTHONIOENCODING="ascii")
+    assert seen.code == 0 and seen.raw.isascii(), seen.text
+    assert_same(begun, undisturbed)
+
+
 LONG = """
 import sys, time
 from types import SimpleNamespace as Some
