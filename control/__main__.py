@@ -22,6 +22,7 @@ from control.motion import Motion
 from rom import BackedSegment, Surrogate, TouchedSegment
 from rom.checked_file import kind_of
 from rom.command_line import NOTHING_USABLE, AsJson, application, run, show
+from rom.file_kinds import uses_of
 from rom.segment import chain
 from rom.table import Table, millimetres, percent
 from rom.terminal import steps
@@ -45,7 +46,7 @@ def model_of(file: Path | None, behind: Path | None = None) -> Model:
     """
     if file is not None and kind_of(file) not in chain.KINDS:
         if behind is not None:
-            raise ValueError(f"behind must stand behind a segment's map, got {file} before it")
+            raise ValueError(f"{file}: must be a segment map or a chain before --behind{uses_of(file)}")
         return Surrogate.load(file)
     touched = TouchedSegment.load(file)
     return touched if behind is None else BackedSegment(touched=touched, surrogate=Surrogate.load(behind))

@@ -14,15 +14,20 @@ from typing import Annotated
 import typer
 
 from rom.checked_file import kind_of
-from rom.command_line import AsJson, application, check_parts, run, show
+from rom.command_line import NOTHING_USABLE, AsJson, application, check_parts, run, show
+from rom.file_kinds import uses_of
 from rom.segment import chain, segment_map
 from rom.segment.chain import Chain
 from rom.segment.segment_map import SegmentMap
 from rom.segment.touched_segment import TouchedSegment
+from rom.snapshots.description import difference
 from rom.snapshots.snapshot_set import SnapshotSet
+from rom.summaries import chain_summary, segment_summary, summary
 from rom.surrogate import Surrogate
+from rom.table import percent
 from rom.terminal import log_lines, say, steps
 
+MOST = 1.0  # expected relative error of a model that is written [-]
 app = application()
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
 
@@ -55,20 +60,29 @@ def build(
     fields: Annotated[
         bool, typer.Option("--fields/--no-fields", help="Keep displacements in a map's file: most of its size.")
     ] = True,
+    force: Annotated[
+        bool, typer.Option("--force", help="Write a model that expects errors above 100 %, or lacks its coarse set.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Separate a snapshot set and write the model file; of a scene with a load, fit the map of its segment."""
     log_lines()
     check_folder(output)
     snapshots = SnapshotSet(folder)
+    if not force and coarse is None and snapshots.description.scene.get("coarse"):
+        raise ValueError(
+            f"coarse must be given, as the scene of {folder} names a coarse mesh, got none: solve its states by "
+            "fingerfem snapshots --coarse, then rom build --coarse SET/; --force builds without them"
+        )
     if snapshots.description.has_load:
         if tolerance is not None:
             raise ValueError("tolerance must be left out for a set of a scene with a load, got one")
         segment = build_segment(snapshots, terms, held_out, coarse, finer)
+        check_expected(segment.expected_error, output, force)
         (segment if fields else segment.without_displacements()).save(output)
         show(segment_summary(segment), segment.tables(), as_json)
     from rom.build import train
-    from rom.error_model import calibrated, with_mesh_error
+    from rom.error_model import calibrated, covering_training, expected_error, with_mesh_error
     from rom.held_out import accuracy, check, check_against, check_finer
     from rom.separation.alternating_directions import EnrichmentOptions
 
@@ -84,11 +98,15 @@ def build(
         model = train(snapshots, options, None if coarse is None else SnapshotSet(coarse), progress=progress)
         if states is not None:
             model = calibrated(model, states)
+        model = covering_training(model, snapshots)
+        if states is not None:
             model = replace(model, accuracy=accuracy(check(model, states, progress)))
         if finer_states is not None:
             model = with_mesh_error(model, finer_states)
             total = accuracy(check_against(model, finer_states, progress))
             model = replace(model, accuracy=model.accuracy | {"against_finer_mesh": total})
+    measured = model.accuracy.get("contact_force", {}).get("p95")
+    check_expected(expected_error(model, snapshots) if measured is None else measured, output, force)
     model.save(output)
     show(summary(model), model.tables(), as_json)
 
@@ -99,11 +117,22 @@ def check_folder(output: Path) -> None:
         raise ValueError(f"output must be in a folder that exists, got {output}")
 
 
+def check_expected(error: float, output: Path, force: bool) -> None:
+    """Refuse to write a model whose contact force is expected to be off by more than itself [-]."""
+    if error > MOST and not force:
+        told = f"contact force is expected within {percent(error)} only (95 %), must be within {percent(MOST)}"
+        say(f"{told}: {output} was not written; solve more states, or write it by --force")
+        raise SystemExit(NOTHING_USABLE)
+
+
 def held_out_of(training: SnapshotSet, folder: Path) -> SnapshotSet:
     """A training set's held-out set, looked at before there is a model to measure."""
     found = SnapshotSet(folder)
-    if not found.description.random or found.description.fingerprint != training.description.fingerprint:
-        raise ValueError(f"{folder}: must be a held-out set (made with --random) of the training set's scene")
+    if not found.description.random:
+        raise ValueError(f"{folder}: must be a held-out set (made with --random){uses_of(folder)}")
+    if found.description.fingerprint != training.description.fingerprint:
+        other = difference(training.description.scene, found.description.scene)
+        raise ValueError(f"{folder}: must hold states of the training set's scene: {other}")
     return found
 
 
@@ -156,7 +185,9 @@ def chain_models(
 @app.command("check")
 def check_model(
     model: ModelFile,
-    held_out: Annotated[Path | None, typer.Argument(metavar="HELDOUT/", help="A set made with --random.")] = None,
+    held_out: Annotated[
+        Path | None, typer.Argument(metavar="SET/", help="Made with --random; or the training set itself.")
+    ] = None,
     against: Annotated[
         Path | None, typer.Option(metavar="FINER/", help="One on a finer mesh: mesh and surrogate err together.")
     ] = None,
@@ -165,12 +196,12 @@ def check_model(
     ] = 0.0,
     as_json: AsJson = False,
 ) -> None:
-    """Compare a model with held-out full-order states."""
+    """Compare a model with full-order states: held-out ones, or those that it was trained on."""
     if held_out is None and against is None:
-        raise ValueError("HELDOUT/ or --against FINER/ must be given, got neither")
+        raise ValueError("SET/ or --against FINER/ must be given, got neither")
     if kind_of(model) == segment_map.KIND:
         if held_out is None or against is not None:
-            raise ValueError("against must be left out for a segment's map: HELDOUT/ may be of any mesh")
+            raise ValueError("against must be left out for a segment's map: SET/ may be of any mesh")
         found = check_segment(SegmentMap.load(model), SnapshotSet(held_out))
         show(found, check_parts(found), as_json)
     from rom.held_out import check, check_against
@@ -214,6 +245,8 @@ def export_model(
     if output.suffix.lower() != ".fmu":
         from rom.export.c_header import export
 
+        if output.suffix.lower() != ".h":
+            raise ValueError(f"output must be named .h or .fmu, got {output}; rom page writes .html")
         if controller or fmi != 3:
             raise ValueError(f"output must be named .fmu for --fmi and --controller, got {output}")
         export(Surrogate.load(model, tolerance=tolerance), output)
@@ -248,46 +281,6 @@ def page(
     else:
         write(Surrogate.load(model, tolerance=tolerance), output)
     say(f"{output}: {output.stat().st_size / 1e6:.1f} MB; open it in a browser")
-
-
-def chain_summary(made: Chain) -> dict:
-    """A chain in plain data; a chain of one is its segment."""
-    parts = [segment_summary(one) for one in made.segments]
-    if len(parts) == 1:
-        return parts[0]
-    return {
-        "scene": made.scene["name"],
-        "tensions": made.tension_parameters,
-        "contact_force_error": made.force_error * made.finer_mesh_factor("contact_force"),
-        "place_error_m": made.place_error,
-        "segments": parts,
-    }
-
-
-def segment_summary(segment: SegmentMap) -> dict:
-    """A segment's map in plain data."""
-    return {
-        "scene": segment.scene["name"],
-        "parameters": segment.parameters,
-        "terms": len(segment.pose.powers),
-        "contact_force_error": segment.force_error * segment.finer_mesh_factors.get("contact_force", 1.0),
-        "accuracy": segment.accuracy or "not measured: build with --held-out",
-        "provenance": segment.provenance,
-    }
-
-
-def summary(model: Surrogate) -> dict:
-    """A model in plain data."""
-    return {
-        "scene": model.scene["name"],
-        "parameters": model.parameters,
-        "terms": model.terms,
-        "regimes": [{"code": list(regime.code), "states": regime.states} for regime in model.regimes],
-        "separation_error": {name: float(form.errors[-1]) for name, form in model.forms.items()},
-        "accuracy": model.accuracy or "not measured: build with --held-out",
-        "nodes": len(model.nodes) or "without the displacement field",
-        "provenance": model.provenance,
-    }
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots import mesh_transfer
 from rom.snapshots.contact_regimes import Code
 from rom.snapshots.snapshot_set import SnapshotSet
-from rom.snapshots.training_states import TrainingStates, read_training_states
+from rom.snapshots.training_states import TrainingStates, check_count, read_training_states
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
 
@@ -61,6 +61,7 @@ def train(
         _tell_what_is_missing(one)
     if coarse is not None:
         mesh_transfer.check_pair(snapshots, coarse)
+    check_count(sets[-1])  # few on a fine mesh correct many
     has_pad = "pad_pressure" in stored
     counts = count_regimes(states) if description.has_obstacle else Counter()
     before = None

@@ -15,6 +15,7 @@ from typing import TypeVar
 import h5py
 import numpy as np
 
+from rom.file_kinds import uses_of
 from rom.whole_file import write_whole
 
 T = TypeVar("T")
@@ -61,6 +62,8 @@ def load(path: Path, kind: str, number: int, read: Callable[[h5py.File], T]) -> 
     except FileNotFoundError:
         raise ModelError(f"{path}: No such file") from None
     except Exception as error:  # whatever wrote a file whose checksum is right, it was not this project
+        if path.is_dir():
+            raise ModelError(f"{path}: is not a model file, but a folder{uses_of(path)}") from None
         reason = (str(error).splitlines() or [type(error).__name__])[0]
         raise ModelError(f"{path}: is not a model file ({reason})") from None
 
@@ -89,9 +92,9 @@ def _check(path: Path, kind: str, number: int) -> None:
     contents = path.read_bytes()
     words = contents[:BLOCK].split(b"\n")[0].decode(errors="replace").split(", ")
     if len(words) != 3 or not words[0].startswith("fingerfem "):
-        raise ModelError(f"{path}: is not a model file")
+        raise ModelError(f"{path}: is not a model file{uses_of(path)}")
     if words[0] != kind:
-        raise ModelError(f"{path}: must be a {kind}, got a {words[0]}")
+        raise ModelError(f"{path}: must be a {kind}, got a {words[0]}{uses_of(path)}")
     if words[1] != f"format {number}":
         raise ModelError(f"{path}: must be a model of format {number}, got {words[1]}; build it again")
     if words[2] != f"sha256 {hashlib.sha256(contents[BLOCK:]).hexdigest()}":

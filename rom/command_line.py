@@ -36,7 +36,8 @@ def check_parts(report: dict) -> list[Table | str]:
     """What `rom check` found, for people."""
     lines: list[Table | str] = []
     if "states" in report:
-        first = f"{report['states']} held-out states, {report['failed']} failed"
+        kind = "training" if report.get("training") else "held-out"
+        first = f"{report['states']} {kind} states, {report['failed']} failed"
         if report.get("calibration_states"):
             first += f"; {report['calibration_states']} others calibrated the model's estimated errors"
         lines = [first, *accuracy(report)]

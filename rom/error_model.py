@@ -9,6 +9,7 @@ that at least 95 % of errors are covered. Without them the rates are taken four 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -21,7 +22,7 @@ from rom.fit.contact_response import ContactResponse
 from rom.fit.displacement import FittedDisplacement
 from rom.fit.free_response import FreeResponse
 from rom.fit.mesh_error import COVERAGE, MeshError, covering, place_errors
-from rom.held_out import before_plane, check_finer, differences, split
+from rom.held_out import FELT, before_plane, check_finer, differences, points_of, split
 from rom.native import answer
 from rom.segment.segment_map import SegmentMap
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
@@ -35,6 +36,7 @@ FREE = {"tip", "displacement", "touch_distance"}  # quantities whose errors in f
 FEW_STATES, LEAST_FACTOR = 20, 1e-3  # calibration states that scale nothing; factor that none goes below
 UNCALIBRATED = 4.0  # factor on the rates as long as no calibration states have scaled them
 IDLE = 0.01  # of the middle error of a pad, that it has at least where it bears nothing
+ROUND_OFF = 1e-9  # of the largest estimate: below that the difference of two estimates is none [-]
 MOSTLY = 0.9  # of states whose mesh's error a first estimate covers, before it is scaled
 FEWEST = 3  # states on a finer mesh that touch
 LEAST_PLACE = 1e-6  # of the tip's way, that places err by at least where a mesh is judged [-]
@@ -107,24 +109,46 @@ def estimate(
 def calibrated(model: Surrogate, held_out: SnapshotSet) -> Surrogate:
     """The model with its estimated errors scaled so that they hold on the calibration states of a held-out set."""
     held_out, _ = split(held_out)
-    points = held_out.random("parameters")
-    estimated, true = model.evaluate(points).error_parts["surrogate"], differences(model, held_out)
-    touching = held_out.random("contact_force") > 0 if model.has_obstacle else np.zeros(len(points), bool)
+    found = _scaled(model, held_out, _scale)
+    used = {"set": held_out.description.held_out_id, "states": len(points_of(held_out))}
+    return replace(found, provenance=model.provenance | {"calibration": used})
+
+
+def covering_training(model: Surrogate, training: SnapshotSet) -> Surrogate:
+    """The model with its estimated errors enlarged, where need be, until they hold on 95 % of its training states.
+
+    Held-out states are seldom at the ends of the box, where errors are largest.
+    """
+    return _scaled(model, training, _enlarged)
+
+
+def expected_error(model: Surrogate, training: SnapshotSet) -> float:
+    """95th percentile of estimated errors over contact forces above 0.1 N in a model's training states [-]; or 0.
+
+    What its mesh adds is not counted: where little force presses, that is much.
+    """
+    if not model.has_obstacle:
+        return 0.0
+    force, errors = training.answered("contact_force"), model.evaluate(points_of(training)).error_parts["surrogate"]
+    felt = force > FELT
+    return float(np.percentile(errors["contact_force"][felt] / force[felt], COVERAGE)) if felt.any() else 0.0
+
+
+def _scaled(model: Surrogate, states: SnapshotSet, scale: Callable[[np.ndarray, np.ndarray], float]) -> Surrogate:
+    """The model with every estimated error times a factor, which follows from true and estimated ones."""
+    points = points_of(states)
+    estimated, true = model.evaluate(points).error_parts["surrogate"], differences(model, states)
+    touching = states.answered("contact_force") > 0 if model.has_obstacle else np.zeros(len(points), bool)
     errors = model.errors
     # A touch distance is the same whether the plane is touched or not.
     rows = {name: np.ones_like(touching) if name == "touch_distance" else ~touching for name in FREE & true.keys()}
-    free = {name: getattr(errors, name) * _scale(true[name][own], estimated[name][own]) for name, own in rows.items()}
+    free = {name: getattr(errors, name) * scale(true[name][own], estimated[name][own]) for name, own in rows.items()}
     contact = errors.contact.copy()
     for column, name in enumerate(("tip", "contact_force", "displacement", "pad_pressure")):
         if name in true:
             before, after = getattr(errors, name, 0.0), free.get(name, 0.0)
-            contact[:, column] *= _scale(true[name][touching] - after, estimated[name][touching] - before)
-    used = {"set": held_out.description.held_out_id, "states": len(points)}
-    return replace(
-        model,
-        errors=replace(errors, contact=contact, **free),
-        provenance=model.provenance | {"calibration": used},
-    )
+            contact[:, column] *= scale(true[name][touching] - after, estimated[name][touching] - before)
+    return replace(model, errors=replace(errors, contact=contact, **free))
 
 
 def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
@@ -209,9 +233,20 @@ def _shares(off: np.ndarray, force: np.ndarray, by_place: np.ndarray) -> tuple[f
 
 def _scale(true: np.ndarray, estimated: np.ndarray) -> float:
     """Factor on estimated errors, shape (states,), that covers enough of the true ones; 1 if there are too few."""
-    if len(true) < FEW_STATES:
-        return 1.0
-    return max(float(np.percentile(true / np.maximum(estimated, np.finfo(float).tiny), CALIBRATED)), LEAST_FACTOR)
+    ratios = _ratios(true, estimated)
+    return max(float(np.percentile(ratios, CALIBRATED)), LEAST_FACTOR) if len(ratios) >= FEW_STATES else 1.0
+
+
+def _enlarged(true: np.ndarray, estimated: np.ndarray) -> float:
+    """Factor of at least 1 on estimated errors, shape (states,), that covers COVERAGE percent of the true ones."""
+    ratios = _ratios(true, estimated)
+    return max(float(np.percentile(ratios, COVERAGE)), 1.0) if ratios.size else 1.0
+
+
+def _ratios(true: np.ndarray, estimated: np.ndarray) -> np.ndarray:
+    """True errors over estimated ones; without states where nothing is estimated, as the model does not touch there."""
+    some = estimated > ROUND_OFF * estimated.max(initial=0.0)
+    return np.asarray(true[some] / estimated[some])
 
 
 def _percentile(errors: np.ndarray) -> float:

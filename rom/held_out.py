@@ -11,11 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from rom.error_statistics import mean_size, norm, statistics
+from rom.file_kinds import uses_of
 from rom.segment.chain import Chain
 from rom.segment.objects import facing_plane
 from rom.segment.segment_map import SegmentMap
 from rom.segment.touched_segment import TouchedSegment
 from rom.snapshots import mesh_transfer
+from rom.snapshots.description import difference
 from rom.snapshots.grid import SHARE
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate
@@ -24,6 +27,7 @@ from rom.terminal import Progress, quiet
 PRESSED = 0.03  # share of the largest pad pressure above which its relative errors are counted
 Model = Surrogate | TouchedSegment
 FELT = 0.1  # [N] above which relative errors of contact forces are counted
+REST = 1e-9  # [m]: of displacements and touch distances, below which no relative error is counted
 MARGIN = 5e-5  # [m] from touch, within which a touch decision may be wrong
 
 
@@ -41,6 +45,8 @@ def check(model: Surrogate, held_out: SnapshotSet, progress: Progress = quiet) -
     Relative errors: displacement and tip over the state's own 2-norm, touch distance and contact force over their own
     value; contact force over the states in which the full-order model says more than 0.1 N.
 
+    Its training set, too: then all states are taken, and `training` is true.
+
     Returns:
         by quantity count, median, p95, max of the relative error, p95_absolute in the quantity's unit and coverage, the
         share of states whose error is at most the estimated one; wrong touch decisions; number of test states and of
@@ -51,11 +57,12 @@ def check(model: Surrogate, held_out: SnapshotSet, progress: Progress = quiet) -
         SnapshotError: the sets do not belong together.
     """
     if held_out.description.fingerprint != model.provenance["fingerprint"]:
-        raise SnapshotError(f"{held_out.path}: must hold states of the scene the model was trained on")
+        other = difference(model.scene, held_out.description.scene)
+        raise SnapshotError(f"{held_out.path}: must hold states of the scene the model was trained on: {other}")
     calibration = model.provenance.get("calibration", {})
     if calibration.get("set") == held_out.description.held_out_id:
         _, held_out = split(held_out)
-    result = _errors(model, held_out, progress, "surrogate")
+    result = _errors(model, held_out, progress, "surrogate") | {"training": not held_out.description.random}
     result["calibration_states"] = calibration.get("states", 0)
     result["terms"], result["bytes"] = model.terms, model.bytes
     expected = model.scene.get("expected")
@@ -93,7 +100,7 @@ def check_finer(scene: dict[str, Any], finer: SnapshotSet) -> None:
             load, not before the plane y = side/2 + d.
     """
     if not finer.description.random:
-        raise SnapshotError(f"{finer.path}: must be a held-out set (made with --random), got a training set")
+        raise SnapshotError(f"{finer.path}: must be a held-out set (made with --random){uses_of(finer.path)}")
     if scene.get("load") is not None:
         _check_plane_of(scene, finer)
     else:
@@ -138,10 +145,12 @@ def _check_plane_of(own: dict[str, Any], held_out: SnapshotSet) -> None:
     description = held_out.description
     scene = description.scene
     if not description.random or not description.has_obstacle:
-        raise SnapshotError(f"{held_out.path}: must be a held-out set (made with --random) of a scene with a plane")
-    for key in ("geometry", "material", "tendons"):
-        if scene[key] != own[key]:
-            raise SnapshotError(f"{held_out.path}: must have the map's {key}, got {scene[key]}")
+        wanted = "must be a held-out set (made with --random) of a scene with a plane"
+        raise SnapshotError(f"{held_out.path}: {wanted}{uses_of(held_out.path)}")
+    keys = ("geometry", "material", "tendons")
+    other = difference({key: own[key] for key in keys}, {key: scene[key] for key in keys})
+    if other:
+        raise SnapshotError(f"{held_out.path}: must hold states of the map's finger: {other}")
 
 
 def differences(model: Model, held_out: SnapshotSet, progress: Progress = quiet) -> dict[str, np.ndarray]:
@@ -149,21 +158,21 @@ def differences(model: Model, held_out: SnapshotSet, progress: Progress = quiet)
 
     That of the displacement is the root mean square over the set's nodes.
     """
-    points = held_out.random("parameters")
+    points = points_of(held_out)
     answer = model.evaluate(points)
-    found = {"tip": _norm(answer.tip - held_out.random("tip"))}
+    found = {"tip": norm(answer.tip - held_out.answered("tip"))}
     if isinstance(model, Surrogate) and model.has_field and held_out.description.has_field:
-        field, brought = held_out.random("displacement"), _brought(model.nodes, held_out.nodes)
+        field, brought = held_out.answered("displacement"), _brought(model.nodes, held_out.nodes)
         found["displacement"] = np.zeros(len(points))
         for k, point in enumerate(points):
             off = brought(model.displacement(point)).reshape(-1, 3) - field[k]
-            found["displacement"][k] = _mean_size(off)
+            found["displacement"][k] = mean_size(off)
             progress("checking on held-out states", k + 1, len(points))
     if model.has_obstacle:
-        found["touch_distance"] = np.abs(answer.touch_distance - held_out.random("touch_distance"))
-        found["contact_force"] = np.abs(answer.contact_force - held_out.random("contact_force"))
+        found["touch_distance"] = np.abs(answer.touch_distance - held_out.answered("touch_distance"))
+        found["contact_force"] = np.abs(answer.contact_force - held_out.answered("contact_force"))
     if model.has_pad:
-        found["pad_pressure"] = np.abs(answer.pad_pressure - held_out.random("pad_pressure"))
+        found["pad_pressure"] = np.abs(answer.pad_pressure - held_out.answered("pad_pressure"))
     return found
 
 
@@ -186,17 +195,17 @@ def _errors(model: Model, held_out: SnapshotSet, progress: Progress, of: str) ->
 
     Those of states on its own mesh are of the surrogate alone, those of others also of the mesh.
     """
-    points = held_out.random("parameters")
+    points = points_of(held_out)
     progress("checking on held-out states", 0, len(points))
     answer = model.evaluate(points)
     off = differences(model, held_out, progress)
     estimated = answer.error if of == "mesh" else answer.error_parts["surrogate"]
-    true = {name: held_out.random(name) for name in off}
+    true = {name: held_out.answered(name) for name in off}
     sizes = {name: np.abs(value) for name, value in true.items()}
-    sizes["tip"] = _norm(true["tip"])
-    counted = {name: np.array(answer.inside) for name in off}
+    sizes["tip"] = norm(true["tip"])
     if "displacement" in off:
-        sizes["displacement"] = np.array([_mean_size(field) for field in true["displacement"]])
+        sizes["displacement"] = np.array([mean_size(field) for field in true["displacement"]])
+    counted = {name: np.array(answer.inside) & (sizes[name] > REST) for name in off}
     if "contact_force" in off:
         counted["contact_force"] &= true["contact_force"] > FELT
     if "pad_pressure" in off:
@@ -204,7 +213,7 @@ def _errors(model: Model, held_out: SnapshotSet, progress: Progress, of: str) ->
     result: dict[str, Any] = {"states": len(points), "failed": len(held_out.failures)}
     result["marked"] = int(np.sum(~np.asarray(answer.inside)))
     result |= {
-        name: _statistics(off[name][own], sizes[name][own], estimated[name][own]) for name, own in counted.items()
+        name: statistics(off[name][own], sizes[name][own], estimated[name][own]) for name, own in counted.items()
     }
     if model.has_obstacle:
         touches, felt = true["contact_force"] > 0, answer.contact_force > 0
@@ -223,9 +232,10 @@ def _errors(model: Model, held_out: SnapshotSet, progress: Progress, of: str) ->
     return result
 
 
-def _mean_size(field: np.ndarray) -> float:
-    """Root mean square over nodes, of shape (nodes, 3)."""
-    return float(np.sqrt(np.mean(np.sum(field**2, axis=1))))
+def points_of(snapshots: SnapshotSet) -> np.ndarray:
+    """Parameters of the states that have an answer, shape (states, p); the plane of a free one is infinitely far."""
+    points = snapshots.answered("parameters")
+    return np.where(np.isnan(points), np.inf, points)
 
 
 def _chosen(scene: dict[str, Any], expected: dict[str, Any], found: dict[str, Any]) -> dict[str, Any]:
@@ -266,33 +276,15 @@ def compared(coarse: SnapshotSet, fine: SnapshotSet) -> dict[str, Any]:
     mesh = fine.description.scene["mesh"]
     found: dict[str, Any] = {"states": len(own), "mesh": {key: mesh[key] for key in ("cells", "order")}}
     ours, true = both("tip")
-    found["tip"] = _statistics(_norm(ours - true), _norm(true))
+    found["tip"] = statistics(norm(ours - true), norm(true))
     if coarse.description.has_field and fine.description.has_field:
         brought = _brought(coarse.nodes, fine.nodes)
         ours, true = both("displacement")
         true = true.reshape(len(own), -1)
-        found["displacement"] = _statistics(_norm(np.array([brought(one).ravel() for one in ours]) - true), _norm(true))
+        found["displacement"] = statistics(norm(np.array([brought(one).ravel() for one in ours]) - true), norm(true))
     if coarse.description.has_obstacle:
         for name, least in (("touch_distance", -np.inf), ("contact_force", FELT)):
             ours, true = both(name)
             counted = true > least
-            found[name] = _statistics(np.abs(ours - true)[counted], np.abs(true)[counted])
+            found[name] = statistics(np.abs(ours - true)[counted], np.abs(true)[counted])
     return found
-
-
-def _norm(values: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(values, axis=1)
-
-
-def _statistics(absolute: np.ndarray, size: np.ndarray, estimate: np.ndarray | None = None) -> dict[str, float]:
-    """Of errors in a quantity's unit, its sizes, and what a model estimates its errors at, shapes (states,)."""
-    if not absolute.size:
-        return {"count": 0}
-    relative = absolute / np.maximum(size, np.finfo(float).tiny)
-    return {
-        "count": len(relative),
-        "median": float(np.median(relative)),
-        "p95": float(np.percentile(relative, 95)),
-        "max": float(relative.max()),
-        "p95_absolute": float(np.percentile(absolute, 95)),
-    } | ({} if estimate is None else {"coverage": float(np.mean(absolute <= estimate))})

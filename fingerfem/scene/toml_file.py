@@ -8,6 +8,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from fingerfem.scene.scene import Scene, SceneError
+from rom.file_kinds import uses_of
 
 UNITS = {
     "side": "m",
@@ -37,9 +38,10 @@ def load_scene(path: str | Path) -> Scene:
     try:
         table = tomllib.loads(Path(path).read_text("utf-8-sig"))
     except OSError as error:
-        raise SceneError(f"{path}: {error.strerror or error}") from None
+        raise SceneError(f"{path}: {error.strerror or error}{uses_of(path)}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SceneError(f"{path}: not a TOML file: {error}") from None
+        other = uses_of(path) if Path(path).suffix.lower() != ".toml" else ""
+        raise SceneError(f"{path}: not a TOML file: {error}{other}") from None
     try:
         return Scene.model_validate(table)
     except ValidationError as error:

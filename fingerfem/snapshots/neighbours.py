@@ -19,6 +19,7 @@ import numpy as np
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.model import FingerModel
+from rom.file_kinds import uses_of
 from rom.snapshots import mesh_transfer
 from rom.snapshots.snapshot_set import Description, SnapshotError, SnapshotSet, read_task
 
@@ -49,7 +50,7 @@ class KnownSet:
         self._interpolation: Callable[[np.ndarray], np.ndarray] | None = None  # to the nodes of the one model
         self._is_of_another_mesh = own.fingerprint != description.fingerprint
         if own.random and not self._is_of_another_mesh:
-            raise SnapshotError(f"{path}: must be a training set to begin at, or of another mesh, got a held-out set")
+            raise SnapshotError(f"{path}: must be a training set to begin at, or of another mesh{uses_of(path)}")
         if self._is_of_another_mesh:
             mesh_transfer.check_finger(snapshots, description.scene, "the set that begins there")
         if not own.has_field:

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from rom.snapshots.description import Description, Line
+from rom.file_kinds import uses_of
+from rom.snapshots.description import Description, Line, difference
 from rom.snapshots.plan import Plan
 from rom.snapshots.snapshot_set import SnapshotError, read_description, read_task, task_file
 
@@ -26,9 +27,10 @@ class Donor:
         for name in ("fingerprint", "versions", "stored", "lead"):
             if getattr(self._own, name) != getattr(taker, name):
                 what = "scene" if name == "fingerprint" else name
-                raise SnapshotError(f"{path}: must be a set of the same {what} to be used again")
+                other = difference(taker.scene, self._own.scene) if name == "fingerprint" else ""
+                raise SnapshotError(f"{path}: must be a set of the same {what} to be used again: {other}".rstrip(": "))
         if self._own.random:
-            raise SnapshotError(f"{path}: must be a training set to be used again, got a held-out set")
+            raise SnapshotError(f"{path}: must be a training set to be used again{uses_of(path)}")
         self._tasks: dict[tuple, list[str]] = defaultdict(list)
         for task, line in Plan(path, self._own).lines.items():
             if task_file(path, task).exists():

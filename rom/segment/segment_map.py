@@ -106,6 +106,11 @@ class SegmentMap(PickledByFields):
         return self.parameters[: self.tensions]
 
     @property
+    def expected_error(self) -> float:
+        """Relative error of contact forces, 95th percentile, the mesh's included if states on a finer one told [-]."""
+        return self.force_error * self.finer_mesh_factors.get("contact_force", 1.0)
+
+    @property
     def half_lengths(self) -> np.ndarray:
         """Of the plate along its own axes, shape (3,) [m]."""
         geometry = self.scene["geometry"]
@@ -190,7 +195,7 @@ class SegmentMap(PickledByFields):
     def tables(self, name: str = "segment") -> list[Table | str]:
         """For people: what it is made of, its inputs, and what it was measured to err by."""
         states = f" from {self.provenance['states']} states" if "states" in self.provenance else ""
-        error = self.force_error * self.finer_mesh_factors.get("contact_force", 1.0)
+        error = self.expected_error
         parts: list[Table | str] = [f"{self.scene['name']}, {name}: {len(self.pose.powers):,} products{states}"]
         parts += [parameters(self.parameters), f"contact force within {percent(error)}, as it expects of itself (95 %)"]
         measured = accuracy(self.accuracy)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import groupby, product
@@ -15,6 +15,27 @@ import numpy as np
 from rom.brief import brief
 
 FORMAT = 5  # of snapshot sets
+# Keys of a scene that change none of the finger's answers.
+NOT_OF_THE_FINGER = ("name", "sampling", "expected", "coarse", "accuracy", "budget", "preset")
+
+
+def difference(wanted: Any, found: Any, ignored: Collection[str] = NOT_OF_THE_FINGER, key: str = "") -> str:
+    """The first key in which two scenes differ, with both values, in words; empty if they do not differ.
+
+    Args:
+        wanted: a scene or a part of one, as plain data.
+        found: the other one.
+        ignored: keys of the scene that may differ.
+        key: of the part; empty for a scene.
+    """
+    if isinstance(wanted, dict) and isinstance(found, dict):
+        names = [name for name in wanted | found if name not in ignored]
+        parts = [(f"{key}.{name}".lstrip("."), wanted.get(name), found.get(name)) for name in names]
+    elif isinstance(wanted, list) and isinstance(found, list) and len(wanted) == len(found):
+        parts = [(f"{key}.{k}", one, other) for k, (one, other) in enumerate(zip(wanted, found, strict=True))]
+    else:
+        return "" if wanted == found else f"{key} must be {wanted}, got {found}"
+    return next(filter(None, (difference(one, other, (), name) for name, one, other in parts)), "")
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ import os
 from dataclasses import asdict
 from pathlib import Path
 
-from rom.snapshots.description import Description
+from rom.snapshots.description import Description, difference
 from rom.snapshots.plan import Plan, PlanError, read_round
+from rom.snapshots.schema import FIELDS
 from rom.snapshots.snapshot_set import SnapshotError, read_description, read_task
 from rom.whole_file import write_whole
 
@@ -65,6 +66,9 @@ def create(path: str | Path, description: Description) -> None:
                 "strides": "another first grid",
                 "begins_with": "other first lines",
             }
+            if name == "fingerprint":
+                other = difference(present.scene, description.scene)
+                named[name] += f" ({other})" if other else ""
             what = named.get(name, f"other {name.replace('_', ' ')}")
             raise SnapshotError(f"{path}: holds a set of {what}; choose a new folder")
 
@@ -109,7 +113,7 @@ def set_aside_broken_rounds(path: str | Path, description: Description) -> list[
 
 def _is_strange(file: Path, description: Description) -> bool:
     try:
-        stored = read_task(file.parent.parent, file.stem, ("fingerprint", "converged"))
+        stored = read_task(file.parent.parent, file.stem, without=FIELDS)
     except SnapshotError:
         return True
     return str(stored["fingerprint"]) != description.fingerprint

@@ -8,16 +8,19 @@ others, and what brings a field from one mesh to the other.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
+from rom.file_kinds import uses_of
+from rom.snapshots.description import NOT_OF_THE_FINGER, difference
 from rom.snapshots.grid import SHARE, levels
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
-OWN = {"name", "mesh", "coarse", "sampling", "accuracy", "budget", "preset", "expected"}  # of a scene: what may differ
+OWN = (*NOT_OF_THE_FINGER, "mesh")  # keys of a scene that may differ
 
 
 def check_pair(fine: SnapshotSet, coarse: SnapshotSet) -> None:
@@ -27,7 +30,7 @@ def check_pair(fine: SnapshotSet, coarse: SnapshotSet) -> None:
         SnapshotError: one is a held-out set, or they differ by more than mesh and sampling.
     """
     if coarse.description.random:
-        raise SnapshotError(f"{coarse.path}: must be a training set, got a held-out set (made with --random)")
+        raise SnapshotError(f"{coarse.path}: must be a training set{uses_of(coarse.path)}")
     check_finger(coarse, fine.description.scene, "the fine set")
     if len(coarse.nodes) >= len(fine.nodes):
         counts = f"{len(fine.nodes)} nodes, got {len(coarse.nodes)}"
@@ -45,9 +48,10 @@ def check_finger(snapshots: SnapshotSet, scene: dict[str, Any], of: str) -> None
         SnapshotError: they differ by more than mesh and sampling.
     """
     own = snapshots.description.scene
-    for key in sorted((scene.keys() | own.keys()) - OWN):
-        if scene.get(key) != own.get(key):
-            raise SnapshotError(f"{snapshots.path}: must have the {key} of {of}, got {own.get(key)}")
+    other = difference(scene, own, OWN)
+    if other:
+        key = re.match(r"\w+", other)
+        raise SnapshotError(f"{snapshots.path}: must have the {key[0] if key else 'scene'} of {of}: {other}")
 
 
 def interpolation(coarse: np.ndarray, fine: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rom.brief import brief
+from rom.file_kinds import uses_of
 from rom.snapshots import mesh_transfer
 from rom.snapshots.body import Body
 from rom.snapshots.grid import levels
@@ -87,7 +88,7 @@ def read_pressed_states(snapshots: SnapshotSet, on: SnapshotSet | None = None) -
     """
     description = snapshots.description
     if not description.has_load:
-        raise SnapshotError(f"{snapshots.path}: must be a set of a scene with a load, got one without")
+        raise SnapshotError(f"{snapshots.path}: must be a set of a scene with a load{uses_of(snapshots.path)}")
     if len(description.scene["geometry"]["segments"]) > 1:
         raise SnapshotError(f"{snapshots.path}: must be of one segment, which others follow, got several")
     parts = [(k, snapshots.task(name)) for k, name in enumerate(snapshots.tasks)]

@@ -163,3 +163,20 @@ def blanks(scopes: Collection[str], sizes: Mapping[str, int], parameters: int) -
         elif quantity.jacobian == "first":
             found[f"{quantity.name}_jacobian"] = np.full((parameters, *shape), np.nan, np.float32)
     return found
+
+
+def not_finite(arrays: Mapping[str, np.ndarray], converged: np.ndarray) -> str:
+    """Which quantity or derivative is nan or infinite in a converged state, in words; empty if none is.
+
+    Args:
+        arrays: of a task, shapes (states, ...), by name.
+        converged: which states must have all of them, shape (states,).
+    """
+    names = {quantity.name for quantity in QUANTITIES}
+    for name, values in arrays.items():
+        own = values[:, :-1] if name == "parameters" else values  # d is nan in a free state
+        if name == "parameters" or name.removesuffix("_jacobian") in names:
+            wrong = np.flatnonzero(converged & ~np.isfinite(own).reshape(len(own), -1).all(axis=1))
+            if wrong.size:
+                return f"{name} must be finite in a converged state, got nan or infinity in state {wrong[0]}"
+    return ""

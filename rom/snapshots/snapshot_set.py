@@ -5,9 +5,7 @@ A set is a folder:
     set.json            what was asked for: scene, parameters, sampling nodes, tasks, versions
     body.npz            the finger at rest, see rom.snapshots.body
     rounds/NNNN.json    lines that refine the set, see rom.snapshots.plan
-    tasks/NAME.npz      one file per task, written beside and renamed, so it is whole or absent
-
-A task is a line of states solved in a fixed order; rom.snapshots.schema says what its file holds.
+    tasks/NAME.npz      one file per task, a line of states solved in a fixed order, see rom.snapshots.schema
 
 Tasks come in four kinds. `free-J` is a line along the lead tension (the tendon that bends the finger most towards the
 plane) at the J-th combination of the others. `contact-J-I` holds the tensions (I-th node of the lead between onset and
@@ -27,10 +25,11 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
+from rom.file_kinds import uses_of
 from rom.snapshots.body import Body
 from rom.snapshots.description import FORMAT, Description, Line
 from rom.snapshots.plan import Plan
-from rom.snapshots.schema import FIELDS
+from rom.snapshots.schema import FIELDS, not_finite
 from rom.whole_file import write_whole
 
 SAME_PLACE = 1e-9  # share of a parameter's range within which states are at one place [-]
@@ -49,15 +48,13 @@ def read_description(path: str | Path) -> Description:
     try:
         table = json.loads((Path(path) / "set.json").read_text())
         if table["format"] != FORMAT:
-            raise SnapshotError(
-                f"{path}: must be a set of format {FORMAT}, got {table['format']}; fingerfem snapshots solves it in "
-                "another folder"
-            )
+            told = f"must be a set of format {FORMAT}, got {table['format']}"
+            raise SnapshotError(f"{path}: {told}; fingerfem snapshots solves it in another folder")
         return Description(**table)
     except (OSError, ValueError, TypeError, KeyError) as error:
         if isinstance(error, SnapshotError):
             raise
-        raise SnapshotError(f"{path}: is not a snapshot set (no readable set.json)") from None
+        raise SnapshotError(f"{path}: is not a snapshot set (no readable set.json){uses_of(path)}") from None
 
 
 def body_file(path: str | Path) -> Path:
@@ -82,20 +79,23 @@ def read_task(
     """The arrays of a task, shapes (states, ...), see schema: those named, or all, without some.
 
     Raises:
-        SnapshotError: the file is missing or not this task's.
+        SnapshotError: the file is missing or not this task's, or a converged state has a number that is not finite.
     """
     file = task_file(path, task)
     try:
         with np.load(file, allow_pickle=False) as stored:
             if stored["task"] != task:
                 raise SnapshotError(f"{file}: must hold {task}, got {stored['task']}")
-            return {name: stored[name] for name in names or stored.files if name not in without}
+            arrays = {name: stored[name] for name in names or stored.files if name not in without}
+            wrong = not_finite(arrays, stored["converged"])
+        if wrong:
+            raise SnapshotError(f"{file}: {wrong}; delete this file and run snapshots again")
+        return arrays
     except SnapshotError:
         raise
     except Exception as error:  # numpy and zipfile raise many kinds for a broken file
-        raise SnapshotError(
-            f"{file}: is missing or not readable ({type(error).__name__}); run snapshots again"
-        ) from None
+        reason = f"is missing or not readable ({type(error).__name__})"
+        raise SnapshotError(f"{file}: {reason}; run snapshots again") from None
 
 
 class SnapshotSet:
@@ -292,7 +292,14 @@ class SnapshotSet:
     def random(self, name: str) -> np.ndarray:
         """A quantity of the converged held-out states, shape (count, *quantity)."""
         if not self.description.random:
-            raise SnapshotError(f"{self.path}: must be a held-out set (made with --random), got a training set")
+            raise SnapshotError(f"{self.path}: must be a held-out set (made with --random){uses_of(self.path)}")
+        return self.answered(name)
+
+    def answered(self, name: str) -> np.ndarray:
+        """A quantity of all states that have an answer, whatever the set, shape (states, *quantity)."""
+        if not self.description.random and not self.description.has_load:
+            kinds = ("free", "contact") if self.description.has_obstacle else ("free",)
+            return np.concatenate([self.states_of(kind, name) for kind in kinds])
         return np.concatenate([self._values(task, name)[arrays["converged"]] for task, arrays in self._tasks.items()])
 
     @property

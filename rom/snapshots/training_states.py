@@ -9,12 +9,15 @@ from functools import cached_property
 import numpy as np
 
 from rom.brief import brief
+from rom.file_kinds import uses_of
 from rom.snapshots.body import Body
 from rom.snapshots.contact_regimes import Code
 from rom.snapshots.schema import FIELDS, QUANTITIES
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
 BULGE = 1e-6  # [m]: by how much a face may reach farther than its edges, which are what is fitted
+
+FEWEST = 4  # different tensions of every tendon's states, from fewer of which a model's error cannot be estimated
 
 Table = dict[str, np.ndarray]  # quantity by name, and its derivatives, shapes (states, *quantity)
 
@@ -64,6 +67,21 @@ class TrainingStates:
         return slopes if kind == "free" else slopes[self._touching]
 
 
+def check_count(snapshots: SnapshotSet) -> None:
+    """Refuse a set of so few states that what is left out for an estimate would decide it.
+
+    Raises:
+        SnapshotError: states at fewer different tensions than FEWEST times the number of tendons.
+    """
+    tensions, fewest = snapshots.description.tensions, FEWEST * snapshots.description.tensions
+    count = len(np.unique(snapshots.answered("parameters")[:, :tensions], axis=0))
+    if count < fewest:
+        raise SnapshotError(
+            f"{snapshots.path}: must have states with an answer at {fewest} different tensions at least, got {count}: "
+            "fewer cannot tell a model's error; solve more lines"
+        )
+
+
 def read_training_states(snapshots: SnapshotSet, stored: Collection[str] | None = None) -> TrainingStates:
     """Read a set, and of the quantities that it stores besides those that always are only the named ones.
 
@@ -72,7 +90,7 @@ def read_training_states(snapshots: SnapshotSet, stored: Collection[str] | None 
     """
     description = snapshots.description
     if description.random:
-        raise SnapshotError(f"{snapshots.path}: must be a training set, got a held-out set (made with --random)")
+        raise SnapshotError(f"{snapshots.path}: must be a training set{uses_of(snapshots.path)}")
     for kind in ("free", "contact") if description.has_obstacle else ("free",):
         if not snapshots.count(kind):
             raise SnapshotError(f"{snapshots.path}: must have {kind} states with an answer, got none")

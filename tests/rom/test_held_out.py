@@ -41,4 +41,4 @@ def test_what_cannot_be_compared_is_said_in_one_line(surrogate, held_out, tmp_pa
         other = surrogate.scene | {"tendons": surrogate.scene["tendons"][:1]}
         check_against(type("Model", (), {"scene": other})(), held_out)
     done = subprocess.run([sys.executable, "-m", "rom", "check", "rom/finger.h5"], capture_output=True, text=True)
-    assert done.returncode == 2 and done.stderr == "HELDOUT/ or --against FINER/ must be given, got neither\n"
+    assert done.returncode == 2 and done.stderr == "SET/ or --against FINER/ must be given, got neither\n"

@@ -251,7 +251,7 @@ def test_build_check_and_info_agree(trained, tmp_path):
 def test_sets_in_the_wrong_place_are_refused(trained, tmp_path):
     for words in (
         ("build", trained / "heldout", "-o", tmp_path / "m.h5"),
-        ("check", trained / "finger.h5", trained / "training"),
+        ("check", trained / "finger.h5", trained / "finer"),
         ("build", tmp_path, "-o", tmp_path / "m.h5"),
         ("info", trained / "demo" / "report.json"),
         ("info", tmp_path / "nowhere.h5"),

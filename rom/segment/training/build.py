@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.file_kinds import uses_of
 from rom.fit.chebyshev import Polynomial, total_degree
 from rom.segment.segment_map import SegmentMap, quantiles
 from rom.segment.training.contact_error import place_errors, relative_force_errors
@@ -17,8 +18,10 @@ from rom.segment.training.mirrors import with_images
 from rom.segment.training.pose_fit import best_fit
 from rom.segment.training.regression import Samples, regression
 from rom.snapshots import mesh_transfer
+from rom.snapshots.description import difference
 from rom.snapshots.pressed_states import PressedStates, read_pressed_states
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+from rom.snapshots.training_states import check_count
 from rom.terminal import Progress, quiet
 
 logger = logging.getLogger(__name__)
@@ -50,10 +53,11 @@ def train(
         return corrected(train(coarse, terms, progress=progress), coarse, snapshots)
     description = snapshots.description
     if description.random:
-        raise SnapshotError(f"{snapshots.path}: must be a training set, got a held-out one")
+        raise SnapshotError(f"{snapshots.path}: must be a training set{uses_of(snapshots.path)}")
     for task, inputs, reason in snapshots.failures:
         logger.warning("done without the failed state of %s at %s: %s", task, inputs.tolist(), reason)
     own = read_pressed_states(snapshots)
+    check_count(snapshots)
     states = with_images(own, description.scene)
     box = np.array([[one["lower"], one["upper"]] for one in description.parameters])
     found = best_fit(states, box, terms, progress)
@@ -127,14 +131,15 @@ def shortening_fit(states: PressedStates, box: np.ndarray, powers: np.ndarray) -
 
 
 def check(segment: SegmentMap, held_out: SnapshotSet) -> dict[str, Any]:
-    """Compare a map with held-out states: places, turns and the contact forces that their errors mean.
+    """Compare a map with held-out or its training states: places, turns and contact forces that their errors mean.
 
     Raises:
-        SnapshotError: not a held-out set of the same scene.
+        SnapshotError: a set of another scene.
     """
     description = held_out.description
-    if not description.random or description.fingerprint != segment.provenance["fingerprint"]:
-        raise SnapshotError(f"{held_out.path}: must be a held-out set of the map's scene")
+    if description.fingerprint != segment.provenance["fingerprint"]:
+        other = difference(segment.scene, description.scene)
+        raise SnapshotError(f"{held_out.path}: must hold states of the map's scene: {other}")
     states = read_pressed_states(held_out)
     poses, _ = segment.pose.value_and_gradient(states.inputs)
     placed = segment.place(states.inputs)
@@ -142,15 +147,16 @@ def check(segment: SegmentMap, held_out: SnapshotSet) -> dict[str, Any]:
     errors = relative_force_errors(states, poses)
     found: dict[str, Any] = {}
     if segment.displacements is not None and description.has_field:
-        true_fields, fields = held_out.random("displacement"), _on(held_out.nodes, segment, states.inputs)
-        off = np.linalg.norm(fields - true_fields, axis=(1, 2)) / np.linalg.norm(true_fields, axis=(1, 2))
-        found["displacement"] = quantiles(off)
+        true_fields, fields = held_out.answered("displacement"), _on(held_out.nodes, segment, states.inputs)
+        off, size = (np.linalg.norm(field, axis=(1, 2)) for field in (fields - true_fields, true_fields))
+        found["displacement"] = quantiles(off[size > 0] / size[size > 0])  # a training set has the finger at rest
     if segment.shortenings is not None and states.shortenings.shape[1]:
         off = np.abs(segment.shortening(states.inputs) - states.shortenings).ravel()
         found["channel_shortening_m"] = quantiles(off)
     return found | {
         "states": len(states.inputs),
         "failed": len(held_out.failures),
+        "training": not description.random,
         "place_m": quantiles(np.linalg.norm(placed.centre + true, axis=1)),
         "contact_force": quantiles(errors),
         "covered": float(np.mean(errors[~np.isnan(errors)] <= segment.force_error)),

@@ -1,0 +1,64 @@
+"""The kinds of file that the project writes, and which commands take each: what a refusal tells its reader."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+FIRST = 512  # bytes of a file by which its kind is recognised
+_CONTROL = ("control reach", "control hold", "control grasp", "control campaign")
+_SET = ("fingerfem snapshots", "fingerfem status", "fingerfem retry")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file.
+
+    Attributes:
+        name: with its article.
+        uses: the commands that take it, with the ending of what they write if only that one is possible.
+    """
+
+    name: str
+    uses: tuple[str, ...]
+
+
+SURROGATE = Kind(
+    "a surrogate",
+    ("rom info", "rom check", "rom export .h", "rom export .fmu", "rom page .html", *_CONTROL, "fingerfem certify"),
+)
+SEGMENT_MAP = Kind(
+    "a segment map",
+    ("rom info", "rom check", "rom chain", "rom export .fmu", "rom page .html", *_CONTROL, "fingerfem certify"),
+)
+CHAIN = Kind("a chain of segment maps", ("rom info", "rom export .fmu", "rom page .html", *_CONTROL))
+TRAINING_SET = Kind("a training set", ("rom build", "rom check", *_SET))
+HELD_OUT_SET = Kind("a held-out set", ("rom check", "rom build --held-out", *_SET))
+SCENE = Kind("a scene", ("fingerfem solve", "fingerfem snapshots", "fingerfem render", "fingerfem sketch"))
+FMU = Kind("an FMU", ("a simulation tool that imports FMI 2 or 3",))
+HEADER = Kind("a C header", ("a C compiler",))
+PAGE = Kind("a page", ("a browser",))
+# Model files by what they begin with, others by their ending and a part of their text.
+MODELS = {"fingerfem surrogate": SURROGATE, "fingerfem segment map": SEGMENT_MAP, "fingerfem chain": CHAIN}
+OTHERS = {".toml": (b"", SCENE), ".fmu": (b"PK", FMU), ".h": (b"", HEADER), ".html": (b"<", PAGE), ".htm": (b"<", PAGE)}
+
+
+def kind_of(path: str | Path) -> Kind | None:
+    """The kind of a file or folder; None if it is none of the project's, or cannot be read."""
+    path = Path(path)
+    try:
+        if path.is_dir():
+            return HELD_OUT_SET if json.loads((path / "set.json").read_text())["random"] else TRAINING_SET
+        with path.open("rb") as stream:
+            first = stream.read(FIRST)
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
+    text, other = OTHERS.get(path.suffix.lower(), (b"", None))
+    return MODELS.get(first.split(b",")[0].decode(errors="replace")) or (other if first.startswith(text) else None)
+
+
+def uses_of(path: str | Path) -> str:
+    """The end of a refusal: what a file is, and what takes it; empty if it is none of the project's."""
+    kind = kind_of(path)
+    return "" if kind is None else f"; it is {kind.name}, for {', '.join(kind.uses)}"

@@ -1,0 +1,47 @@
+"""Models in plain data, as the commands print them by --json."""
+
+from __future__ import annotations
+
+from rom.segment.chain import Chain
+from rom.segment.segment_map import SegmentMap
+from rom.surrogate import Surrogate
+
+
+def chain_summary(made: Chain) -> dict:
+    """A chain in plain data; a chain of one is its segment."""
+    parts = [segment_summary(one) for one in made.segments]
+    if len(parts) == 1:
+        return parts[0]
+    return {
+        "scene": made.scene["name"],
+        "tensions": made.tension_parameters,
+        "contact_force_error": made.force_error * made.finer_mesh_factor("contact_force"),
+        "place_error_m": made.place_error,
+        "segments": parts,
+    }
+
+
+def segment_summary(segment: SegmentMap) -> dict:
+    """A segment's map in plain data."""
+    return {
+        "scene": segment.scene["name"],
+        "parameters": segment.parameters,
+        "terms": len(segment.pose.powers),
+        "contact_force_error": segment.expected_error,
+        "accuracy": segment.accuracy or "not measured: build with --held-out",
+        "provenance": segment.provenance,
+    }
+
+
+def summary(model: Surrogate) -> dict:
+    """A model in plain data."""
+    return {
+        "scene": model.scene["name"],
+        "parameters": model.parameters,
+        "terms": model.terms,
+        "regimes": [{"code": list(regime.code), "states": regime.states} for regime in model.regimes],
+        "separation_error": {name: float(form.errors[-1]) for name, form in model.forms.items()},
+        "accuracy": model.accuracy or "not measured: build with --held-out",
+        "nodes": len(model.nodes) or "without the displacement field",
+        "provenance": model.provenance,
+    }
