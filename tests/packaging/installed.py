@@ -1,0 +1,84 @@
+"""What an installed environment can do: every module, every command's help, a model, a controller and a simulation.
+
+python3 installed.py, outside the checkout. Prints the modules that were imported, as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from importlib import import_module
+from pathlib import Path
+from pkgutil import walk_packages
+
+from rom.packages import explained
+
+PROGRAMS = ("fingerfem", "rom", "control")
+
+
+def imported() -> dict[str, str]:
+    """By module, nothing or which package is missing that it needs."""
+    found = {}
+    for program in PROGRAMS:
+        package = import_module(program)
+        for one in walk_packages(package.__path__, f"{program}.", onerror=lambda name: None):
+            if "-" in one.name:  # a library of C
+                continue
+            try:
+                import_module(one.name)
+                found[one.name] = ""
+            except ImportError as error:
+                reason = explained(error)
+                assert reason is not None, f"{one.name}: {error}"
+                found[one.name] = reason.split()[0]
+    return found
+
+
+def helped() -> None:
+    """Ask every command for its help."""
+    import typer
+
+    for program in PROGRAMS:
+        commands = typer.main.get_command(import_module(f"{program}.__main__").app).commands
+        for words in ([], *([name] for name in commands)):
+            line = [sys.executable, "-m", program, *words, "--help"]
+            done = subprocess.run(line, capture_output=True, text=True)
+            assert done.returncode == 0 and "Usage:" in done.stdout and done.stderr == "", done.stderr
+
+
+def worked() -> None:
+    """A model is saved and read, a force is held."""
+    from control import Finger
+    from rom import Surrogate, TouchedSegment
+
+    with tempfile.TemporaryDirectory() as folder:
+        surrogate = Surrogate.load()
+        surrogate.save(Path(folder) / "copy.h5")
+        force = Surrogate.load(Path(folder) / "copy.h5").evaluate([60.0, 20.0, 0.012]).contact_force
+        assert force == surrogate.evaluate([60.0, 20.0, 0.012]).contact_force > 0
+    assert Finger(TouchedSegment.load()).hold(1.0, 0.010).converged
+
+
+def simulated() -> None:
+    """A step in both environments."""
+    import gymnasium
+
+    import control.mujoco.environment  # registers the second one
+    from control.environment import HoldEnvironment
+    from rom import Surrogate
+
+    for environment in (HoldEnvironment(Surrogate.load()), gymnasium.make(control.mujoco.environment.NAME)):
+        environment.reset(seed=1)
+        observation, reward, *_ = environment.step(environment.action_space.sample())
+        assert environment.observation_space.contains(observation) and -1 <= reward <= 1
+
+
+if __name__ == "__main__":
+    modules = imported()
+    helped()
+    worked()
+    if "simulated" in sys.argv[1:]:
+        simulated()
+    print(json.dumps(modules))
