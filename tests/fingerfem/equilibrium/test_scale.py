@@ -43,7 +43,7 @@ def figures(length: float, **obstacle) -> list[np.ndarray]:
     tensions = np.array([0.02, 0.01]) * C1 * (0.25 * length) ** 2
     free = model.solve(tensions)
     assert free.touch_distance is not None
-    pressed = model.solve(tensions, free.touch_distance - 0.05 * length)
+    pressed = model.solve(tensions, free.touch_distance - 0.01 * length)
     found = []
     for state in (free, pressed):
         by = state.sensitivities

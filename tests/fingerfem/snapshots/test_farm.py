@@ -199,3 +199,15 @@ def test_only_what_a_scene_asks_for_is_stored(scene, undisturbed, tmp_path):
     assert line.keys() - whole.keys() == {"pad_pressure", "pad_pressure_jacobian"}
     assert line["contact_force"] == pytest.approx(whole["contact_force"], rel=1e-8)
     assert line["pad_pressure"][-1] > 0 == line["pad_pressure"][0]
+
+
+@pytest.mark.parametrize(("states", "ranks"), [(7, 3), (1, 4)])
+def test_ranks_that_share_few_or_uneven_states_end_with_all_of_them(scene, tmp_path, states, ranks):
+    report = run(ranks, scene, tmp_path / "held", "--random", str(states), "--seed", "1")
+    assert report["ranks"] == ranks and report["failed"] == 0 and SnapshotSet(tmp_path / "held").states == states
+
+
+def test_ranks_that_find_no_state_left_end_without_solving_one(scene, tmp_path):
+    for lines in (1, 0):
+        report = run(2, scene, tmp_path / "held", "--random", "1")
+        assert report["states"] == 1 and report["this_rank"]["lines"] <= lines
