@@ -1,6 +1,11 @@
 """In the environment, each package that a command needs is named in one line when it alone is missing."""
 
+import json
+import subprocess
+import sys
+
 import pytest
+from farm import ROOT
 from plain_environment import run_without
 
 SCENE = "scenes/draft.toml"
@@ -29,3 +34,11 @@ def test_a_picture_of_a_solved_state_is_refused_before_it_is_solved(tmp_path):
     for option in ("--picture", "--paraview"):
         done = run_without(["pyvista"], "fingerfem", "solve", SCENE, "F1=50", option, tmp_path / "finger.vtu")
         assert done.returncode == 2 and done.stderr.startswith("pyvista is not installed"), done.stderr
+
+
+def test_every_module_imports_and_every_command_has_help():
+    line = [sys.executable, "tests/packaging/installed.py"]
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    missing = {package for package in json.loads(done.stdout.splitlines()[-1]).values() if package}
+    assert missing <= {"mujoco", "gymnasium"}
