@@ -12,6 +12,11 @@ from rom.snapshots.grid import SHARE
 from rom.whole_file import write_whole
 
 
+def body_file(path: str | Path) -> Path:
+    """Where the finger at rest is, or will be."""
+    return Path(path) / "body.npz"
+
+
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Body:

@@ -7,11 +7,9 @@ A set is a folder:
     rounds/NNNN.json    lines that refine the set, see rom.snapshots.plan
     tasks/NAME.npz      one file per task, a line of states solved in a fixed order, see rom.snapshots.schema
 
-Tasks come in four kinds. `free-J` is a line along the lead tension (the tendon that bends the finger most towards the
-plane) at the J-th combination of the others. `contact-J-I` holds the tensions (I-th node of the lead between onset and
-its highest) and brings the plane from where it touches to its nearest; where that is the same place, one state stands
-for the line. `scattered-K` holds tensions of its own: the free state there, then the contact path. `free-J-rN` and
-`contact-J-I-rN` add states to a line in round N. `random-K` holds the held-out states at the K-th tensions.
+Names of tasks: `free-J` is a line along the lead tension, which bends the finger most towards the plane; `contact-J-I`
+brings the plane from touch to its nearest, where one state stands for the line if both are the same; `scattered-K` has
+tensions of its own; `random-K` is held out; `-rN` adds states to a line in round N. See rom.snapshots.description.Line.
 """
 
 from __future__ import annotations
@@ -26,7 +24,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from rom.file_kinds import uses_of
-from rom.snapshots.body import Body
+from rom.snapshots.body import Body, body_file
 from rom.snapshots.description import FORMAT, Description, Line
 from rom.snapshots.plan import Plan
 from rom.snapshots.schema import FIELDS, not_finite
@@ -55,11 +53,6 @@ def read_description(path: str | Path) -> Description:
         if isinstance(error, SnapshotError):
             raise
         raise SnapshotError(f"{path}: is not a snapshot set (no readable set.json){uses_of(path)}") from None
-
-
-def body_file(path: str | Path) -> Path:
-    """Where the finger at rest is, or will be."""
-    return Path(path) / "body.npz"
 
 
 def task_file(path: str | Path, task: str) -> Path:
