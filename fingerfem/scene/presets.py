@@ -23,7 +23,7 @@ TENSIONS, SLENDERNESS = 2, 5.0  # of the finger the front was measured on; its l
 # By number of tensions: lines of states over those of one tension, errors of maps over those of two. Products of
 # polynomials grow faster than tensions. More tensions than errors here have no promise; a surrogate of a plane has
 # one up to TENSIONS.
-GROWTH, ERRORS = (1.0, 2.0, 4.0, 8.0), (1.0, 1.0, 1.5, 2.0)
+GROWTH, ERRORS = (1.0, 2.0, 4.0, 8.0), (1.0, 1.0, 1.0, 2.0)
 LINES = 3  # the fewest a scene may ask for
 LONGEST, PLAIN = 1e6, {"cells": [20, 5]}  # no finger is longer [-]; cells of a scene that is to be refused
 
