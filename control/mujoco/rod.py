@@ -12,7 +12,7 @@ With it the load of gravity, or of a base that accelerates, is the consistent on
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -97,6 +97,7 @@ class Coupling:
             last = int(model.dof_parentid[last])
         if not np.array_equal(model.M_rownnz[path], np.arange(len(path)) + 1):
             raise ValueError(f"MuJoCo must store the inertia of {model.body(plate).name!r} in full rows")
+        self._given = model, data, plate, begin, end, rod
         self._model = model
         arrays = {name: getattr(data, name) for name in MOTION}
         arrays |= {"memory": np.zeros(12 * len(path))}
@@ -113,6 +114,10 @@ class Coupling:
             },
         )
         self._gravity = np.zeros(3)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled and copied by its parameters, without addresses."""
+        return type(self), self._given
 
     def add(self) -> None:
         """Add it to the inertia and to the bias forces of a step, between MuJoCo's mj_step1 and the factorisation."""

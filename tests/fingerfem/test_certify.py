@@ -50,14 +50,17 @@ def run(*words: str) -> subprocess.CompletedProcess:
 
 
 def test_the_command_prints_both_answers_and_refuses_in_one_line(trained):
-    done = run(trained / "finger.h5", "F1=50", "F2=20", "d=0.010", "--json")
+    point = "F1=50", "F2=20", "d=0.010"
+    done = run(trained / "finger.h5", *point, "--json")
     found = json.loads(done.stdout)
-    assert done.returncode == 0 and found["covered"] and found["inside"]
-    force = found["contact_force"]
+    force, tip = found["contact_force"], found["tip"]
     assert force["error"] == pytest.approx(abs(force["answer"] - force["full_order"]))
-    assert force["error"] <= force["estimated_error"]
-    shown = run(trained / "finger.h5", "F1=50", "F2=20", "d=0.010")
-    assert shown.returncode == 0 and "estimated_error" in shown.stdout
+    # Estimates cover 95 % of states: this one may be among the others.
+    assert found["inside"] and force["error"] < 2 * force["estimated_error"]
+    assert found["covered"] == all(one["error"] <= one["estimated_error"] for one in (force, tip))
+    assert done.returncode == (0 if found["covered"] else 3)
+    shown = run(trained / "finger.h5", *point)
+    assert shown.returncode == done.returncode and "estimated_error" in shown.stdout
     for words, said in (
         ((trained / "finger.h5", "F1=500"), "F1 must lie in [0, 100] N"),
         ((ROOT / "rom" / "plane.h5", "F1=5"), "must know the displacement"),

@@ -1,7 +1,9 @@
 """The demo's promises, read from the report it wrote; its meshes are coarse here."""
 
 import json
+from itertools import product
 
+import numpy as np
 import pytest
 from farm import ROOT
 
@@ -69,11 +71,17 @@ def test_the_model_says_what_it_was_made_of(report, demo):
     assert model.accuracy["contact_force"] == report["errors"]["both"]["contact_force"]
 
 
+HALF = np.array([0.0005, 0.005, 0.005])  # lengths of the plate [m]
+
+
 def test_the_touch_distance_is_the_rubber_s_where_that_touches_first(report, demo):
     """Tendon F2 bends the finger beside the plane: the plate is 0.4 mm farther from it than the bulging rubber."""
     model, tensions = TouchedSegment.load(demo / "finger.h5"), [0.4, 88.0]
     scene = load_scene(ROOT / "scenes" / "demo" / "plane.toml").model_dump(exclude_none=True)
     true = FingerModel(Scene(**scene | {"mesh": report["meshes"]["fine"]})).solve(tensions, sensitivities=False)
     answer = model.evaluate([*tensions, 0.02])
-    assert true.touch_distance > model.outputs([[*tensions, 0.02]])[0, 4] + 2e-4
+    placed = model.chain.place(tensions, np.zeros((1, 6)))
+    corners = placed.centres[0] + np.array(list(product(*zip(-HALF, HALF, strict=True)))) @ placed.rotations[0].T
+    assert true.touch_distance > corners[:, 1].max() - HALF[1] + 2e-4
+    assert model.outputs([[*tensions, 0.02]])[0, 4] == answer.touch_distance
     assert abs(answer.touch_distance - true.touch_distance) < min(answer.error["touch_distance"], 1e-4)
