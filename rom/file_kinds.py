@@ -1,4 +1,4 @@
-"""The kinds of file that the project writes, and which commands take each: what a refusal tells its reader."""
+"""The kinds of file that the project writes, and the commands that take each; refusals end with these."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ OTHERS = {".toml": (b"", SCENE), ".fmu": (b"PK", FMU), ".h": (b"", HEADER), ".ht
 
 
 def kind_of(path: str | Path) -> Kind | None:
-    """The kind of a file or folder; None if it is none of the project's, or cannot be read."""
+    """The kind of a file or folder; None for a file of another program, or one that cannot be read."""
     path = Path(path)
     try:
         if path.is_dir():
@@ -59,6 +59,6 @@ def kind_of(path: str | Path) -> Kind | None:
 
 
 def uses_of(path: str | Path) -> str:
-    """The end of a refusal: what a file is, and what takes it; empty if it is none of the project's."""
+    """The end of a refusal: the kind of a file and the commands that take it; empty for a file of another program."""
     kind = kind_of(path)
     return "" if kind is None else f"; it is {kind.name}, for {', '.join(kind.uses)}"

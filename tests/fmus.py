@@ -25,7 +25,7 @@ BOTH = pytest.mark.parametrize("version", [2, 3])
 
 
 def two_segments() -> TouchedSegment:
-    """The finger that comes along, twice: now and then there is no equilibrium."""
+    """The bundled finger, twice: some points have no equilibrium."""
     one = TouchedSegment.load().chain.segments[0]
     return TouchedSegment(segment=Chain([one, one]), obstacle=facing_plane(0.01, (0.0, 0.1)))
 

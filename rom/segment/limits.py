@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 MOST_TENSIONS, MOST_POWER = 8, 31  # as in native/segment.h
 MOST_PRODUCTS = 1 << 20  # of a polynomial: with these, places in memory are counted in 32 bits
 WRENCH, POSE, CORNERS, EDGES = 6, 7, 24, 12  # numbers of each; of the four edges' corners at a station
-TWICE = 2.0  # of a quaternion's length, by which a fit may be off at most [-]
+TWICE = 2.0  # largest ratio of a fitted quaternion's length to 1, or of 1 to it [-]
 STATIONS = 2  # of the rubber's edges, at least: a tangent needs two
 
 

@@ -149,5 +149,5 @@ def facing_plane(side: float, distances: tuple[float, float]) -> Plane:
 
 
 def _unit(vector: Vector) -> list[float]:
-    scaled = np.asarray(vector, float) / (np.abs(vector).max() or 1.0)  # of any length, also where its square is none
+    scaled = np.asarray(vector, float) / (np.abs(vector).max() or 1.0)  # its square may underflow
     return [float(part) for part in scaled / (np.linalg.norm(scaled) or 1.0)]

@@ -107,7 +107,7 @@ class SegmentMap(PickledByFields):
 
     @property
     def expected_error(self) -> float:
-        """Relative error of contact forces, 95th percentile, the mesh's included if states on a finer one told [-]."""
+        """Relative error of contact forces, 95th percentile, the mesh's included if it was estimated [-]."""
         return self.force_error * self.finer_mesh_factors.get("contact_force", 1.0)
 
     @property

@@ -68,7 +68,7 @@ class TrainingStates:
 
 
 def check_count(snapshots: SnapshotSet) -> None:
-    """Refuse a set of so few states that what is left out for an estimate would decide it.
+    """Refuse a set of too few states to estimate a model's error by leaving some out.
 
     Raises:
         SnapshotError: states at fewer different tensions than FEWEST times the number of tendons.
@@ -78,7 +78,7 @@ def check_count(snapshots: SnapshotSet) -> None:
     if count < fewest:
         raise SnapshotError(
             f"{snapshots.path}: must have states with an answer at {fewest} different tensions at least, got {count}: "
-            "fewer cannot tell a model's error; solve more lines"
+            "from fewer, a model's error cannot be estimated; solve more lines"
         )
 
 

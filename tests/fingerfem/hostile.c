@@ -60,7 +60,7 @@ int clock_gettime(clockid_t clock, struct timespec *now) {
     return answer;
 }
 
-static long left = -1; /* calls until the kill; below 0 there is none */
+static long left = -1; /* calls until the kill; below 0 no call is killed */
 
 void hostile_kill(long calls) { left = calls; }
 
