@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -11,10 +10,10 @@ import numpy as np
 from rom.brief import brief
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
+from rom.segment.native.arrangement import BLOCK, POSE, arranged, at_rest, between, by_degree, free_skin
 
-BLOCK, POSE, EDGES, MOST_CONTACTS, SKIN_ROW, CORNERS = 4, 8, 4, 12, 32, 24  # as in segment.h
+EDGES, MOST_CONTACTS, SKIN_ROW, CORNERS = 4, 12, 32, 24  # as in segment.h
 ENDS = 11  # sections of a segment's surface besides its places, likewise
-BETWEEN, NEAREST = 8, 4  # places for every station of the rubber's edges; stations that say where one is
 
 
 def pointer(array: np.ndarray, kind: str = "double[]") -> Any:
@@ -48,22 +47,22 @@ def struct(
     t = len(pose.lower) - 6
     bending, bent = np.zeros((0, t), int), np.zeros((0, CORNERS))
     if corners is not None:
-        order = sorted(range(len(corners.powers)), key=lambda k: _by_degree(corners.powers[k].tolist()))
+        order = sorted(range(len(corners.powers)), key=lambda k: by_degree(corners.powers[k].tolist()))
         bending, bent = corners.powers[order, :t], corners.coefficients[order]
     skin_powers, skin_coefficients, stations = np.zeros((0, t + 6), int), np.zeros((0, 0)), 0
     if skin is not None:
         skin_powers, numbers = skin.powers, skin.coefficients.shape[1]
         skin_coefficients = np.pad(skin.coefficients.astype(np.float32), [(0, 0), (0, -numbers % SKIN_ROW)])
         stations = numbers // (3 * EDGES)
-    monomials, groups, coefficients = _arranged(pose.powers, pose.coefficients, bending, skin_powers[:, :t])
+    monomials, groups, coefficients = arranged(pose.powers, pose.coefficients, bending, skin_powers[:, :t])
     variables = np.array([max(np.flatnonzero(group), default=0) for group in groups])
     rows = np.arange(len(groups))
     without = groups.copy()
     without[rows, variables] = 0
     blocks = coefficients.reshape(-1, BLOCK, len(monomials), POSE)
     used = [int(np.flatnonzero(block.any(axis=(0, 2))).max(initial=0)) + 1 for block in blocks]
-    between = _between(stations) if stations else np.zeros((0, 0))
-    free_skin = _free_skin(monomials, skin_powers, skin_coefficients)
+    places = between(stations) if stations else np.zeros((0, 0))
+    unloaded = free_skin(monomials, skin_powers, skin_coefficients)
     return SEGMENT.struct(
         "fingerfem_segment",
         tensions=t,
@@ -78,81 +77,20 @@ def struct(
         parents=(groups[None] == without[:, None]).all(axis=2).argmax(axis=1),
         variables=variables,
         powers=groups[rows, variables],
-        free_coefficients=np.einsum("g,gmi->mi", _at_rest(groups), coefficients),
+        free_coefficients=np.einsum("g,gmi->mi", at_rest(groups), coefficients),
         skin_terms=len(skin_powers),
         skin_numbers=skin_coefficients.shape[1],
-        skin_monomials=len(free_skin),
+        skin_monomials=len(unloaded),
         skin_powers=skin_powers,
         skin_coefficients=skin_coefficients,
-        free_skin=free_skin,
+        free_skin=unloaded,
         stations=stations,
-        places=len(between),
-        between=between,
+        places=len(places),
+        between=places,
         skin_error=skin_error,
         half_lengths=half_lengths.tolist(),
         corner_monomials=len(bending),
         corner_coefficients=bent,
-    )
-
-
-def _at_rest(powers: np.ndarray) -> np.ndarray:
-    """Products of the wrench's polynomials, of powers of shape (k, 6), without a wrench; shape (k,)."""
-    return np.where((powers % 2).any(axis=1), 0.0, (-1.0) ** (powers.sum(axis=1) // 2))
-
-
-def _free_skin(monomials: np.ndarray, powers: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
-    """The rubber's coefficients, shape (k, numbers), without a wrench: by the first monomials of the tensions."""
-    t = monomials.shape[1]
-    row = {tuple(one): k for k, one in enumerate(monomials.tolist())}
-    of = np.array([row[tuple(one)] for one in powers[:, :t].tolist()], int)
-    found = np.zeros((of.max(initial=-1) + 1, coefficients.shape[1]))
-    np.add.at(found, of, _at_rest(powers[:, t:])[:, None] * coefficients.astype(float))
-    return found
-
-
-def _between(stations: int) -> np.ndarray:
-    """Weights, shape (places, stations), of even stations at places between them: polynomials through the nearest."""
-    places, near = np.linspace(0, stations - 1, BETWEEN * (stations - 1) + 1), min(stations, NEAREST)
-    found = np.zeros((len(places), stations))
-    for row, place in zip(found, places, strict=True):
-        first = int(np.clip(np.floor(place) - (near - 1) // 2, 0, stations - near))
-        for k in range(first, first + near):
-            others = [j for j in range(first, first + near) if j != k]
-            row[k] = np.prod([(place - j) / (k - j) for j in others])
-    return found
-
-
-def _by_degree(powers: Sequence[int]) -> tuple[int, ...]:
-    """Low degrees first: a group whose monomials are few has the first ones."""
-    return sum(powers), *powers
-
-
-def _arranged(
-    powers: np.ndarray, values: np.ndarray, first: np.ndarray, also: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Powers, shape (k, t + 6), and coefficients, shape (k, 7), in the order of segment.h.
-
-    The monomials of the tensions begin with those of powers `first`, shape (j, t); those of `also`, shape (l, t), are
-    among them.
-
-    Returns:
-        monomials of the tensions, shape (monomials, t); powers of the wrench, shape (groups, 6), those with most
-        monomials first, so that a parent stands before its groups; coefficients, shape (groups, monomials, 8).
-    """
-    t, given = first.shape[1], [tuple(row) for row in first.tolist()]
-    others = {tuple(row) for row in [*powers[:, :t].tolist(), *also.tolist()]} - set(given)
-    monomials = given + sorted(others, key=_by_degree)
-    counts = Counter(tuple(row) for row in powers[:, t:].tolist())
-    groups = sorted(counts, key=lambda group: (-counts[group], sum(group), group))
-    row, column = ({key: k for k, key in enumerate(keys)} for keys in (groups, monomials))
-    found = np.zeros((len(groups), len(monomials), POSE))
-    for power, coefficients in zip(powers.tolist(), values, strict=True):
-        found[row[tuple(power[t:])], column[tuple(power[:t])], : POSE - 1] = coefficients
-    fill = -len(groups) % BLOCK  # copies of the first group, of which nothing is taken
-    return (
-        np.array(monomials),
-        np.array(groups + [groups[0]] * fill),
-        np.concatenate([found, np.zeros((fill, *found.shape[1:]))]),
     )
 
 
