@@ -39,7 +39,7 @@ def save(path: Path, kind: str, number: int, write: Callable[[h5py.File], None])
     memory = io.BytesIO()
     with h5py.File(memory, "w", userblock_size=BLOCK, libver="v110") as stored:
         write(stored)
-    contents = memory.getbuffer()
+    contents = bytearray(memory.getvalue())
     line = f"{kind}, format {number}, sha256 {hashlib.sha256(contents[BLOCK:]).hexdigest()}\n".encode()
     contents[: len(line)] = line
     write_whole(path, lambda stream: stream.write(contents))
