@@ -10,6 +10,7 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike
 
 from fingerfem.discretisation.problem import Problem
+from fingerfem.equilibrium.channel_lengths import ChannelLengths
 from fingerfem.equilibrium.continuation import Continuation
 from fingerfem.equilibrium.self_intersection import Surface
 from fingerfem.equilibrium.state import State, observe
@@ -101,6 +102,11 @@ class FingerModel:
         """Be in a state that was solved before: its displacement and its loads."""
         tensions = [state.parameters[tendon.name] for tendon in self.scene.tendons]
         self.continuation.start(tensions, state.parameters.get("d"), state.displacement, state.wrenches)
+
+    @cached_property
+    def channel_lengths(self) -> ChannelLengths:
+        """What measures the tendons' channels up to every cross-section (collective when it is first asked for)."""
+        return ChannelLengths(self.problem)
 
     @cached_property
     def _surface(self) -> Surface:

@@ -14,7 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+
+from rom.snapshots import rigid_motion
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +40,7 @@ class Pose:
     @property
     def quaternion(self) -> np.ndarray:
         """Its rotation as a unit quaternion, its scalar part first and not negative, shape (4,) [-]."""
-        return np.asarray(Rotation.from_matrix(self.rotation).as_quat(canonical=True, scalar_first=True))
+        return rigid_motion.quaternions(self.rotation)
 
     def clamp_change(self, motion: np.ndarray) -> np.ndarray:
         """Change of the clamp seen from the plate [m] with R^T dc and R^T dtheta, shape (6,) [m, rad]."""
@@ -47,15 +48,13 @@ class Pose:
 
     def quaternion_change(self, motion: np.ndarray) -> np.ndarray:
         """The quaternion's change with the same motion, q (0, R^T dtheta) / 2, shape (4,) [-]."""
-        scalar, vector, turn = self.quaternion[0], self.quaternion[1:], motion[3:]
-        return np.append(-vector @ turn, scalar * turn + np.cross(vector, turn)) / 2
+        return rigid_motion.quaternion_changes(self.quaternion, motion[3:])
 
 
 def pose(centre: np.ndarray, moment: np.ndarray) -> Pose:
     """The pose of a plate from its moments c, shape (3,), and M, shape (3, 3), by the polar decomposition M = R U."""
-    left, sizes, right = np.linalg.svd(moment)
-    handed = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
-    return Pose(centre=centre, rotation=left @ handed @ right, stretch=right.T @ handed @ np.diag(sizes) @ right)
+    rotation, stretch = rigid_motion.nearest_rotations(moment)
+    return Pose(centre=centre, rotation=rotation, stretch=stretch)
 
 
 def cross(vector: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from fingerfem.scene.scene import Scene, SceneError
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.given_points import GivenPoints
 from rom.snapshots.body import Body
+from rom.snapshots.sections import CrossSections
 from rom.snapshots.snapshot_set import Description
 
 
@@ -191,6 +192,7 @@ def body(scene: Scene, nodes: np.ndarray) -> Body:
     return Body(
         nodes=nodes,
         edge_nodes=np.flatnonzero(on_edge),
+        sections=CrossSections(nodes, scene.mesh.order, scene.is_half).positions,
         plates=np.array(scene.outline.plates),
         half_lengths=geometry.half_lengths,
         is_half=scene.is_half,

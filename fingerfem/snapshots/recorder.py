@@ -18,6 +18,7 @@ from fingerfem.model import FingerModel
 from fingerfem.snapshots.design import body as finger_at_rest
 from fingerfem.snapshots.plate_contact import PlateContacts
 from rom.snapshots import schema
+from rom.snapshots.sections import CrossSections
 
 logger = logging.getLogger(__name__)
 TURNED_OVER = 0.05  # cosine of half the angle that a plate has turned by, below which it is no state to train on [-]
@@ -48,8 +49,15 @@ class Recorder:
         self._edges = body.edge_nodes if edges else None
         scopes = {"state", *self._store, *(["edges"] if edges else [])}
         scopes |= {name for name in ("obstacle", "load") if getattr(scene, name) is not None}
+        self._sections = self._channels = None
+        if scene.load is not None:
+            self._sections = CrossSections(numbering.nodes, scene.mesh.order, scene.is_half)
+            if all(tendon.path == "channel" for tendon in scene.tendons):
+                scopes.add("load in channels")
+                self._channels = model.channel_lengths
         sizes = schema.sizes(
             segments=len(body.plates),
+            sections=len(body.sections),
             tendons=len(scene.tendons),
             nodes=len(body.nodes),
             edge_nodes=len(body.edge_nodes),
@@ -178,10 +186,14 @@ class Recorder:
         if "channel_shortening" in store:
             row["channel_shortening"] = channel_shortening(model.problem)
             row["channel_shortening_jacobian"] = self._padded(found.channel_shortening).T
-        if "displacement" in store or self._edges is not None:
+        if self._channels is not None:
+            row |= self._channels.quantities(found.displacement)
+        if "displacement" in store or self._edges is not None or self._sections is not None:
             changes = [numbering.gather(change) for change in found.displacement]
         if "displacement" in store:
             row |= {"displacement": field, "displacement_jacobian": self._padded(np.array(changes)).astype(np.float32)}
+        if self._sections is not None and model.problem.comm.rank == 0:
+            row |= self._sections.quantities(field, np.array(changes))
         if self._edges is not None and model.problem.comm.rank == 0:
             rest = numbering.nodes[self._edges, 1] - model.scene.geometry.side / 2
             row["edge_heights"] = field[self._edges, 1] + rest

@@ -14,7 +14,7 @@ import numpy as np
 
 from rom.brief import brief
 
-FORMAT = 5  # of snapshot sets
+FORMAT = 6  # of snapshot sets
 # Keys of a scene that change none of the finger's answers.
 NOT_OF_THE_FINGER = ("name", "sampling", "expected", "coarse", "accuracy", "budget", "preset")
 

@@ -1,7 +1,11 @@
-"""A plate's pose as its clamp seen from it, and its small motions in its own frame.
+"""Poses of plates and cross-sections, and their small motions in their own frames.
 
-With the plate's centre c and rotation R, the pose is q = -R^T c [m] and the unit quaternion r of R. A motion is
+With a plate's centre c and rotation R, its pose is q = -R^T c [m] and the unit quaternion r of R. A motion is
 v = R^T dc [m] and the turn t = R^T dtheta [rad]: dq = q x t - v, and t = 2 vec(r* dr).
+
+The rotation nearest to a body's motion is that of the polar decomposition of its moment M = R U, which turns by
+
+    t = (tr U 1 - U)^-1 k(R^T dM),    k(A) = (A32 - A23, A13 - A31, A21 - A12).
 """
 
 from __future__ import annotations
@@ -29,3 +33,36 @@ def gaps(poses: np.ndarray, points: np.ndarray, normals: np.ndarray) -> np.ndarr
     """How far points of the plates, in their frames, lie along directions of space, shapes (n, 3); shape (n,) [m]."""
     places = np.einsum("nij,nj->ni", rotations(poses), points - poses[:, :3])
     return np.asarray(np.sum(normals * places, axis=1))
+
+
+def nearest_rotations(moments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rotations R [-] and symmetric U of the polar decompositions M = R U, shapes (..., 3, 3).
+
+    R is a rotation, never a reflection, and unique where M has at least rank 2.
+    """
+    left, sizes, right = np.linalg.svd(moments)
+    signs = np.ones_like(sizes)
+    signs[..., 2] = np.sign(np.linalg.det(left @ right))
+    back = np.swapaxes(right, -1, -2)
+    return (left * signs[..., None, :]) @ right, (back * (signs * sizes)[..., None, :]) @ right
+
+
+def turns(rotations: np.ndarray, stretches: np.ndarray, changes: np.ndarray) -> np.ndarray:
+    """Turns R^T dtheta, shape (..., 3) [rad], by changes of the moments M = R U; shapes (..., 3, 3)."""
+    turned = np.swapaxes(rotations, -1, -2) @ changes
+    skew = np.stack([turned[..., i, j] - turned[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))], axis=-1)
+    inertia = np.trace(stretches, axis1=-2, axis2=-1)[..., None, None] * np.eye(3) - stretches
+    return np.asarray(np.linalg.solve(inertia, skew[..., None])[..., 0])
+
+
+def quaternions(rotations: np.ndarray) -> np.ndarray:
+    """Unit quaternions of rotations, scalar part first and not negative, shapes (..., 3, 3) and (..., 4) [-]."""
+    found = Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_quat(canonical=True, scalar_first=True)
+    return np.asarray(found).reshape(*rotations.shape[:-2], 4)
+
+
+def quaternion_changes(quaternions: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Changes r (0, t) / 2 of quaternions, shape (..., 4) [-], with turns, shape (..., 3) [rad]."""
+    scalar, vector = quaternions[..., :1], quaternions[..., 1:]
+    along = -np.sum(vector * turns, axis=-1, keepdims=True)
+    return np.concatenate([along, scalar * turns + np.cross(vector, turns)], axis=-1) / 2

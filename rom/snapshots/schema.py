@@ -23,9 +23,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-# Which states have a quantity: all; those of scenes with an obstacle, or with a load; those of lines that keep the long
-# edges' heights (free, scattered and held-out ones); or those of scenes whose sampling.store names it.
-Scope = Literal["state", "obstacle", "load", "edges", "displacement", "pad_pressure", "channel_shortening"]
+# Which states have a quantity: all; those of scenes with an obstacle, or with a load, or with a load and all tendons in
+# channels; those of lines that keep the long edges' heights (free, scattered and held-out ones); or those of scenes
+# whose sampling.store names it.
+Scope = Literal[
+    "state", "obstacle", "load", "load in channels", "edges", "displacement", "pad_pressure", "channel_shortening"
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,6 +121,35 @@ QUANTITIES = (
         scope="load",
     ),
     Quantity(
+        name="section_place",
+        shape=("sections", 3),
+        unit="m",
+        meaning="mean position of every cross-section, see rom.snapshots.sections",
+        scope="load",
+    ),
+    Quantity(
+        name="section_rotation",
+        shape=("sections", 4),
+        unit="-",
+        meaning="rotation nearest to its motion, a unit quaternion, its scalar part first and not negative",
+        scope="load",
+    ),
+    Quantity(
+        name="section_corners",
+        shape=("sections", 4, 3),
+        unit="m",
+        meaning="its corners -y -z, -y z, y -z, y z in its own frame, less their positions in the undeformed section",
+        scope="load",
+    ),
+    Quantity(
+        name="section_shortening",
+        shape=("sections", "tendons"),
+        unit="m",
+        meaning="how much shorter every tendon has become from the clamp to the section, or to the tendon's end before "
+        "it; a straight tendon passes no section",
+        scope="load in channels",
+    ),
+    Quantity(
         name="pad_pressure", shape=(), unit="Pa", meaning="mean contact pressure on the pad", scope="pad_pressure"
     ),
     Quantity(
@@ -139,11 +171,12 @@ QUANTITIES = (
 FIELDS = ("displacement", "displacement_jacobian")  # many times larger than all else, and read only when asked for
 
 
-def sizes(*, segments: int, tendons: int, nodes: int, edge_nodes: int) -> dict[str, int]:
+def sizes(*, segments: int, sections: int, tendons: int, nodes: int, edge_nodes: int) -> dict[str, int]:
     """The sizes that shapes name."""
     return {
         "segments": segments,
         "signs": 5 * segments,
+        "sections": sections,
         "tendons": tendons,
         "nodes": nodes,
         "edge nodes": edge_nodes,

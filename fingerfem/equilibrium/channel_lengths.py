@@ -1,0 +1,67 @@
+"""How much shorter every tendon's channel has become between the clamp and each cross-section.
+
+The length of a channel between two sections is the integral of |F e_x| over its cells there, divided by its area, as in
+`mechanics.tendons`: integrated cell by cell with a test function that is constant on each.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from fingerfem.discretisation import form_cache, regions
+from fingerfem.discretisation.forms import quadrature_degree
+from fingerfem.discretisation.problem import Problem
+from fingerfem.discretisation.volume_energies import volume_measure
+from fingerfem.mechanics import kinematics, tendons
+from fingerfem.scene.grid_lines import grid_lines, in_channel
+
+
+class ChannelLengths:
+    """The channels of a problem whose tendons all run in channels (collective over its ranks).
+
+    Args:
+        problem: the discrete problem.
+    """
+
+    def __init__(self, problem: Problem):
+        self._problem, mesh, outline = problem, problem.mesh, problem.scene.outline
+        sections, _, _ = grid_lines(outline, problem.scene.mesh, problem.scene.is_half)
+        self._change = fem.Function(problem.space)
+        u, by_cell = problem.fields.u, fem.functionspace(mesh.mesh, ("DG", 0))
+        stretch = tendons.channelled(1.0)(kinematics.right_cauchy_green(u))
+        dx = volume_measure(mesh, quadrature_degree(problem.scene.mesh.order))
+        lengths = ufl.TestFunction(by_cell) * stretch * dx(regions.CHANNELS)
+        wanted = [lengths, ufl.derivative(lengths, u, self._change)]
+        self._lengths, self._length_changes = form_cache.forms(wanted)
+        owned = by_cell.dofmap.index_map.size_local
+        self._slab = np.searchsorted(sections, mesh.midpoints[0, :owned]) - 1
+        channels = [in_channel(outline, tendon, mesh.midpoints[:, :owned]) for tendon in problem.scene.tendons]
+        self._cells = [np.flatnonzero(channel) for channel in channels]
+        ends = [outline.plates[tendon.segment - 1][0] for tendon in problem.scene.tendons]
+        self._rest = np.minimum(sections[:, None], ends)
+
+    def quantities(self, changes: np.ndarray) -> dict[str, np.ndarray]:
+        """The shortenings at the state the problem is in, and their derivatives, as `rom.snapshots.schema` names them.
+
+        Args:
+            changes: of the displacement by p parameters, this rank's owned values, shape (p, owned values) [m].
+        """
+        found = []
+        for change in changes:
+            self._change.x.array[: len(change)] = change
+            self._change.x.scatter_forward()
+            found.append(-self._up_to_sections(self._length_changes))
+        return {
+            "section_shortening": self._rest - self._up_to_sections(self._lengths),
+            "section_shortening_jacobian": np.stack(found, axis=-1),
+        }
+
+    def _up_to_sections(self, form: fem.Form) -> np.ndarray:
+        """Integrals over the channels from the clamp to the sections over their areas, shape (sections, tendons)."""
+        by_cell, slabs = fem.assemble_vector(form).array, len(self._rest) - 1
+        parts = [np.bincount(self._slab[cells], by_cell[cells], slabs) for cells in self._cells]
+        area = self._problem.scene.geometry.channel_width**2 / self._problem.copies
+        whole = self._problem.comm.allreduce(np.array(parts).T) / area
+        return np.concatenate([np.zeros((1, len(parts))), np.cumsum(whole, axis=0)])
