@@ -109,9 +109,9 @@ def test_a_section_carries_the_wrenches_on_the_plates_beyond_it_and_no_tension(p
         force = sum((part for part, _, _ in expected), np.zeros(3))
         moment = sum((turn + np.cross(poses[k].centre - place, part) for part, turn, k in expected), np.zeros(3))
         scale = problem.force_scale
-        assert forces.sum(axis=0) == pytest.approx(-force, abs=1e-9 * scale)
+        assert forces.sum(axis=0) == pytest.approx(-force, abs=1e-10 * scale)
         about_section = np.cross(now[here] - place, forces).sum(axis=0)
-        assert about_section == pytest.approx(-moment, abs=1e-9 * scale * finger.scene.geometry.length)
+        assert about_section == pytest.approx(-moment, abs=1e-10 * scale * finger.scene.geometry.length)
 
 
 def near(pressed: Pressed, change: np.ndarray) -> dict[str, np.ndarray]:
