@@ -1,4 +1,4 @@
-"""python3 -m rom build | chain | check | info | export | page."""
+"""python3 -m rom build | elements | assemble | chain | check | info | export | page."""
 
 from __future__ import annotations
 
@@ -16,13 +16,15 @@ import typer
 from rom.checked_file import kind_of
 from rom.command_line import NOTHING_USABLE, AsJson, application, check_parts, run, show
 from rom.file_kinds import uses_of
+from rom.rod import rod
+from rom.rod.rod import Rod
 from rom.segment import chain, segment_map
 from rom.segment.chain import Chain
 from rom.segment.segment_map import SegmentMap
 from rom.segment.touched_segment import TouchedSegment
 from rom.snapshots.description import difference
 from rom.snapshots.snapshot_set import SnapshotSet
-from rom.summaries import chain_summary, segment_summary, summary
+from rom.summaries import chain_summary, origin, rod_summary, segment_summary, summary
 from rom.surrogate import Surrogate
 from rom.table import percent
 from rom.terminal import log_lines, say, steps
@@ -182,6 +184,41 @@ def chain_models(
     show(chain_summary(made), made.tables(), as_json)
 
 
+@app.command()
+def elements(
+    folder: Annotated[Path, typer.Argument(metavar="SET/", help="A training set of a scene with a load.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FINGER.h5")],
+    as_json: AsJson = False,
+) -> None:
+    """Train rod elements on a set, and write the set's own finger, of which others are assembled."""
+    from rom.elements.section_states import read_section_states
+    from rom.elements.training import train
+
+    log_lines()
+    check_folder(output)
+    snapshots = SnapshotSet(folder)
+    states = read_section_states(snapshots)
+    with steps() as progress:
+        found = train(states, origin(snapshots), progress)
+    finger = Rod(elements=found, scene=states.scene)
+    finger.save(output)
+    show(rod_summary(finger), finger.tables(), as_json)
+
+
+@app.command()
+def assemble(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The finger: geometry, material and tendons.")],
+    trained: Annotated[Path, typer.Argument(metavar="ELEMENTS.h5", help="A finger, whose elements are taken.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FINGER.h5")],
+    as_json: AsJson = False,
+) -> None:
+    """Assemble the finger of a scene from the elements of another: of any length, size, modulus, up to 8 segments."""
+    check_folder(output)
+    finger = Rod.load(trained).assembled(scene)
+    finger.save(output)
+    show(rod_summary(finger), finger.tables(), as_json)
+
+
 @app.command("check")
 def check_model(
     model: ModelFile,
@@ -217,6 +254,9 @@ def check_model(
 @app.command()
 def info(model: ModelFile, as_json: AsJson = False) -> None:
     """What a model file holds: parameters with units and ranges, terms, accuracy, versions."""
+    if kind_of(model) == rod.KIND:
+        finger = Rod.load(model)
+        show(rod_summary(finger), finger.tables(), as_json)
     if kind_of(model) in chain.KINDS:
         segments = Chain.load(model)
         show(chain_summary(segments), segments.tables(), as_json)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 
@@ -27,3 +29,10 @@ def statistics(absolute: np.ndarray, size: np.ndarray, estimate: np.ndarray | No
         "max": float(relative.max()),
         "p95_absolute": float(np.percentile(absolute, 95)),
     } | ({} if estimate is None else {"coverage": float(np.mean(absolute <= estimate))})
+
+
+def quantiles(errors: Sequence[float] | np.ndarray) -> dict[str, float]:
+    """Median, 95th percentile and largest of relative errors, shape (n,) [-]; those that are nan do not count."""
+    known = np.asarray(errors)[~np.isnan(errors)]
+    half, most, largest = np.quantile(known, [0.5, 0.95, 1.0]) if known.size else (np.nan,) * 3
+    return {"median": float(half), "p95": float(most), "max": float(largest), "count": int(known.size)}

@@ -33,14 +33,20 @@ SEGMENT_MAP = Kind(
     ("rom info", "rom check", "rom chain", "rom export .fmu", "rom page .html", *_CONTROL, "fingerfem certify"),
 )
 CHAIN = Kind("a chain of segment maps", ("rom info", "rom export .fmu", "rom page .html", *_CONTROL))
-TRAINING_SET = Kind("a training set", ("rom build", "rom check", *_SET))
+ROD = Kind("a finger of rod elements", ("rom info", "rom assemble"))
+TRAINING_SET = Kind("a training set", ("rom build", "rom elements", "rom check", *_SET))
 HELD_OUT_SET = Kind("a held-out set", ("rom check", "rom build --held-out", *_SET))
 SCENE = Kind("a scene", ("fingerfem solve", "fingerfem snapshots", "fingerfem render", "fingerfem sketch"))
 FMU = Kind("an FMU", ("a simulation tool that imports FMI 2 or 3",))
 HEADER = Kind("a C header", ("a C compiler",))
 PAGE = Kind("a page", ("a browser",))
 # Model files by what they begin with, others by their ending and a part of their text.
-MODELS = {"fingerfem surrogate": SURROGATE, "fingerfem segment map": SEGMENT_MAP, "fingerfem chain": CHAIN}
+MODELS = {
+    "fingerfem surrogate": SURROGATE,
+    "fingerfem segment map": SEGMENT_MAP,
+    "fingerfem chain": CHAIN,
+    "fingerfem rod": ROD,
+}
 OTHERS = {".toml": (b"", SCENE), ".fmu": (b"PK", FMU), ".h": (b"", HEADER), ".html": (b"<", PAGE), ".htm": (b"<", PAGE)}
 
 

@@ -2,9 +2,37 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from rom.rod.rod import Rod
 from rom.segment.chain import Chain
 from rom.segment.segment_map import SegmentMap
+from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
+
+
+def origin(snapshots: SnapshotSet) -> dict[str, Any]:
+    """What a model was made from, in plain data."""
+    return {
+        "fingerprint": snapshots.description.fingerprint,
+        "versions": snapshots.description.versions,
+        "states": snapshots.states,
+        "failed": len(snapshots.failures),
+    }
+
+
+def rod_summary(finger: Rod) -> dict[str, Any]:
+    """A finger of elements in plain data."""
+    return {
+        "scene": finger.scene["name"],
+        "parameters": finger.parameters,
+        "segments": [[{"element": kind, "length_m": length} for kind, length in one] for one in finger.pieces],
+        "terms": {kind: len(law.polynomial.powers) for kind, law in finger.elements.laws.items()},
+        "size": finger.similarity.size,
+        "modulus": finger.similarity.modulus,
+        "trained_on": finger.elements.scene["name"],
+        "provenance": finger.elements.provenance,
+    }
 
 
 def chain_summary(made: Chain) -> dict:

@@ -192,11 +192,13 @@ class Load(Table):
     force: Annotated[float, Field(gt=0, le=1e4)]  # largest on a plate [N]
     friction_angle: Annotated[float, Field(ge=0, le=1.5)] = 0.0  # most between a force and its surface's normal [rad]
     reach: Annotated[float, Field(ge=0, le=1.0)] = 0.0  # of a segment that follows, through which forces act too [m]
+    moment: Annotated[float, Field(ge=0, le=1e4)] = 0.0  # largest beside a force, as a longer finger transmits [N m]
 
     def parameters(self, geometry: Geometry) -> list[dict[str, Any]]:
         """Name, unit, lowest and highest value of the wrenches' components, plate by plate from clamp to tip."""
         arms = np.maximum(geometry.half_lengths, self.reach)
         highest = self.force * np.array([1, 1, 1, *(np.hypot(*np.delete(arms, i)) for i in range(3))])
+        highest[3:] = np.maximum(highest[3:], self.moment)
         plates = [str(k + 1) for k in range(len(geometry.segments))] if len(geometry.segments) > 1 else [""]
         return [
             {"name": name + plate, "unit": unit, "lower": -float(most), "upper": float(most)}

@@ -3,7 +3,8 @@
 A rigid object touches a plate at the corner that lies deepest in it, or along an edge, or on a face: where the plate's
 own surface is normal to the object's, or a corner of it may be. So every wrench is one force at one point of the
 plate's surface, along the inward normal there or turned from it by friction. A segment that follows passes forces on
-that act elsewhere, as far as it reaches.
+that act elsewhere, as far as it reaches. Where elements shall serve longer fingers, half of the wrenches have a moment
+of any direction beside the force: the larger the one, the smaller the other.
 """
 
 from __future__ import annotations
@@ -13,15 +14,17 @@ from scipy.spatial.transform import Rotation
 
 from fingerfem.scene.scene import Scene
 
-EACH = 9  # numbers that one wrench is drawn by
+EACH, MOMENT = 9, 3  # numbers that one wrench is drawn by; that its moment is drawn by besides
 BEHIND = 0.2  # most of a normal's component along the plate's axis: farther behind, the rubber touches first [-]
 CORNERS, EDGES = 0.6, 0.85  # share of forces at corners; at corners or on edges; the others act within faces [-]
+WITH_MOMENT = 0.5  # share of wrenches that have a moment of their own, in a scene that has any
 SPREAD = 0.6  # exponent of a uniform share that makes large forces frequent: fits err most at their ends [-]
 
 
 def draws(scene: Scene) -> int:
     """Numbers in [0, 1) that the wrenches on all plates are drawn by."""
-    return EACH * len(scene.geometry.segments)
+    each = EACH + (MOMENT if scene.load is not None and scene.load.moment else 0)
+    return each * len(scene.geometry.segments)
 
 
 def on_plates(scene: Scene, drawn: np.ndarray) -> np.ndarray:
@@ -38,7 +41,14 @@ def _on_plate(scene: Scene, drawn: np.ndarray) -> np.ndarray:
     if load.reach:
         points = _ahead(load.reach, drawn[:, 2:5])
     forces = load.force * drawn[:, 5:6] ** SPREAD * _turned(normal, load.friction_angle, drawn[:, 6:8])
-    return np.concatenate([forces, np.cross(points, forces)], axis=1)
+    if not load.moment:
+        return np.concatenate([forces, np.cross(points, forces)], axis=1)
+    share = np.where(drawn[:, 8:9] < WITH_MOMENT, drawn[:, 9:10], 0.0)
+    forces *= 1 - share
+    along = 2 * drawn[:, 10] - 1
+    across, angle = np.sqrt(1 - along**2), 2 * np.pi * drawn[:, 11]
+    moments = load.moment * share * np.column_stack([along, across * np.cos(angle), across * np.sin(angle)])
+    return np.concatenate([forces, np.cross(points, forces) + moments], axis=1)
 
 
 def _directions(height: np.ndarray, angle: np.ndarray) -> np.ndarray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -284,10 +283,3 @@ def _field(file: h5py.Group, amounts: Polynomial) -> Field:
     return Field(
         nodes=file["nodes"][:], mean=mean, modes=modes, amounts=amounts, error=float(file.attrs["field_error"])
     )
-
-
-def quantiles(errors: Sequence[float] | np.ndarray) -> dict[str, float]:
-    """Median, 95th percentile and largest of relative errors, shape (n,) [-]; those that are nan do not count."""
-    known = np.asarray(errors)[~np.isnan(errors)]
-    half, most, largest = np.quantile(known, [0.5, 0.95, 1.0]) if known.size else (np.nan,) * 3
-    return {"median": float(half), "p95": float(most), "max": float(largest), "count": int(known.size)}

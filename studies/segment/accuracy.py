@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rom.segment.segment_map import quantiles
+from rom.error_statistics import quantiles
 from rom.segment.training import build
 from rom.segment.training.contact_error import gap_by_force, relative_force_errors
 from rom.segment.training.mirrors import with_images

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from rom import Chain, Cylinder, TouchedSegment
+from rom.error_statistics import quantiles
 from rom.segment.objects import Object, facing_plane
-from rom.segment.segment_map import quantiles
 from rom.segment.training import build
 from rom.snapshots.snapshot_set import SnapshotSet
 from studies import sets

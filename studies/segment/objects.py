@@ -12,8 +12,8 @@ import numpy as np
 from control.model import Model
 from rom import BackedSegment, Surrogate, TouchedSegment
 from rom.build import train
+from rom.error_statistics import quantiles
 from rom.segment.objects import facing_plane
-from rom.segment.segment_map import quantiles
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotSet, read_task
 from studies import sets

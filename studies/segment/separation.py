@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from rom.error_statistics import quantiles
 from rom.fit.chebyshev import products
-from rom.segment.segment_map import SegmentMap, quantiles
+from rom.segment.segment_map import SegmentMap
 from rom.segment.training.contact_error import relative_force_errors
 from rom.snapshots.pressed_states import read_pressed_states
 from studies.runner import Run

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from rom.error_statistics import quantiles
 from rom.file_kinds import uses_of
 from rom.fit.chebyshev import Polynomial, total_degree
-from rom.segment.segment_map import SegmentMap, quantiles
+from rom.segment.segment_map import SegmentMap
 from rom.segment.training.contact_error import place_errors, relative_force_errors
 from rom.segment.training.field_fit import field_fit
 from rom.segment.training.index_set import index_set, pure_degree

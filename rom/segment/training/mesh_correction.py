@@ -15,10 +15,11 @@ from itertools import count
 
 import numpy as np
 
+from rom.error_statistics import quantiles
 from rom.fit.chebyshev import Polynomial
 from rom.fit.mesh_error import covering
 from rom.segment.field import Field
-from rom.segment.segment_map import SegmentMap, quantiles
+from rom.segment.segment_map import SegmentMap
 from rom.segment.training.contact_error import place_errors, relative_force_errors
 from rom.segment.training.field_fit import pod_modes, single
 from rom.segment.training.index_set import index_set, pure_degree

@@ -7,8 +7,9 @@ inner wrench is carried from the plate to the clamp, the strains follow from it,
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from rom.error_statistics import quantiles
 from rom.fit.chebyshev import Polynomial
-from rom.segment.segment_map import SegmentMap, quantiles
+from rom.segment.segment_map import SegmentMap
 from rom.segment.training import pose_fit
 from rom.segment.training.build import few_products, skin_fit
 from rom.segment.training.mirrors import with_images

@@ -1,0 +1,56 @@
+"""The elements that a segment of a length consists of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from rom.checked_file import ModelError
+from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE
+from rom.snapshots.grid import SHARE
+
+
+class Piece(NamedTuple):
+    """An element of a segment: its kind, and its length at rest [m]."""
+
+    kind: str
+    length: float
+
+
+def pieces(lengths: Mapping[str, tuple[float, float]], length: float) -> list[Piece]:
+    """The elements between a clamp and a plate's centre, from the plate to the clamp.
+
+    Interior elements are as few as can be, and equally long.
+
+    Args:
+        lengths: shortest and longest of every kind of element [m].
+        length: from the clamp to the plate's centre [m].
+
+    Raises:
+        ModelError: these elements make no segment of this length.
+    """
+    slack = SHARE * length
+    if WHOLE in lengths:
+        if abs(length - lengths[WHOLE][0]) > slack:
+            raise ModelError(
+                f"segment must be {lengths[WHOLE][0]:.6g} m long from clamp to plate's centre, as these elements are "
+                f"of a finger in one piece, got {length:.6g}; train elements on a finger of three sides or more"
+            )
+        return [Piece(WHOLE, lengths[WHOLE][0])]
+    ends = lengths[CLAMP][0] + lengths[PLATE][0]
+    rest = length - ends
+    if rest < -slack:
+        raise ModelError(
+            f"segment must be at least {ends:.6g} m long from clamp to plate's centre, the length of its clamp and "
+            f"plate pieces, got {length:.6g}"
+        )
+    if rest > slack and INTERIOR not in lengths:
+        raise ModelError(
+            f"segment must be {ends:.6g} m long from clamp to plate's centre, as there is no interior element, "
+            f"got {length:.6g}; train elements on a longer finger"
+        )
+    count = max(int(np.ceil(rest / lengths[INTERIOR][1] - SHARE)), 1) if rest > slack else 0
+    interior = [Piece(INTERIOR, rest / max(count, 1))] * count
+    return [Piece(PLATE, lengths[PLATE][0]), *interior, Piece(CLAMP, lengths[CLAMP][0])]

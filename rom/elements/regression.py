@@ -1,0 +1,86 @@
+"""Least squares for values and derivatives of smooth functions, and what lines that are left out are predicted as.
+
+Gradient-enhanced regression (Peng, Hampton, Doostan, J. Comput. Phys. 310, 2016, doi:10.1016/j.jcp.2015.12.049) in
+products of Chebyshev polynomials of the scaled inputs. The normal equations are kept line by line: A fit without a line
+is one subtraction and one factorisation, and a fit of fewer products is a part of the same matrices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from rom.fit.chebyshev import Polynomial, products
+
+DERIVATIVES = 0.3  # weight of a derivative by an input scaled to [-1, 1], beside a value [-]
+RIDGE = 1e-13  # of the normal equations' largest entry: round-off of a double's sums [-]
+ROWS = 2000  # rows of values that are worked on at once: bounds the memory
+
+
+class NormalEquations:
+    """Normal equations of m functions of p inputs, in folds of lines.
+
+    Args:
+        lower: of the inputs, shape (p,).
+        upper: likewise.
+        powers: of the products, shape (k, p).
+        folds: number of folds.
+        values: number of functions m.
+    """
+
+    def __init__(self, lower: np.ndarray, upper: np.ndarray, powers: np.ndarray, folds: int, values: int):
+        self.lower, self.upper, self.powers, self.folds = lower, upper, powers, folds
+        self.rows = np.zeros(folds)
+        self._gram = np.zeros((folds, len(powers), len(powers)))
+        self._right = np.zeros((folds, len(powers), values))
+
+    def add(self, inputs: np.ndarray, values: np.ndarray, jacobians: np.ndarray, fold: np.ndarray) -> None:
+        """Add samples.
+
+        Args:
+            inputs: shape (n, p).
+            values: shape (n, m).
+            jacobians: by the first inputs, shape (n, m, q), q at most p: those by the others are not known.
+            fold: of every sample, shape (n,).
+        """
+        half = (self.upper - self.lower) / 2
+        for k in range(self.folds):
+            own = np.flatnonzero(fold == k)
+            for part in np.array_split(own, len(own) // ROWS + 1):
+                scaled = (inputs[part] - self.lower) / half - 1
+                self._add(k, products(scaled, self.powers), values[part])
+                for a in range(jacobians.shape[2]):
+                    rows = DERIVATIVES * products(scaled, self.powers, a)
+                    self._add(k, rows, DERIVATIVES * half[a] * jacobians[part, :, a])
+
+    def _add(self, fold: int, rows: np.ndarray, values: np.ndarray) -> None:
+        self.rows[fold] += len(rows)
+        self._gram[fold] += rows.T @ rows
+        self._right[fold] += rows.T @ values
+
+    def fit(self, chosen: np.ndarray, without: int | None = None) -> Polynomial:
+        """The polynomial of some of the products.
+
+        Args:
+            chosen: positions of the products, shape (j,).
+            without: a fold that is left out.
+        """
+        folds = [k for k in range(self.folds) if k != without]
+        gram, right = self._sums(folds)
+        normal = gram[np.ix_(chosen, chosen)]
+        normal[np.diag_indices_from(normal)] += RIDGE * normal.max()
+        factor = cho_factor(normal)
+        coefficients = cho_solve(factor, right[chosen])
+        return Polynomial(lower=self.lower, upper=self.upper, powers=self.powers[chosen], coefficients=coefficients)
+
+    def _sums(self, folds: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+        gram, right = self._total
+        for k in set(range(self.folds)) - set(folds):
+            gram, right = gram - self._gram[k], right - self._right[k]
+        return gram, right
+
+    @property
+    def _total(self) -> tuple[np.ndarray, np.ndarray]:
+        return self._gram.sum(axis=0), self._right.sum(axis=0)

@@ -1,0 +1,175 @@
+"""Full-order states of a finger as bodies in a row: its cross-sections from the clamp on, then its plate.
+
+Every body has a place, a rotation, and the wrench that it transmits: what presses on the plate, moved there. Tendons
+are internal to the finger, so they add nothing. Each comes with its derivatives by tensions and by the plate's wrench.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from rom.brief import brief
+from rom.file_kinds import uses_of
+from rom.snapshots.rigid_motion import motions, rotations
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+
+WRENCH = 6  # force [N] and moment [N m]
+
+
+@brief
+@dataclass(frozen=True, kw_only=True)
+class Bodies:
+    """The same body in n states; shapes with m as their second axis hold m bodies.
+
+    Attributes:
+        places: of its centre in space, shape (n, 3) [m].
+        rotations: of its frame, shape (n, 3, 3) [-].
+        motions: R^T dc and R^T dtheta by the inputs, shape (n, 6, t + 6) [m, rad].
+    """
+
+    places: np.ndarray
+    rotations: np.ndarray
+    motions: np.ndarray
+
+    def __getitem__(self, k: int) -> Bodies:
+        """Body k of several."""
+        return Bodies(places=self.places[:, k], rotations=self.rotations[:, k], motions=self.motions[:, k])
+
+
+@brief
+@dataclass(frozen=True, kw_only=True)
+class SectionStates:
+    """States of a segment, those without a wrench among them.
+
+    Attributes:
+        scene: as plain data.
+        inputs: tensions [N], then force [N] and moment [N m] on the plate in its frame, shape (n, t + 6).
+        lines: of states that were solved together, shape (n,).
+        at: where cross-sections are at rest along the axis, shape (m,) [m]; the last one is the plate's near face.
+        sections: these, m of them.
+        plate: the plate, by its centre.
+        shortenings: of the tendons between clamp and cross-section, shape (n, m, t) [m].
+        shortening_changes: by the inputs, shape (n, m, t, t + 6).
+    """
+
+    scene: dict[str, Any]
+    inputs: np.ndarray
+    lines: np.ndarray
+    at: np.ndarray
+    sections: Bodies
+    plate: Bodies
+    shortenings: np.ndarray
+    shortening_changes: np.ndarray
+
+    @property
+    def tensions(self) -> int:
+        """Number of tensions."""
+        return self.inputs.shape[1] - WRENCH
+
+    @property
+    def forces(self) -> np.ndarray:
+        """Size of the force on the plate, shape (n,) [N]."""
+        return np.asarray(np.linalg.norm(self.inputs[:, self.tensions : self.tensions + 3], axis=1))
+
+    @property
+    def length(self) -> float:
+        """From the clamp to the plate's centre at rest [m]."""
+        geometry = self.scene["geometry"]
+        return float(sum(geometry["segments"]) - geometry["plate"] / 2)
+
+    def body(self, k: int) -> Bodies:
+        """Cross-section k; the plate if k is their number."""
+        return self.plate if k == len(self.at) else self.sections[k]
+
+    def transmitted(self, k: int) -> tuple[np.ndarray, np.ndarray]:
+        """The wrench that body k transmits, in its own frame about its centre, and its derivatives by the inputs.
+
+        With P = R_k^T R_p and the plate's centre at a = R_k^T (c_p - c_k): f = P f_p, m = P m_p + a x f.
+
+        Returns:
+            shapes (n, 6) and (n, 6, t + 6) [N, N m].
+        """
+        t, body, plate = self.tensions, self.body(k), self.plate
+        relative = np.einsum("nji,njk->nik", body.rotations, plate.rotations)
+        arm = np.einsum("nji,nj->ni", body.rotations, plate.places - body.places)
+        force = np.einsum("nij,nj->ni", relative, self.inputs[:, t : t + 3])
+        own = np.einsum("nij,nj->ni", relative, self.inputs[:, t + 3 :])
+        moved, turned = (relative @ plate.motions[:, part] for part in (slice(3), slice(3, 6)))
+        turn = turned - body.motions[:, 3:]
+        arm_change = moved - body.motions[:, :3] - np.cross(body.motions[:, 3:], arm[..., None], axis=1)
+        force_change = np.cross(turn, force[..., None], axis=1)
+        force_change[:, :, t : t + 3] += relative
+        moment_change = np.cross(turn, own[..., None], axis=1)
+        moment_change[:, :, t + 3 :] += relative
+        moment_change += np.cross(arm_change, force[..., None], axis=1) + np.cross(arm[..., None], force_change, axis=1)
+        wrench = np.concatenate([force, own + np.cross(arm, force)], axis=1)
+        return wrench, np.concatenate([force_change, moment_change], axis=1)
+
+
+def read_section_states(snapshots: SnapshotSet) -> SectionStates:
+    """The states of a set that have an answer.
+
+    Raises:
+        SnapshotError: it is no set of a scene with a load, or of a finger of several segments, or has no answer.
+    """
+    description = snapshots.description
+    if not description.has_load:
+        raise SnapshotError(f"{snapshots.path}: must be a set of a scene with a load{uses_of(snapshots.path)}")
+    if len(description.scene["geometry"]["segments"]) > 1:
+        raise SnapshotError(
+            f"{snapshots.path}: must be of one segment: elements of it make fingers of several, got several"
+        )
+    parts = [(k, snapshots.task(name)) for k, name in enumerate(snapshots.tasks)]
+    if not any(part["converged"].any() for _, part in parts):
+        raise SnapshotError(f"{snapshots.path}: must have states with an answer, got none")
+
+    def together(name: str) -> np.ndarray:
+        return np.concatenate([part[name][part["converged"]] for _, part in parts])
+
+    before_plate = snapshots.body.sections <= snapshots.body.plates[-1, 0] + snapshots.body.tolerance
+    return SectionStates(
+        scene=description.scene,
+        inputs=together("parameters"),
+        lines=np.concatenate([np.full(int(part["converged"].sum()), k) for k, part in parts]),
+        at=snapshots.body.sections[before_plate],
+        sections=_in_space(
+            *(together(f"section_{name}")[:, before_plate] for name in ("place", "place_jacobian")),
+            *(together(f"section_{name}")[:, before_plate] for name in ("rotation", "rotation_jacobian")),
+        ),
+        plate=_seen_from_plate(
+            *(together(f"clamp_place{end}")[:, 0] for end in ("", "_jacobian")),
+            *(together(f"plate_rotation{end}")[:, 0] for end in ("", "_jacobian")),
+        ),
+        shortenings=together("section_shortening")[:, before_plate],
+        shortening_changes=together("section_shortening_jacobian")[:, before_plate],
+    )
+
+
+def _in_space(
+    places: np.ndarray, place_changes: np.ndarray, quaternions: np.ndarray, quaternion_changes: np.ndarray
+) -> Bodies:
+    """Bodies by places in space and quaternions, shapes (n, m, ...), and their derivatives, (n, m, ..., t + 6)."""
+    scalar, vector = quaternions[..., :1, None], quaternions[..., 1:, None]
+    change, turning = quaternion_changes[..., :1, :], quaternion_changes[..., 1:, :]
+    turned = 2 * (scalar * turning - change * vector - np.cross(vector, turning, axis=-2))
+    matrices = Rotation.from_quat(quaternions.reshape(-1, 4), scalar_first=True).as_matrix()
+    rotation = matrices.reshape(*quaternions.shape[:-1], 3, 3)
+    moved = np.swapaxes(rotation, -1, -2) @ place_changes
+    return Bodies(places=places, rotations=rotation, motions=np.concatenate([moved, turned], axis=-2))
+
+
+def _seen_from_plate(
+    clamp: np.ndarray, clamp_changes: np.ndarray, quaternions: np.ndarray, quaternion_changes: np.ndarray
+) -> Bodies:
+    """The plate by the clamp's place seen from it and its quaternion, shapes (n, ...), and their derivatives."""
+    poses = np.concatenate([clamp, quaternions], axis=1)
+    rotation = rotations(poses)
+    return Bodies(
+        places=-np.einsum("nij,nj->ni", rotation, clamp),
+        rotations=rotation,
+        motions=motions(poses, np.concatenate([clamp_changes, quaternion_changes], axis=1)),
+    )

@@ -1,0 +1,80 @@
+"""Mirrors and turns of the section that map a finger onto itself: every sample of an element is several.
+
+Of a map S of space that keeps the axis, with det S = -1 for a mirror, forces and places go with S, and moments and
+turns, which are axial vectors, with det(S) S.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from rom.brief import brief
+from rom.elements.samples import Samples
+from rom.snapshots.grid import SHARE
+
+
+@brief
+@dataclass(frozen=True, kw_only=True)
+class Mirror:
+    """A map of an element onto itself: x -> inputs @ x of tensions and wrench, y -> values @ y of what it does.
+
+    Attributes:
+        inputs: orthogonal, shape (t + 6, t + 6).
+        values: orthogonal, shape (6 + t, 6 + t).
+    """
+
+    inputs: np.ndarray
+    values: np.ndarray
+
+    def of(self, samples: Samples) -> Samples:
+        """The samples' images."""
+        return replace(
+            samples,
+            inputs=samples.inputs @ self.inputs.T,
+            values=samples.values @ self.values.T,
+            jacobians=self.values @ samples.jacobians @ self.inputs.T,
+        )
+
+
+def mirrors(scene: dict[str, Any]) -> list[Mirror]:
+    """Of a square section, all that exchange tendons of one range and path; the identity is left out."""
+    return [found for S in _square()[1:] if (found := _of_section(S, scene["tendons"])) is not None]
+
+
+def _square() -> list[np.ndarray]:
+    """The maps of a square onto itself, shapes (2, 2), the identity first."""
+    signs = [np.diag(pair) for pair in product((1.0, -1.0), repeat=2)]
+    return [*signs, *(sign[:, ::-1] for sign in signs)]
+
+
+def _of_section(S: np.ndarray, tendons: list[dict[str, Any]]) -> Mirror | None:
+    """The mirror by a map of the section, if it takes every tendon to one of the same range and path."""
+    exchange = np.zeros((len(tendons), len(tendons)))
+    near = SHARE * np.max(np.abs([tendon["offset"] for tendon in tendons]))
+    for k, tendon in enumerate(tendons):
+        there = S @ tendon["offset"]
+        for j, other in enumerate(tendons):
+            alike = all(tendon[key] == other[key] for key in ("tension", "path", "segment"))
+            exchange[j, k] = alike and np.allclose(there, other["offset"], rtol=0, atol=near)
+    if not (exchange.sum(axis=0) == 1).all():
+        return None
+    polar = block_diag(1.0, S)
+    axial = np.linalg.det(S) * polar
+    return Mirror(inputs=block_diag(exchange, polar, axial), values=block_diag(polar, axial, exchange))
+
+
+def with_images(samples: Samples, scene: dict[str, Any]) -> Samples:
+    """Samples and their images, those of a state in its line."""
+    parts = [samples, *(mirror.of(samples) for mirror in mirrors(scene))]
+    return replace(
+        samples,
+        inputs=np.concatenate([part.inputs for part in parts]),
+        values=np.concatenate([part.values for part in parts]),
+        jacobians=np.concatenate([part.jacobians for part in parts]),
+        lines=np.concatenate([part.lines for part in parts]),
+    )

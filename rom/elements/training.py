@@ -1,0 +1,154 @@
+"""Section states of a finger -> its elements, chosen by the error of the finger that is assembled from them.
+
+All laws are fitted to the states of all lines. Their degrees are chosen by the contact forces of the assembled finger
+in lines that were left out, as an element's own residual does not show what it does to the finger.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from rom.elements.candidates import Candidates, candidates
+from rom.elements.contact_error import relative_force_errors
+from rom.elements.cuts import cut
+from rom.elements.elements import Elements
+from rom.elements.march import march
+from rom.elements.pieces import Piece, pieces
+from rom.elements.samples import element_samples
+from rom.elements.section_states import SectionStates
+from rom.elements.symmetry import with_images
+from rom.error_statistics import quantiles
+from rom.fit.chebyshev import Polynomial
+from rom.snapshots.snapshot_set import SnapshotError
+from rom.terminal import Progress, quiet
+
+WEIGHTS = 0.8, 1.5, 1.0  # of the powers of tensions, force and moment: measured, forces matter least [-]
+LOWEST, STEP, HIGHEST = 2.0, 0.5, 5.0  # weighted degrees that are tried [-]
+FOLDS = 8  # groups of lines that are left out together, at most
+FEWEST = 4  # lines
+SHARE = 0.9  # quantile of the predicted states' errors by which degrees are compared [-]
+BETTER = 0.97  # by which factor more products must make the error smaller [-]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Training:
+    """The regressions of a finger's elements.
+
+    Attributes:
+        states: the states.
+        fold: of each, shape (n,).
+        kinds: candidates of every kind of element.
+    """
+
+    states: SectionStates
+    fold: np.ndarray
+    kinds: dict[str, Candidates]
+    _laws: dict[tuple[str, float, int], Polynomial] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def pieces(self) -> list[Piece]:
+        """The finger's own elements, from the plate to the clamp."""
+        lengths = {kind: one.lengths for kind, one in self.kinds.items()}
+        return pieces(lengths, self.states.length)
+
+    def left_out(self, degrees: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+        """The plate's places and rotations, every state predicted by a finger of the other folds, (n, 3), (n, 3, 3)."""
+        t, n = self.states.tensions, len(self.fold)
+        places, turned = np.zeros((n, 3)), np.zeros((n, 3, 3))
+        for k in range(self.fold.max() + 1):
+            own = self.fold == k
+            laws = [self._law(piece, degrees[piece.kind], k) for piece in self.pieces]
+            marched = march(laws, self.states.inputs[own, :t], self.states.inputs[own, t:])
+            places[own], turned[own] = marched.plate
+        return places, turned
+
+    def _law(self, piece: Piece, degree: float, without: int) -> Polynomial:
+        key = piece.kind, degree, without
+        if key not in self._laws:
+            self._laws[key] = self.kinds[piece.kind].law(degree, without).of_length(piece.length)
+        return self._laws[key]
+
+    def score(self, degrees: dict[str, float]) -> float:
+        """Relative error of contact forces of states that were left out, SHARE of them [-]."""
+        return float(np.nanquantile(relative_force_errors(self.states, *self.left_out(degrees)), SHARE))
+
+
+def prepare(states: SectionStates) -> Training:
+    """The regressions of a finger's elements.
+
+    Raises:
+        SnapshotError: too few lines to leave some out.
+    """
+    lines = np.unique(states.lines)
+    if len(lines) < FEWEST:
+        raise SnapshotError(f"lines with an answer must be at least {FEWEST} to train elements, got {len(lines)}")
+    fold_of = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
+    weights = np.repeat(WEIGHTS, [states.tensions, 3, 3])
+    kinds = {}
+    for kind, pairs in cut(states.at, states.scene["geometry"]["side"]).items():
+        samples = [with_images(element_samples(states, *pair), states.scene) for pair in pairs]
+        kinds[kind] = candidates(samples, fold_of, weights, HIGHEST)
+    return Training(states=states, fold=np.array([fold_of[int(line)] for line in states.lines]), kinds=kinds)
+
+
+def train(states: SectionStates, provenance: dict[str, Any], progress: Progress = quiet) -> Elements:
+    """The elements of a finger's states.
+
+    Args:
+        states: the states.
+        provenance: what they are from.
+        progress: is told how far it is.
+
+    Raises:
+        SnapshotError: too few lines to leave some out.
+    """
+    progress("fitting elements", 0, 2)
+    training = prepare(states)
+    progress("fitting elements", 1, 2)
+    degrees = best_degrees(training)
+    places, turned = training.left_out(degrees)
+    laws = {kind: one.law(degrees[kind]) for kind, one in training.kinds.items()}
+    progress("fitting elements", 2, 2)
+    off = np.linalg.norm(places - states.plate.places, axis=1)
+    return Elements(
+        laws=laws,
+        scene=states.scene,
+        force=float(states.scene["load"]["force"]),
+        provenance=provenance
+        | {
+            "degrees": degrees,
+            "left_out": {
+                "contact_force": quantiles(relative_force_errors(states, places, turned)),
+                "place_m": quantiles(off),
+                "free_place_m": quantiles(off[states.forces == 0]),
+            },
+        },
+    )
+
+
+def best_degrees(training: Training) -> dict[str, float]:
+    """The degrees with the best prediction: each kind's grows in turn as long as that makes the prediction better."""
+    degrees = dict.fromkeys(training.kinds, LOWEST)
+    best, grows = training.score(degrees), list(training.kinds)
+    while grows:
+        tried = {kind: degrees | {kind: degrees[kind] + STEP} for kind in grows}
+        grows = [kind for kind in grows if _possible(training.kinds[kind], tried[kind][kind])]
+        scores = {kind: training.score(tried[kind]) for kind in grows}
+        if not scores:
+            break
+        kind = min(scores, key=scores.__getitem__)
+        together = {kind: degrees[kind] + STEP * (kind in grows) for kind in degrees}
+        shared = training.score(together)
+        step = together if shared < scores[kind] else tried[kind]
+        if min(shared, scores[kind]) > BETTER * best:
+            break
+        best, degrees = min(shared, scores[kind]), step
+    return degrees
+
+
+def _possible(one: Candidates, degree: float) -> bool:
+    return degree <= HIGHEST and one.supports(degree)

@@ -1,0 +1,1 @@
+"""A finger assembled from rod elements."""

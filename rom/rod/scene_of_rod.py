@@ -1,0 +1,153 @@
+"""Whether elements make the finger of a scene: by which size and modulus they are scaled, and which tendons are whose.
+
+By similarity, a finger `size` times as large of rubber `modulus` times as stiff does the same under forces
+modulus * size^2 times as large, at equal ratios of all lengths and of all moduli: exactly.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rom.checked_file import ModelError
+
+NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
+MOST_SEGMENTS = 8
+# Powers of a modulus that a law's constants go with: 1 [Pa], -1 [1/Pa]; others have no unit.
+MODULI = {"C1": 1, "C10": 1, "C01": 1, "D1": -1, "E": 1}
+
+
+class Similarity(NamedTuple):
+    """By how much elements are scaled [-], and which of their tendons every tendon of the finger is."""
+
+    size: float
+    modulus: float
+    tendons: list[int]
+
+
+def read_scene(path: str | Path) -> dict[str, Any]:
+    """The tables of a scene's file that a rod needs.
+
+    Raises:
+        ModelError: no file, no TOML, or a table is missing.
+    """
+    try:
+        with Path(path).open("rb") as stream:
+            scene = tomllib.load(stream)
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ModelError(f"{path}: must be a scene in TOML, got {error}") from None
+    try:
+        return of_tables(scene)
+    except ModelError as error:
+        raise ModelError(f"{path}: {error}") from None
+
+
+def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a scene that a rod needs, with what they leave out.
+
+    Raises:
+        ModelError: a table is missing or is no table of a scene.
+    """
+    for name, kind in (("geometry", dict), ("material", dict), ("tendons", list)):
+        if not isinstance(scene.get(name), kind):
+            raise ModelError(f"{name} must be given, got {scene.get(name)}")
+    try:
+        return {
+            "name": str(scene.get("name", "finger")),
+            "geometry": _geometry(scene["geometry"]),
+            "material": dict(scene["material"]),
+            "tendons": [_tendon(one) for one in scene["tendons"]],
+        }
+    except (KeyError, TypeError, ValueError) as error:
+        raise ModelError(
+            f"scene must have geometry and tendons as docs/reference/scene.md says, got {error!r}"
+        ) from None
+
+
+def _geometry(table: dict[str, Any]) -> dict[str, Any]:
+    sizes = {name: float(table[name]) for name in ("side", "plate")}
+    channel = table.get("channel")
+    return sizes | {
+        "segments": [float(one) for one in table["segments"]],
+        "channel": None if channel is None else float(channel),
+    }
+
+
+def _tendon(table: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "name": str(table["name"]),
+        "path": str(table.get("path", "channel")),
+        "offset": [float(part) for part in table["offset"]],
+        "segment": int(table["segment"]),
+        "tension": [float(end) for end in table["tension"]],
+    }
+
+
+def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similarity:
+    """By how much elements of a trained scene must be scaled for another.
+
+    Raises:
+        ModelError: they are of another section, rubber or plate, or lack a tendon: one line with both values.
+    """
+    size = scene["geometry"]["side"] / trained["geometry"]["side"]
+    for name in ("plate", "channel"):
+        own, other = (_ratio(one["geometry"], name) for one in (scene, trained))
+        _equal(f"geometry.{name} over geometry.side", own, other)
+    modulus = _modulus(trained["material"], scene["material"])
+    count = len(scene["geometry"]["segments"])
+    if not 1 <= count <= MOST_SEGMENTS:
+        raise ModelError(f"geometry.segments must be at least one and at most {MOST_SEGMENTS}, got {count}")
+    names = [one["name"] for one in scene["tendons"]]
+    if len(set(names)) < len(names):
+        raise ModelError(f"tendons must have names of their own, got {', '.join(names)}")
+    tendons = [_tendon_of(trained["tendons"], one, size, modulus, count) for one in scene["tendons"]]
+    return Similarity(size, modulus, tendons)
+
+
+def _ratio(geometry: Mapping[str, Any], name: str) -> float:
+    value = geometry.get(name)
+    return 0.2 if value is None else value / geometry["side"]  # a channel is a fifth of the side
+
+
+def _modulus(trained: Mapping[str, Any], material: Mapping[str, Any]) -> float:
+    law, other = (one.get("law", "neo-hookean") for one in (material, trained))
+    if law != other:
+        raise ModelError(f"material.law must be {other}, the elements' own, got {law}")
+    constants = [name for name in trained if name in MODULI or name == "nu"]
+    if missing := [name for name in constants if name not in material]:
+        raise ModelError(f"material.{missing[0]} must be given, got none")
+    first = next(name for name in constants if MODULI.get(name) == 1)
+    modulus = material[first] / trained[first]
+    for name in constants:
+        wanted = trained[name] * modulus ** MODULI.get(name, 0)
+        _equal(f"material.{name} (with {first} = {material[first]:g})", material[name], wanted)
+    return float(modulus)
+
+
+def _equal(name: str, value: float, wanted: float) -> None:
+    if abs(value - wanted) > NEAR * max(abs(value), abs(wanted)):
+        raise ModelError(f"{name} must be {wanted:.6g}, as the elements were trained with, got {value:.6g}")
+
+
+def _tendon_of(trained: list[dict[str, Any]], one: dict[str, Any], size: float, modulus: float, segments: int) -> int:
+    """Which trained tendon a tendon is."""
+    name, force = f"tendons.{one['name']}", modulus * size**2
+    if not 1 <= one["segment"] <= segments:
+        raise ModelError(f"{name}.segment must be from 1 to {segments}, got {one['segment']}")
+    for k, other in enumerate(trained):
+        apart = np.abs(np.array(one["offset"]) - size * np.array(other["offset"])).max()
+        if apart <= NEAR * size * np.abs(other["offset"]).max() and one["path"] == other["path"]:
+            lowest, highest = (end * force for end in other["tension"])
+            slack = NEAR * highest
+            if not lowest - slack <= one["tension"][0] < one["tension"][1] <= highest + slack:
+                raise ModelError(
+                    f"{name}.tension must lie in {lowest:.6g} to {highest:.6g} N, where the elements were trained, "
+                    f"got {one['tension']}"
+                )
+            return k
+    known = ", ".join(str([round(size * part, 9) for part in other["offset"]]) for other in trained)
+    raise ModelError(f"{name}.offset must be that of a tendon of the elements, one of {known} m, got {one['offset']}")

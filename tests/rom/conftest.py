@@ -1,0 +1,16 @@
+"""Elements of an elastic rod, trained once."""
+
+import pytest
+
+from rom.elements import training
+from tests.rom.elements import elastic_rod
+
+
+@pytest.fixture(scope="session")
+def rod_states():
+    return elastic_rod.states(24, 0)
+
+
+@pytest.fixture(scope="session")
+def rod_elements(rod_states):
+    return training.train(rod_states, {"states": len(rod_states.inputs)})

@@ -1,0 +1,82 @@
+"""Elements of an elastic rod: they predict what they were not trained on, and say by how much."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rom.elements import training
+from rom.elements.cuts import END, LONGEST, cut
+from rom.elements.regression import NormalEquations
+from rom.elements.samples import element_samples
+from rom.elements.section_states import Bodies
+from rom.elements.symmetry import with_images
+from rom.rod.rod import Rod
+from rom.snapshots.snapshot_set import SnapshotError
+from tests.rom.elements import elastic_rod
+
+
+@pytest.fixture(scope="module")
+def prepared(rod_states):
+    return training.prepare(rod_states)
+
+
+def test_a_finger_is_cut_into_end_pieces_of_a_side_and_interior_elements_between_them():
+    at = np.arange(50) * 0.001
+    found = cut(at, 0.010)
+    ((begin, first),), ((last, plate),) = found["clamp"], found["plate"]
+    assert begin == 0 and plate == len(at)
+    assert at[first] == pytest.approx(END * 0.010) and at[-1] - at[last] == pytest.approx(END * 0.010)
+    lengths = [at[j] - at[i] for i, j in found["interior"]]
+    assert min(lengths) == pytest.approx(0.001) and max(lengths) == pytest.approx(LONGEST * 0.010)
+    assert all(first <= i < j <= last for i, j in found["interior"])
+
+
+def test_a_finger_shorter_than_two_end_pieces_is_one_element():
+    assert cut(np.arange(19) * 0.001, 0.010) == {"whole": [(0, 19)]}
+
+
+def test_lines_left_out_are_predicted_as_well_as_held_out_states(rod_states, rod_elements, prepared):
+    """Left out or held out, the finger is predicted alike; and far better than its elements' lowest degree does."""
+    held_out = elastic_rod.states(10, 77)
+    left_out = rod_elements.provenance["left_out"]["place_m"]
+    finger = Rod(elements=rod_elements, scene=rod_states.scene)
+    found = finger.place(held_out.inputs[:, :2], held_out.inputs[:, None, 2:]).centres[:, 0]
+    off = np.linalg.norm(found - held_out.plate.places, axis=1)
+    assert np.median(off) < 2 * left_out["median"] and np.quantile(off, 0.95) < 2 * left_out["p95"]
+    lowest = prepared.score(dict.fromkeys(prepared.kinds, training.LOWEST))
+    assert prepared.score(rod_elements.provenance["degrees"]) < 1e-2 * lowest
+
+
+def test_a_finger_of_too_few_lines_is_refused():
+    few = elastic_rod.states(3, 0)
+    with pytest.raises(SnapshotError, match="lines with an answer must be at least 4 to train elements, got 3"):
+        training.prepare(few)
+
+
+def test_left_out_predictions_are_those_of_a_training_without_these_lines(rod_states, prepared):
+    """The normal equations without a fold are those of the other folds alone."""
+    clamp = prepared.kinds["clamp"]
+    kept = prepared.fold != 0
+
+    def some(bodies: Bodies) -> Bodies:
+        return Bodies(places=bodies.places[kept], rotations=bodies.rotations[kept], motions=bodies.motions[kept])
+
+    fewer = replace(
+        rod_states,
+        inputs=rod_states.inputs[kept],
+        lines=rod_states.lines[kept],
+        sections=some(rod_states.sections),
+        plate=some(rod_states.plate),
+        shortenings=rod_states.shortenings[kept],
+        shortening_changes=rod_states.shortening_changes[kept],
+    )
+    samples = with_images(element_samples(fewer, 0, 10), rod_states.scene)
+    equations = clamp.equations
+    alone = NormalEquations(equations.lower, equations.upper, equations.powers, 1, samples.values.shape[1])
+    alone.add(samples.inputs, samples.values, samples.jacobians, np.zeros(len(samples.inputs), int))
+    chosen = np.flatnonzero(equations.powers.sum(axis=1) <= 2)
+    inputs = element_samples(rod_states, 0, 10).inputs
+    np.testing.assert_allclose(
+        equations.fit(chosen, without=0).value(inputs), alone.fit(chosen).value(inputs), atol=1e-9
+    )

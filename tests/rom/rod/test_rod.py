@@ -1,0 +1,132 @@
+"""Fingers assembled from the elements of one: other lengths, sizes, moduli, segments, tendons; and what is refused."""
+
+import numpy as np
+import pytest
+
+from rom.checked_file import ModelError
+from rom.rod.rod import Rod
+from tests.rom.elements import elastic_rod
+
+LENGTHS = (0.021, 0.025, 0.040, 0.063, 0.080, 0.120)  # [m]
+
+
+@pytest.fixture(scope="module")
+def finger(rod_states, rod_elements):
+    return Rod(elements=rod_elements, scene=rod_states.scene)
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_a_finger_of_another_length_is_the_rod_of_that_length(finger, length):
+    inputs = elastic_rod.pressed(12, 5)
+    inputs *= 0.5 * min(1.0, 0.050 / length)
+    found = finger.assembled(elastic_rod.scene(length)).place(inputs[:, :2], inputs[:, None, 2:])
+    places, turned, _ = elastic_rod.in_space(inputs, length)
+    assert found.inside.all()
+    np.testing.assert_allclose(found.centres[:, 0], places[:, -1], atol=1e-6)
+    np.testing.assert_allclose(found.rotations[:, 0], turned[:, -1], atol=3e-5)
+
+
+def test_two_segments_are_one_after_the_other_and_the_first_transmits_the_second_ones_wrench(finger):
+    scene = elastic_rod.scene()
+    scene["geometry"] = scene["geometry"] | {"segments": [0.040, 0.060]}
+    scene["tendons"] = [one | {"segment": k + 1} for k, one in enumerate(scene["tendons"])]
+    both = finger.assembled(scene)
+    tensions, wrenches = (
+        np.array([[12.0, 7.0]]),
+        np.array([[[0.1, -0.2, 0.1, 1e-3, 2e-3, 0], [0.1, 0.2, -0.1, 0, 1e-3, 2e-3]]]),
+    )
+    found = both.place(tensions, wrenches)
+    tip = elastic_rod.in_space(np.concatenate([[[0.0, 7.0]], wrenches[:, 1]], axis=1), 0.060)
+    # The wrench on the tip's plate, in the frame of the plate that clamps it and about that one's centre.
+    arm, turned = tip[0][:, -1] + [elastic_rod.PLATE / 2, 0, 0], tip[1][:, -1]
+    force = np.einsum("nij,nj->ni", turned, wrenches[:, 1, :3])
+    moment = np.einsum("nij,nj->ni", turned, wrenches[:, 1, 3:]) + np.cross(arm, force)
+    borne = wrenches[:, 0] + np.concatenate([force, moment], axis=1)
+    base = elastic_rod.in_space(np.concatenate([tensions, borne], axis=1), 0.040)
+    centre, frame = base[0][:, -1], base[1][:, -1]
+    np.testing.assert_allclose(found.centres[:, 0], centre, atol=1e-6)
+    np.testing.assert_allclose(found.centres[:, 1], centre + np.einsum("nij,nj->ni", frame, arm), atol=1e-6)
+    np.testing.assert_allclose(found.rotations[:, 1], frame @ turned, atol=3e-5)
+
+
+@pytest.mark.parametrize("size", [0.3, 2.0, 6.0])
+@pytest.mark.parametrize("modulus", [0.01, 0.1, 10.0])
+def test_a_finger_of_another_size_and_modulus_is_similar(finger, size, modulus):
+    force, scene = modulus * size**2, elastic_rod.scene()
+    scene["geometry"] = {
+        "side": elastic_rod.SIDE * size,
+        "segments": [0.050 * size],
+        "plate": elastic_rod.PLATE * size,
+        "channel": None,
+    }
+    material = scene["material"]
+    scene["material"] = material | {"C1": material["C1"] * modulus, "D1": material["D1"] / modulus}
+    scene["tendons"] = [
+        one | {"offset": [size * part for part in one["offset"]], "tension": [0.0, elastic_rod.MOST_TENSION * force]}
+        for one in scene["tendons"]
+    ]
+    inputs = elastic_rod.pressed(4, 9)
+    own, other = finger, finger.assembled(scene)
+    one = own.place(inputs[:, :2], inputs[:, None, 2:])
+    factors = np.repeat([force, force * size], 3)
+    two = other.place(inputs[:, :2] * force, inputs[:, None, 2:] * factors)
+    np.testing.assert_allclose(two.centres, size * one.centres, rtol=0, atol=1e-13 * size)
+    np.testing.assert_allclose(two.rotations, one.rotations, atol=1e-12)
+    np.testing.assert_array_equal(one.inside, two.inside)
+
+
+def _changed(path: str, value):
+    scene = elastic_rod.scene()
+    table, keys = scene, path.split(".")
+    for key in keys[:-1]:
+        table = table[int(key)] if key.isdigit() else table[key]
+    table[int(keys[-1]) if keys[-1].isdigit() else keys[-1]] = value
+    return scene
+
+
+WRONG = {
+    "plate": ("geometry.plate", 0.002, "geometry.plate over geometry.side must be 0.1, as .* got 0.2"),
+    "channel": ("geometry.channel", 0.001, "geometry.channel over geometry.side must be 0.2, .* got 0.1"),
+    "short": ("geometry.segments", [0.020], "geometry.segments.0: segment must be at least 0.0205 m .* got 0.0195"),
+    "no segment": ("geometry.segments", [], "geometry.segments must be at least one and at most 8, got 0"),
+    "law": ("material.law", "mooney-rivlin", "material.law must be neo-hookean, .* got mooney-rivlin"),
+    "Poisson's ratio": ("material.D1", 1e-9, r"material.D1 \(with C1 = .*\) must be .*, got 1e-09"),
+    "offset": ("tendons.0.offset", [0.003, 0.0], "tendons.F1.offset must be that of a tendon of the elements, one of"),
+    "tension": ("tendons.1.tension", [0.0, 90.0], r"tendons.F2.tension must lie in 0 to 40 N, .* got \[0.0, 90.0\]"),
+    "plate of a tendon": ("tendons.1.segment", 2, "tendons.F2.segment must be from 1 to 1, got 2"),
+    "one name twice": ("tendons.1.name", "F1", "tendons must have names of their own, got F1, F1"),
+}
+
+
+@pytest.mark.parametrize("path, value, message", WRONG.values(), ids=WRONG)
+def test_a_finger_that_the_elements_cannot_make_is_refused_with_what_is_missing(finger, path, value, message):
+    with pytest.raises(ModelError, match=message):
+        finger.assembled(_changed(path, value))
+
+
+def test_inputs_beyond_what_was_trained_are_not_inside(finger):
+    assert finger.place([40.0, 0.0]).inside
+    assert not finger.place([41.0, 0.0]).inside
+    wrench = np.zeros((1, 6))
+    wrench[0, 1] = 1.2 * elastic_rod.MOST_FORCE
+    assert not finger.place([10.0, 0.0], wrench).inside
+
+
+def test_a_finger_read_from_its_file_is_the_same(finger, tmp_path):
+    other = finger.assembled(elastic_rod.scene(0.073))
+    other.save(tmp_path / "finger.h5")
+    read = Rod.load(tmp_path / "finger.h5")
+    inputs = elastic_rod.pressed(3, 2)
+    one, two = (rod.place(inputs[:, :2], inputs[:, None, 2:]) for rod in (other, read))
+    np.testing.assert_array_equal(one.centres, two.centres)
+    assert read.scene == other.scene and read.elements.provenance == other.elements.provenance
+
+
+def test_a_scene_file_is_read_and_a_broken_one_refused(finger, tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text("name = 'x'\n[geometry]\nside = 0.01\n")
+    with pytest.raises(ModelError, match=r"scene\.toml: material must be given, got None"):
+        finger.assembled(file)
+    file.write_text("not TOML")
+    with pytest.raises(ModelError, match=r"scene\.toml: must be a scene in TOML, got "):
+        finger.assembled(file)
