@@ -22,7 +22,7 @@ def _line(self: Any) -> str:
     """The name of its class, and its fields; of a model its scene's name and its parameters."""
     scene = getattr(self, "scene", None)
     if isinstance(scene, Mapping):
-        found = getattr(self, "parameters", None) or self.tension_parameters
+        found = getattr(self, "parameters", None) or getattr(self, "tension_parameters", [])
         ranges = (f"{one['name']} {one['lower']:g} to {one['upper']:g} {one['unit']}" for one in found)
         return f"{type(self).__name__}({str(scene.get('name', ''))!r}: {', '.join(ranges)})"
     names = [one.name for one in fields(self) if one.repr] if is_dataclass(self) else self._fields

@@ -12,6 +12,7 @@ import numpy as np
 from rom import checked_file
 from rom.brief import brief
 from rom.elements.law import ElementLaw
+from rom.elements.outline import OutlineLaw
 from rom.fit.chebyshev import Polynomial
 
 CLAMP, INTERIOR, PLATE, WHOLE = "clamp", "interior", "plate", "whole"  # kinds of elements
@@ -27,11 +28,13 @@ class Elements:
         laws: by kind: `clamp`, from the clamp on, and `plate`, to the plate's centre, both of one length; `interior`,
             of any length between these. Or `whole` alone, from clamp to plate, of a finger too short for three.
         scene: that they were trained on, as plain data.
+        outlines: by kind, where the corners of its cross-sections are.
         force: largest on a plate [N].
         provenance: what they were made from, and how well they predict what they were not made from.
     """
 
     laws: dict[str, ElementLaw]
+    outlines: dict[str, OutlineLaw]
     scene: dict[str, Any]
     force: float
     provenance: dict[str, Any]
@@ -44,33 +47,43 @@ class Elements:
     def scaled(self, size: float, modulus: float) -> Elements:
         """The same section `size` times as large, of rubber `modulus` times as stiff."""
         laws = {kind: law.scaled(size, modulus) for kind, law in self.laws.items()}
-        return replace(self, laws=laws, force=self.force * modulus * size**2)
+        outlines = {kind: law.scaled(size, modulus) for kind, law in self.outlines.items()}
+        return replace(self, laws=laws, outlines=outlines, force=self.force * modulus * size**2)
 
     def write(self, file: h5py.Group) -> None:
         """Write them into an open file."""
         file.attrs["scene"], file.attrs["provenance"] = json.dumps(self.scene), json.dumps(self.provenance)
         file.attrs["force"] = self.force
         for kind, law in self.laws.items():
-            group, polynomial = file.create_group(kind), law.polynomial
+            group, outline = file.create_group(kind), self.outlines[kind]
             group.attrs["lengths"] = law.lengths
-            checked_file.dataset(group, "box", np.array([polynomial.lower, polynomial.upper]), "N, N m, m")
-            checked_file.dataset(group, "powers", polynomial.powers, "-")
-            checked_file.dataset(group, "coefficients", polynomial.coefficients, UNITS)
+            _write(group, law.polynomial, UNITS)
+            group = group.create_group("outline")
+            group.attrs["half"], group.attrs["error"] = outline.half, outline.error
+            _write(group, outline.polynomial, "m")
 
     @classmethod
     def read(cls, file: h5py.Group) -> Elements:
         """The elements in an open file."""
-        laws = {}
+        laws, outlines = {}, {}
         for kind in file:
-            group = file[kind]
-            lower, upper = group["box"][:].astype(float)
-            polynomial = Polynomial(
-                lower=lower,
-                upper=upper,
-                powers=group["powers"][:].astype(int),
-                coefficients=group["coefficients"][:].astype(float),
-            )
+            group, outline = file[kind], file[kind]["outline"]
             shortest, longest = map(float, group.attrs["lengths"])
-            laws[kind] = ElementLaw(polynomial=polynomial, lengths=(shortest, longest))
+            laws[kind] = ElementLaw(polynomial=_read(group), lengths=(shortest, longest))
+            half, error = (float(outline.attrs[name]) for name in ("half", "error"))
+            outlines[kind] = OutlineLaw(polynomial=_read(outline), half=half, error=error)
         scene, provenance = (json.loads(file.attrs[name]) for name in ("scene", "provenance"))
-        return cls(laws=laws, scene=scene, force=float(file.attrs["force"]), provenance=provenance)
+        force = float(file.attrs["force"])
+        return cls(laws=laws, outlines=outlines, scene=scene, force=force, provenance=provenance)
+
+
+def _write(group: h5py.Group, polynomial: Polynomial, unit: str) -> None:
+    checked_file.dataset(group, "box", np.array([polynomial.lower, polynomial.upper]), "N, N m, m")
+    checked_file.dataset(group, "powers", polynomial.powers, "-")
+    checked_file.dataset(group, "coefficients", polynomial.coefficients, unit)
+
+
+def _read(group: h5py.Group) -> Polynomial:
+    lower, upper = group["box"][:].astype(float)
+    powers, coefficients = group["powers"][:].astype(int), group["coefficients"][:].astype(float)
+    return Polynomial(lower=lower, upper=upper, powers=powers, coefficients=coefficients)

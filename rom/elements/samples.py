@@ -42,7 +42,7 @@ def element_samples(states: SectionStates, proximal: int, distal: int) -> Sample
     are R^T dc and R^T dtheta. The states' derivatives are by the plate's wrench; those by the wrench that the element
     transmits follow by its own derivatives, which are invertible.
     """
-    t, near, far = states.tensions, states.body(proximal), states.body(distal)
+    near, far = states.body(proximal), states.body(distal)
     relative = np.einsum("nji,njk->nik", far.rotations, near.rotations)
     place = np.einsum("nji,nj->ni", far.rotations, near.places - far.places)
     vector = rotation_vectors.vectors(relative)
@@ -53,6 +53,19 @@ def element_samples(states: SectionStates, proximal: int, distal: int) -> Sample
     shorter = states.shortenings[:, distal_section] - states.shortenings[:, proximal]
     shorter_changes = states.shortening_changes[:, distal_section] - states.shortening_changes[:, proximal]
     changes = np.concatenate([moved, rotation_vectors.changes(vector, turned), shorter_changes], axis=1)
+    return own_samples(states, (proximal, distal), np.concatenate([place, vector, shorter], axis=1), changes)
+
+
+def own_samples(states: SectionStates, pair: tuple[int, int], values: np.ndarray, changes: np.ndarray) -> Samples:
+    """Samples by what the element transmits, from derivatives by what presses on the plate.
+
+    Args:
+        states: n of them.
+        pair: the proximal and the distal body.
+        values: shape (n, m).
+        changes: of the values by the states' inputs, shape (n, m, t + 6).
+    """
+    t, (proximal, distal) = states.tensions, pair
     wrench, wrench_changes = states.transmitted(distal)
     by_wrench = np.linalg.solve(
         np.swapaxes(wrench_changes[:, :, t:], 1, 2), np.swapaxes(changes[:, :, t:], 1, 2)
@@ -61,7 +74,7 @@ def element_samples(states: SectionStates, proximal: int, distal: int) -> Sample
     ends = np.append(states.at, states.length)
     return Samples(
         inputs=np.concatenate([states.inputs[:, :t], wrench], axis=1),
-        values=np.concatenate([place, vector, shorter], axis=1),
+        values=values,
         jacobians=np.concatenate([by_tensions, by_wrench], axis=2),
         lines=states.lines,
         length=float(ends[distal] - ends[proximal]),

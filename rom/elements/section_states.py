@@ -54,6 +54,9 @@ class SectionStates:
         plate: the plate, by its centre.
         shortenings: of the tendons between clamp and cross-section, shape (n, m, t) [m].
         shortening_changes: by the inputs, shape (n, m, t, t + 6).
+        corners: how far the corners of cross-sections are from those of a square, in their own frames, in the order
+            -y -z, -y z, y -z, y z, shape (n, m, 4, 3) [m].
+        corner_changes: by the inputs, shape (n, m, 4, 3, t + 6).
     """
 
     scene: dict[str, Any]
@@ -64,6 +67,8 @@ class SectionStates:
     plate: Bodies
     shortenings: np.ndarray
     shortening_changes: np.ndarray
+    corners: np.ndarray
+    corner_changes: np.ndarray
 
     @property
     def tensions(self) -> int:
@@ -146,6 +151,8 @@ def read_section_states(snapshots: SnapshotSet) -> SectionStates:
         ),
         shortenings=together("section_shortening")[:, before_plate],
         shortening_changes=together("section_shortening_jacobian")[:, before_plate],
+        corners=together("section_corners")[:, before_plate],
+        corner_changes=together("section_corners_jacobian")[:, before_plate],
     )
 
 

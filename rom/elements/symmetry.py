@@ -6,6 +6,7 @@ turns, which are axial vectors, with det(S) S.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -26,10 +27,12 @@ class Mirror:
     Attributes:
         inputs: orthogonal, shape (t + 6, t + 6).
         values: orthogonal, shape (6 + t, 6 + t).
+        section: the map of the section that it is, y and z, shape (2, 2).
     """
 
     inputs: np.ndarray
     values: np.ndarray
+    section: np.ndarray
 
     def of(self, samples: Samples) -> Samples:
         """The samples' images."""
@@ -65,14 +68,18 @@ def _of_section(S: np.ndarray, tendons: list[dict[str, Any]]) -> Mirror | None:
         return None
     polar = block_diag(1.0, S)
     axial = np.linalg.det(S) * polar
-    return Mirror(inputs=block_diag(exchange, polar, axial), values=block_diag(polar, axial, exchange))
+    return Mirror(inputs=block_diag(exchange, polar, axial), values=block_diag(polar, axial, exchange), section=S)
 
 
 def with_images(samples: Samples, scene: dict[str, Any]) -> Samples:
-    """Samples and their images, those of a state in its line."""
-    parts = [samples, *(mirror.of(samples) for mirror in mirrors(scene))]
+    """Samples of an element and their images, those of a state in its line."""
+    return together([samples, *(mirror.of(samples) for mirror in mirrors(scene))])
+
+
+def together(parts: Sequence[Samples]) -> Samples:
+    """Samples of elements of one length as those of one element."""
     return replace(
-        samples,
+        parts[0],
         inputs=np.concatenate([part.inputs for part in parts]),
         values=np.concatenate([part.values for part in parts]),
         jacobians=np.concatenate([part.jacobians for part in parts]),

@@ -14,9 +14,10 @@ import numpy as np
 
 from rom.elements.candidates import Candidates, candidates
 from rom.elements.contact_error import relative_force_errors
-from rom.elements.cuts import cut
+from rom.elements.cuts import cut, outline_pairs
 from rom.elements.elements import Elements
 from rom.elements.march import march
+from rom.elements.outline import train_outline
 from rom.elements.pieces import Piece, pieces
 from rom.elements.samples import element_samples
 from rom.elements.section_states import SectionStates
@@ -112,10 +113,12 @@ def train(states: SectionStates, provenance: dict[str, Any], progress: Progress 
     degrees = best_degrees(training)
     places, turned = training.left_out(degrees)
     laws = {kind: one.law(degrees[kind]) for kind, one in training.kinds.items()}
-    progress("fitting elements", 2, 2)
+    outlines = outline_pairs(states.at, states.scene["geometry"]["side"])
     off = np.linalg.norm(places - states.plate.places, axis=1)
+    progress("fitting elements", 2, 2)
     return Elements(
         laws=laws,
+        outlines={kind: train_outline(states, training.fold, pairs) for kind, pairs in outlines.items()},
         scene=states.scene,
         force=float(states.scene["load"]["force"]),
         provenance=provenance

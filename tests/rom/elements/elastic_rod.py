@@ -125,4 +125,6 @@ def states(count: int, seed: int, length: float = 0.050) -> SectionStates:
         plate=Bodies(places=places[:, m], rotations=turned[:, m], motions=motion[:, m]),
         shortenings=shorter[:, :m],
         shortening_changes=shorter_change[:, :m],
+        corners=np.zeros((len(inputs), m, 4, 3)),
+        corner_changes=np.zeros((len(inputs), m, 4, 3, 8)),
     )

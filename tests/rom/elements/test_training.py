@@ -70,6 +70,8 @@ def test_left_out_predictions_are_those_of_a_training_without_these_lines(rod_st
         plate=some(rod_states.plate),
         shortenings=rod_states.shortenings[kept],
         shortening_changes=rod_states.shortening_changes[kept],
+        corners=rod_states.corners[kept],
+        corner_changes=rod_states.corner_changes[kept],
     )
     samples = with_images(element_samples(fewer, 0, 10), rod_states.scene)
     equations = clamp.equations
