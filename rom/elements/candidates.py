@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rom.brief import brief
 from rom.elements.index_set import chosen, index_set
 from rom.elements.law import ElementLaw
 from rom.elements.regression import NormalEquations
@@ -18,6 +19,7 @@ LENGTH_POWERS = 3  # highest degree in the length
 MARGIN = 1.02  # the box is so much larger than the largest inputs [-]
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Candidates:
     """Laws of one kind of element.

@@ -7,10 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rom.brief import brief
 from rom.elements import rotation_vectors
 from rom.fit.chebyshev import Polynomial
 
 
+@brief
 class Marched(NamedTuple):
     """A segment under wrenches on its plate, n states.
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.brief import brief
 from rom.elements.candidates import Candidates, candidates
 from rom.elements.contact_error import relative_force_errors
 from rom.elements.cuts import cut, outline_pairs
@@ -35,6 +36,7 @@ SHARE = 0.9  # quantile of the predicted states' errors by which degrees are com
 BETTER = 0.97  # by which factor more products must make the error smaller [-]
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class Training:
     """The regressions of a finger's elements.

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rom.brief import brief
 from rom.checked_file import ModelError
 
 NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
@@ -21,6 +22,7 @@ MOST_SEGMENTS = 8
 MODULI = {"C1": 1, "C10": 1, "C01": 1, "D1": -1, "E": 1}
 
 
+@brief
 class Similarity(NamedTuple):
     """By how much elements are scaled [-], and which of their tendons every tendon of the finger is."""
 
