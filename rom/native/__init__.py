@@ -214,7 +214,9 @@ def _cache() -> Path:
 EVALUATION = Library("evaluation", [HERE / "kernel.h", HERE / "evaluation.h"], [HERE / "batches.c"])
 _SEGMENT = HERE.parent / "segment" / "native"
 _SOURCES = (
-    "map.c",
+    "tensions.c",
+    "element.c",
+    "rod_march.c",
     "inverse.c",
     "chain.c",
     "objects.c",

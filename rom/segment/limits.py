@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rom.checked_file import require
 from rom.fit.chebyshev import Polynomial
+from rom.segment.wrench_products import padded
 
 if TYPE_CHECKING:
     from rom.segment.segment_map import SegmentMap
 
-MOST_TENSIONS, MOST_POWER = 8, 31  # as in native/segment.h
+MOST_TENSIONS, MOST_POWER, MOST_ELEMENTS = 8, 31, 64  # as in native/segment.h
 MOST_PRODUCTS = 1 << 20  # of a polynomial: with these, places in memory are counted in 32 bits
 WRENCH, POSE, CORNERS, EDGES = 6, 7, 24, 12  # numbers of each; of the four edges' corners at a station
+ELEMENT = 6  # numbers of an element's pose
 TWICE = 2.0  # largest ratio of a fitted quaternion's length to 1, or of 1 to it [-]
 STATIONS = 2  # of the rubber's edges, at least: a tangent needs two
 
@@ -33,6 +36,26 @@ def check_sizes(segment: SegmentMap) -> None:
             ends = polynomial.powers.min(), polynomial.powers.max()
             within = ends[0] >= 0 and ends[1] <= MOST_POWER
             require(within, f"{name} must be from 0 to {MOST_POWER}", f"{ends[0]} to {ends[1]}")
+
+
+def check_elements(elements: Sequence[Polynomial]) -> None:
+    """Refuse a rod of elements, also one that is being trained, beyond what compiled code holds.
+
+    Raises:
+        ModelError: one line that names what and its limit.
+    """
+    require(1 <= len(elements) <= MOST_ELEMENTS, f"elements must be from 1 to {MOST_ELEMENTS}", len(elements))
+    t = len(elements[0].lower) - WRENCH
+    require(1 <= t <= MOST_TENSIONS, f"tensions must be from 1 to {MOST_TENSIONS}", t)
+    for k, one in enumerate({id(one): one for one in elements}.values()):
+        _polynomial(f"powers of law {k}", one, t, ELEMENT)
+        _ends(one, t)
+        for name, own, first in (("lower", one.lower, elements[0].lower), ("upper", one.upper, elements[0].upper)):
+            same = bool(np.array_equal(own[:t], first[:t]))
+            require(same, f"{name} ends of tensions must be the same for all elements", [first[:t], own[:t]])
+        _, _, counts = padded(one.powers[:, t:])
+        products = sum(counts) * len(np.unique(one.powers[:, :t], axis=0))
+        require(products <= MOST_PRODUCTS, f"law {k} must be at most {MOST_PRODUCTS} products, padded", products)
 
 
 def check(segment: SegmentMap) -> None:
@@ -68,13 +91,18 @@ def check(segment: SegmentMap) -> None:
     require(all(0 < one < np.inf for one in factors.values()), "finer_mesh_factors must be finite and above 0", factors)
 
 
-def _box(segment: SegmentMap, t: int) -> None:
-    lower, upper = segment.pose.lower, segment.pose.upper
+def _ends(polynomial: Polynomial, t: int) -> None:
+    lower, upper = polynomial.lower, polynomial.upper
     require(lower.shape == upper.shape == (t + WRENCH,), f"box must have shape (2, {t + WRENCH})", lower.shape)
     ordered = bool(np.isfinite([lower, upper]).all() and (lower < upper).all())
     require(ordered, "box must have finite lower ends below its upper ends", [lower.tolist(), upper.tolist()])
     even = bool(np.allclose(lower[t:], -upper[t:], rtol=1e-9))
     require(even, "box must be as wide to both sides of no wrench", [lower[t:].tolist(), upper[t:].tolist()])
+
+
+def _box(segment: SegmentMap, t: int) -> None:
+    lower, upper = segment.pose.lower, segment.pose.upper
+    _ends(segment.pose, t)
     ends = np.array([[float(one["lower"]), float(one["upper"])] for one in segment.parameters]).T
     require(
         bool(np.allclose(ends, [lower, upper], rtol=1e-9)), "parameters must have the ends of the box", ends.tolist()

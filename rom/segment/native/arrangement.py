@@ -1,11 +1,14 @@
-"""Numbers of a map in the order of segment.h."""
+"""Numbers of a segment in the order of segment.h."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
+
+from rom.fit.chebyshev import Polynomial
+from rom.segment.wrench_products import padded
 
 BLOCK, POSE = 4, 8  # as in segment.h
 BETWEEN, NEAREST = 8, 4  # cross-sections between two stations of the rubber's edges; stations that interpolate one
@@ -43,30 +46,64 @@ def by_degree(powers: Sequence[int]) -> tuple[int, ...]:
     return sum(powers), *powers
 
 
-def arranged(
-    powers: np.ndarray, values: np.ndarray, first: np.ndarray, also: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Powers, shape (k, t + 6), and coefficients, shape (k, 7), in the order of segment.h.
+def tension_monomials(first: np.ndarray, others: Iterable[np.ndarray]) -> np.ndarray:
+    """Powers of the tensions, shape (monomials, t): of none, then `first`, shape (j, t), then all `others`, (k, t)."""
+    given = dict.fromkeys([(0,) * first.shape[1], *map(tuple, first.tolist())])
+    more = {tuple(row) for powers in others for row in powers.tolist()} - set(given)
+    return np.array([*given, *sorted(more, key=by_degree)])
 
-    The monomials of the tensions begin with those of powers `first`, shape (j, t); those of `also`, shape (l, t), are
-    among them.
 
-    Returns:
-        monomials of the tensions, shape (monomials, t); powers of the wrench, shape (groups, 6), those with most
-        monomials first, so that a parent stands before its groups; coefficients, shape (groups, monomials, 8).
+def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
+    """An element's law as values of a struct fingerfem_law.
+
+    Args:
+        polynomial: 6 values, place [m] and Gibbs vector [-], of t + 6 variables.
+        monomials: powers of the tensions, shape (monomials, t), with all of its own.
     """
-    t, given = first.shape[1], [tuple(row) for row in first.tolist()]
-    others = {tuple(row) for row in [*powers[:, :t].tolist(), *also.tolist()]} - set(given)
-    monomials = given + sorted(others, key=by_degree)
-    counts = Counter(tuple(row) for row in powers[:, t:].tolist())
-    groups = sorted(counts, key=lambda group: (-counts[group], sum(group), group))
-    row, column = ({key: k for k, key in enumerate(keys)} for keys in (groups, monomials))
-    found = np.zeros((len(groups), len(monomials), POSE))
-    for power, coefficients in zip(powers.tolist(), values, strict=True):
-        found[row[tuple(power[t:])], column[tuple(power[:t])], : POSE - 1] = coefficients
-    fill = -len(groups) % BLOCK  # copies of the first group, of which nothing is taken
-    return (
-        np.array(monomials),
-        np.array(groups + [groups[0]] * fill),
-        np.concatenate([found, np.zeros((fill, *found.shape[1:]))]),
-    )
+    t = monomials.shape[1]
+    column = {tuple(row): k for k, row in enumerate(monomials.tolist())}
+    forces, moments, counts = padded(polynomial.powers[:, t:])
+    rows = [(a, b) for a, count in enumerate(counts) for b in range(count)]
+    at = {(forces[a], moments[b]): k for k, (a, b) in enumerate(rows)}
+    own: list[dict[int, np.ndarray]] = [{} for _ in rows]
+    for power, values in zip(polynomial.powers.tolist(), polynomial.coefficients, strict=True):
+        own[at[tuple(power[t : t + 3]), tuple(power[t + 3 :])]][column[tuple(power[:t])]] = values
+    used = [1 + max(one, default=0) for one in own]
+    order = sorted(range(len(rows)), key=lambda k: -used[k])
+    fill = -len(rows) % BLOCK  # groups of which nothing is taken
+    places = [*order, *range(len(rows), len(rows) + fill)]
+    blocks = [places[k : k + BLOCK] for k in range(0, len(places), BLOCK)]
+    block_monomials = [used[block[0]] for block in blocks]
+    coefficients = []
+    for block, count in zip(blocks, block_monomials, strict=True):
+        numbers = np.zeros((count, BLOCK, POSE))
+        for g, k in enumerate(block):
+            for m, values in own[k].items() if k < len(rows) else ():
+                numbers[m, g, :6] = values
+        coefficients.append(numbers.ravel())
+    rest = at_rest(np.array([[*forces[a], *moments[b]] for a, b in rows]))
+    free = np.zeros((max(block_monomials), POSE))
+    for value, numbers_of in zip(rest, own, strict=True):
+        for m, values in numbers_of.items():
+            free[m, :6] += value * values
+    products = [rows[k] if k < len(rows) else (0, 0) for k in places]
+    ends = np.array([polynomial.lower[t:], polynomial.upper[t:]])
+    lower, upper = np.concatenate([ends, [[-1.0, -1.0], [1.0, 1.0]]], axis=1)
+    return {
+        "groups": len(places),
+        "monomials": len(free),
+        "forces": len(forces),
+        "moments": len(moments),
+        "most_power": int(polynomial.powers[:, t:].max()),
+        "lower": lower,
+        "upper": upper,
+        "force_powers": np.array(forces),
+        "moment_powers": np.array(moments),
+        "moments_of": counts,
+        "force_of": [a for a, _ in products],
+        "moment_of": [b for _, b in products],
+        "rows": places,
+        "block_monomials": block_monomials,
+        "coefficients": np.concatenate(coefficients),
+        "free_coefficients": free,
+    }

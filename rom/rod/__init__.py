@@ -1,0 +1,1 @@
+"""Fingers as rods of elements, short pieces whose laws are trained once."""
