@@ -34,6 +34,7 @@ FEATURES = {
     "x86-64-v4": {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"},
     "x86-64-v3": {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"},
 }
+LINE = 64  # of the cache [bytes]
 KINDS = {"double": "f8", "int32_t": "i4", "int64_t": "i8", "uint8_t": "u1", "uint64_t": "u8"}
 _kept: WeakKeyDictionary[Any, list[Any]] = WeakKeyDictionary()
 
@@ -165,6 +166,22 @@ class Library:
             found.update(file.name.encode() + file.read_bytes())
         return found.hexdigest()[:16]
 
+    @cached_property
+    def _aligned(self) -> Any:
+        """As `ffi.new`: arrays begin with a cache line, as vector loads that lie in two lines take twice the time."""
+        ffi, owners = self.ffi, dict[int, Any]()
+
+        def allocate(size: int) -> Any:
+            owner = ffi.new("char[]", size + LINE)
+            begin = owner + -int(ffi.cast("uintptr_t", owner)) % LINE
+            owners[int(ffi.cast("uintptr_t", begin))] = owner
+            return begin
+
+        def free(begin: Any) -> None:
+            owners.pop(int(ffi.cast("uintptr_t", begin)), None)
+
+        return ffi.new_allocator(allocate, free)
+
     def pointers(self, kind: str, structs: Sequence[Any]) -> Any:
         """An array of pointers to C structs of a kind, which live as long as it does."""
         found = self.ffi.new(f"{kind} *[]", list(structs))
@@ -183,7 +200,7 @@ class Library:
         for name, value in values.items():
             of = fields[name].type
             if of.kind == "pointer" and of.item.kind == "primitive":
-                value = self.ffi.new(f"{of.item.cname}[]", value.ravel().tolist() if hasattr(value, "ravel") else value)
+                value = self._aligned(f"{of.item.cname}[]", value.ravel().tolist() if hasattr(value, "ravel") else value)
                 kept.append(value)
             elif of.kind == "struct":
                 kept.append(self.struct(of.cname, **value))

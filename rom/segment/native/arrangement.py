@@ -53,6 +53,11 @@ def tension_monomials(first: np.ndarray, others: Iterable[np.ndarray]) -> np.nda
     return np.array([*given, *sorted(more, key=by_degree)])
 
 
+def factors(powers: list[tuple[int, ...]]) -> np.ndarray:
+    """Where the factors of products lie among the polynomials of three components, shape (products, 3)."""
+    return 4 * (3 * np.array(powers) + np.arange(3))
+
+
 def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
     """An element's law as values of a struct fingerfem_law.
 
@@ -69,6 +74,8 @@ def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
     for power, values in zip(polynomial.powers.tolist(), polynomial.coefficients, strict=True):
         own[at[tuple(power[t : t + 3]), tuple(power[t + 3 :])]][column[tuple(power[:t])]] = values
     used = [1 + max(one, default=0) for one in own]
+    pulled = [max((1 + b for b in range(count) if used[at[forces[a], moments[b]]] > 1), default=0) for a, count in enumerate(counts)]
+    used = [max(count, 2) if b < pulled[a] else count for count, (a, b) in zip(used, rows, strict=True)]
     order = sorted(range(len(rows)), key=lambda k: -used[k])
     fill = -len(rows) % BLOCK  # groups of which nothing is taken
     places = [*order, *range(len(rows), len(rows) + fill)]
@@ -76,17 +83,17 @@ def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
     block_monomials = [used[block[0]] for block in blocks]
     coefficients = []
     for block, count in zip(blocks, block_monomials, strict=True):
-        numbers = np.zeros((count, BLOCK, POSE))
+        numbers = np.zeros((count, BLOCK, 6))
         for g, k in enumerate(block):
             for m, values in own[k].items() if k < len(rows) else ():
-                numbers[m, g, :6] = values
+                numbers[m, g] = values
         coefficients.append(numbers.ravel())
+    pulled_rows = {k: row for row, k in enumerate(k for k, (a, b) in enumerate(rows) if b < pulled[a])}
     rest = at_rest(np.array([[*forces[a], *moments[b]] for a, b in rows]))
     free = np.zeros((max(block_monomials), POSE))
     for value, numbers_of in zip(rest, own, strict=True):
         for m, values in numbers_of.items():
             free[m, :6] += value * values
-    products = [rows[k] if k < len(rows) else (0, 0) for k in places]
     ends = np.array([polynomial.lower[t:], polynomial.upper[t:]])
     lower, upper = np.concatenate([ends, [[-1.0, -1.0], [1.0, 1.0]]], axis=1)
     return {
@@ -97,11 +104,12 @@ def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
         "most_power": int(polynomial.powers[:, t:].max()),
         "lower": lower,
         "upper": upper,
-        "force_powers": np.array(forces),
-        "moment_powers": np.array(moments),
+        "force_factors": factors(forces),
+        "moment_factors": factors(moments),
         "moments_of": counts,
-        "force_of": [a for a, _ in products],
-        "moment_of": [b for _, b in products],
+        "pulled": 1 + sum(pulled),
+        "pulled_moments_of": pulled,
+        "pulled_rows": [pulled_rows.get(k, sum(pulled)) for k in places],
         "rows": places,
         "block_monomials": block_monomials,
         "coefficients": np.concatenate(coefficients),

@@ -2,17 +2,18 @@
  * wrench is evaluated, as sums over products of the force and, inside these, over products of the moment. */
 #ifndef FINGERFEM_ELEMENT_H
 #define FINGERFEM_ELEMENT_H
+#include "eight.h"
 #include "tensions.h"
 
 enum { ELEMENT_PRODUCT = 4 /* numbers of a product of a force, or of a moment: its value and its derivatives */ };
 
-/* Numbers of contracted coefficients, and of products of a wrench, and those that `element_by_tensions` works in. */
-int element_contracted(const fingerfem_law *law);
-int element_products(const fingerfem_law *law);
-int element_work(const fingerfem_law *law);
+/* Numbers of contracted coefficients, and of products of a wrench. */
+int element_contracted(const fingerfem_segment *segment, const fingerfem_law *law);
+int element_products(const fingerfem_segment *segment, const fingerfem_law *law);
 
-/* Coefficients of the wrench's products at tensions of which the monomials are known. */
-void element_contract(const fingerfem_law *law, const double *monomials, double *contracted);
+/* Coefficients of the wrench's products at tensions of which the monomials are known, (groups, 8), and their derivatives by
+ * these, (tensions, pulled, 8). */
+void element_contract(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, double *contracted);
 
 /* Pose, (8), and its derivatives by the wrench, (6, 8), from contracted coefficients; linear beyond the box. Products of
  * force and moment are left in `products`. */
@@ -21,12 +22,11 @@ void element_pose(const fingerfem_law *law, const double *contracted, const doub
 
 /* Derivatives of the pose by the tensions, (tensions, 8), with the products that `element_pose` has left, inside the box.
  * Beyond it, the slopes by the wrench do not change with the tensions. */
-void element_by_tensions(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials,
-                         const double *products, double *work, double *by_tensions);
+void element_by_tensions(const fingerfem_segment *segment, const fingerfem_law *law, const double *contracted,
+                         const double *products, double *by_tensions);
 
-/* Pose, (8), without a wrench, and its derivatives by the tensions, (tensions, 8). */
-void element_free(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, double *pose,
-                  double *by_tensions);
+/* Pose without a wrench and its derivatives by the tensions, (1 + tensions, 8). */
+void element_free(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, double *found);
 
 /* Whether a wrench, (6), lies in the trained box, and its force is none larger than was trained. */
 int element_inside(const fingerfem_law *law, const double *wrench);

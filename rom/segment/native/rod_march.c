@@ -21,11 +21,11 @@ typedef struct {
 static const fingerfem_law *law_of(const rod_state *rod, int k) { return rod->segment->law[rod->segment->law_of[k]]; }
 
 /* The largest that any law needs of something. */
-static int most(const fingerfem_segment *segment, int (*of)(const fingerfem_law *))
+static int most(const fingerfem_segment *segment, int (*of)(const fingerfem_segment *, const fingerfem_law *))
 {
     int found = 0;
     for (int k = 0; k < segment->laws; k++) {
-        const int own = of(segment->law[k]);
+        const int own = of(segment, segment->law[k]);
         found = own > found ? own : found;
     }
     return found;
@@ -35,13 +35,12 @@ int rod_memory(const fingerfem_segment *segment)
 {
     const int element = (int)(sizeof(rod_element) / sizeof(double)) + most(segment, element_products);
     const int law = most(segment, element_contracted) + POSE * (1 + segment->tensions);
-    return segment->laws * law + segment->elements * element + (1 + segment->tensions) * segment->monomials;
+    return POSE + segment->laws * law + segment->elements * element + (1 + segment->tensions) * segment->monomials;
 }
 
 int rod_work(const fingerfem_segment *segment)
 {
-    const int element = most(segment, element_work), skin = segment->skin_terms + 2 * segment->skin_numbers;
-    return element > skin ? element : skin;
+    return segment->skin_terms + 2 * segment->skin_numbers;
 }
 
 int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_memory(segment) + rod_work(segment); }
@@ -52,14 +51,15 @@ void rod_pull(const fingerfem_segment *segment, const double *tensions, double *
     found->free_stride = POSE * (1 + segment->tensions);
     found->contracted_stride = most(segment, element_contracted);
     found->products_stride = most(segment, element_products);
-    found->elements = (rod_element *)memory;
-    memory += segment->elements * (int)(sizeof(rod_element) / sizeof(double));
-    found->products = memory;
-    memory += segment->elements * found->products_stride;
+    memory += (0 - (uintptr_t)memory / sizeof *memory) % POSE; /* whole eights lie in one line of the cache */
     found->contracted = memory;
     memory += segment->laws * found->contracted_stride;
     found->free = memory;
-    found->monomials = memory + segment->laws * found->free_stride;
+    memory += segment->laws * found->free_stride;
+    found->elements = (rod_element *)memory;
+    memory += segment->elements * (int)(sizeof(rod_element) / sizeof(double));
+    found->products = memory;
+    found->monomials = memory + segment->elements * found->products_stride;
     found->work = work;
     tensions_monomials(segment, tensions, found->monomials);
 }
@@ -67,7 +67,7 @@ void rod_pull(const fingerfem_segment *segment, const double *tensions, double *
 void rod_contract(const rod_state *rod)
 {
     for (int k = 0; k < rod->segment->laws; k++)
-        element_contract(rod->segment->law[k], rod->monomials, rod->contracted + k * rod->contracted_stride);
+        element_contract(rod->segment, rod->segment->law[k], rod->monomials, rod->contracted + k * rod->contracted_stride);
 }
 
 /* Where an element's proximal section is, and what its changes are turned by. */
@@ -75,16 +75,20 @@ static void advance(rod_element *element, double *place, double *rotation)
 {
     const double *Q = element->rotation, *q = element->pose, *g = element->pose + 3;
     const double s = 2.0 / (1.0 + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    double next[9];
+#pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
         const double *row = Q + 3 * i, along = row[0] * g[0] + row[1] * g[1] + row[2] * g[2];
         const double across[3] = {row[1] * g[2] - row[2] * g[1], row[2] * g[0] - row[0] * g[2], row[0] * g[1] - row[1] * g[0]};
         element->arm[i] = row[0] * q[0] + row[1] * q[1] + row[2] * q[2];
         place[i] = element->place[i] + element->arm[i];
+#pragma GCC unroll 3
         for (int j = 0; j < 3; j++) {
             element->turning[3 * i + j] = s * (row[j] + across[j]);
-            rotation[3 * i + j] = s * (row[j] + across[j] + along * g[j]) - row[j];
+            next[3 * i + j] = s * (row[j] + across[j] + along * g[j]) - row[j];
         }
     }
+    memcpy(rotation, next, sizeof next);
 }
 
 /* The motion of an element's proximal section, from that of its distal one and from changes of its pose, (6). */
@@ -111,7 +115,9 @@ static const eight units[POSE] = {
 
 static inline void cross(const double *a, const double *b, double *found)
 {
-    for (int i = 0; i < 3; i++) found[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+    found[0] = a[1] * b[2] - a[2] * b[1];
+    found[1] = a[2] * b[0] - a[0] * b[2];
+    found[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /* The moment of the plate's wrench about a section's centre, in the plate's frame. */
@@ -127,6 +133,7 @@ static inline void carry(const double *wrench, rod_element *element)
     const double *Q = element->rotation;
     double moment[3];
     moment_at(element->place, wrench, moment);
+#pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
         element->wrench[i] = Q[i] * wrench[0] + Q[3 + i] * wrench[1] + Q[6 + i] * wrench[2];
         element->wrench[3 + i] = Q[i] * moment[0] + Q[3 + i] * moment[1] + Q[6 + i] * moment[2];
@@ -215,11 +222,12 @@ void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
     const double *wrench = rod->elements[0].wrench;
     motion moved = {{{0.0}}, {{0.0}}};
     eight seen[W];
-    double own[TENSIONS_MOST * POSE], end[3];
+    double end[3], own[TENSIONS_MOST * POSE];
     for (int k = 0; k < segment->elements; k++) {
         const rod_element *element = rod->elements + k;
         eight carried[W], change[W] = {{0.0}};
-        element_by_tensions(segment, law_of(rod, k), rod->monomials, rod->products + k * rod->products_stride, rod->work, own);
+        element_by_tensions(segment, law_of(rod, k), rod->contracted + segment->law_of[k] * rod->contracted_stride,
+                            rod->products + k * rod->products_stride, own);
         for (int j = 0; j < segment->tensions; j++)
             for (int o = 0; o < W; o++) change[o] += own[POSE * j + o] * units[j];
         if (k) carry_change(wrench, element, &moved, 0, carried);
@@ -240,10 +248,8 @@ void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS
     memset(end->by_wrench, 0, sizeof end->by_wrench);
     memcpy(end->place, plate_place, sizeof end->place);
     memcpy(end->rotation, plate_rotation, sizeof end->rotation);
-    for (int k = 0; k < segment->laws; k++) {
-        double *free = rod->free + k * rod->free_stride;
-        element_free(segment, segment->law[k], rod->monomials, free, free + POSE);
-    }
+    for (int k = 0; k < segment->laws; k++)
+        element_free(segment, segment->law[k], rod->monomials, rod->free + k * rod->free_stride);
     for (int k = 0; k < segment->elements; k++) {
         const double *free = rod->free + segment->law_of[k] * rod->free_stride;
         rod_element *element = rod->elements + k;

@@ -4,7 +4,7 @@
 #define FINGERFEM_SEGMENT_H
 #include <stdint.h>
 
-/* Numbers of an element's pose, the last two 0: place of its proximal section seen from the distal one [m], and the Gibbs
+/* Numbers of an element's pose, in rows of FINGERFEM_POSE, the last two of no meaning: place of its proximal section seen from the distal one [m], and the Gibbs
  * vector tan(angle / 2) axis of that rotation [-]. */
 enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12, FINGERFEM_MOST_PLATES = 3 };
 
@@ -25,17 +25,20 @@ enum { FINGERFEM_PLANE = 0, FINGERFEM_SPHERE = 1, FINGERFEM_CYLINDER = 2, FINGER
  * force goes with the first moments_of[a] of the moment's, of which the very first is 1; so the groups lie in `rows`. Each
  * has the first monomials of the segment's tensions, as many as its own degree leaves, the very first of which is 1. Groups
  * are stored in blocks that have as many, the most first. */
-enum { FINGERFEM_BLOCK = 4, FINGERFEM_SKIN_ROW = 32 /* a skin's numbers fill rows of so many */, FINGERFEM_CORNERS = 24 /* 8 x 3 */ };
+enum { FINGERFEM_BLOCK = 4, FINGERFEM_BLOCK_ROW = 24 /* 4 x 6 */, FINGERFEM_SKIN_ROW = 32 /* a skin's numbers fill rows of so many */, FINGERFEM_CORNERS = 24 /* 8 x 3 */ };
 typedef struct {
     int32_t groups, monomials;       /* groups fill whole blocks */
     int32_t forces, moments;         /* products of each */
     int32_t most_power;              /* highest of the wrench */
     const double *lower, *upper;     /* (8): the trained box of the wrench [N, N m], then -1 and 1 */
-    const int32_t *force_powers, *moment_powers; /* (forces, 3), (moments, 3) */
+    const int32_t *force_factors, *moment_factors; /* (forces, 3), (moments, 3): 4 (3 power + component) of every factor */
     const int32_t *moments_of;       /* (forces): how many go with each */
-    const int32_t *force_of, *moment_of, *rows;  /* (groups): its products, and its row among the contracted ones */
+    const int32_t *rows;             /* (groups): the row of each among the contracted ones */
+    int32_t pulled;                  /* rows of those with two monomials or more, on which tensions have an effect, and one */
+    const int32_t *pulled_moments_of; /* (forces): how many of these go with each product of the force */
+    const int32_t *pulled_rows;      /* (groups): the row of each among these; of others the last one */
     const int32_t *block_monomials;  /* (groups / FINGERFEM_BLOCK) */
-    const double *coefficients;      /* (block, block_monomials, FINGERFEM_BLOCK, FINGERFEM_POSE) */
+    const double *coefficients;      /* (block, block_monomials, FINGERFEM_BLOCK, 6) */
     const double *free_coefficients; /* (monomials, FINGERFEM_POSE): of the pose without a wrench */
 } fingerfem_law;
 

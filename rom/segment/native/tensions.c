@@ -1,4 +1,5 @@
 #include "tensions.h"
+#include <string.h>
 
 int tensions_all_held(const fingerfem_segment *segment, const double *tensions, double *held)
 {
@@ -10,35 +11,33 @@ int tensions_all_held(const fingerfem_segment *segment, const double *tensions, 
     return inside;
 }
 
+/* Products, (monomials), of a value of each tension's table, (tensions, TENSIONS_POWERS). */
+__attribute__((always_inline)) static inline void products(int t, int monomials, const int32_t *powers, const double *const *tables,
+                                                           double *found)
+{
+    for (int m = 0; m < monomials; m++, powers += t) {
+        double product = tables[0][powers[0]];
+#pragma GCC unroll 2
+        for (int k = 1; k < t; k++) product *= tables[k][powers[k]];
+        found[m] = product;
+    }
+}
+
 void tensions_monomials(const fingerfem_segment *segment, const double *tensions, double *found)
 {
     const int t = segment->tensions, all = segment->monomials;
     double values[TENSIONS_MOST][TENSIONS_POWERS], slopes[TENSIONS_MOST][TENSIONS_POWERS];
+    const double *tables[TENSIONS_MOST];
     for (int k = 0; k < t; k++) {
         const double scale = 2.0 / (segment->upper[k] - segment->lower[k]);
         tensions_chebyshev(scale * (tensions[k] - segment->lower[k]) - 1.0, segment->most_powers[k], values[k], slopes[k]);
         for (int j = 0; j <= segment->most_powers[k]; j++) slopes[k][j] *= scale;
     }
-    for (int m = 0; m < all; m++) {
-        const int32_t *powers = segment->tension_powers + m * t;
-        for (int j = 0; j <= t; j++) { /* the product, then its derivatives by the tensions */
-            double product = 1.0;
-            for (int k = 0; k < t; k++) product *= (k == j - 1 ? slopes : values)[k][powers[k]];
-            found[all * j + m] = product;
-        }
+    for (int j = 0; j <= t; j++) { /* the products, then their derivatives by the tensions */
+        for (int k = 0; k < t; k++) tables[k] = k == j - 1 ? slopes[k] : values[k];
+        if (t == 2) products(2, all, segment->tension_powers, tables, found + all * j);
+        else products(t, all, segment->tension_powers, tables, found + all * j);
     }
-}
-
-eight tensions_summed(int monomials, const double *weights, const double *coefficients)
-{
-    eight even = {0.0}, odd = {0.0};
-    int m = 0;
-    for (; m + 1 < monomials; m += 2) {
-        even += weights[m] * eight_load(coefficients + FINGERFEM_POSE * m);
-        odd += weights[m + 1] * eight_load(coefficients + FINGERFEM_POSE * (m + 1));
-    }
-    for (; m < monomials; m++) even += weights[m] * eight_load(coefficients + FINGERFEM_POSE * m);
-    return even + odd;
 }
 
 void tensions_corners(const fingerfem_segment *segment, const double *monomials, double *corners)

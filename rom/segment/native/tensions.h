@@ -1,7 +1,6 @@
 /* What the tensions of a segment make alone: monomials, of which all its laws take the first ones, and how a plate bends. */
 #ifndef FINGERFEM_TENSIONS_H
 #define FINGERFEM_TENSIONS_H
-#include "eight.h"
 #include "segment.h"
 
 enum { TENSIONS_MOST = FINGERFEM_MOST_TENSIONS, TENSIONS_POWERS = FINGERFEM_MOST_POWER + 1 };
@@ -32,9 +31,6 @@ int tensions_all_held(const fingerfem_segment *segment, const double *tensions, 
 
 /* Monomials of tensions inside their box, and their derivatives by these, (1 + tensions, monomials). */
 void tensions_monomials(const fingerfem_segment *segment, const double *tensions, double *found);
-
-/* Sums over the monomials of weights, (monomials), times coefficients, (monomials, 8). */
-eight tensions_summed(int monomials, const double *weights, const double *coefficients);
 
 /* How far the corners of the plate, bent by the tensions, are from those of a box, (FINGERFEM_CORNERS) [m]; with a row of
  * derivatives of the monomials, how that changes. */
