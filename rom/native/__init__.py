@@ -200,7 +200,9 @@ class Library:
         for name, value in values.items():
             of = fields[name].type
             if of.kind == "pointer" and of.item.kind == "primitive":
-                value = self._aligned(f"{of.item.cname}[]", value.ravel().tolist() if hasattr(value, "ravel") else value)
+                value = self._aligned(
+                    f"{of.item.cname}[]", value.ravel().tolist() if hasattr(value, "ravel") else value
+                )
                 kept.append(value)
             elif of.kind == "struct":
                 kept.append(self.struct(of.cname, **value))

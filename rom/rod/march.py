@@ -1,6 +1,6 @@
 """A rod of elements, condensed to its plate: the reference of rom/segment/native/rod_march.c.
 
-An element's law gives, by the tensions and the wrench (f, m) that its distal section carries, in that section's own frame
+An element's law gives, by the tensions and the wrench (f, m) that its distal section carries, in that one's own frame
 and with the moment about its centre, the pose of its proximal section seen from there: place q and Gibbs vector g. From
 the plate (p = 0, Q = 1, and the wrench on the plate) to the clamp
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from rom.fit.chebyshev import Polynomial
 from rom.segment.wrench_products import padded
 
 if TYPE_CHECKING:
+    from rom.segment.native import Segment
     from rom.segment.segment_map import SegmentMap
 
 MOST_TENSIONS, MOST_POWER, MOST_ELEMENTS = 8, 31, 64  # as in native/segment.h
@@ -38,24 +38,31 @@ def check_sizes(segment: SegmentMap) -> None:
             require(within, f"{name} must be from 0 to {MOST_POWER}", f"{ends[0]} to {ends[1]}")
 
 
-def check_elements(elements: Sequence[Polynomial]) -> None:
-    """Refuse a rod of elements, also one that is being trained, beyond what compiled code holds.
+def check_rod(segment: Segment) -> None:
+    """Refuse a rod of elements beyond what compiled code holds.
 
     Raises:
         ModelError: one line that names what and its limit.
     """
+    elements = segment.elements
     require(1 <= len(elements) <= MOST_ELEMENTS, f"elements must be from 1 to {MOST_ELEMENTS}", len(elements))
-    t = len(elements[0].lower) - WRENCH
+    first, t = elements[0], len(elements[0].lower) - WRENCH
     require(1 <= t <= MOST_TENSIONS, f"tensions must be from 1 to {MOST_TENSIONS}", t)
     for k, one in enumerate({id(one): one for one in elements}.values()):
         _polynomial(f"powers of law {k}", one, t, ELEMENT)
         _ends(one, t)
-        for name, own, first in (("lower", one.lower, elements[0].lower), ("upper", one.upper, elements[0].upper)):
-            same = bool(np.array_equal(own[:t], first[:t]))
-            require(same, f"{name} ends of tensions must be the same for all elements", [first[:t], own[:t]])
+        _alike("tensions of all elements", [one.lower[:t], one.upper[:t]], [first.lower[:t], first.upper[:t]])
         _, _, counts = padded(one.powers[:, t:])
         products = sum(counts) * len(np.unique(one.powers[:, :t], axis=0))
         require(products <= MOST_PRODUCTS, f"law {k} must be at most {MOST_PRODUCTS} products, padded", products)
+    _surface(segment, t)
+    for name, surface in (("corners", segment.corners), ("skin", segment.skin)):
+        if surface is not None:
+            _alike(f"{name} and the plate's element", [surface.lower, surface.upper], [first.lower, first.upper])
+
+
+def _alike(name: str, one: list[np.ndarray], other: list[np.ndarray]) -> None:
+    require(bool(np.array_equal(one, other)), f"{name} must have one box", [*map(np.ndarray.tolist, one)])
 
 
 def check(segment: SegmentMap) -> None:
@@ -70,6 +77,20 @@ def check(segment: SegmentMap) -> None:
     _polynomial("powers", pose, t, POSE)
     _groups(pose.powers[:, t:])
     _poses(pose, t)
+    _surface(segment, t)
+    if segment.shortenings is not None:
+        _polynomial("shortening_powers", segment.shortenings, t, t)
+    _field(segment, t)
+    _scene(segment, t)
+    for name in ("force_error", "place_error", "place_error_by_force"):
+        value = getattr(segment, name)
+        require(0 <= value < np.inf, f"{name} must be finite and at least 0", value)
+    factors = segment.finer_mesh_factors
+    require(all(0 < one < np.inf for one in factors.values()), "finer_mesh_factors must be finite and above 0", factors)
+
+
+def _surface(segment: SegmentMap | Segment, t: int) -> None:
+    """The plate's corners and the rubber's edges."""
     if segment.corners is not None:
         _polynomial("corner_powers", segment.corners, t, CORNERS)
     if segment.skin is not None:
@@ -80,15 +101,6 @@ def check(segment: SegmentMap) -> None:
         )
         _polynomial("skin_powers", segment.skin, t, numbers)
         require(segment.skin_error >= 0, "skin_error must be at least 0 m", segment.skin_error)
-    if segment.shortenings is not None:
-        _polynomial("shortening_powers", segment.shortenings, t, t)
-    _field(segment, t)
-    _scene(segment, t)
-    for name in ("force_error", "place_error", "place_error_by_force"):
-        value = getattr(segment, name)
-        require(0 <= value < np.inf, f"{name} must be finite and at least 0", value)
-    factors = segment.finer_mesh_factors
-    require(all(0 < one < np.inf for one in factors.values()), "finer_mesh_factors must be finite and above 0", factors)
 
 
 def _ends(polynomial: Polynomial, t: int) -> None:

@@ -12,7 +12,7 @@ from rom.brief import brief
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
 from rom.segment import limits
-from rom.segment.native.arrangement import between, by_degree, free_skin, law, tension_monomials
+from rom.segment.native.arrangement import between, by_degree, free_numbers, law, tension_monomials
 
 EDGES, MOST_CONTACTS, SKIN_ROW, CORNERS = 4, 12, 32, 24  # as in segment.h
 ENDS = 11  # sections of a segment's surface besides its places, likewise
@@ -58,22 +58,23 @@ def struct(segment: Segment) -> Any:
     Raises:
         ModelError: a segment beyond what compiled code holds.
     """
-    limits.check_elements(segment.elements)
-    plate, t = segment.elements[0], len(segment.elements[0].lower) - 6
-    bending, bent = np.zeros((0, t), int), np.zeros((0, CORNERS))
-    if segment.corners is not None:
-        order = sorted(range(len(segment.corners.powers)), key=lambda k: by_degree(segment.corners.powers[k].tolist()))
-        bending, bent = segment.corners.powers[order, :t], segment.corners.coefficients[order]
+    limits.check_rod(segment)
+    plate, t, corners, skin = segment.elements[0], len(segment.elements[0].lower) - 6, segment.corners, segment.skin
+    corner_powers, corner_coefficients = np.zeros((0, t + 6), int), np.zeros((0, CORNERS))
+    if corners is not None:
+        order = sorted(range(len(corners.powers)), key=lambda k: by_degree(corners.powers[k].tolist()))
+        corner_powers, corner_coefficients = corners.powers[order], corners.coefficients[order]
     skin_powers, skin_coefficients, stations = np.zeros((0, t + 6), int), np.zeros((0, 0)), 0
-    if segment.skin is not None:
-        skin_powers, numbers = segment.skin.powers, segment.skin.coefficients.shape[1]
-        skin_coefficients = np.pad(segment.skin.coefficients.astype(np.float32), [(0, 0), (0, -numbers % SKIN_ROW)])
+    if skin is not None:
+        skin_powers, numbers = skin.powers, skin.coefficients.shape[1]
+        skin_coefficients = np.pad(skin.coefficients.astype(np.float32), [(0, 0), (0, -numbers % SKIN_ROW)])
         stations = numbers // (3 * EDGES)
     laws = list({id(one): one for one in segment.elements}.values())
-    powers = [*(one.powers for one in laws), skin_powers]
-    monomials = tension_monomials(bending, [one[:, :t] for one in powers])
+    powers = [corner_powers, *(one.powers for one in laws), skin_powers]
+    monomials = tension_monomials(t, powers)
     places = between(stations) if stations else np.zeros((0, 0))
-    unloaded = free_skin(monomials, skin_powers, skin_coefficients)
+    unloaded = free_numbers(monomials, skin_powers, skin_coefficients)
+    bent = free_numbers(monomials, corner_powers, corner_coefficients)
     structs = [SEGMENT.struct("fingerfem_law", **law(one, monomials)) for one in laws]
     return SEGMENT.struct(
         "fingerfem_segment",
@@ -81,7 +82,7 @@ def struct(segment: Segment) -> Any:
         monomials=len(monomials),
         lower=plate.lower,
         upper=plate.upper,
-        most_powers=np.maximum(np.concatenate(powers).max(axis=0), [*monomials.max(axis=0), *[0] * 6]),
+        most_powers=np.concatenate(powers).max(axis=0),
         tension_powers=monomials,
         elements=len(segment.elements),
         laws=len(laws),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,8 @@ def at_rest(powers: np.ndarray) -> np.ndarray:
     return np.where((powers % 2).any(axis=1), 0.0, (-1.0) ** (powers.sum(axis=1) // 2))
 
 
-def free_skin(monomials: np.ndarray, powers: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
-    """The rubber's coefficients, shape (k, numbers), without a wrench: by the first monomials of the tensions."""
+def free_numbers(monomials: np.ndarray, powers: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    """Coefficients, shape (k, numbers), of what there is without a wrench, by the first monomials of the tensions."""
     t = monomials.shape[1]
     row = {tuple(one): k for k, one in enumerate(monomials.tolist())}
     of = np.array([row[tuple(one)] for one in powers[:, :t].tolist()], int)
@@ -46,10 +47,10 @@ def by_degree(powers: Sequence[int]) -> tuple[int, ...]:
     return sum(powers), *powers
 
 
-def tension_monomials(first: np.ndarray, others: Iterable[np.ndarray]) -> np.ndarray:
-    """Powers of the tensions, shape (monomials, t): of none, then `first`, shape (j, t), then all `others`, (k, t)."""
-    given = dict.fromkeys([(0,) * first.shape[1], *map(tuple, first.tolist())])
-    more = {tuple(row) for powers in others for row in powers.tolist()} - set(given)
+def tension_monomials(t: int, powers: Sequence[np.ndarray]) -> np.ndarray:
+    """Powers of the tensions, shape (monomials, t): none, those of the first powers, (k, t + 6), then all others."""
+    given = dict.fromkeys([(0,) * t, *map(tuple, powers[0][:, :t].tolist())])
+    more = {tuple(row) for one in powers for row in one[:, :t].tolist()} - set(given)
     return np.array([*given, *sorted(more, key=by_degree)])
 
 
@@ -63,36 +64,24 @@ def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
 
     Args:
         polynomial: 6 values, place [m] and Gibbs vector [-], of t + 6 variables.
-        monomials: powers of the tensions, shape (monomials, t), with all of its own.
+        monomials: powers of the tensions, shape (monomials, t), that of none first, with all of its own.
     """
     t = monomials.shape[1]
-    column = {tuple(row): k for k, row in enumerate(monomials.tolist())}
     forces, moments, counts = padded(polynomial.powers[:, t:])
-    rows = [(a, b) for a, count in enumerate(counts) for b in range(count)]
-    at = {(forces[a], moments[b]): k for k, (a, b) in enumerate(rows)}
-    own: list[dict[int, np.ndarray]] = [{} for _ in rows]
-    for power, values in zip(polynomial.powers.tolist(), polynomial.coefficients, strict=True):
-        own[at[tuple(power[t : t + 3]), tuple(power[t + 3 :])]][column[tuple(power[:t])]] = values
-    used = [1 + max(one, default=0) for one in own]
-    pulled = [max((1 + b for b in range(count) if used[at[forces[a], moments[b]]] > 1), default=0) for a, count in enumerate(counts)]
-    used = [max(count, 2) if b < pulled[a] else count for count, (a, b) in zip(used, rows, strict=True)]
-    order = sorted(range(len(rows)), key=lambda k: -used[k])
-    fill = -len(rows) % BLOCK  # groups of which nothing is taken
-    places = [*order, *range(len(rows), len(rows) + fill)]
-    blocks = [places[k : k + BLOCK] for k in range(0, len(places), BLOCK)]
-    block_monomials = [used[block[0]] for block in blocks]
-    coefficients = []
-    for block, count in zip(blocks, block_monomials, strict=True):
-        numbers = np.zeros((count, BLOCK, 6))
-        for g, k in enumerate(block):
-            for m, values in own[k].items() if k < len(rows) else ():
-                numbers[m, g] = values
-        coefficients.append(numbers.ravel())
-    pulled_rows = {k: row for row, k in enumerate(k for k, (a, b) in enumerate(rows) if b < pulled[a])}
-    rest = at_rest(np.array([[*forces[a], *moments[b]] for a, b in rows]))
-    free = np.zeros((max(block_monomials), POSE))
-    for value, numbers_of in zip(rest, own, strict=True):
-        for m, values in numbers_of.items():
+    rows = [(*forces[a], *moments[b]) for a, count in enumerate(counts) for b in range(count)]
+    known = _by_rows(polynomial, rows, monomials)
+    used = np.array([1 + max(one, default=0) for one in known])
+    starts = np.cumsum([0, *counts])
+    pulled = [int(np.flatnonzero(used[i:j] > 1).max(initial=-1)) + 1 for i, j in pairwise(starts)]
+    of_tensions = np.concatenate([start + np.arange(count) for start, count in zip(starts, pulled, strict=False)])
+    used[of_tensions] = np.maximum(used[of_tensions], 2)
+    places = [*np.argsort(-used, kind="stable"), *range(len(rows), len(rows) + -len(rows) % BLOCK)]
+    pulled_rows = np.full(len(places), len(of_tensions))
+    pulled_rows[of_tensions] = np.arange(len(of_tensions))
+    blocks = [_block([known[k] for k in group if k < len(rows)], used[group[0]]) for group in _fours(places)]
+    free = np.zeros((used.max(), POSE))
+    for value, one in zip(at_rest(np.array(rows)), known, strict=True):
+        for m, values in one.items():
             free[m, :6] += value * values
     ends = np.array([polynomial.lower[t:], polynomial.upper[t:]])
     lower, upper = np.concatenate([ends, [[-1.0, -1.0], [1.0, 1.0]]], axis=1)
@@ -107,11 +96,35 @@ def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
         "force_factors": factors(forces),
         "moment_factors": factors(moments),
         "moments_of": counts,
-        "pulled": 1 + sum(pulled),
-        "pulled_moments_of": pulled,
-        "pulled_rows": [pulled_rows.get(k, sum(pulled)) for k in places],
         "rows": places,
-        "block_monomials": block_monomials,
-        "coefficients": np.concatenate(coefficients),
+        "pulled": 1 + len(of_tensions),
+        "pulled_moments_of": pulled,
+        "pulled_rows": pulled_rows[places],
+        "block_monomials": [len(block) for block in blocks],
+        "coefficients": np.concatenate([block.ravel() for block in blocks]),
         "free_coefficients": free,
     }
+
+
+def _by_rows(polynomial: Polynomial, rows: list[tuple[int, ...]], monomials: np.ndarray) -> list[dict[int, np.ndarray]]:
+    """Coefficients of every product of the wrench by the places of the tensions' monomials."""
+    t = monomials.shape[1]
+    row, column = ({tuple(one): k for k, one in enumerate(keys)} for keys in (rows, monomials.tolist()))
+    found: list[dict[int, np.ndarray]] = [{} for _ in rows]
+    for power, values in zip(polynomial.powers.tolist(), polynomial.coefficients, strict=True):
+        one, m = found[row[tuple(power[t:])]], column[tuple(power[:t])]
+        one[m] = one.get(m, 0.0) + values
+    return found
+
+
+def _fours(places: list[int]) -> list[list[int]]:
+    return [places[k : k + BLOCK] for k in range(0, len(places), BLOCK)]
+
+
+def _block(groups: list[dict[int, np.ndarray]], monomials: int) -> np.ndarray:
+    """Coefficients of a block, shape (monomials, BLOCK, 6)."""
+    found = np.zeros((monomials, BLOCK, 6))
+    for g, one in enumerate(groups):
+        for m, values in one.items():
+            found[m, g] = values
+    return found
