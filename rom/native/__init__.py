@@ -169,18 +169,19 @@ class Library:
     @cached_property
     def _aligned(self) -> Any:
         """As `ffi.new`: arrays begin with a cache line, as vector loads that lie in two lines take twice the time."""
-        ffi, owners = self.ffi, dict[int, Any]()
+        from cffi import FFI
+
+        own = FFI()
+        own.cdef("int posix_memalign(void **, size_t, size_t); void free(void *);")
+        libc = own.dlopen(None)
 
         def allocate(size: int) -> Any:
-            owner = ffi.new("char[]", size + LINE)
-            begin = owner + -int(ffi.cast("uintptr_t", owner)) % LINE
-            owners[int(ffi.cast("uintptr_t", begin))] = owner
-            return begin
+            found = own.new("void **")
+            if libc.posix_memalign(found, LINE, max(size, 1)):
+                raise MemoryError(f"memory must have {size} bytes left, got none")
+            return found[0]
 
-        def free(begin: Any) -> None:
-            owners.pop(int(ffi.cast("uintptr_t", begin)), None)
-
-        return ffi.new_allocator(allocate, free)
+        return self.ffi.new_allocator(allocate, libc.free)
 
     def pointers(self, kind: str, structs: Sequence[Any]) -> Any:
         """An array of pointers to C structs of a kind, which live as long as it does."""
