@@ -1,9 +1,22 @@
-"""Elements in series, from a segment's plate to its clamp (a nonlinear transfer-matrix method)."""
+"""A rod of elements, condensed to its plate: the reference of rom/segment/native/rod_march.c.
+
+An element's law gives, by the tensions and the wrench (f, m) that its distal section carries, in that one's own frame
+and with the moment about its centre, the pose of its proximal section seen from there: place q and Rodrigues vector g. From
+the plate (p = 0, Q = 1, and the wrench on the plate) to the clamp
+
+    p' = p + Q q,   Q' = Q R,   f' = R^T f,   m' = R^T (m - q x f),   R = 1 + 2 / (1 + g.g) ([g]x + [g]x [g]x).
+
+Changes are followed in every section's own frame: with v = Q^T dp, [t]x = Q^T dQ and the element's turn
+w = 2 / (1 + g.g) (dg - g x dg)
+
+    v' = R^T (v + t x q + dq),   t' = R^T t + w,
+    df' = R^T df - w x f',       dm' = R^T (dm - dq x f - q x df) - w x m'.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,21 +24,27 @@ from rom.brief import brief
 from rom.elements import rotation_vectors
 from rom.fit.chebyshev import Polynomial
 
+ROUNDING = 1e-12  # relative, of the largest trained force
+
 
 @brief
-class Marched(NamedTuple):
-    """A segment under wrenches on its plate, n states.
+@dataclass(frozen=True, kw_only=True)
+class Marched:
+    """The clamp of a rod seen from its plate, at n states.
 
     Attributes:
-        place: of the clamp's centre, seen from the plate, shape (n, 3) [m].
-        rotation: of the clamp's frame, seen from the plate, shape (n, 3, 3) [-].
-        wrenches: that every element transmits, in its distal section's frame, shape (n, elements, 6) [N, N m].
+        place: of the clamp, shape (n, 3) [m].
+        rotation: of the clamp's frame, shape (n, 3, 3) [-]; its transpose is the plate's, seen from the clamp.
+        motion: of the plate, seen from the clamp: R^T dc and R^T dtheta by tensions and the wrench on the plate, shape
+            (n, 6, t + 6) [m, rad per N, N m].
+        wrenches: carried through the distal section of every element, shape (n, elements, 6) [N, N m].
         base: the wrench on the clamp, in its frame about its centre, shape (n, 6) [N, N m].
-        inside: whether every element's inputs lie in its box, shape (n,).
+        inside: whether tensions and these lie in the element's trained box, shape (n, elements).
     """
 
     place: np.ndarray
     rotation: np.ndarray
+    motion: np.ndarray
     wrenches: np.ndarray
     base: np.ndarray
     inside: np.ndarray
@@ -39,22 +58,58 @@ class Marched(NamedTuple):
 def march(elements: Sequence[Polynomial], tensions: np.ndarray, wrenches: np.ndarray) -> Marched:
     """March from the plate to the clamp.
 
+    Beyond its box an element goes on linearly by its wrench, and stays by the tensions.
+
     Args:
-        elements: their laws at their lengths, from the plate to the clamp, of values (place [m], Rodrigues vector [-]).
+        elements: from the plate to the clamp: of t + 6 variables; pose, 6 values [m, -], and others.
         tensions: shape (n, t) [N].
-        wrenches: on the plate in its frame, shape (n, 6) [N, N m].
+        wrenches: on the plate in its own frame, shape (n, 6) [N, N m].
     """
-    n, wrench = len(tensions), np.array(wrenches, float)
-    place, rotation = np.zeros((n, 3)), np.tile(np.eye(3), (n, 1, 1))
-    transmitted, inside = [], np.ones(n, bool)
+    n, t = tensions.shape
+    place, rotation, wrench = np.zeros((n, 3)), np.tile(np.eye(3), (n, 1, 1)), np.array(wrenches, float)
+    move, turn, change = np.zeros((n, 3, t + 6)), np.zeros((n, 3, t + 6)), np.zeros((n, 6, t + 6))
+    change[:, :, t:] = np.eye(6)
+    carried, inside = [], []
     for element in elements:
-        inputs = np.concatenate([tensions, wrench], axis=1)
-        inside &= np.all((inputs >= element.lower) & (inputs <= element.upper), axis=1)
-        transmitted.append(wrench)
-        values = element.value(inputs)
-        arm, turned = values[:, :3], rotation_vectors.matrices(values[:, 3:6])
-        place = place + np.einsum("nij,nj->ni", rotation, arm)
+        held = np.clip(tensions, element.lower[:t], element.upper[:t])
+        carried.append(wrench)
+        inside.append((held == tensions).all(axis=1) & wrench_inside(element, wrench))
+        value, gradient = element.value_and_gradient(np.hstack([held, wrench]))
+        by_state = gradient[:, :, t:] @ change
+        by_state[:, :, :t] += gradient[:, :, :t] * (held == tensions)[:, None]
+        q, g, dq, dg = value[:, :3], value[:, 3:6], by_state[:, :3], by_state[:, 3:6]
+        scale, turned = 2 / (1 + np.sum(g**2, axis=1)), rotation_vectors.matrices(g)
+        back, own_turn = turned.transpose(0, 2, 1), scale[:, None, None] * (dg - _cross(g, dg))
+        force, moment, by_force, by_moment = wrench[:, :3], wrench[:, 3:], change[:, :3], change[:, 3:]
+        place = place + np.einsum("nij,nj->ni", rotation, q)
         rotation = rotation @ turned
-        force, moment = wrench[:, :3], wrench[:, 3:] - np.cross(arm, wrench[:, :3])
-        wrench = np.concatenate([np.einsum("nji,nj->ni", turned, part) for part in (force, moment)], axis=1)
-    return Marched(place, rotation, np.stack(transmitted, axis=1), wrench, inside)
+        move = back @ (move - _cross(q, turn) + dq)
+        turn = back @ turn + own_turn
+        by_moment = by_moment + _cross(force, dq) - _cross(q, by_force)
+        wrench = np.hstack(
+            [np.einsum("nji,nj->ni", turned, one) for one in (force, moment - np.cross(q, force))],
+        )
+        change = np.concatenate([back @ by_force, back @ by_moment], axis=1)
+        change += np.concatenate([_cross(wrench[:, :3], own_turn), _cross(wrench[:, 3:], own_turn)], axis=1)
+    moved, plate_turn = rotation @ move, -rotation @ turn
+    return Marched(
+        place=place,
+        rotation=rotation,
+        motion=np.concatenate([_cross(place, plate_turn) - moved, plate_turn], axis=1),
+        wrenches=np.stack(carried, axis=1),
+        base=wrench,
+        inside=np.stack(inside, axis=1),
+    )
+
+
+def wrench_inside(element: Polynomial, wrenches: np.ndarray) -> np.ndarray:
+    """Whether wrenches, shape (n, 6), lie in an element's box, and their forces are none larger than was trained."""
+    lower, upper = element.lower[-6:], element.upper[-6:]
+    size = np.linalg.norm(wrenches[:, :3], axis=1)
+    within = ((lower <= wrenches) & (wrenches <= upper)).all(axis=1)
+    return np.asarray(within & (size <= upper[:3].max() * (1 + ROUNDING)))
+
+
+def _cross(vectors: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Vectors, shape (n, 3), times every column of matrices, shape (n, 3, k)."""
+    return np.cross(vectors[:, :, None], columns, axis=1)

@@ -34,6 +34,7 @@ FEATURES = {
     "x86-64-v4": {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"},
     "x86-64-v3": {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"},
 }
+LINE = 64  # of the cache [bytes]
 KINDS = {"double": "f8", "int32_t": "i4", "int64_t": "i8", "uint8_t": "u1", "uint64_t": "u8"}
 _kept: WeakKeyDictionary[Any, list[Any]] = WeakKeyDictionary()
 
@@ -165,6 +166,23 @@ class Library:
             found.update(file.name.encode() + file.read_bytes())
         return found.hexdigest()[:16]
 
+    @cached_property
+    def _aligned(self) -> Any:
+        """As `ffi.new`: arrays begin with a cache line, as vector loads that lie in two lines take twice the time."""
+        from cffi import FFI
+
+        own = FFI()
+        own.cdef("int posix_memalign(void **, size_t, size_t); void free(void *);")
+        libc = own.dlopen(None)
+
+        def allocate(size: int) -> Any:
+            found = own.new("void **")
+            if libc.posix_memalign(found, LINE, max(size, 1)):
+                raise MemoryError(f"memory must have {size} bytes left, got none")
+            return found[0]
+
+        return self.ffi.new_allocator(allocate, libc.free)
+
     def pointers(self, kind: str, structs: Sequence[Any]) -> Any:
         """An array of pointers to C structs of a kind, which live as long as it does."""
         found = self.ffi.new(f"{kind} *[]", list(structs))
@@ -183,7 +201,9 @@ class Library:
         for name, value in values.items():
             of = fields[name].type
             if of.kind == "pointer" and of.item.kind == "primitive":
-                value = self.ffi.new(f"{of.item.cname}[]", value.ravel().tolist() if hasattr(value, "ravel") else value)
+                value = self._aligned(
+                    f"{of.item.cname}[]", value.ravel().tolist() if hasattr(value, "ravel") else value
+                )
                 kept.append(value)
             elif of.kind == "struct":
                 kept.append(self.struct(of.cname, **value))
@@ -214,7 +234,9 @@ def _cache() -> Path:
 EVALUATION = Library("evaluation", [HERE / "kernel.h", HERE / "evaluation.h"], [HERE / "batches.c"])
 _SEGMENT = HERE.parent / "segment" / "native"
 _SOURCES = (
-    "map.c",
+    "tensions.c",
+    "element.c",
+    "rod_march.c",
     "inverse.c",
     "chain.c",
     "objects.c",

@@ -153,9 +153,9 @@ class Rod:
             wrench = pressed[:, k] + wrench
             inside &= np.linalg.norm(wrench[:, :3], axis=1) <= self.own.force
             marched = march(self.segments[k], self.of_segment(k, pulled), wrench)
-            inside &= marched.inside
+            inside &= marched.inside.all(axis=1)
             relative.append(marched.plate)
-            wrench = marched.base
+            wrench = marched.base.copy()
             wrench[:, 3:] += np.cross([ahead, 0.0, 0.0], wrench[:, :3])  # about the centre of the plate that clamps it
         centres, rotations = [], []
         centre, rotation = np.zeros((len(pulled), 3)), np.tile(np.eye(3), (len(pulled), 1, 1))

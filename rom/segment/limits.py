@@ -9,13 +9,16 @@ import numpy as np
 
 from rom.checked_file import require
 from rom.fit.chebyshev import Polynomial
+from rom.segment.wrench_products import padded
 
 if TYPE_CHECKING:
+    from rom.segment.native import Segment
     from rom.segment.segment_map import SegmentMap
 
-MOST_TENSIONS, MOST_POWER = 8, 31  # as in native/segment.h
+MOST_TENSIONS, MOST_POWER, MOST_ELEMENTS = 8, 31, 64  # as in native/segment.h
 MOST_PRODUCTS = 1 << 20  # of a polynomial: with these, places in memory are counted in 32 bits
 WRENCH, POSE, CORNERS, EDGES = 6, 7, 24, 12  # numbers of each; of the four edges' corners at a station
+ELEMENT = 6  # numbers of an element's pose
 TWICE = 2.0  # largest ratio of a fitted quaternion's length to 1, or of 1 to it [-]
 STATIONS = 2  # of the rubber's edges, at least: a tangent needs two
 
@@ -35,6 +38,33 @@ def check_sizes(segment: SegmentMap) -> None:
             require(within, f"{name} must be from 0 to {MOST_POWER}", f"{ends[0]} to {ends[1]}")
 
 
+def check_rod(segment: Segment) -> None:
+    """Refuse a rod of elements beyond what compiled code holds.
+
+    Raises:
+        ModelError: one line that names what and its limit.
+    """
+    elements = segment.elements
+    require(1 <= len(elements) <= MOST_ELEMENTS, f"elements must be from 1 to {MOST_ELEMENTS}", len(elements))
+    first, t = elements[0], len(elements[0].lower) - WRENCH
+    require(1 <= t <= MOST_TENSIONS, f"tensions must be from 1 to {MOST_TENSIONS}", t)
+    for k, one in enumerate({id(one): one for one in elements}.values()):
+        _polynomial(f"powers of law {k}", one, t, ELEMENT)
+        _ends(one, t)
+        _alike("tensions of all elements", [one.lower[:t], one.upper[:t]], [first.lower[:t], first.upper[:t]])
+        _, _, counts = padded(one.powers[:, t:])
+        products = sum(counts) * len(np.unique(one.powers[:, :t], axis=0))
+        require(products <= MOST_PRODUCTS, f"law {k} must be at most {MOST_PRODUCTS} products, padded", products)
+    _surface(segment, t)
+    for name, surface in (("corners", segment.corners), ("skin", segment.skin)):
+        if surface is not None:
+            _alike(f"{name} and the plate's element", [surface.lower, surface.upper], [first.lower, first.upper])
+
+
+def _alike(name: str, one: list[np.ndarray], other: list[np.ndarray]) -> None:
+    require(bool(np.array_equal(one, other)), f"{name} must have one box", [*map(np.ndarray.tolist, one)])
+
+
 def check(segment: SegmentMap) -> None:
     """Refuse a map that compiled code cannot read.
 
@@ -47,16 +77,7 @@ def check(segment: SegmentMap) -> None:
     _polynomial("powers", pose, t, POSE)
     _groups(pose.powers[:, t:])
     _poses(pose, t)
-    if segment.corners is not None:
-        _polynomial("corner_powers", segment.corners, t, CORNERS)
-    if segment.skin is not None:
-        numbers = segment.skin.coefficients.shape[-1]
-        whole = numbers % EDGES == 0 and numbers >= STATIONS * EDGES
-        require(
-            whole, f"skin_coefficients must be a multiple of {EDGES} numbers, of {STATIONS} stations at least", numbers
-        )
-        _polynomial("skin_powers", segment.skin, t, numbers)
-        require(segment.skin_error >= 0, "skin_error must be at least 0 m", segment.skin_error)
+    _surface(segment, t)
     if segment.shortenings is not None:
         _polynomial("shortening_powers", segment.shortenings, t, t)
     _field(segment, t)
@@ -68,13 +89,32 @@ def check(segment: SegmentMap) -> None:
     require(all(0 < one < np.inf for one in factors.values()), "finer_mesh_factors must be finite and above 0", factors)
 
 
-def _box(segment: SegmentMap, t: int) -> None:
-    lower, upper = segment.pose.lower, segment.pose.upper
+def _surface(segment: SegmentMap | Segment, t: int) -> None:
+    """The plate's corners and the rubber's edges."""
+    if segment.corners is not None:
+        _polynomial("corner_powers", segment.corners, t, CORNERS)
+    if segment.skin is not None:
+        numbers = segment.skin.coefficients.shape[-1]
+        whole = numbers % EDGES == 0 and numbers >= STATIONS * EDGES
+        require(
+            whole, f"skin_coefficients must be a multiple of {EDGES} numbers, of {STATIONS} stations at least", numbers
+        )
+        _polynomial("skin_powers", segment.skin, t, numbers)
+        require(segment.skin_error >= 0, "skin_error must be at least 0 m", segment.skin_error)
+
+
+def _ends(polynomial: Polynomial, t: int) -> None:
+    lower, upper = polynomial.lower, polynomial.upper
     require(lower.shape == upper.shape == (t + WRENCH,), f"box must have shape (2, {t + WRENCH})", lower.shape)
     ordered = bool(np.isfinite([lower, upper]).all() and (lower < upper).all())
     require(ordered, "box must have finite lower ends below its upper ends", [lower.tolist(), upper.tolist()])
     even = bool(np.allclose(lower[t:], -upper[t:], rtol=1e-9))
     require(even, "box must be as wide to both sides of no wrench", [lower[t:].tolist(), upper[t:].tolist()])
+
+
+def _box(segment: SegmentMap, t: int) -> None:
+    lower, upper = segment.pose.lower, segment.pose.upper
+    _ends(segment.pose, t)
     ends = np.array([[float(one["lower"]), float(one["upper"])] for one in segment.parameters]).T
     require(
         bool(np.allclose(ends, [lower, upper], rtol=1e-9)), "parameters must have the ends of the box", ends.tolist()

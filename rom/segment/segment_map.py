@@ -129,7 +129,15 @@ class SegmentMap(PickledByFields):
             ModelError: a map beyond what compiled code holds.
         """
         limits.check_sizes(self)
-        return native.struct(self.pose, self.corners, self.skin, self.skin_error, self.half_lengths)
+        return native.struct(
+            native.Segment(
+                elements=[self.pose],
+                half_lengths=self.half_lengths,
+                corners=self.corners,
+                skin=self.skin,
+                skin_error=self.skin_error,
+            )
+        )
 
     def place(self, inputs: ArrayLike) -> Placed:
         """Where the plate is at inputs, shape (t + 6,) or (n, t + 6) [N, N m].

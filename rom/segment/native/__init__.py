@@ -1,8 +1,9 @@
-"""The compiled map of a segment and what touches it (segment.h), called with arrays of NumPy."""
+"""The compiled segment and what touches it (segment.h), called with arrays of NumPy."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,10 +11,33 @@ import numpy as np
 from rom.brief import brief
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
-from rom.segment.native.arrangement import BLOCK, POSE, arranged, at_rest, between, by_degree, free_skin
+from rom.segment import limits
+from rom.segment.native.arrangement import between, by_degree, free_numbers, law, tension_monomials
 
 EDGES, MOST_CONTACTS, SKIN_ROW, CORNERS = 4, 12, 32, 24  # as in segment.h
 ENDS = 11  # sections of a segment's surface besides its places, likewise
+
+
+@brief
+@dataclass(frozen=True, kw_only=True)
+class Segment:
+    """A segment: a rod of elements, and the plate at its end.
+
+    Attributes:
+        elements: from the plate to the clamp, of every one the law by tensions and the wrench that its distal section
+            carries, in that one's frame, t + 6 variables [N, N m]: place of its proximal section seen from there [m]
+            and Gibbs vector of that rotation [-], 6 values. Elements that share a law are one and the same object.
+        half_lengths: of the plate along its own axes, shape (3,) [m].
+        corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
+        skin: of the same, 3 values of every point of the rubber [m]; None without any.
+        skin_error: of these [m].
+    """
+
+    elements: Sequence[Polynomial]
+    half_lengths: np.ndarray
+    corners: Polynomial | None = None
+    skin: Polynomial | None = None
+    skin_error: float = np.nan
 
 
 def pointer(array: np.ndarray, kind: str = "double[]") -> Any:
@@ -28,56 +52,42 @@ def memory_of(compiled: Any) -> Any:
     return pointer(np.empty(size(compiled)))
 
 
-def struct(
-    pose: Polynomial,
-    corners: Polynomial | None,
-    skin: Polynomial | None,
-    skin_error: float,
-    half_lengths: np.ndarray,
-) -> Any:
-    """A map as a struct fingerfem_segment.
+def struct(segment: Segment) -> Any:
+    """A segment as a struct fingerfem_segment.
 
-    Args:
-        pose: 7 values of t + 6 variables.
-        corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
-        skin: of the same, 3 values of every point of the rubber [m]; None without any.
-        skin_error: of these [m].
-        half_lengths: of the plate along its own axes, shape (3,) [m].
+    Raises:
+        ModelError: a segment beyond what compiled code holds.
     """
-    t = len(pose.lower) - 6
-    bending, bent = np.zeros((0, t), int), np.zeros((0, CORNERS))
+    limits.check_rod(segment)
+    plate, t, corners, skin = segment.elements[0], len(segment.elements[0].lower) - 6, segment.corners, segment.skin
+    corner_powers, corner_coefficients = np.zeros((0, t + 6), int), np.zeros((0, CORNERS))
     if corners is not None:
         order = sorted(range(len(corners.powers)), key=lambda k: by_degree(corners.powers[k].tolist()))
-        bending, bent = corners.powers[order, :t], corners.coefficients[order]
+        corner_powers, corner_coefficients = corners.powers[order], corners.coefficients[order]
     skin_powers, skin_coefficients, stations = np.zeros((0, t + 6), int), np.zeros((0, 0)), 0
     if skin is not None:
         skin_powers, numbers = skin.powers, skin.coefficients.shape[1]
         skin_coefficients = np.pad(skin.coefficients.astype(np.float32), [(0, 0), (0, -numbers % SKIN_ROW)])
         stations = numbers // (3 * EDGES)
-    monomials, groups, coefficients = arranged(pose.powers, pose.coefficients, bending, skin_powers[:, :t])
-    variables = np.array([max(np.flatnonzero(group), default=0) for group in groups])
-    rows = np.arange(len(groups))
-    without = groups.copy()
-    without[rows, variables] = 0
-    blocks = coefficients.reshape(-1, BLOCK, len(monomials), POSE)
-    used = [int(np.flatnonzero(block.any(axis=(0, 2))).max(initial=0)) + 1 for block in blocks]
+    laws = list({id(one): one for one in segment.elements}.values())
+    powers = [corner_powers, *(one.powers for one in laws), skin_powers]
+    monomials = tension_monomials(t, powers)
     places = between(stations) if stations else np.zeros((0, 0))
-    unloaded = free_skin(monomials, skin_powers, skin_coefficients)
+    unloaded = free_numbers(monomials, skin_powers, skin_coefficients)
+    bent = free_numbers(monomials, corner_powers, corner_coefficients)
+    structs = [SEGMENT.struct("fingerfem_law", **law(one, monomials)) for one in laws]
     return SEGMENT.struct(
         "fingerfem_segment",
         tensions=t,
-        groups=len(groups),
         monomials=len(monomials),
-        lower=pose.lower,
-        upper=pose.upper,
-        most_powers=np.concatenate([pose.powers, skin_powers]).max(axis=0),
+        lower=plate.lower,
+        upper=plate.upper,
+        most_powers=np.concatenate(powers).max(axis=0),
         tension_powers=monomials,
-        block_monomials=np.array(used),
-        coefficients=np.concatenate([b[:, :n].swapaxes(0, 1).ravel() for b, n in zip(blocks, used, strict=True)]),
-        parents=(groups[None] == without[:, None]).all(axis=2).argmax(axis=1),
-        variables=variables,
-        powers=groups[rows, variables],
-        free_coefficients=np.einsum("g,gmi->mi", at_rest(groups), coefficients),
+        elements=len(segment.elements),
+        laws=len(laws),
+        law=SEGMENT.pointers("fingerfem_law", structs),
+        law_of=[next(k for k, one in enumerate(laws) if one is element) for element in segment.elements],
         skin_terms=len(skin_powers),
         skin_numbers=skin_coefficients.shape[1],
         skin_monomials=len(unloaded),
@@ -87,19 +97,30 @@ def struct(
         stations=stations,
         places=len(places),
         between=places,
-        skin_error=skin_error,
-        half_lengths=half_lengths.tolist(),
-        corner_monomials=len(bending),
+        skin_error=segment.skin_error,
+        half_lengths=segment.half_lengths.tolist(),
+        corner_monomials=len(bent),
         corner_coefficients=bent,
     )
 
 
-def place(compiled: Any, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
-    """Pose, shape (7,), its motion by the inputs, shape (6, t + 6), and whether these, shape (t + 6,), are inside."""
-    pose, motion, t = np.empty(8), np.empty((6, len(inputs))), len(inputs) - 6
-    given = pointer(inputs[:t].copy()), pointer(inputs[t:].copy()), memory_of(compiled), pointer(pose), pointer(motion)
-    inside = SEGMENT.functions.fingerfem_place(compiled, *given)
-    return pose[:7], motion, bool(inside)
+def place(compiled: Any, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
+    """Centre, shape (3,), and rotation, shape (3, 3), of a segment's plate, seen from its clamp.
+
+    Args:
+        compiled: a struct fingerfem_segment.
+        inputs: tensions and the plate's wrench, shape (t + 6,) [N, N m].
+
+    Returns:
+        both, the plate's motion by the inputs, shape (6, t + 6), and whether these are inside.
+    """
+    t, given = len(inputs) - 6, np.array(inputs, float)
+    centre, rotation, motion = np.empty(3), np.empty((3, 3)), np.empty((6, len(inputs)))
+    parts = given[:t].copy(), given[t:].copy()
+    inside = SEGMENT.functions.fingerfem_place(
+        compiled, *map(pointer, parts), memory_of(compiled), *map(pointer, (centre, rotation, motion))
+    )
+    return centre, rotation, motion, bool(inside)
 
 
 def chain_struct(

@@ -1,11 +1,15 @@
-"""Numbers of a map in the order of segment.h."""
+"""Numbers of a segment in the order of segment.h."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
+
+from rom.fit.chebyshev import Polynomial
+from rom.segment.wrench_products import padded
 
 BLOCK, POSE = 4, 8  # as in segment.h
 BETWEEN, NEAREST = 8, 4  # cross-sections between two stations of the rubber's edges; stations that interpolate one
@@ -16,8 +20,8 @@ def at_rest(powers: np.ndarray) -> np.ndarray:
     return np.where((powers % 2).any(axis=1), 0.0, (-1.0) ** (powers.sum(axis=1) // 2))
 
 
-def free_skin(monomials: np.ndarray, powers: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
-    """The rubber's coefficients, shape (k, numbers), without a wrench: by the first monomials of the tensions."""
+def free_numbers(monomials: np.ndarray, powers: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    """Coefficients, shape (k, numbers), of what there is without a wrench, by the first monomials of the tensions."""
     t = monomials.shape[1]
     row = {tuple(one): k for k, one in enumerate(monomials.tolist())}
     of = np.array([row[tuple(one)] for one in powers[:, :t].tolist()], int)
@@ -43,30 +47,84 @@ def by_degree(powers: Sequence[int]) -> tuple[int, ...]:
     return sum(powers), *powers
 
 
-def arranged(
-    powers: np.ndarray, values: np.ndarray, first: np.ndarray, also: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Powers, shape (k, t + 6), and coefficients, shape (k, 7), in the order of segment.h.
+def tension_monomials(t: int, powers: Sequence[np.ndarray]) -> np.ndarray:
+    """Powers of the tensions, shape (monomials, t): none, those of the first powers, (k, t + 6), then all others."""
+    given = dict.fromkeys([(0,) * t, *map(tuple, powers[0][:, :t].tolist())])
+    more = {tuple(row) for one in powers for row in one[:, :t].tolist()} - set(given)
+    return np.array([*given, *sorted(more, key=by_degree)])
 
-    The monomials of the tensions begin with those of powers `first`, shape (j, t); those of `also`, shape (l, t), are
-    among them.
 
-    Returns:
-        monomials of the tensions, shape (monomials, t); powers of the wrench, shape (groups, 6), those with most
-        monomials first, so that a parent stands before its groups; coefficients, shape (groups, monomials, 8).
+def factors(powers: list[tuple[int, ...]]) -> np.ndarray:
+    """Where the factors of products lie among the polynomials of three components, shape (products, 3)."""
+    return 4 * (3 * np.array(powers) + np.arange(3))
+
+
+def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
+    """An element's law as values of a struct fingerfem_law.
+
+    Args:
+        polynomial: 6 values, place [m] and Gibbs vector [-], of t + 6 variables.
+        monomials: powers of the tensions, shape (monomials, t), that of none first, with all of its own.
     """
-    t, given = first.shape[1], [tuple(row) for row in first.tolist()]
-    others = {tuple(row) for row in [*powers[:, :t].tolist(), *also.tolist()]} - set(given)
-    monomials = given + sorted(others, key=by_degree)
-    counts = Counter(tuple(row) for row in powers[:, t:].tolist())
-    groups = sorted(counts, key=lambda group: (-counts[group], sum(group), group))
-    row, column = ({key: k for k, key in enumerate(keys)} for keys in (groups, monomials))
-    found = np.zeros((len(groups), len(monomials), POSE))
-    for power, coefficients in zip(powers.tolist(), values, strict=True):
-        found[row[tuple(power[t:])], column[tuple(power[:t])], : POSE - 1] = coefficients
-    fill = -len(groups) % BLOCK  # copies of the first group, of which nothing is taken
-    return (
-        np.array(monomials),
-        np.array(groups + [groups[0]] * fill),
-        np.concatenate([found, np.zeros((fill, *found.shape[1:]))]),
-    )
+    t = monomials.shape[1]
+    forces, moments, counts = padded(polynomial.powers[:, t:])
+    rows = [(*forces[a], *moments[b]) for a, count in enumerate(counts) for b in range(count)]
+    known = _by_rows(polynomial, rows, monomials)
+    used = np.array([1 + max(one, default=0) for one in known])
+    starts = np.cumsum([0, *counts])
+    pulled = [int(np.flatnonzero(used[i:j] > 1).max(initial=-1)) + 1 for i, j in pairwise(starts)]
+    of_tensions = np.concatenate([start + np.arange(count) for start, count in zip(starts, pulled, strict=False)])
+    used[of_tensions] = np.maximum(used[of_tensions], 2)
+    places = [*np.argsort(-used, kind="stable"), *range(len(rows), len(rows) + -len(rows) % BLOCK)]
+    pulled_rows = np.full(len(places), len(of_tensions))
+    pulled_rows[of_tensions] = np.arange(len(of_tensions))
+    blocks = [_block([known[k] for k in group if k < len(rows)], used[group[0]]) for group in _fours(places)]
+    free = np.zeros((used.max(), POSE))
+    for value, one in zip(at_rest(np.array(rows)), known, strict=True):
+        for m, values in one.items():
+            free[m, :6] += value * values
+    ends = np.array([polynomial.lower[t:], polynomial.upper[t:]])
+    lower, upper = np.concatenate([ends, [[-1.0, -1.0], [1.0, 1.0]]], axis=1)
+    return {
+        "groups": len(places),
+        "monomials": len(free),
+        "forces": len(forces),
+        "moments": len(moments),
+        "most_power": int(polynomial.powers[:, t:].max()),
+        "lower": lower,
+        "upper": upper,
+        "force_factors": factors(forces),
+        "moment_factors": factors(moments),
+        "moments_of": counts,
+        "rows": places,
+        "pulled": 1 + len(of_tensions),
+        "pulled_moments_of": pulled,
+        "pulled_rows": pulled_rows[places],
+        "block_monomials": [len(block) for block in blocks],
+        "coefficients": np.concatenate([block.ravel() for block in blocks]),
+        "free_coefficients": free,
+    }
+
+
+def _by_rows(polynomial: Polynomial, rows: list[tuple[int, ...]], monomials: np.ndarray) -> list[dict[int, np.ndarray]]:
+    """Coefficients of every product of the wrench by the places of the tensions' monomials."""
+    t = monomials.shape[1]
+    row, column = ({tuple(one): k for k, one in enumerate(keys)} for keys in (rows, monomials.tolist()))
+    found: list[dict[int, np.ndarray]] = [{} for _ in rows]
+    for power, values in zip(polynomial.powers.tolist(), polynomial.coefficients, strict=True):
+        one, m = found[row[tuple(power[t:])]], column[tuple(power[:t])]
+        one[m] = one.get(m, 0.0) + values
+    return found
+
+
+def _fours(places: list[int]) -> list[list[int]]:
+    return [places[k : k + BLOCK] for k in range(0, len(places), BLOCK)]
+
+
+def _block(groups: list[dict[int, np.ndarray]], monomials: int) -> np.ndarray:
+    """Coefficients of a block, shape (monomials, BLOCK, 6)."""
+    found = np.zeros((monomials, BLOCK, 6))
+    for g, one in enumerate(groups):
+        for m, values in one.items():
+            found[m, g] = values
+    return found

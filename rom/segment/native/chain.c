@@ -1,6 +1,6 @@
-/* From tip to base: a map says where its plate is, seen from the plate before. What that plate bears is its own wrench and
+/* From tip to base: a rod says where its plate is, seen from the plate before. What that plate bears is its own wrench and
  * the one that the next plate bears, moved there, and nothing else: a long tendon slides through a plate, and enters the
- * maps of the segments it passes as if it ended at their plates. From base to tip the poses follow each other. (Such a
+ * rods of the segments it passes as if it ended at their plates. From base to tip the poses follow each other. (Such a
  * march is a nonlinear transfer-matrix method.) */
 #include "chain.h"
 
@@ -11,29 +11,24 @@ int32_t fingerfem_chain_memory(const fingerfem_chain *chain)
     return size;
 }
 
-void chain_bend(const fingerfem_chain *chain, int k, const double *tensions, double *monomials, chain_contracted *found)
-{
-    const fingerfem_segment *segment = chain->segments[k];
-    double own[MAP_MOST_TENSIONS];
-    for (int i = 0; i < segment->tensions; i++) own[i] = tensions[chain->own[chain->tensions * k + i]];
-    map_monomials(segment, own, monomials);
-    map_corners(segment, monomials, found->corners[k]);
-    found->monomials[k] = monomials;
-}
-
-void chain_contract(const fingerfem_chain *chain, const double *tensions, double *memory, chain_contracted *found)
+void chain_pull(const fingerfem_chain *chain, const double *tensions, double *memory, chain_pulled *found)
 {
     found->chain = chain;
+    found->work = memory;
+    for (int k = 0; k < chain->plates; k++) found->work += rod_memory(chain->segments[k]);
     for (int k = 0; k < chain->plates; k++) {
         const fingerfem_segment *segment = chain->segments[k];
-        const int size = FINGERFEM_POSE * segment->groups;
-        chain_bend(chain, k, tensions, memory + 2 * size, found);
-        map_contract(segment, found->monomials[k], memory);
-        found->contracted[k] = memory;
-        found->products[k] = memory + size;
-        memory += 2 * size + (1 + segment->tensions) * segment->monomials;
+        double own[TENSIONS_MOST];
+        for (int i = 0; i < segment->tensions; i++) own[i] = tensions[chain->own[chain->tensions * k + i]];
+        rod_pull(segment, own, memory, found->work, found->rods + k);
+        tensions_corners(segment, found->rods[k].monomials, found->corners[k]);
+        memory += rod_memory(segment);
     }
-    found->work = memory;
+}
+
+void chain_contract(const chain_pulled *map)
+{
+    for (int k = 0; k < map->chain->plates; k++) rod_contract(map->rods + k);
 }
 
 static void cross(const double *a, const double *b, double *out)
@@ -55,9 +50,11 @@ static void turned_back(const double *rotation, const double *v, double *out)
  * the clamp. */
 static void locate(const fingerfem_chain *chain, int k, chain_plate *plate)
 {
-    map_rotation(plate->pose, plate->relative);
-    turned(plate->relative, plate->pose, plate->arm);
-    for (int i = 0; i < 3; i++) plate->arm[i] = -plate->arm[i];
+    for (int i = 0; i < 3; i++) {
+        const double *p = plate->end.place, *Q = plate->end.rotation + i; /* of the clamp, seen from the plate */
+        plate->arm[i] = -(Q[0] * p[0] + Q[3] * p[1] + Q[6] * p[2]);
+        for (int j = 0; j < 3; j++) plate->relative[3 * i + j] = Q[3 * j];
+    }
     if (k) plate->arm[0] += chain->segments[k]->half_lengths[0];
 }
 
@@ -105,7 +102,7 @@ static void relative_motion(const fingerfem_chain *chain, int k, int first, int 
     for (int i = 0; i < W; i++) {
         for (int c = first; c < last; c++) plate->motion[i][c] = 0.0;
         for (int j = 0; j < W; j++)
-            for (int c = first; c < last; c++) plate->motion[i][c] += plate->by_wrench[i][j] * by[j][c];
+            for (int c = first; c < last; c++) plate->motion[i][c] += plate->end.by_wrench[i][j] * by[j][c];
         for (int j = 0; last > w && j < chain->segments[k]->tensions; j++)
             plate->motion[i][w + chain->own[chain->tensions * k + j]] += plate->by_tensions[i][j];
     }
@@ -142,11 +139,11 @@ static void compose(const fingerfem_chain *chain, int first, int last, chain_sta
     }
 }
 
-void chain_under(const chain_contracted *map, const double *wrench, chain_state *state)
+void chain_under(const chain_pulled *map, const double *wrench, chain_state *state)
 {
     const fingerfem_chain *chain = map->chain;
     const int w = W * chain->plates;
-    double borne[W] = {0.0}, by[W][CHAIN_INPUTS] = {{0.0}}, by_wrench[W * FINGERFEM_POSE];
+    double borne[W] = {0.0}, by[W][CHAIN_INPUTS] = {{0.0}};
     for (int k = chain->plates - 1; k >= 0; k--) {
         chain_plate *plate = state->plates + k;
         for (int i = 0; i < W; i++) {
@@ -154,47 +151,39 @@ void chain_under(const chain_contracted *map, const double *wrench, chain_state 
             by[i][W * k + i] += 1.0;
             plate->borne[i] = borne[i];
         }
-        map_pose(chain->segments[k], map->contracted[k], borne, map->products[k], plate->pose, by_wrench);
-        for (int i = 0; i < W; i++)
-            map_motion(plate->pose, by_wrench + FINGERFEM_POSE * i, W, i, &plate->by_wrench[0][0]);
+        rod_under(map->rods + k, borne, &plate->end);
         locate(chain, k, plate);
         if (chain->plates > 1) relative_motion(chain, k, 0, w, by, plate);
-        else for (int i = 0; i < W; i++) memcpy(plate->motion[i], plate->by_wrench[i], sizeof plate->by_wrench[i]);
+        else for (int i = 0; i < W; i++) memcpy(plate->motion[i], plate->end.by_wrench[i], sizeof plate->end.by_wrench[i]);
         if (k) pass_on(plate, 0, w, borne, by);
     }
     compose(chain, 0, w, state);
 }
 
-void chain_free(const chain_contracted *map, chain_state *state)
+void chain_free(const chain_pulled *map, chain_state *state)
 {
     const fingerfem_chain *chain = map->chain;
     const int w = W * chain->plates, inputs = w + chain->tensions;
-    double by[W][CHAIN_INPUTS] = {{0.0}}, by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
+    double by[W][CHAIN_INPUTS] = {{0.0}};
     for (int k = 0; k < chain->plates; k++) {
         chain_plate *plate = state->plates + k;
-        map_free(chain->segments[k], map->monomials[k], plate->pose, by_tensions);
-        for (int j = 0; j < chain->segments[k]->tensions; j++)
-            map_motion(plate->pose, by_tensions + FINGERFEM_POSE * j, MAP_MOST_TENSIONS, j, &plate->by_tensions[0][0]);
-        memset(plate->borne, 0, sizeof plate->borne);
-        memset(plate->by_wrench, 0, sizeof plate->by_wrench); /* nothing is borne, whatever the tensions */
+        rod_free(map->rods + k, &plate->end, plate->by_tensions);
+        memset(plate->borne, 0, sizeof plate->borne); /* whatever the tensions */
         locate(chain, k, plate);
         relative_motion(chain, k, w, inputs, by, plate);
     }
     compose(chain, w, inputs, state);
 }
 
-void chain_by_tensions(const chain_contracted *map, chain_state *state)
+void chain_by_tensions(const chain_pulled *map, chain_state *state)
 {
     const fingerfem_chain *chain = map->chain;
     const int w = W * chain->plates, inputs = w + chain->tensions;
     double by[W][CHAIN_INPUTS] = {{0.0}};
     for (int k = chain->plates - 1; k >= 0; k--) {
         chain_plate *plate = state->plates + k;
-        double by_tensions[MAP_MOST_TENSIONS * FINGERFEM_POSE];
-        map_by_tensions(chain->segments[k], map->monomials[k], map->products[k], map->work, by_tensions);
-        for (int j = 0; j < chain->segments[k]->tensions; j++)
-            map_motion(plate->pose, by_tensions + FINGERFEM_POSE * j, MAP_MOST_TENSIONS, j, &plate->by_tensions[0][0]);
         double borne[W];
+        rod_by_tensions(map->rods + k, plate->by_tensions);
         memcpy(borne, plate->borne, sizeof borne);
         relative_motion(chain, k, w, inputs, by, plate);
         if (k) pass_on(plate, w, inputs, borne, by);
@@ -206,20 +195,17 @@ int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, 
                           double *centres, double *rotations, double *motions)
 {
     const int n = chain->plates, w = W * n, t = chain->tensions;
-    double held[MAP_MOST_TENSIONS];
-    chain_contracted map;
+    double held[TENSIONS_MOST];
+    chain_pulled map;
     chain_state state;
-    int inside = 1;
-    for (int k = 0; k < t; k++) {
-        held[k] = map_held(chain->segments[0], k, tensions[k]);
-        inside &= held[k] == tensions[k];
-    }
-    chain_contract(chain, held, memory, &map);
+    int inside = tensions_all_held(chain->segments[0], tensions, held);
+    chain_pull(chain, held, memory, &map);
+    chain_contract(&map);
     chain_under(&map, wrenches, &state);
     chain_by_tensions(&map, &state);
     for (int k = 0; k < n; k++) {
         const chain_plate *plate = state.plates + k;
-        inside &= map_inside(chain->segments[k], plate->borne);
+        inside &= plate->end.inside;
         memcpy(centres + 3 * k, plate->centre, sizeof plate->centre);
         memcpy(rotations + 9 * k, plate->rotation, sizeof plate->rotation);
         for (int i = 0; i < W; i++)

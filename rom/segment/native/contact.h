@@ -23,7 +23,7 @@ typedef struct {
 /* What the solve is about. */
 typedef struct {
     const fingerfem_touching *touching;
-    const chain_contracted *map;
+    const chain_pulled *map;
     int size; /* of all wrenches */
 } contact_problem;
 

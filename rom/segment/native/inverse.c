@@ -1,5 +1,5 @@
 #include <math.h>
-#include "map.h"
+#include "rod_march.h"
 #include "small.h"
 
 #define EVALUATIONS 40
@@ -7,19 +7,30 @@
 #define LONGEST 0.25   /* of the box, that a wrench changes at once */
 #define SHORTEST 1e-3  /* share of a step that is tried, before the pose counts as out of reach */
 
-/* The motion from one pose to another, (6), seen from the first. */
-static void motion_to(const double *pose, const double *centre, const double *target, double *motion)
+/* The rotation, (3, 3), of a quaternion of any length. */
+static void rotation_of(const double *quaternion, double *rotation)
 {
-    double from[9], to[9], turn[9];
-    map_rotation(pose, from);
-    const double quaternion[7] = {0.0, 0.0, 0.0, target[0], target[1], target[2], target[3]};
-    map_rotation(quaternion, to);
+    const double w = quaternion[0], x = quaternion[1], y = quaternion[2], z = quaternion[3];
+    const double s = 2.0 / (w * w + x * x + y * y + z * z);
+    const double found[9] = {
+        1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y),
+        s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x),
+        s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y),
+    };
+    memcpy(rotation, found, sizeof found);
+}
+
+/* The motion, (6), from where a plate is to a centre and a rotation, seen from the former. */
+static void motion_to(const rod_end *end, const double *centre, const double *rotation, double *motion)
+{
+    const double *seen = end->rotation; /* of the clamp */
+    double turn[9];
     for (int i = 0; i < 3; i++) {
-        motion[i] = pose[i];
-        for (int k = 0; k < 3; k++) motion[i] += from[3 * k + i] * centre[k];
+        motion[i] = end->place[i];
+        for (int k = 0; k < 3; k++) motion[i] += seen[3 * i + k] * centre[k];
         for (int j = 0; j < 3; j++) {
             turn[3 * i + j] = 0.0;
-            for (int k = 0; k < 3; k++) turn[3 * i + j] += from[3 * k + i] * to[3 * k + j];
+            for (int k = 0; k < 3; k++) turn[3 * i + j] += seen[3 * i + k] * rotation[3 * k + j];
         }
     }
     double axis[3], sine = 0.0;
@@ -45,18 +56,16 @@ int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, con
                    const double *quaternion, double *memory, double *wrench, double *stiffness, int32_t *inside)
 {
     enum { W = FINGERFEM_WRENCH };
-    const int t = segment->tensions, size = FINGERFEM_POSE * segment->groups;
+    const int t = segment->tensions;
     const double *lower = segment->lower + t, *upper = segment->upper + t;
-    double held[MAP_MOST_TENSIONS], *contracted = memory, *products = memory + size, *monomials = products + size;
-    double pose[FINGERFEM_POSE], by_wrench[W * FINGERFEM_POSE], yielding[W * W], motion[W], step[W], tried[W];
+    double held[TENSIONS_MOST], target[9], yielding[W * W], motion[W], step[W], tried[W];
+    rod_state rod;
+    rod_end end;
     double least = INFINITY, share = 1.0;
-    *inside = 1;
-    for (int k = 0; k < t; k++) {
-        held[k] = map_held(segment, k, tensions[k]);
-        *inside &= held[k] == tensions[k];
-    }
-    map_monomials(segment, held, monomials);
-    map_contract(segment, monomials, contracted);
+    *inside = tensions_all_held(segment, tensions, held);
+    rod_pull(segment, held, memory, memory + rod_memory(segment), &rod);
+    rod_contract(&rod);
+    rotation_of(quaternion, target);
     memcpy(tried, wrench, sizeof tried);
     for (int i = 0; i < W; i++)
         if (!isfinite(tried[i])) memset(tried, 0, sizeof tried);
@@ -64,8 +73,8 @@ int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, con
     memset(step, 0, sizeof step);
     memset(stiffness, 0, W * W * sizeof *stiffness);
     for (int evaluations = 1; evaluations <= EVALUATIONS; evaluations++) {
-        map_pose(segment, contracted, tried, products, pose, by_wrench);
-        motion_to(pose, centre, quaternion, motion);
+        rod_under(&rod, tried, &end);
+        motion_to(&end, centre, target, motion);
         const double off = size_of(segment, motion);
         if (!(off < least)) { /* too far: half the way from where it was */
             share *= 0.5;
@@ -76,7 +85,7 @@ int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, con
         least = off;
         share = 1.0;
         memcpy(wrench, tried, sizeof tried);
-        for (int i = 0; i < W; i++) map_motion(pose, by_wrench + FINGERFEM_POSE * i, W, i, yielding);
+        memcpy(yielding, end.by_wrench, sizeof yielding);
         double right[W * (W + 1)];
         for (int i = 0; i < W; i++) {
             for (int j = 0; j < W; j++) right[(W + 1) * i + j] = i == j;
@@ -91,7 +100,7 @@ int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, con
         }
         if (off < MET) {
             for (int i = 0; i < W; i++) wrench[i] += step[i];
-            *inside &= map_inside(segment, wrench);
+            *inside &= end.inside; /* where Newton's method ended, less a step of MET */
             return evaluations;
         }
         for (int i = 0; i < W; i++) tried[i] = wrench[i] + (step[i] /= fmax(longest, 1.0));
@@ -104,11 +113,10 @@ void fingerfem_spring(const fingerfem_segment *segment, const double *quaternion
 {
     enum { W = FINGERFEM_WRENCH };
     const double size = segment->half_lengths[1], *f = wrench;
-    const double pose[7] = {0.0, 0.0, 0.0, quaternion[0], quaternion[1], quaternion[2], quaternion[3]};
     /* The force turns with the plate: R (K dx + turn x f). */
     const double follows[3][3] = {{0.0, f[2], -f[1]}, {-f[2], 0.0, f[0]}, {f[1], -f[0], 0.0}};
     double rotation[9], own[W * W], half[W * W], work[2 * W * W];
-    map_rotation(pose, rotation);
+    rotation_of(quaternion, rotation);
     memcpy(own, stiffness, sizeof own);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) own[W * i + 3 + j] += follows[i][j];

@@ -10,7 +10,7 @@ static void point_off(const fingerfem_segment *segment, const double *corners, c
                       double *off)
 {
     if (contacts->names[k] < OBJECTS_CORNERS) memcpy(off, corners + 3 * contacts->names[k], 3 * sizeof *off);
-    else map_bent(segment, corners, contacts->points[k], off);
+    else tensions_bent(segment, corners, contacts->points[k], off);
 }
 
 /* Contact k of an object at d with a plate that is no box: its point is off, as if the plate stood so far away. A round
@@ -74,7 +74,7 @@ void placed_bend(const contact_problem *problem, const objects_contacts *contact
     memset(found, 0, (size_t)(3 * chain->tensions) * sizeof *found);
     for (int j = 0; j < segment->tensions; j++) {
         double corners[FINGERFEM_CORNERS];
-        map_corners(segment, problem->map->monomials[plate] + segment->monomials * (1 + j), corners);
+        tensions_corners(segment, problem->map->rods[plate].monomials + segment->monomials * (1 + j), corners);
         point_off(segment, corners, contacts, k, found + 3 * chain->own[chain->tensions * plate + j]);
     }
 }
@@ -116,13 +116,13 @@ int fingerfem_contacts(const fingerfem_touching *touching, const double *tension
                        double *normals, double *point_changes, double *normal_changes)
 {
     const fingerfem_chain *chain = touching->chain;
-    chain_contracted map = {.chain = chain};
+    chain_pulled map;
     const contact_problem problem = {touching, &map, W * chain->plates};
     placed at = {.contacts.count = 0};
-    double held[MAP_MOST_TENSIONS];
-    for (int k = 0; k < chain->tensions; k++) held[k] = map_held(chain->segments[0], k, tensions[k]);
+    double held[TENSIONS_MOST];
+    tensions_all_held(chain->segments[0], tensions, held);
+    chain_pull(chain, held, memory, &map);
     for (int plate = 0; plate < chain->plates; plate++) {
-        chain_bend(chain, plate, held, memory, &map);
         memcpy(at.chain.plates[plate].centre, centres + 3 * plate, 3 * sizeof *centres);
         memcpy(at.chain.plates[plate].rotation, rotations + 9 * plate, 9 * sizeof *rotations);
         find(&problem, d, plate, &at);

@@ -13,10 +13,10 @@ typedef double doubles __attribute__((vector_size(64), aligned(8)));
 void rubber_points(const fingerfem_segment *segment, const double *inputs, double *work, double *found)
 {
     const int p = segment->tensions + FINGERFEM_WRENCH, numbers = segment->skin_numbers, terms = segment->skin_terms;
-    double values[MAP_MOST_TENSIONS + FINGERFEM_WRENCH][MAP_POWERS], slopes[MAP_POWERS];
+    double values[TENSIONS_MOST + FINGERFEM_WRENCH][TENSIONS_POWERS], slopes[TENSIONS_POWERS];
     for (int i = 0; i < p; i++) {
         const double scaled = 2.0 * (inputs[i] - segment->lower[i]) / (segment->upper[i] - segment->lower[i]) - 1.0;
-        map_chebyshev(fmax(-1.0, fmin(1.0, scaled)), segment->most_powers[i], values[i], slopes);
+        tensions_chebyshev(fmax(-1.0, fmin(1.0, scaled)), segment->most_powers[i], values[i], slopes);
     }
     for (int k = 0; k < terms; k++) {
         double product = 1.0;
@@ -136,17 +136,18 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     const fingerfem_object *object = touching->object;
     const int t = chain->tensions;
     const double d = fmax(object->nearest, fmin(object->farthest, point[t]));
-    double held[MAP_MOST_TENSIONS], corner[3], normal[3], least = INFINITY;
-    chain_contracted map;
+    double held[TENSIONS_MOST], corner[3], normal[3], least = INFINITY;
+    chain_pulled map;
     chain_state state;
     if (!any_skin(chain) || point[t] == INFINITY) return INFINITY;
-    for (int k = 0; k < t; k++) held[k] = map_held(chain->segments[0], k, point[k]);
-    chain_contract(chain, held, memory, &map);
+    tensions_all_held(chain->segments[0], point, held);
+    chain_pull(chain, held, memory, &map);
+    chain_contract(&map);
     chain_under(&map, wrench, &state);
     for (int k = 0; k < chain->plates; k++) {
         const fingerfem_segment *segment = chain->segments[k];
         const chain_plate *plate = state.plates + k;
-        double inputs[MAP_MOST_TENSIONS + W];
+        double inputs[TENSIONS_MOST + W];
         for (int i = 0; i < segment->tensions; i++) inputs[i] = held[chain->own[t * k + i]];
         memcpy(inputs + segment->tensions, plate->borne, sizeof plate->borne);
         if (!segment->skin_terms) continue;
@@ -174,13 +175,13 @@ static void note(const chain_plate *plate, const double *place, const double *no
 }
 
 /* How a point of a section, a share of the way from one corner to the next, moves with the tensions, seen from its plate. */
-static void moves_by_tensions(const chain_contracted *map, int q, int number, int corner, double share, double *work, double *found)
+static void moves_by_tensions(const chain_pulled *map, int q, int number, int corner, double share, double *work, double *found)
 {
     const fingerfem_chain *chain = map->chain;
     const fingerfem_segment *segment = chain->segments[q];
     for (int j = 0; j < segment->tensions; j++) {
         double seen[EDGES][3], ends[2][3];
-        free_skin(segment, map->monomials[q] + segment->monomials * (1 + j), work);
+        free_skin(segment, map->rods[q].monomials + segment->monomials * (1 + j), work);
         section_seen(segment, work, number, 1, seen);
         memcpy(ends[0], seen[around[corner]], sizeof ends[0]);
         memcpy(ends[1], seen[around[corner + 1]], sizeof ends[1]);
@@ -202,7 +203,7 @@ double rubber_reach(const contact_problem *problem, const chain_state *free, dou
         double *points = problem->map->work, *work = points + segment->skin_numbers;
         int number = -1, corner = 0, part = 0; /* of the first one */
         if (!segment->skin_terms) continue;
-        free_skin(segment, problem->map->monomials[q], points);
+        free_skin(segment, problem->map->rods[q].monomials, points);
         for (int n = 0; n < sections(segment); n++) {
             section_seen(segment, points, n, 0, seen);
             placed_section(plate->centre, plate->rotation, seen, corners);

@@ -9,7 +9,7 @@
  * unit force along the normal there, and how p changes with the tensions, (tensions, 3). */
 typedef struct {
     const chain_plate *plate;
-    double p[3], wrench[W], bends[3 * MAP_MOST_TENSIONS];
+    double p[3], wrench[W], bends[3 * TENSIONS_MOST];
 } touched_point;
 
 /* The largest d [m] at which the object touches the rubber of the free plates, if that is above `least`, with the point;

@@ -1,14 +1,15 @@
-/* A segment's map, a rigid object, and where they touch: what Python sees. Arrays are row by row; nothing is allocated
+/* A segment, a rigid object, and where they touch: what Python sees. Arrays are row by row; nothing is allocated
  * and no state is kept. */
 #ifndef FINGERFEM_SEGMENT_H
 #define FINGERFEM_SEGMENT_H
 #include <stdint.h>
 
-/* Numbers of a pose, the last one 0: the clamp's place seen from the plate [m], the plate's quaternion [-]. */
+/* Numbers of an element's pose, in rows of FINGERFEM_POSE, the last two of no meaning: place of its proximal section seen from the distal one [m], and the Gibbs
+ * vector tan(angle / 2) axis of that rotation [-]. */
 enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12, FINGERFEM_MOST_PLATES = 3 };
 
-/* Limits of a map, which are checked when its file is read. */
-enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31 };
+/* Limits of a segment, which are checked before its struct is made. */
+enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31, FINGERFEM_MOST_ELEMENTS = 64 };
 
 /* Rows of an answer, as of a surrogate: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
 enum { FINGERFEM_ROWS = 5 };
@@ -18,19 +19,38 @@ enum { FINGERFEM_JOINED = 4, FINGERFEM_ENDS = 3 + 2 * FINGERFEM_JOINED };
 
 enum { FINGERFEM_PLANE = 0, FINGERFEM_SPHERE = 1, FINGERFEM_CYLINDER = 2, FINGERFEM_HULL = 3 };
 
-/* The pose by tensions and wrench: sum_gm coefficients_gm M_m(tensions) P_g(wrench), products of Chebyshev polynomials of
- * the scaled inputs. Group g of the wrench's products has the first monomials of the tensions, sorted by their degree, as
- * many as its own degree leaves; groups are in blocks that have as many. A group without its last variable is its parent. */
-enum { FINGERFEM_BLOCK = 4, FINGERFEM_SKIN_ROW = 32 /* a skin's numbers fill rows of so many */, FINGERFEM_CORNERS = 24 /* 8 x 3 */ };
+/* An element's law: from tensions F and the wrench w that its distal section carries, in that one's frame, to the pose of
+ * its proximal section seen from there, place [m] and Gibbs vector [-]: sum_gm coefficients_gm M_m(F) P_g(w), products of
+ * Chebyshev polynomials of the scaled inputs. Group g is a product of the force times one of the moment. Product a of the
+ * force goes with the first moments_of[a] of the moment's, of which the very first is 1; so the groups lie in `rows`. Each
+ * has the first monomials of the segment's tensions, as many as its own degree leaves, the very first of which is 1. Groups
+ * are stored in blocks that have as many, the most first. */
+enum { FINGERFEM_BLOCK = 4, FINGERFEM_BLOCK_ROW = 24 /* 4 x 6 */, FINGERFEM_SKIN_ROW = 32 /* a skin's numbers fill rows of so many */, FINGERFEM_CORNERS = 24 /* 8 x 3 */ };
 typedef struct {
-    int32_t tensions, groups, monomials; /* groups fill whole blocks */
-    const double *lower, *upper;         /* (tensions + 6): the trained box [N, N m] */
+    int32_t groups, monomials;       /* groups fill whole blocks */
+    int32_t forces, moments;         /* products of each */
+    int32_t most_power;              /* highest of the wrench */
+    const double *lower, *upper;     /* (8): the trained box of the wrench [N, N m], then -1 and 1 */
+    const int32_t *force_factors, *moment_factors; /* (forces, 3), (moments, 3): 4 (3 power + component) of every factor */
+    const int32_t *moments_of;       /* (forces): how many go with each */
+    const int32_t *rows;             /* (groups): the row of each among the contracted ones */
+    int32_t pulled;                  /* rows of those with two monomials or more, on which tensions have an effect, and one */
+    const int32_t *pulled_moments_of; /* (forces): how many of these go with each product of the force */
+    const int32_t *pulled_rows;      /* (groups): the row of each among these; of others the last one */
+    const int32_t *block_monomials;  /* (groups / FINGERFEM_BLOCK) */
+    const double *coefficients;      /* (block, block_monomials, FINGERFEM_BLOCK, 6) */
+    const double *free_coefficients; /* (monomials, FINGERFEM_POSE): of the pose without a wrench */
+} fingerfem_law;
+
+/* A segment: a rod of elements in series, from its plate to its clamp, of which several may share a law. */
+typedef struct {
+    int32_t tensions, monomials;
+    const double *lower, *upper;         /* (tensions + 6): the box of tensions and of the plate's wrench [N, N m] */
     const int32_t *most_powers;          /* (tensions + 6): highest of every input */
     const int32_t *tension_powers;       /* (monomials, tensions) */
-    const int32_t *block_monomials;      /* (groups / FINGERFEM_BLOCK) */
-    const double *coefficients;          /* (block, block_monomials, FINGERFEM_BLOCK, FINGERFEM_POSE) */
-    const int32_t *parents, *variables, *powers; /* (groups): its parent; which of the wrench's 6 is the last; its power */
-    const double *free_coefficients;     /* (monomials, FINGERFEM_POSE): of the pose without a wrench */
+    int32_t elements, laws;
+    const fingerfem_law *const *law;     /* (laws) */
+    const int32_t *law_of;               /* (elements), from the plate to the clamp */
     int32_t skin_terms, skin_numbers;    /* of points of the rubber, by stations and edges, and zeros that fill rows; 0
                                             without */
     int32_t skin_monomials;              /* of the tensions, the first ones, by which these move without a wrench */
@@ -91,13 +111,14 @@ typedef struct {
 int32_t fingerfem_segment_memory(const fingerfem_segment *segment);
 int32_t fingerfem_chain_memory(const fingerfem_chain *chain);
 
-/* Where the plate is: pose, (FINGERFEM_POSE), at tensions and a wrench, (6), and its motion R^T dc, R^T dtheta by both,
- * (6, tensions + 6). Beyond the box it goes on linearly by the wrench, and stays by the tensions; returns 1 inside. */
+/* Where the plate is, seen from the clamp: centre, (3) [m], and rotation, (3, 3), at tensions and a wrench, (6), and its
+ * motion R^T dc, R^T dtheta by both, (6, tensions + 6). Beyond its box an element goes on linearly by its wrench, and stays
+ * by the tensions; returns 1 if the inputs of all elements lie inside. */
 int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *memory,
-                    double *pose, double *motion);
+                    double *centre, double *rotation, double *motion);
 
 /* The wrench, (6), that the plate bears where its centre, (3) [m], and its quaternion, (4), are seen from the clamp: the
- * inverse of the map, by Newton's method from the wrench given; and its stiffness, (6, 6), by motions R^T dc, R^T dtheta.
+ * inverse, by Newton's method from the wrench given; and its stiffness, (6, 6), by motions R^T dc, R^T dtheta.
  * Returns the number of evaluations; negative if it found none: then the wrench is that of the nearest pose. */
 int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, const double *centre,
                    const double *quaternion, double *memory, double *wrench, double *stiffness, int32_t *inside);

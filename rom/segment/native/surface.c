@@ -136,17 +136,18 @@ int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tension
                              double *corners)
 {
     const int t = chain->tensions;
-    double held[MAP_MOST_TENSIONS], before[EDGES][3], along[3] = {1.0, 0.0, 0.0};
-    chain_contracted map;
+    double held[TENSIONS_MOST], before[EDGES][3], along[3] = {1.0, 0.0, 0.0};
+    chain_pulled map;
     chain_state state;
-    for (int k = 0; k < t; k++) held[k] = map_held(chain->segments[0], k, tensions[k]);
-    chain_contract(chain, held, memory, &map);
+    tensions_all_held(chain->segments[0], tensions, held);
+    chain_pull(chain, held, memory, &map);
+    chain_contract(&map);
     chain_under(&map, wrenches, &state);
     for (int edge = 0; edge < EDGES; edge++) rubber_begin(chain, edge, before[edge]);
     for (int k = 0; k < chain->plates; k++) {
         const fingerfem_segment *segment = chain->segments[k];
         const chain_plate *plate = state.plates + k;
-        double inputs[MAP_MOST_TENSIONS + W], seen[EDGES][3];
+        double inputs[TENSIONS_MOST + W], seen[EDGES][3];
         double *points = map.work + segment->skin_terms;
         if (!segment->skin_terms) return 0;
         for (int i = 0; i < segment->tensions; i++) inputs[i] = held[chain->own[t * k + i]];

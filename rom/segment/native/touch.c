@@ -83,7 +83,7 @@ static int report_derivatives(const contact_problem *problem, const contact_stat
                               double *jacobian, double *by_object)
 {
     const int t = problem->touching->chain->tensions, p = t + 1;
-    double drift[CHAIN_WRENCH], found[4], away[W] = {0.0}, bends[FINGERFEM_MOST_CONTACTS][3 * MAP_MOST_TENSIONS];
+    double drift[CHAIN_WRENCH], found[4], away[W] = {0.0}, bends[FINGERFEM_MOST_CONTACTS][3 * TENSIONS_MOST];
     double along[3 * FINGERFEM_MOST_CONTACTS] = {0.0};
     memcpy(away, problem->touching->object->direction, 3 * sizeof *away);
     for (int c = 0; c < state->at.contacts.count; c++)
@@ -172,20 +172,16 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     const fingerfem_chain *chain = touching->chain;
     const fingerfem_object *object = touching->object;
     const int t = chain->tensions, p = t + 1;
-    double held[MAP_MOST_TENSIONS];
-    chain_contracted map;
+    double held[TENSIONS_MOST];
+    chain_pulled map;
     contact_state state;
     touched_point first;
     const contact_problem problem = {touching, &map, W * chain->plates};
     const size_t size = (size_t)problem.size * sizeof *wrench;
     memset(jacobian, 0, (size_t)(FINGERFEM_ROWS * p) * sizeof *jacobian);
     if (by_object) memset(by_object, 0, W * FINGERFEM_ROWS * sizeof *by_object);
-    *inside = 1;
-    for (int k = 0; k < t; k++) {
-        held[k] = map_held(chain->segments[0], k, point[k]);
-        *inside &= held[k] == point[k];
-    }
-    chain_contract(chain, held, memory, &map);
+    *inside = tensions_all_held(chain->segments[0], point, held);
+    chain_pull(chain, held, memory, &map);
     memset(state.wrench, 0, sizeof state.wrench);
     memset(state.forces, 0, sizeof state.forces);
     chain_free(&map, &state.at.chain);
@@ -201,12 +197,13 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     int evaluations = 1;
     if (touches) {
         memcpy(state.wrench, wrench, size);
+        chain_contract(&map);
         evaluations = contact_solve(&problem, touch, d, &state);
         chain_by_tensions(&map, &state.at.chain);
     } else {
         leave_free(&problem, &state);
     }
-    for (int k = 0; k < chain->plates; k++) *inside &= map_inside(chain->segments[k], state.at.chain.plates[k].borne);
+    for (int k = 0; k < chain->plates; k++) *inside &= state.at.chain.plates[k].end.inside;
     report(&problem, &state, out);
     if (!report_derivatives(&problem, &state, d, touches && d_moves, jacobian, touches ? by_object : NULL) && evaluations > 0)
         evaluations = -evaluations;
@@ -268,7 +265,7 @@ void fingerfem_tells(const fingerfem_touching *touching, int count, const double
                      double *errors, int32_t *inside)
 {
     const int p = touching->chain->tensions + 1;
-    double jacobian[FINGERFEM_ROWS * (MAP_MOST_TENSIONS + 1)], gap;
+    double jacobian[FINGERFEM_ROWS * (TENSIONS_MOST + 1)], gap;
     for (int i = 0; i < count; i++) {
         double wrench[CHAIN_WRENCH] = {0.0};
         fingerfem_tell(touching, points + p * i, memory, wrench, out + FINGERFEM_ROWS * i, jacobian, errors + 3 * i, inside + i,

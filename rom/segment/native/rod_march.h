@@ -1,0 +1,49 @@
+/* A segment as a rod of elements, condensed to its plate: a march from section to section, from the plate to the clamp. */
+#ifndef FINGERFEM_ROD_MARCH_H
+#define FINGERFEM_ROD_MARCH_H
+#include "element.h"
+
+enum { ROD_WRENCH = FINGERFEM_WRENCH };
+
+/* An element where it is: its distal section's place and rotation, seen from the plate, and the wrench carried through it,
+ * in its own frame; the element's pose, its place turned into the plate's frame, its derivatives by the wrench; and what
+ * turns a change of its Gibbs vector into a turn in the plate's frame. */
+typedef struct {
+    double by_wrench[ROD_WRENCH * FINGERFEM_POSE], pose[FINGERFEM_POSE]; /* first, as they are eights */
+    double place[3], rotation[9], wrench[ROD_WRENCH], arm[3], turning[9];
+    double unused[2]; /* the next one begins with an eight */
+} rod_element;
+
+/* A rod at some tensions; all in memory of fingerfem_segment_memory's size, of which several rods may share the last
+ * rod_work numbers, `work`. */
+typedef struct {
+    const fingerfem_segment *segment;
+    double *monomials, *free, *contracted, *products, *work; /* free and contracted by law, products by element */
+    int free_stride, contracted_stride, products_stride;
+    rod_element *elements;
+} rod_state;
+
+/* A plate seen from its clamp: the clamp's place and rotation seen from the plate, how the plate moves by the wrench, R^T dc
+ * and R^T dtheta; and whether all elements' wrenches lie in their boxes. */
+typedef struct {
+    double place[3], rotation[9], by_wrench[ROD_WRENCH][ROD_WRENCH];
+    int inside;
+} rod_end;
+
+/* Numbers of memory that a rod keeps, and that it works in. */
+int rod_memory(const fingerfem_segment *segment);
+int rod_work(const fingerfem_segment *segment);
+
+/* A rod at tensions inside their box, in such memory; for `rod_free`, it need not be contracted. */
+void rod_pull(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found);
+void rod_contract(const rod_state *rod);
+
+/* The end of a contracted rod under a wrench on its plate, (6). */
+void rod_under(const rod_state *rod, const double *wrench, rod_end *end);
+
+/* How the plate moves by the tensions, (6, TENSIONS_MOST), under the wrench that `rod_under` was called with last. */
+void rod_by_tensions(const rod_state *rod, double (*motion)[TENSIONS_MOST]);
+
+/* The end of a rod without a wrench, without its motion by one, and how the plate moves by the tensions. */
+void rod_free(const rod_state *rod, rod_end *end, double (*motion)[TENSIONS_MOST]);
+#endif
