@@ -27,7 +27,7 @@ class BuildWithLibraries(build_py):
         if self.editable_mode or not compiler():
             return
         control = runpy.run_path("control/native/__init__.py")["CONTROL"]  # the package itself imports NumPy
-        for library, package in ((EVALUATION, "rom"), (SEGMENT, "rom/segment"), (control, "control")):
+        for library, package in ((EVALUATION, "rom"), (SEGMENT, "rom/rod"), (control, "control")):
             for level in levels():
                 library.build(Path(self.build_lib) / package / "native", level)
 

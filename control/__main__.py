@@ -23,7 +23,7 @@ from rom import BackedSegment, Surrogate, TouchedSegment
 from rom.checked_file import kind_of
 from rom.command_line import NOTHING_USABLE, AsJson, application, run, show
 from rom.file_kinds import uses_of
-from rom.segment import chain
+from rom.rod import rod
 from rom.table import Table, millimetres, percent
 from rom.terminal import steps
 
@@ -44,7 +44,7 @@ def model_of(file: Path | None, behind: Path | None = None) -> Model:
         file: the model's.
         behind: of a surrogate, which is asked where a segment's map knows nothing.
     """
-    if file is not None and kind_of(file) not in chain.KINDS:
+    if file is not None and kind_of(file) not in rod.KINDS:
         if behind is not None:
             raise ValueError(f"{file}: must be a segment map or a chain before --behind{uses_of(file)}")
         return Surrogate.load(file)

@@ -16,8 +16,8 @@ from fingerfem.model import FingerModel
 from fingerfem.scene.scene import Scene
 from rom.checked_file import kind_of
 from rom.native.answer import Answer
-from rom.segment import chain
-from rom.segment.touched_segment import TouchedSegment
+from rom.rod import rod
+from rom.rod.touched_segment import TouchedSegment
 from rom.surrogate import Surrogate
 
 NEAREST = 1e-4  # of a plane before a segment's map, whose model knows no nearest one [m]
@@ -82,7 +82,7 @@ def load(file: Path) -> Surrogate | TouchedSegment:
     Raises:
         ModelError: no file, or none of these.
     """
-    if kind_of(file) not in chain.KINDS:
+    if kind_of(file) not in rod.KINDS:
         return Surrogate.load(file)
     return TouchedSegment.load(file)
 

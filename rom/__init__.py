@@ -5,39 +5,36 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rom.native.answer import Answer
-    from rom.segment.backed_segment import BackedSegment
-    from rom.segment.chain import Chain
-    from rom.segment.friction.history import friction_history
-    from rom.segment.object_search import find_object
-    from rom.segment.objects import Cylinder, Hull, Plane, Sphere, box
-    from rom.segment.segment_map import SegmentMap
-    from rom.segment.touched_segment import TouchedSegment
+    from rom.rod.backed_segment import BackedSegment
+    from rom.rod.friction.history import friction_history
+    from rom.rod.object_search import find_object
+    from rom.rod.objects import Cylinder, Hull, Plane, Sphere, box
+    from rom.rod.rod import Rod
+    from rom.rod.touched_segment import TouchedSegment
     from rom.surrogate import Surrogate
 
 # Where each is.
 _HOMES = {
     "Answer": "rom.native.answer",
-    "BackedSegment": "rom.segment.backed_segment",
-    "Chain": "rom.segment.chain",
-    "Cylinder": "rom.segment.objects",
-    "Hull": "rom.segment.objects",
-    "Plane": "rom.segment.objects",
-    "SegmentMap": "rom.segment.segment_map",
-    "Sphere": "rom.segment.objects",
+    "BackedSegment": "rom.rod.backed_segment",
+    "Rod": "rom.rod.rod",
+    "Cylinder": "rom.rod.objects",
+    "Hull": "rom.rod.objects",
+    "Plane": "rom.rod.objects",
+    "Sphere": "rom.rod.objects",
     "Surrogate": "rom.surrogate",
-    "TouchedSegment": "rom.segment.touched_segment",
-    "box": "rom.segment.objects",
-    "find_object": "rom.segment.object_search",
-    "friction_history": "rom.segment.friction.history",
+    "TouchedSegment": "rom.rod.touched_segment",
+    "box": "rom.rod.objects",
+    "find_object": "rom.rod.object_search",
+    "friction_history": "rom.rod.friction.history",
 }
 __all__ = [
     "Answer",
     "BackedSegment",
-    "Chain",
+    "Rod",
     "Cylinder",
     "Hull",
     "Plane",
-    "SegmentMap",
     "Sphere",
     "Surrogate",
     "TouchedSegment",

@@ -18,10 +18,10 @@ from rom.command_line import NOTHING_USABLE, AsJson, application, check_parts, r
 from rom.file_kinds import uses_of
 from rom.rod import rod
 from rom.rod.rod import Rod
+from rom.rod.touched_segment import TouchedSegment
 from rom.segment import chain, segment_map
-from rom.segment.chain import Chain
+from rom.rod.rod import Chain
 from rom.segment.segment_map import SegmentMap
-from rom.segment.touched_segment import TouchedSegment
 from rom.snapshots.description import difference
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.summaries import chain_summary, origin, rod_summary, segment_summary, summary

@@ -24,7 +24,7 @@ from rom.fit.free_response import FreeResponse
 from rom.fit.mesh_error import COVERAGE, MeshError, covering, place_errors
 from rom.held_out import FELT, before_plane, check_finer, differences, points_of, split
 from rom.native import answer
-from rom.segment.segment_map import SegmentMap
+from rom.rod.rod import Rod
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.snapshots.training_states import TrainingStates
 from rom.surrogate import Surrogate
@@ -188,7 +188,7 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
     )
 
 
-def map_with_mesh_error(segment: SegmentMap, finer: SnapshotSet) -> SegmentMap:
+def map_with_mesh_error(segment: Rod, finer: SnapshotSet) -> Rod:
     """A segment's map whose estimated errors are scaled to what held-out states on a finer mesh show.
 
     They stand before the plane y = side/2 + d. Every estimate times a factor is the conformal quantile: the guarantee

@@ -13,10 +13,9 @@ import numpy as np
 
 from rom.error_statistics import mean_size, norm, statistics
 from rom.file_kinds import uses_of
-from rom.segment.chain import Chain
-from rom.segment.objects import facing_plane
-from rom.segment.segment_map import SegmentMap
-from rom.segment.touched_segment import TouchedSegment
+from rom.rod.objects import facing_plane
+from rom.rod.rod import Rod
+from rom.rod.touched_segment import TouchedSegment
 from rom.snapshots import mesh_transfer
 from rom.snapshots.description import difference
 from rom.snapshots.grid import SHARE
@@ -111,7 +110,7 @@ def check_finer(scene: dict[str, Any], finer: SnapshotSet) -> None:
         raise SnapshotError(f"{finer.path}: must be of a finer mesh than the model's {cells} cells of order {order}")
 
 
-def check_plane(segment: SegmentMap | Chain, held_out: SnapshotSet, progress: Progress = quiet) -> dict[str, Any]:
+def check_plane(segment: Rod, held_out: SnapshotSet, progress: Progress = quiet) -> dict[str, Any]:
     """Compare a segment's map before the plane y = side/2 + d with held-out states of that plane, of any mesh.
 
     Errors are those of points that the map answers; `marked` counts the others: rubber touches, or the force is beyond
@@ -128,7 +127,7 @@ def check_plane(segment: SegmentMap | Chain, held_out: SnapshotSet, progress: Pr
     return found | {"mesh": {key: mesh[key] for key in ("cells", "order")}}
 
 
-def before_plane(segment: SegmentMap | Chain, held_out: SnapshotSet) -> TouchedSegment:
+def before_plane(segment: Rod, held_out: SnapshotSet) -> TouchedSegment:
     """A segment's map before the plane of a held-out set.
 
     Raises:

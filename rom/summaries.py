@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from rom.rod.rod import Rod
-from rom.segment.chain import Chain
-from rom.segment.segment_map import SegmentMap
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
 
@@ -28,36 +26,13 @@ def rod_summary(finger: Rod) -> dict[str, Any]:
         "parameters": finger.parameters,
         "segments": [[{"element": kind, "length_m": length} for kind, length in one] for one in finger.pieces],
         "terms": {kind: len(law.polynomial.powers) for kind, law in finger.elements.laws.items()},
+        "contact_force_error": finger.expected_error,
+        "place_error_m": finger.place_error,
+        "accuracy": finger.accuracy or "not measured: build with --held-out",
         "size": finger.similarity.size,
         "modulus": finger.similarity.modulus,
         "trained_on": finger.elements.scene["name"],
         "provenance": finger.elements.provenance,
-    }
-
-
-def chain_summary(made: Chain) -> dict:
-    """A chain in plain data; a chain of one is its segment."""
-    parts = [segment_summary(one) for one in made.segments]
-    if len(parts) == 1:
-        return parts[0]
-    return {
-        "scene": made.scene["name"],
-        "tensions": made.tension_parameters,
-        "contact_force_error": made.force_error * made.finer_mesh_factor("contact_force"),
-        "place_error_m": made.place_error,
-        "segments": parts,
-    }
-
-
-def segment_summary(segment: SegmentMap) -> dict:
-    """A segment's map in plain data."""
-    return {
-        "scene": segment.scene["name"],
-        "parameters": segment.parameters,
-        "terms": len(segment.pose.powers),
-        "contact_force_error": segment.expected_error,
-        "accuracy": segment.accuracy or "not measured: build with --held-out",
-        "provenance": segment.provenance,
     }
 
 

@@ -38,9 +38,9 @@ from fingerfem.full_order_plant import FullOrderPlant
 from fingerfem.output.pictures import Deformed, draw
 from rom.export.page import write as write_page
 from rom.held_out import check_plane
-from rom.segment.objects import facing_plane
-from rom.segment.segment_map import SegmentMap
-from rom.segment.touched_segment import TouchedSegment
+from rom.rod.objects import facing_plane
+from rom.rod.rod import Rod
+from rom.rod.touched_segment import TouchedSegment
 from rom.segment.training import build
 from rom.segment.training.mesh_correction import corrected
 from rom.snapshots.snapshot_set import SnapshotSet
@@ -141,7 +141,7 @@ def trained(out: Path, quick: bool) -> tuple[TouchedSegment, dict]:
     before.save(out / "coarse.h5")
     scene = fresh.description.scene
     plane = facing_plane(scene["geometry"]["side"], tuple(scene["obstacle"]["distance"]))
-    touched = TouchedSegment(segment=SegmentMap.load(out / "finger.h5"), obstacle=plane)
+    touched = TouchedSegment(segment=Rod.load(out / "finger.h5"), obstacle=plane)
     return touched, {
         "coarse": on_coarse,
         "fine": on_fine,

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from control.gripper import Grasp
-from rom.segment.touched_segment import TouchedSegment
+from rom.rod.touched_segment import TouchedSegment
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.table import percent
 

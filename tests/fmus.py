@@ -17,8 +17,8 @@ from fmpy.fmi3 import FMU3Slave
 
 from rom import Surrogate, TouchedSegment
 from rom.export.fmu import write
-from rom.segment.chain import Chain
-from rom.segment.objects import facing_plane
+from rom.rod.rod import Chain
+from rom.rod.objects import facing_plane
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
 BOTH = pytest.mark.parametrize("version", [2, 3])
@@ -26,7 +26,7 @@ BOTH = pytest.mark.parametrize("version", [2, 3])
 
 def two_segments() -> TouchedSegment:
     """The bundled finger, twice: some points have no equilibrium."""
-    one = TouchedSegment.load().chain.segments[0]
+    one = TouchedSegment.load().rod.segments[0]
     return TouchedSegment(segment=Chain([one, one]), obstacle=facing_plane(0.01, (0.0, 0.1)))
 
 

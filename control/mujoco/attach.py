@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.mujoco import keyframes
-from control.mujoco.rod import CLAMP_SECTIONS, END_SECTIONS, Lump, Rod, united
-from rom import Chain, SegmentMap
+from control.mujoco.rod import CLAMP_SECTIONS, END_SECTIONS, Lump, Beam, united
+from rom import Rod
 from rom.brief import brief
 
 STIFF = (0.999, 0.9999, 1e-5, 0.5, 2.0)  # impedance of contacts: MuJoCo's own gives way by millimetres
@@ -33,23 +33,23 @@ class Attached:
 
     Attributes:
         name: of it; its bodies' names begin so.
-        chain: its maps, from clamp to tip.
+        rod: what it is assembled from.
         clamp: name of the body that its first segment stands on.
         plates: names of its plates' bodies, from clamp to tip.
         rubbers: names of the geoms that distances of the rubber are measured with.
         joints: names of the joints of every plate: three slides along the axes of what holds it, and a ball.
         relaxation: of the rubber [s]: a force on a plate that moves is as much larger as it would be so much later.
-        rods: mass and length of the rubber of every segment.
+        beams: mass and length of the rubber of every segment.
     """
 
     name: str
-    chain: Chain
+    rod: Rod
     clamp: str
     plates: tuple[str, ...]
     rubbers: tuple[str, ...]
     joints: tuple[tuple[str, ...], ...]
     relaxation: float
-    rods: tuple[Rod, ...]
+    beams: tuple[Beam, ...]
 
     @property
     def elements(self) -> list[tuple[mujoco.mjtObj, str]]:
@@ -81,7 +81,7 @@ class Attached:
 
 def attach(
     spec: mujoco.MjSpec,
-    segment: SegmentMap | Chain,
+    rod: Rod,
     palm: str,
     position: ArrayLike = (0.0, 0.0, 0.0),
     quaternion: ArrayLike = (1.0, 0.0, 0.0, 0.0),
@@ -94,7 +94,7 @@ def attach(
 
     Args:
         spec: the model.
-        segment: the finger's map, or its chain of maps.
+        rod: the finger.
         palm: name of the body that holds it; "world" for none.
         position: of the clamp's middle on that body [m].
         quaternion: of the clamp, w first: x is the finger's axis, y points to what it bends towards.
@@ -108,7 +108,7 @@ def attach(
 
     Example:
         >>> spec = mujoco.MjSpec.from_file("hand.xml")
-        >>> finger = attach(spec, SegmentMap.load("finger.h5"), "palm", position=(0.025, 0.0, 0.0))
+        >>> finger = attach(spec, Rod.load("finger.h5"), "palm", position=(0.025, 0.0, 0.0))
         >>> simulation = Simulation(spec.compile(), [finger])
     """
     parent = spec.body(palm)
@@ -126,11 +126,11 @@ def attach(
     ):
         if not (least and np.isfinite(value)):
             raise ValueError(f"{what} must be a number that is not negative, the density above 0, got {value}")
-    finger = _named(name, segment if isinstance(segment, Chain) else Chain([segment]), relaxation, density)
+    finger = _named(name, rod, relaxation, density)
     _require_free(spec, finger)
     keyframes.check(spec)
     body = parent.add_body(name=finger.clamp, pos=place, quat=turned / np.linalg.norm(turned))
-    _weigh(body, [finger.rods[0].clamp(0.0)], finger.rods[0].mass * CLAMP_SECTIONS * _sections(finger))
+    _weigh(body, [finger.beams[0].clamp(0.0)], finger.beams[0].mass * CLAMP_SECTIONS * _sections(finger))
     for k in range(len(finger.plates)):
         body = _add_plate(body, finger, k, density)
         _add_geoms(body, finger, k, friction, spec.option.timestep)
@@ -138,20 +138,20 @@ def attach(
     return finger
 
 
-def _named(name: str, chain: Chain, relaxation: float, density: float) -> Attached:
+def _named(name: str, rod: Rod, relaxation: float, density: float) -> Attached:
     """A finger with the names and masses of its parts."""
-    half = chain.half_lengths
-    lengths = [length - 2 * half[0] for length in chain.scene["geometry"]["segments"]]
+    half = rod.half_lengths
+    lengths = [length - 2 * half[0] for length in rod.scene["geometry"]["segments"]]
     plates = tuple(f"{name} plate {k}" for k in range(len(lengths)))
     return Attached(
         name=name,
-        chain=chain,
+        rod=rod,
         clamp=f"{name} clamp",
         plates=plates,
         rubbers=tuple(f"{plate} rubber" for plate in plates),
         joints=tuple(tuple(f"{plate} {kind}" for kind in ("x", "y", "z", "turn")) for plate in plates),
         relaxation=relaxation,
-        rods=tuple(Rod(4 * density * half[1] * half[2] * length, length) for length in lengths),
+        beams=tuple(Beam(4 * density * half[1] * half[2] * length, length) for length in lengths),
     )
 
 
@@ -166,19 +166,19 @@ def _require_free(spec: mujoco.MjSpec, finger: Attached) -> None:
 
 def _sections(finger: Attached) -> np.ndarray:
     """Moments of the rubber's sections about x, y, z over its mass, shape (3,) [m^2]."""
-    _, y, z = finger.chain.half_lengths**2 / 3
+    _, y, z = finger.rod.half_lengths**2 / 3
     return np.array([y + z, z, y])
 
 
 def _add_plate(parent: mujoco.MjsBody, finger: Attached, k: int, density: float) -> mujoco.MjsBody:
     """Add plate k of a finger, which moves before its parent."""
-    half, rod = finger.chain.half_lengths, finger.rods[k]
+    half, beam = finger.rod.half_lengths, finger.beams[k]
     before = half[0] if k else 0.0  # a plate's centre lies half a plate before the clamp of the next
-    body = parent.add_body(name=finger.plates[k], pos=[before + rod.length + half[0], 0.0, 0.0])
+    body = parent.add_body(name=finger.plates[k], pos=[before + beam.length + half[0], 0.0, 0.0])
     mass = 8 * density * float(np.prod(half))
-    lumps, moments = [Lump(mass, 0.0, 0.0), rod.end(-half[0])], mass * (half @ half - half**2) / 3
-    moments += rod.mass * END_SECTIONS * _sections(finger)
-    for after in finger.rods[k + 1 : k + 2]:
+    lumps, moments = [Lump(mass, 0.0, 0.0), beam.end(-half[0])], mass * (half @ half - half**2) / 3
+    moments += beam.mass * END_SECTIONS * _sections(finger)
+    for after in finger.beams[k + 1 : k + 2]:
         lumps.append(after.clamp(half[0]))
         moments += after.mass * CLAMP_SECTIONS * _sections(finger)
     _weigh(body, lumps, moments)
@@ -191,7 +191,7 @@ def _add_plate(parent: mujoco.MjsBody, finger: Attached, k: int, density: float)
 
 def _add_geoms(body: mujoco.MjsBody, finger: Attached, k: int, friction: float, step: float) -> None:
     """Add what of a plate touches, and the geom that distances are measured from."""
-    half = finger.chain.half_lengths
+    half = finger.rod.half_lengths
     body.add_geom(
         name=body.name,
         type=mujoco.mjtGeom.mjGEOM_BOX,
@@ -218,7 +218,7 @@ def _add_geoms(body: mujoco.MjsBody, finger: Attached, k: int, friction: float, 
 
 def attach_gripper(
     spec: mujoco.MjSpec,
-    segment: SegmentMap | Chain,
+    rod: Rod,
     palm: str,
     fingers: int = 3,
     radius: float = 0.025,
@@ -229,7 +229,7 @@ def attach_gripper(
 
     Args:
         spec: the model.
-        segment: the map of every finger, or its chain of maps.
+        rod: every finger.
         palm: name of the body that holds them.
         fingers: how many.
         radius: of the circle that their surfaces stand on [m].
@@ -241,7 +241,7 @@ def attach_gripper(
     """
     if fingers < 1:
         raise ValueError(f"fingers must be at least 1, got {fingers}")
-    side = 2 * segment.half_lengths[1]
+    side = 2 * rod.half_lengths[1]
     found = []
     for k, angle in enumerate(2 * np.pi * np.arange(fingers) / fingers):
         out = np.array([np.cos(angle), np.sin(angle), 0.0])
@@ -249,7 +249,7 @@ def attach_gripper(
         frame, quaternion = np.column_stack([down, -out, np.cross(down, -out)]), np.zeros(4)
         mujoco.mju_mat2Quat(quaternion, frame.ravel())
         place = (radius + side / 2) * out
-        found.append(attach(spec, segment, palm, place, quaternion, name=f"{name} {k}", **options))
+        found.append(attach(spec, rod, palm, place, quaternion, name=f"{name} {k}", **options))
     return found
 
 

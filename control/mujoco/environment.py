@@ -21,7 +21,7 @@ from control.gripper import Gripper  # noqa: E402
 from control.mujoco.simulation import Simulation, SimulationStopped  # noqa: E402
 from control.mujoco.solids import SHAPES, random_error, random_solid  # noqa: E402
 from control.mujoco.table import table  # noqa: E402
-from rom import SegmentMap, TouchedSegment  # noqa: E402
+from rom import TouchedSegment  # noqa: E402
 
 NAME = "fingerfem/Grasp-v0"
 LARGEST = 5.0  # [N]: a contact force that is observed as 1
@@ -50,7 +50,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         period: of a step [s].
 
     Raises:
-        ValueError: shapes that there are not, a chain of segments, or numbers that are not above 0.
+        ValueError: shapes that there are not, several segments, or numbers that are not above 0.
     """
 
     metadata = {"render_modes": []}
@@ -64,14 +64,14 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         period: float = 0.02,
     ):
         model = model or TouchedSegment.load()
-        if not isinstance(model.segment, SegmentMap):
-            raise ValueError("model must be of one segment, got a chain")
+        if len(model.rod.segments) > 1:
+            raise ValueError(f"model must be of one segment, got {len(model.rod.segments)}")
         if not shapes or not set(shapes) <= set(SHAPES):
             raise ValueError(f"shapes must be of {', '.join(SHAPES)}, got {shapes}")
         for name, value in (("change", change), ("steps", steps), ("period", period)):
             if not 0 < value < np.inf:
                 raise ValueError(f"{name} must be above 0, got {value}")
-        self.gripper, self._segment = Gripper(model), model.segment
+        self.gripper, self._rod = Gripper(model), model.rod
         self._shapes, self.change, self._steps, self._period = shapes, change, steps, period
         finger = self.gripper.fingers[0]
         self._lower, self._upper = finger.lower, finger.upper
@@ -100,7 +100,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         else:
             raise ValueError(f"shape must be one that can be held now and then, got {shape!r}")
         error = random_error(self.np_random)
-        self.simulation: Simulation = table(self.gripper, self._segment, self.solid, error, turn)
+        self.simulation: Simulation = table(self.gripper, self._rod, self.solid, error, turn)
         self._tensions = np.tile(self._lower, (len(self.gripper.fingers), 1))
         self._taken, self._past, self._palm = 0, [np.zeros(len(self.gripper.fingers))], 0.0
         self._rest = self._height = float(self.simulation.data.body("object").xpos[2])

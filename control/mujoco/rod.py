@@ -37,8 +37,8 @@ class Lump(NamedTuple):
     moment: float
 
 
-class Rod(NamedTuple):
-    """The rubber of one segment.
+class Beam(NamedTuple):
+    """The rubber of one segment, as a beam.
 
     Attributes:
         mass: [kg].
@@ -89,7 +89,7 @@ class Coupling:
         ValueError: MuJoCo does not store the inertia in full rows.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, plate: int, begin: float, end: float, rod: Rod):
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, plate: int, begin: float, end: float, rod: Beam):
         path: list[int] = []
         last = int(model.body_dofadr[plate] + model.body_dofnum[plate]) - 1
         while last >= 0:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from rom.segment.native import rubber_boxes
-from rom.segment.segment_map import SegmentMap
+from rom.rod.native import rubber_boxes
+from rom.rod.segment import Segment
 
 NEAR = 0.003  # [m]: gaps that are looked for
 BOXES = 24  # from clamp to plate
@@ -28,9 +28,7 @@ class Rubber:
         first: whether it begins in the clamp, not on another plate.
     """
 
-    def __init__(
-        self, model: mujoco.MjModel, segment: SegmentMap, plate: str, rubber: str, own: np.ndarray, first: bool
-    ):
+    def __init__(self, model: mujoco.MjModel, segment: Segment, plate: str, rubber: str, own: np.ndarray, first: bool):
         self._segment, self._body = segment, model.body(plate).id
         self._before, half = model.body_parentid[self._body], segment.half_lengths
         y, z = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([-1.0, 1.0, -1.0, 1.0])
@@ -45,7 +43,7 @@ class Rubber:
     def boxes(
         self, data: mujoco.MjData, inputs: np.ndarray, count: int
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-        """The rubber from where it begins to the plate, see `rom.segment.native.rubber_boxes`."""
+        """The rubber from where it begins to the plate, see `rom.rod.native.rubber_boxes`."""
         begins = data.xpos[self._before] + self._begins @ data.xmat[self._before].reshape(3, 3).T
         rotation = data.xmat[self._body].reshape(3, 3)
         return rubber_boxes(self._segment.struct, inputs, begins, data.xpos[self._body], rotation, count)

@@ -69,7 +69,7 @@ class Simulation:
     """
 
     def __init__(self, model: mujoco.MjModel, fingers: Sequence[Attached], rate: float = 500.0, coulomb: bool = True):
-        if not fingers or len({len(one.chain.tensions) for one in fingers}) > 1:
+        if not fingers or len({len(one.rod.names) for one in fingers}) > 1:
             raise ValueError("fingers must be at least one, all with the same number of tensions")
         if len({one.clamp for one in fingers}) < len(fingers):
             raise ValueError(f"fingers must differ in their names, got {', '.join(one.name for one in fingers)}")
@@ -85,7 +85,7 @@ class Simulation:
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND  # islands have copies of the inertia
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # what fails is to be seen
         self.data = mujoco.MjData(model)
-        self.wanted = np.zeros((len(fingers), len(fingers[0].chain.tensions)))
+        self.wanted = np.zeros((len(fingers), len(fingers[0].rod.names)))
         self.tensions = np.zeros_like(self.wanted)
         self.springs = [spring for k, one in enumerate(fingers) for spring in springs_of(model, self.data, k, one)]
         self._finger_of = np.full(model.ngeom + 1, -1)  # by geom; the last one for none, as of a flex
@@ -159,7 +159,7 @@ class Simulation:
 
     def _check(self, finger: Attached, away: float) -> None:
         """Stop where a plate is a finger's length from its last position within the trained domain."""
-        length = sum(finger.chain.scene["geometry"]["segments"])
+        length = sum(finger.rod.scene["geometry"]["segments"])
         if away > length:
             raise SimulationStopped(
                 f"{finger.name!r} must stay within {length:g} m of its trained domain, got {away:g} m after "
@@ -178,7 +178,7 @@ class Simulation:
             self.step()
             if self.data.time > self._looked + LOOKING - half:
                 self._looked = self.data.time
-                self.rubbed |= self.rubber_gaps() < [one.chain.skin_error for one in self.fingers]
+                self.rubbed |= self.rubber_gaps() < [one.rod.skin_error for one in self.fingers]
 
     def rubber_gaps(self) -> np.ndarray:
         """Least distance of every finger's rubber from what is no finger's rubber, shape (fingers,) [m].
@@ -220,7 +220,7 @@ class Simulation:
         Raises:
             ValueError: not one for each, not finite, or beyond what its map was trained for.
         """
-        wanted, known = np.asarray(tensions, float), self.fingers[finger].chain.tension_parameters
+        wanted, known = np.asarray(tensions, float), self.fingers[finger].rod.parameters
         lower, upper = (np.array([one[end] for one in known]) for end in ("lower", "upper"))
         if wanted.shape != lower.shape or not np.all((wanted >= lower) & (wanted <= upper)):
             raise ValueError(f"tensions must be from {lower.tolist()} to {upper.tolist()} N, got {wanted.tolist()}")

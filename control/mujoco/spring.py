@@ -11,7 +11,7 @@ from control.mujoco.attach import Attached
 from control.mujoco.rod import Coupling
 from control.mujoco.rubber import Rubber
 from rom.brief import brief
-from rom.segment.inverse_map import InverseMap
+from rom.rod.inverse_map import InverseMap
 
 LOWER = np.tril_indices(6)
 BODY = mujoco.mjtObj.mjOBJ_BODY
@@ -124,7 +124,7 @@ def check(model: mujoco.MjModel, finger: Attached) -> None:
             (prefix, suffix), *_ = [*(one.split(name) for one in others if one.count(name) == 1), ("", "")]
             advice = f"use Attached.renamed(prefix={prefix!r}, suffix={suffix!r})" if prefix or suffix else KEEP
             raise ValueError(f"model must have {name!r} of {finger.name!r}, got none: {advice}")
-    mass, expected = model.body(finger.clamp).mass[0], finger.rods[0].clamp(0.0).mass
+    mass, expected = model.body(finger.clamp).mass[0], finger.beams[0].clamp(0.0).mass
     if not np.isclose(mass, expected):
         raise ValueError(f"mass of {finger.clamp!r} must be {expected:g} kg, got {mass:g} kg: {KEEP}")
 
@@ -136,11 +136,11 @@ def springs_of(model: mujoco.MjModel, data: mujoco.MjData, finger: int, attached
         ValueError: a part of it is missing in the model, or MuJoCo stores the inertia in another form.
     """
     check(model, attached)
-    chain, half = attached.chain, float(attached.chain.half_lengths[0])
+    rod, half = attached.rod, float(attached.rod.half_lengths[0])
     found: list[Spring] = []
     own = np.isin(model.geom_bodyid, [model.body(plate).id for plate in attached.plates])
-    parts = zip(chain.segments, attached.plates, attached.rubbers, attached.joints, attached.rods, strict=True)
-    for segment, plate, geom, joints, rod in parts:
+    parts = zip(rod.segments, attached.plates, attached.rubbers, attached.joints, attached.beams, strict=True)
+    for segment, plate, geom, joints, beam in parts:
         joint = model.joint(joints[0]).id
         body, first = model.body(plate).id, int(model.jnt_dofadr[joint])
         rows = [first + i for i in range(6)]
@@ -148,12 +148,11 @@ def springs_of(model: mujoco.MjModel, data: mujoco.MjData, finger: int, attached
         inertia = np.array([last[i] - (i - j) for i in range(6) for j in range(i + 1)])
         if not np.array_equal(model.M_colind[inertia], [first + j for i in range(6) for j in range(i + 1)]):
             raise ValueError(f"MuJoCo must keep the inertia of {plate!r} as one block")
-        names = segment.names[: segment.tensions]
         found.append(
             Spring(
                 inverse=InverseMap(segment),
                 finger=finger,
-                pulled=[chain.tensions.index(name) for name in names],
+                pulled=[rod.names.index(name) for name in segment.names],
                 body=body,
                 position=int(model.jnt_qposadr[joint]),
                 velocity=first,
@@ -161,7 +160,7 @@ def springs_of(model: mujoco.MjModel, data: mujoco.MjData, finger: int, attached
                 offset=segment.rest,
                 relaxation=attached.relaxation,
                 rubber=Rubber(model, segment, plate, geom, own, first=not found),
-                coupling=Coupling(model, data, body, half if found else 0.0, -half, rod),
+                coupling=Coupling(model, data, body, half if found else 0.0, -half, beam),
                 held=Held(np.zeros(7), np.zeros(6), np.zeros(6), np.zeros((6, 6)), np.zeros(3)),
             )
         )

@@ -9,7 +9,7 @@ from control.gripper import Gripper
 from control.mujoco.attach import attach_gripper
 from control.mujoco.simulation import Simulation
 from control.mujoco.solids import Solid
-from rom import SegmentMap
+from rom import Rod
 
 STEP = 0.001  # [s]
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
@@ -48,7 +48,7 @@ SCENE = """
 
 def table(
     gripper: Gripper,
-    segment: SegmentMap,
+    rod: Rod,
     solid: Solid,
     error: np.ndarray,
     turn: float = 0.0,
@@ -58,7 +58,7 @@ def table(
 
     Args:
         gripper: of three fingers or how many it has.
-        segment: the map of each.
+        rod: each finger.
         solid: which.
         error: of the gripper's place above it, shape (3,) [m].
         turn: of the solid about its axis [rad].
@@ -78,7 +78,7 @@ def table(
     text = SCENE.format(
         step=step,
         asset="" if size else f'<mesh name="object" vertex="{vertices}" inertia="exact"/>',
-        palm=solid.grasped + tip_height(gripper, segment, solid.radius) + error[2],
+        palm=solid.grasped + tip_height(gripper, rod, solid.radius) + error[2],
         joints=joints,
         x=error[0],
         y=error[1],
@@ -90,16 +90,16 @@ def table(
         actuators=actuators,
     )
     spec = mujoco.MjSpec.from_string(text)
-    fingers = attach_gripper(spec, segment, "palm", len(gripper.fingers), gripper.radius)
+    fingers = attach_gripper(spec, rod, "palm", len(gripper.fingers), gripper.radius)
     return Simulation(spec.compile(), fingers)
 
 
-def tip_height(gripper: Gripper, segment: SegmentMap, radius: float) -> float:
+def tip_height(gripper: Gripper, rod: Rod, radius: float) -> float:
     """How far below the palm a free finger's plate reaches, bent to touch a face at a radius [m]."""
     finger, lead = gripper.fingers[0], gripper.model.lead
-    inputs = np.zeros((200, segment.tensions + 6))
-    inputs[:, lead] = np.linspace(finger.lower[lead], finger.upper[lead], len(inputs))
-    placed = segment.place(inputs)
-    half = segment.half_lengths
-    edge = placed.centre + placed.rotation @ [half[0], half[1], 0.0]
-    return float(np.interp(gripper.radius - radius + half[1], edge[:, 1], edge[:, 0]))
+    tensions, half, edges = np.zeros(len(rod.names)), rod.half_lengths, []
+    for tensions[lead] in np.linspace(finger.lower[lead], finger.upper[lead], 200):
+        placed = rod.place(tensions)
+        edges.append(placed.centres[-1] + placed.rotations[-1] @ [half[0], half[1], 0.0])
+    x, y, _ = np.transpose(edges)
+    return float(np.interp(gripper.radius - radius + half[1], y, x))

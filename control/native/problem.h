@@ -3,7 +3,7 @@
 #define CONTROL_PROBLEM_H
 #include <math.h>
 #include "../../rom/native/evaluation.h"
-#include "../../rom/segment/native/segment.h"
+#include "../../rom/rod/native/segment.h"
 #include "problems.h"
 #include "step.h"
 

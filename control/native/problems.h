@@ -2,7 +2,7 @@
 #ifndef CONTROL_PROBLEMS_H
 #define CONTROL_PROBLEMS_H
 #include "../../rom/native/kernel.h"
-#include "../../rom/segment/native/segment.h"
+#include "../../rom/rod/native/segment.h"
 #include "least_squares.h"
 
 /* A finger: its model, which is a surrogate, or a touched segment, with a surrogate behind it or without; its limits,

@@ -49,12 +49,15 @@ class Candidates:
         return chosen(self.equations.powers, self.weights, degree)
 
 
-def candidates(samples: Sequence[Samples], fold_of: dict[int, int], weights: np.ndarray, highest: float) -> Candidates:
+def candidates(
+    samples: Sequence[Samples], fold_of: dict[int, int], tensions: np.ndarray, weights: np.ndarray, highest: float
+) -> Candidates:
     """The laws of an element up to a weighted degree.
 
     Args:
         samples: of one length each, with their images.
         fold_of: of every line.
+        tensions: lowest and highest of each, shape (t, 2) [N].
         weights: of tensions and wrench, shape (t + 6,).
         highest: weighted degree.
     """
@@ -62,9 +65,8 @@ def candidates(samples: Sequence[Samples], fold_of: dict[int, int], weights: np.
     distinct = len(levels(np.array(lengths))[0])
     several = distinct > 1
     largest = MARGIN * np.max([np.abs(one.inputs).max(axis=0) for one in samples], axis=0)
-    tensions = len(weights) - 6
-    lower = np.where(np.arange(len(weights)) < tensions, 0.0, -largest)
-    upper = largest
+    lower, upper = -largest, largest.copy()
+    lower[: len(tensions)], upper[: len(tensions)] = tensions.T
     if several:
         weights = np.append(weights, 1.0)
         lower, upper = np.append(lower, min(lengths)), np.append(upper, max(lengths))

@@ -31,6 +31,7 @@ class Elements:
         outlines: by kind, where the corners of its cross-sections are.
         force: largest on a plate [N].
         provenance: what they were made from, and how well they predict what they were not made from.
+        size: times how large they are, of what the scene says [-].
     """
 
     laws: dict[str, ElementLaw]
@@ -38,6 +39,7 @@ class Elements:
     scene: dict[str, Any]
     force: float
     provenance: dict[str, Any]
+    size: float = 1.0
 
     @property
     def tensions(self) -> int:
@@ -48,7 +50,8 @@ class Elements:
         """The same section `size` times as large, of rubber `modulus` times as stiff."""
         laws = {kind: law.scaled(size, modulus) for kind, law in self.laws.items()}
         outlines = {kind: law.scaled(size, modulus) for kind, law in self.outlines.items()}
-        return replace(self, laws=laws, outlines=outlines, force=self.force * modulus * size**2)
+        force = self.force * modulus * size**2
+        return replace(self, laws=laws, outlines=outlines, force=force, size=self.size * size)
 
     def write(self, file: h5py.Group) -> None:
         """Write them into an open file."""

@@ -1,8 +1,8 @@
-"""A rod of elements, condensed to its plate: the reference of rom/segment/native/rod_march.c.
+"""A rod of elements, condensed to its plate: the reference of rom/rod/native/rod_march.c.
 
 An element's law gives, by the tensions and the wrench (f, m) that its distal section carries, in that one's own frame
-and with the moment about its centre, the pose of its proximal section seen from there: place q and Rodrigues vector g. From
-the plate (p = 0, Q = 1, and the wrench on the plate) to the clamp
+and with the moment about its centre, the pose of its proximal section seen from there: place q, Rodrigues vector g.
+From the plate (p = 0, Q = 1, and the wrench on the plate) to the clamp
 
     p' = p + Q q,   Q' = Q R,   f' = R^T f,   m' = R^T (m - q x f),   R = 1 + 2 / (1 + g.g) ([g]x + [g]x [g]x).
 
@@ -37,7 +37,9 @@ class Marched:
         rotation: of the clamp's frame, shape (n, 3, 3) [-]; its transpose is the plate's, seen from the clamp.
         motion: of the plate, seen from the clamp: R^T dc and R^T dtheta by tensions and the wrench on the plate, shape
             (n, 6, t + 6) [m, rad per N, N m].
-        wrenches: carried through the distal section of every element, shape (n, elements, 6) [N, N m].
+        sections: places of the distal sections of all elements seen from the plate, shape (n, elements, 3) [m], and
+            rotations of their frames, shape (n, elements, 3, 3) [-].
+        wrenches: carried through these sections, in their frames, shape (n, elements, 6) [N, N m].
         base: the wrench on the clamp, in its frame about its centre, shape (n, 6) [N, N m].
         inside: whether tensions and these lie in the element's trained box, shape (n, elements).
     """
@@ -45,6 +47,7 @@ class Marched:
     place: np.ndarray
     rotation: np.ndarray
     motion: np.ndarray
+    sections: tuple[np.ndarray, np.ndarray]
     wrenches: np.ndarray
     base: np.ndarray
     inside: np.ndarray
@@ -69,10 +72,12 @@ def march(elements: Sequence[Polynomial], tensions: np.ndarray, wrenches: np.nda
     place, rotation, wrench = np.zeros((n, 3)), np.tile(np.eye(3), (n, 1, 1)), np.array(wrenches, float)
     move, turn, change = np.zeros((n, 3, t + 6)), np.zeros((n, 3, t + 6)), np.zeros((n, 6, t + 6))
     change[:, :, t:] = np.eye(6)
-    carried, inside = [], []
+    carried, inside, places, turns = [], [], [], []
     for element in elements:
         held = np.clip(tensions, element.lower[:t], element.upper[:t])
         carried.append(wrench)
+        places.append(place)
+        turns.append(rotation)
         inside.append((held == tensions).all(axis=1) & wrench_inside(element, wrench))
         value, gradient = element.value_and_gradient(np.hstack([held, wrench]))
         by_state = gradient[:, :, t:] @ change
@@ -96,6 +101,7 @@ def march(elements: Sequence[Polynomial], tensions: np.ndarray, wrenches: np.nda
         place=place,
         rotation=rotation,
         motion=np.concatenate([_cross(place, plate_turn) - moved, plate_turn], axis=1),
+        sections=(np.stack(places, axis=1), np.stack(turns, axis=1)),
         wrenches=np.stack(carried, axis=1),
         base=wrench,
         inside=np.stack(inside, axis=1),

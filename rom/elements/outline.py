@@ -125,7 +125,7 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
     largest = MARGIN * np.max([np.abs(one.inputs).max(axis=0) for one in samples], axis=0)
     t = states.tensions
     lower, upper = np.append(-largest, min(distances)), np.append(largest, max(distances) * (1 + SHARE))
-    lower[:t] = 0.0
+    lower[:t], upper[:t] = states.ranges.T
     powers = index_set(np.append(np.repeat(WEIGHTS, [t, 3, 3]), ALONG), DEGREE)
     powers = powers[powers[:, -1] < len(levels(np.array(distances))[0])]
     equations = NormalEquations(lower, upper, powers, int(fold.max()) + 1, NUMBERS)

@@ -76,6 +76,11 @@ class SectionStates:
         return self.inputs.shape[1] - WRENCH
 
     @property
+    def ranges(self) -> np.ndarray:
+        """Lowest and highest of every tension, shape (t, 2) [N]."""
+        return np.array([one["tension"] for one in self.scene["tendons"]], float)
+
+    @property
     def forces(self) -> np.ndarray:
         """Size of the force on the plate, shape (n,) [N]."""
         return np.asarray(np.linalg.norm(self.inputs[:, self.tensions : self.tensions + 3], axis=1))

@@ -94,7 +94,7 @@ def prepare(states: SectionStates) -> Training:
     kinds = {}
     for kind, pairs in cut(states.at, states.scene["geometry"]["side"]).items():
         samples = [with_images(element_samples(states, *pair), states.scene) for pair in pairs]
-        kinds[kind] = candidates(samples, fold_of, weights, HIGHEST)
+        kinds[kind] = candidates(samples, fold_of, states.ranges, weights, HIGHEST)
     return Training(states=states, fold=np.array([fold_of[int(line)] for line in states.lines]), kinds=kinds)
 
 

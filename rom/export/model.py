@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from rom.native import EVALUATION, SEGMENT, Library
-from rom.segment.native import ENDS
-from rom.segment.touched_segment import TouchedSegment
+from rom.rod.native import ENDS
+from rom.rod.touched_segment import TouchedSegment
 from rom.separation.separated_form import tables
 from rom.snapshots.grid import SHARE, SINGLE, levels
 from rom.surrogate import Surrogate
@@ -27,8 +27,7 @@ def struct(model: Surrogate | TouchedSegment) -> Any:
     """A struct fingerfem_model."""
     p = len(model.parameters)
     if isinstance(model, TouchedSegment):
-        known = model.chain.segments
-        sections = 0 if any(one.skin is None for one in known) else sum(one.struct.places + ENDS for one in known)
+        sections = sum(one.struct.places + ENDS for one in model.rod.segments)
         return MODEL.struct("fingerfem_model", parameters=p, sections=sections, touching=model.touching)
     found, edges = edges_of(model) if model.has_field else ({}, 0)
     return MODEL.struct(

@@ -17,8 +17,8 @@ import numpy as np
 from rom.checked_file import ModelError
 from rom.export.image import Image
 from rom.export.model import struct, tolerance
-from rom.segment.native import ENDS
-from rom.segment.touched_segment import TouchedSegment
+from rom.rod.native import ENDS
+from rom.rod.touched_segment import TouchedSegment
 from rom.snapshots.grid import levels
 from rom.surrogate import Surrogate
 from rom.whole_file import write_whole
@@ -76,7 +76,7 @@ def about(model: Surrogate | TouchedSegment) -> dict[str, Any]:
 def parts(model: Surrogate | TouchedSegment) -> list[np.ndarray]:
     """Of every segment's sections, whether what follows up to the next is its plate; the last is its front."""
     if isinstance(model, TouchedSegment):
-        return [np.arange(one.struct.places + ENDS) >= one.struct.places + ENDS - 2 for one in model.chain.segments]
+        return [np.arange(one.struct.places + ENDS) >= one.struct.places + ENDS - 2 for one in model.rod.segments]
     geometry = model.scene["geometry"]
     x, near = levels(model.nodes[:, 0])[0], tolerance(model)
     fronts = np.cumsum(geometry["segments"])
@@ -89,7 +89,7 @@ def parts(model: Surrogate | TouchedSegment) -> list[np.ndarray]:
 def most_force(model: Surrogate | TouchedSegment) -> float:
     """The largest contact force that a page shows [N]: about what was trained."""
     if isinstance(model, TouchedSegment):
-        return float(max(one.parameters[one.tensions]["upper"] for one in model.chain.segments))
+        return model.rod.force
     if not model.has_obstacle:
         return 0.0
     lower, upper = model.limits
@@ -103,10 +103,8 @@ def most_force(model: Surrogate | TouchedSegment) -> float:
 def described(model: Surrogate | TouchedSegment) -> str:
     """One line under the title."""
     if isinstance(model, TouchedSegment):
-        states = sum(int(one.provenance.get("states", 0)) for one in model.chain.segments)
-        kind = (
-            "map of its segment" if len(model.chain.segments) == 1 else f"maps of {len(model.chain.segments)} segments"
-        )
+        states = int(model.rod.elements.provenance.get("states", 0))
+        kind = f"a rod of {sum(map(len, model.rod.pieces))} elements"
         return f"{kind}, from {states} full-order states; contact with the plane is solved for as the sliders move"
     return (
         f"separated surrogate, {sum(model.terms.values())} products from {model.provenance['states']} full-order states"

@@ -232,7 +232,7 @@ def _cache() -> Path:
 
 
 EVALUATION = Library("evaluation", [HERE / "kernel.h", HERE / "evaluation.h"], [HERE / "batches.c"])
-_SEGMENT = HERE.parent / "segment" / "native"
+_SEGMENT = HERE.parent / "rod" / "native"
 _SOURCES = (
     "tensions.c",
     "element.c",

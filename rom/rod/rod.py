@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,39 +17,46 @@ from rom import checked_file
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.elements.elements import Elements
-from rom.elements.march import march
 from rom.elements.pieces import Piece, pieces
-from rom.fit.chebyshev import Polynomial
+from rom.native import PickledByFields
+from rom.rod import native, shape
 from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
+from rom.rod.segment import Segment, segment_of
 from rom.snapshots.grid import SHARE
-from rom.table import Table, as_html, parameters, percent
+from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters, percent
 
 KIND, FORMAT = "fingerfem rod", 1
+PLAIN = ("scene", "finer_mesh_factors", "accuracy")
 
 
 @brief
 class Plates(NamedTuple):
-    """Where the plates of a finger are, n states; shapes without n at one.
+    """Where the n plates of a finger are, from clamp to tip.
 
     Attributes:
-        centres: from clamp to tip, shape (n, plates, 3) [m].
-        rotations: of their frames, shape (n, plates, 3, 3) [-].
-        inside: whether the inputs of every element lie in its box, shape (n,).
+        centres: shape (n, 3) [m].
+        rotations: of their frames, shape (n, 3, 3) [-].
+        motions: R^T dc and R^T dtheta of every plate by the inputs, shape (n, 6, t + 6 n) [m, rad per N, N m].
+        inside: whether the inputs of every element lie in its trained box.
     """
 
     centres: np.ndarray
     rotations: np.ndarray
-    inside: np.ndarray
+    motions: np.ndarray
+    inside: bool
 
 
 @brief
 @dataclass(frozen=True, kw_only=True)
-class Rod:
+class Rod(PickledByFields):
     """Segments of elements from clamp to tip, each with a plate that clamps the next.
 
     Attributes:
         elements: as they were trained.
         scene: of the finger: geometry, material and tendons, as plain data.
+        finer_mesh_factors: by quantity, times how much its estimated error covers what states on a finer mesh showed;
+            empty if nobody looked.
+        accuracy: measured on held-out states; empty if nobody did.
 
     Raises:
         ModelError: the elements cannot make this finger: what is missing.
@@ -61,6 +68,8 @@ class Rod:
 
     elements: Elements
     scene: dict[str, Any]
+    finer_mesh_factors: dict[str, float] = field(default_factory=dict)
+    accuracy: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.segments  # refuses what cannot be made  # noqa: B018
@@ -88,12 +97,17 @@ class Rod:
         return found
 
     @cached_property
-    def segments(self) -> list[list[Polynomial]]:
-        """The laws of these, one object for all pieces of a kind and length."""
-        laws: dict[Piece, Polynomial] = {}
-        for piece in {one for segment in self.pieces for one in segment}:
-            laws[piece] = self.own.laws[piece.kind].of_length(piece.length)
-        return [[laws[piece] for piece in segment] for segment in self.pieces]
+    def segments(self) -> list[Segment]:
+        """From clamp to tip; a tendon passes all segments up to its plate."""
+        found = []
+        for k, own in enumerate(self.pieces):
+            passing = [
+                (tendon["name"], trained)
+                for tendon, trained in zip(self.scene["tendons"], self.similarity.tendons, strict=True)
+                if tendon["segment"] > k
+            ]
+            found.append(segment_of(self.own, own, [name for name, _ in passing], [which for _, which in passing]))
+        return found
 
     @property
     def parameters(self) -> list[dict[str, Any]]:
@@ -105,7 +119,7 @@ class Rod:
 
     @property
     def names(self) -> list[str]:
-        """Of the tendons."""
+        """Of the tensions."""
         return [one["name"] for one in self.scene["tendons"]]
 
     @property
@@ -119,54 +133,126 @@ class Rod:
         """The tip plate's centre in the undeformed finger, shape (3,) [m]."""
         return np.array([sum(self.scene["geometry"]["segments"]) - self.half_lengths[0], 0.0, 0.0])
 
-    def of_segment(self, k: int, tensions: np.ndarray) -> np.ndarray:
-        """The elements' tensions in segment k, shape (n, trained tendons): zero where no tendon passes [N]."""
-        found = np.zeros((len(tensions), self.elements.tensions))
-        for tendon, own, tension in zip(self.scene["tendons"], self.similarity.tendons, tensions.T, strict=True):
-            if tendon["segment"] > k:
-                found[:, own] += tension
-        return found
+    @property
+    def force(self) -> float:
+        """Largest contact force that the elements were trained with [N]."""
+        return self.own.force
+
+    @property
+    def force_error(self) -> float:
+        """Relative error of contact forces in lines that were left out of the training, 95th percentile [-]."""
+        return float(self.elements.provenance["left_out"]["contact_force"]["p95"])
+
+    @property
+    def expected_error(self) -> float:
+        """The same, the mesh's included if it was estimated [-]."""
+        return self.force_error * self.finer_mesh_factor("contact_force")
+
+    @property
+    def place_error(self) -> float:
+        """Of the free tip plate, likewise, by the length of the finger [m]."""
+        return float(self.elements.provenance["left_out"]["free_place_m"]["p95"]) * self._lever
+
+    @property
+    def place_error_by_force(self) -> float:
+        """What a contact force adds to that [m/N]."""
+        left_out = self.elements.provenance["left_out"]
+        added = max(left_out["place_m"]["p95"] - left_out["free_place_m"]["p95"], 0.0)
+        return float(added / self.own.force) * self._lever
+
+    @property
+    def _lever(self) -> float:
+        """The finger's length over the trained one's, squared, as errors of turns add up, at this size [-]."""
+        size = self.similarity.size
+        ratio = sum(self.scene["geometry"]["segments"]) / (size * sum(self.elements.scene["geometry"]["segments"]))
+        return float(size * max(ratio, 1.0) ** 2)
+
+    @property
+    def skin_error(self) -> float:
+        """Of what is known of the rubber's surface [m]; nan if nothing is."""
+        return np.nan
+
+    def finer_mesh_factor(self, quantity: str) -> float:
+        """Times how much its estimated error covers what states on a finer mesh showed; 1 if nobody looked [-]."""
+        return self.finer_mesh_factors.get(quantity, 1.0)
+
+    @cached_property
+    def struct(self) -> Any:
+        """For compiled code, a struct fingerfem_chain.
+
+        Raises:
+            ModelError: a finger beyond what compiled code holds.
+        """
+        own = np.zeros((len(self.segments), len(self.names)), int)
+        for k, one in enumerate(self.segments):
+            own[k, : one.tensions] = [self.names.index(name) for name in one.names]
+        tip, force, touch = map(self.finer_mesh_factor, ("tip", "contact_force", "touch_distance"))
+        errors = {
+            "tip_error": tip * self.place_error,
+            "tip_error_by_force": tip * self.place_error_by_force,
+            "force_error": force * self.force_error,
+            "force_error_by_place": force * self.place_error,
+            "touch_error": touch * self.place_error,
+            "touch_error_of_skin": touch * self.skin_error,
+        }
+        return native.chain_struct([one.struct for one in self.segments], own, self.rest, self.skin_error, errors)
 
     def place(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> Plates:
         """Where the plates are.
 
         Args:
-            tensions: shape (t,) or (n, t) [N].
-            wrenches: on the plates in their own frames, shape (plates, 6) or (n, plates, 6) [N, N m]; none if omitted.
+            tensions: shape (t,) [N].
+            wrenches: on the plates in their own frames, shape (n, 6) [N, N m]; none if omitted.
 
         Raises:
             ModelError: the wrong number of tensions or wrenches.
         """
-        pulled, count = np.atleast_2d(np.asarray(tensions, float)), len(self.segments)
-        pressed = np.asarray(np.zeros((len(pulled), count, 6)) if wrenches is None else wrenches, float)
-        own = pressed.shape
-        pressed = pressed[None] if pressed.ndim == 2 else pressed
-        if pulled.shape[1] != len(self.names) or pressed.shape != (len(pulled), count, 6):
+        t, n = len(self.names), len(self.segments)
+        pulled = np.array(tensions, float)
+        pressed = np.zeros((n, 6)) if wrenches is None else np.array(wrenches, float)
+        if pulled.shape != (t,) or pressed.shape != (n, 6):
             raise ModelError(
-                f"inputs must be {len(self.names)} tensions and wrenches of shape ({count}, 6), "
-                f"got shapes {np.shape(tensions)} and {own}"
+                f"inputs must be {t} tensions and wrenches of shape ({n}, 6), "
+                f"got shapes {pulled.shape} and {pressed.shape}"
             )
-        ahead, wrench = self.half_lengths[0], np.zeros((len(pulled), 6))
-        limits = np.array([[one["lower"], one["upper"]] for one in self.parameters])
-        inside, relative = np.all((pulled >= limits[:, 0]) & (pulled <= limits[:, 1]), axis=1), []
-        for k in reversed(range(count)):
-            wrench = pressed[:, k] + wrench
-            inside &= np.linalg.norm(wrench[:, :3], axis=1) <= self.own.force
-            marched = march(self.segments[k], self.of_segment(k, pulled), wrench)
-            inside &= marched.inside.all(axis=1)
-            relative.append(marched.plate)
-            wrench = marched.base.copy()
-            wrench[:, 3:] += np.cross([ahead, 0.0, 0.0], wrench[:, :3])  # about the centre of the plate that clamps it
-        centres, rotations = [], []
-        centre, rotation = np.zeros((len(pulled), 3)), np.tile(np.eye(3), (len(pulled), 1, 1))
-        for arm, turned in reversed(relative):
-            centre = centre + np.einsum("nij,nj->ni", rotation, arm)
-            rotation = rotation @ turned
-            centres.append(centre)
-            rotations.append(rotation)
-            centre = centre + ahead * rotation[:, :, 0]
-        found = Plates(np.stack(centres, axis=1), np.stack(rotations, axis=1), inside)
-        return found if np.ndim(tensions) > 1 else Plates(*(part[0] for part in found))
+        return Plates(*native.place_chain(self.struct, pulled, pressed))
+
+    def shortening(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
+        """How much shorter the tendons have become between clamp and plate, arguments of `place`; shape (t,) [m]."""
+        return shape.shortenings(self, self._placed(tensions, wrenches))
+
+    def displacement(
+        self, tensions: ArrayLike, wrenches: ArrayLike | None = None, points: ArrayLike | None = None
+    ) -> np.ndarray:
+        """Displacement of material points, shape (points, 3) [m].
+
+        Args:
+            tensions: shape (t,) [N].
+            wrenches: on the plates in their own frames, shape (n, 6) [N, N m]; none if omitted.
+            points: at rest, shape (points, 3) [m]; by default those of the long edges, see `edges`.
+
+        Raises:
+            ModelError: the wrong number of tensions or wrenches, or a point that is none of the finger.
+        """
+        at_rest = self.edges if points is None else np.asarray(points, float)
+        length, half = sum(self.scene["geometry"]["segments"]), self.half_lengths[1]
+        outside = np.abs(at_rest - [length / 2, 0.0, 0.0]) > np.array([length / 2, half, half]) * (1 + SHARE)
+        if at_rest.ndim != 2 or at_rest.shape[1] != 3 or outside.any():
+            raise ModelError(f"points must lie in the finger at rest, shape (points, 3), got {at_rest.tolist()[:1]}")
+        found = shape.points_in_space(self, self._placed(tensions, wrenches), at_rest)
+        return np.asarray(found - at_rest)
+
+    @property
+    def edges(self) -> np.ndarray:
+        """Points of the long edges at even cross-sections, shape (points, 3) [m]."""
+        half = self.half_lengths[1]
+        length = sum(self.scene["geometry"]["segments"])
+        along = np.linspace(0.0, length, round(length / half) + 1)
+        return np.array([[x, y, z] for x in along for y in (-half, half) for z in (-half, half)])
+
+    def _placed(self, tensions: ArrayLike, wrenches: ArrayLike | None) -> list[list[shape.Placed]]:
+        pressed = np.zeros((len(self.segments), 6)) if wrenches is None else np.asarray(wrenches, float)
+        return shape.placed(self, np.asarray(tensions, float), pressed)
 
     def assembled(self, scene: str | Path | Mapping[str, Any]) -> Rod:
         """The finger of another scene, of these elements.
@@ -178,7 +264,15 @@ class Rod:
             ModelError: no scene, or these elements cannot make it: what is missing.
         """
         tables = of_tables(scene) if isinstance(scene, Mapping) else read_scene(scene)
-        return Rod(elements=self.elements, scene=self.elements.scene | tables)
+        return Rod(
+            elements=self.elements,
+            scene=self.elements.scene | tables,
+            finer_mesh_factors=self.finer_mesh_factors,
+        )
+
+    def with_accuracy(self, accuracy: dict[str, Any]) -> Rod:
+        """The same, whose error has been measured."""
+        return replace(self, accuracy=accuracy)
 
     def tables(self) -> list[Table | str]:
         """For people: its segments, tendons, and how well its elements predict what was left out."""
@@ -188,6 +282,7 @@ class Rod:
             for k, (length, own) in enumerate(zip(self.scene["geometry"]["segments"], self.pieces, strict=True))
         ]
         force, free = left_out["contact_force"], left_out["free_place_m"]
+        measured = accuracy(self.accuracy)
         return [
             f"{self.scene['name']}: a rod of {sum(map(len, self.pieces))} elements, "
             f"trained on {self.elements.scene['name']}"
@@ -200,6 +295,7 @@ class Rod:
             parameters(self.parameters),
             f"lines left out of the training: contact force within {percent(force['p95'])} (95 %), "
             f"median {percent(force['median'])}; free tip within {1e6 * free['p95']:.3g} µm",
+            *(measured if measured else [NOT_MEASURED]),
         ]
 
     def _repr_html_(self) -> str:
@@ -210,7 +306,8 @@ class Rod:
         checked_file.save(Path(path), KIND, FORMAT, self._write)
 
     def _write(self, file: h5py.File) -> None:
-        file.attrs["scene"] = json.dumps(self.scene)
+        for name in PLAIN:
+            file.attrs[name] = json.dumps(getattr(self, name))
         self.elements.write(file.create_group("elements"))
 
     @classmethod
@@ -224,4 +321,5 @@ class Rod:
 
     @classmethod
     def _read(cls, file: h5py.File) -> Rod:
-        return cls(elements=Elements.read(file["elements"]), scene=json.loads(file.attrs["scene"]))
+        plain = {name: json.loads(file.attrs[name]) for name in PLAIN}
+        return cls(elements=Elements.read(file["elements"]), **plain)

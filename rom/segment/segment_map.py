@@ -17,7 +17,7 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.fit.chebyshev import Polynomial
 from rom.native import PickledByFields
-from rom.segment import limits, native
+from rom.rod import limits, native
 from rom.segment.field import Field
 from rom.snapshots.rigid_motion import motions, rotations
 from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters, percent

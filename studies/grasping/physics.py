@@ -10,8 +10,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from control.mujoco import Simulation, attach
-from rom import SegmentMap, TouchedSegment, friction_history
-from rom.segment.inverse_map import InverseMap
+from rom import Rod, TouchedSegment, friction_history
+from rom.rod.inverse_map import InverseMap
 from studies.grasping.task import LIFT, PERIOD, STEP, attempt, prepare, trial
 from studies.runner import Run
 
@@ -44,7 +44,7 @@ DAMPED = {STIFF: 1.0, SOFT: 0.02}  # of critical damping [-]: what it takes is l
 
 
 def before_a_wall(
-    segment: SegmentMap, friction: float, stiffness: float = STIFF, dragged: bool = False, coulomb: bool = True
+    segment: Rod, friction: float, stiffness: float = STIFF, dragged: bool = False, coulomb: bool = True
 ) -> Simulation:
     """A finger before a wall on springs along y and z [N/m], or drawn along z instead."""
     mass = stiffness / RINGS**2
@@ -65,7 +65,7 @@ def before_a_wall(
 
 def coulomb(model: TouchedSegment, friction: float) -> dict[str, Any]:
     """Contact force along a history of tensions: MuJoCo's law and the corrected one beside the quasi-static one."""
-    assert isinstance(model.segment, SegmentMap)
+    assert isinstance(model.segment, Rod)
     points = [[tension, 0.0, DISTANCE] for tension in PULLED]
     expected = np.array([one.contact_force for one in friction_history(model, points, friction, increments=2)])
     row: dict[str, Any] = {"friction": friction, "tension": PULLED.tolist(), "history": expected.tolist()}
@@ -83,7 +83,7 @@ def coulomb(model: TouchedSegment, friction: float) -> dict[str, Any]:
     return row
 
 
-def sliding(segment: SegmentMap, friction: float) -> dict[str, Any]:
+def sliding(segment: Rod, friction: float) -> dict[str, Any]:
     """A wall drawn along under a finger: the angle at which it slides, and how fast it creeps below that.
 
     Creeping is what sticks moving at all, sliding what moves faster than a tenth of the wall.
@@ -117,7 +117,7 @@ def sliding(segment: SegmentMap, friction: float) -> dict[str, Any]:
     }
 
 
-def tension_loop(segment: SegmentMap, rounds: int = 2, seconds: float = 20.0) -> dict[str, float]:
+def tension_loop(segment: Rod, rounds: int = 2, seconds: float = 20.0) -> dict[str, float]:
     """Tensions led around a closed loop before a wall on springs without friction: net work done on the wall."""
     simulation = before_a_wall(segment, 0.0, SOFT)
     data, wall = simulation.data, simulation.data.body("wall")
@@ -141,7 +141,7 @@ def tension_loop(segment: SegmentMap, rounds: int = 2, seconds: float = 20.0) ->
     return {"work": work, "exchanged": exchanged, "share": abs(work) / exchanged}
 
 
-def pose_loop(segment: SegmentMap, points: int = 2000) -> dict[str, float]:
+def pose_loop(segment: Rod, points: int = 2000) -> dict[str, float]:
     """A plate led around a closed loop of poses at tensions that stay: net work done by rubber and tendons."""
     inverse, work, exchanged, before = InverseMap(segment), 0.0, 0.0, None
     for angle in np.linspace(0, 2 * np.pi, points + 1):
@@ -201,7 +201,7 @@ def measure(run: Run) -> dict:
     """All of them."""
     model = TouchedSegment.load()
     segment = model.segment
-    assert isinstance(segment, SegmentMap)
+    assert isinstance(segment, Rod)
     frictions = FRICTION[:1] if run.quick else FRICTION
     return {
         "coulomb": [run.once(f"coulomb {friction}", coulomb, model, friction) for friction in frictions],

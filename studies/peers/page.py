@@ -74,7 +74,7 @@ def unanswered(row: dict[str, Any]) -> str:
 
 def budgets() -> dict[str, int]:
     """From how many states the models are that come with fingerfem."""
-    plane, made = Surrogate.load().provenance, TouchedSegment.load().chain.segments[0].provenance
+    plane, made = Surrogate.load().provenance, TouchedSegment.load().rod.segments[0].provenance
     return {"surrogate": plane["states"], "map": made["states"], "coarse": made["coarse"]["states"]}
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rom import Chain, Cylinder, TouchedSegment
+from rom import Rod, Cylinder, TouchedSegment
 from rom.error_statistics import quantiles
-from rom.segment.objects import Object, facing_plane
+from rom.rod.objects import Object, facing_plane
 from rom.segment.training import build
 from rom.snapshots.snapshot_set import SnapshotSet
 from studies import sets
@@ -90,23 +90,23 @@ def scene(run: Run, finger: Finger, only: int | None = None) -> Path:
     return sets.written(run.folder, f"{finger.name} {'whole' if only is None else only}", text)
 
 
-def trained(run: Run, finger: Finger) -> tuple[Chain, list[SnapshotSet]]:
+def trained(run: Run, finger: Finger) -> tuple[Rod, list[SnapshotSet]]:
     """The chain, from its file if it has one, and its sets."""
     training = [sets.training(scene(run, finger, k)) for k in range(len(finger.lines))]
     file = run.folder / f"chain-{finger.name}.h5"
     if not file.exists():
         few = 3 if run.quick else 1
         maps = [build.train(one, terms // few) for one, terms in zip(training, finger.terms, strict=True)]
-        Chain(maps).save(file)
-    return Chain.load(file), training
+        Rod(maps).save(file)
+    return Rod.load(file), training
 
 
-def plane(chain: Chain, pulled: np.ndarray, random: np.random.Generator) -> Object:
+def plane(chain: Rod, pulled: np.ndarray, random: np.random.Generator) -> Object:
     """The plane y = side/2 + d."""
     return facing_plane(2 * chain.half_lengths[1], (1e-4, 0.1))
 
 
-def bar(chain: Chain, pulled: np.ndarray, random: np.random.Generator) -> Object:
+def bar(chain: Rod, pulled: np.ndarray, random: np.random.Generator) -> Object:
     """A thin bar across the finger that comes to a corner of a middle plate, from any side, and touches it at AWAY."""
     free, which = chain.place(pulled), int(random.integers(len(chain.segments) - 1))
     centre, rotation, angle = free.centres[which], free.rotations[which], random.uniform(0, 2 * np.pi)
@@ -121,7 +121,7 @@ def bar(chain: Chain, pulled: np.ndarray, random: np.random.Generator) -> Object
     )
 
 
-def pressed(finger: Finger, chain: Chain, full: FullOrder, kind: str, count: int) -> dict:
+def pressed(finger: Finger, chain: Rod, full: FullOrder, kind: str, count: int) -> dict:
     """Contact with a kind of object, beside the full-order model."""
     random = np.random.default_rng(12)
     errors: list[float] = []
@@ -158,7 +158,7 @@ def pressed(finger: Finger, chain: Chain, full: FullOrder, kind: str, count: int
     }
 
 
-OBJECTS: dict[str, Callable[[Chain, np.ndarray, np.random.Generator], Object]] = {"plane": plane, "bar": bar}
+OBJECTS: dict[str, Callable[[Rod, np.ndarray, np.random.Generator], Object]] = {"plane": plane, "bar": bar}
 
 
 def against_full_order(run: Run, finger: Finger, contacts: dict[str, int]) -> dict:

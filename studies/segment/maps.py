@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from rom.segment.segment_map import SegmentMap
+from rom.rod.rod import Rod
 from rom.segment.training import build
 from rom.snapshots.snapshot_set import SnapshotSet
 from studies import sets
@@ -59,9 +59,9 @@ def held_out(run: Run, plan: Plan) -> SnapshotSet:
     return SnapshotSet(place)
 
 
-def segment(run: Run, plan: Plan) -> SegmentMap:
+def segment(run: Run, plan: Plan) -> Rod:
     """The map, from its file if it has one."""
     file = run.folder / f"{plan.name.replace(' ', '-')}.h5"
     if not file.exists():
         build.train(snapshots(run, plan), plan.terms).save(file)
-    return SegmentMap.load(file)
+    return Rod.load(file)

@@ -13,7 +13,7 @@ from control.model import Model
 from rom import BackedSegment, Surrogate, TouchedSegment
 from rom.build import train
 from rom.error_statistics import quantiles
-from rom.segment.objects import facing_plane
+from rom.rod.objects import facing_plane
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotSet, read_task
 from studies import sets

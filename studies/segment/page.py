@@ -9,8 +9,8 @@ import numpy as np
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from control import Finger
-from rom import SegmentMap, Sphere, TouchedSegment
-from rom.segment.objects import Object
+from rom import Rod, Sphere, TouchedSegment
+from rom.rod.objects import Object
 from studies.runner import DOCS
 from studies.segment import maps
 
@@ -21,13 +21,13 @@ FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (
 
 def prepare(found: dict, folder: Path) -> dict:
     """Draw it; and the tables' sums."""
-    segment = SegmentMap.load(folder / f"{maps.SMALL.name.replace(' ', '-')}.h5")
+    segment = Rod.load(folder / f"{maps.SMALL.name.replace(' ', '-')}.h5")
     held = draw(segment, DOCS / "segment.png")
     verdicts = found["robustness"]["verdicts"]
     return {"held": held, "objects_in_all": sum(row["objects"] for row in verdicts)}
 
 
-def draw(segment: SegmentMap, picture: Path) -> dict:
+def draw(segment: Rod, picture: Path) -> dict:
     """Three fingers around a ball, each as its map says it stands; what they hold it with."""
     figure = plt.figure(figsize=(6.4, 5.6), layout="constrained")
     axes = figure.add_subplot(projection="3d")
@@ -64,7 +64,7 @@ def draw(segment: SegmentMap, picture: Path) -> dict:
     }
 
 
-def _finger(axes, segment: SegmentMap, inputs: np.ndarray, angle: float) -> None:
+def _finger(axes, segment: Rod, inputs: np.ndarray, angle: float) -> None:
     """One finger that hangs from a palm above, its y axis towards the middle: rubber's edges, and plate."""
     placed, side = segment.place(inputs), 2 * segment.half_lengths[1]
     assert segment.skin is not None

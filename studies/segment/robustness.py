@@ -8,7 +8,7 @@ from collections import Counter
 import numpy as np
 
 from rom import TouchedSegment, friction_history
-from rom.segment.objects import facing_plane
+from rom.rod.objects import facing_plane
 from studies.runner import Run
 from studies.segment import maps
 from studies.segment.scattered_objects import DISTANCE, SHAPES, placed, tensions

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rom import Cylinder, Plane, SegmentMap, Sphere, TouchedSegment
-from rom.segment.objects import Object
+from rom import Cylinder, Plane, Rod, Sphere, TouchedSegment
+from rom.rod.objects import Object
 from studies.segment.full_order import Table, obstacle, random_box
 
 LEANING = 0.1  # most of a normal's component along the plate's axis: beyond, the rubber touches first [-]
@@ -15,14 +15,14 @@ RADII = 0.002, 0.05  # [m]
 SHAPES = ("plane", "sphere", "cylinder", "box")
 
 
-def tensions(segment: SegmentMap, random: np.random.Generator) -> np.ndarray:
+def tensions(segment: Rod, random: np.random.Generator) -> np.ndarray:
     """Random ones [N], shape (t,)."""
     t = segment.tensions
     lower, upper = segment.pose.lower[:t], segment.pose.upper[:t]
     return np.asarray(lower + random.random(t) * (upper - lower))
 
 
-def placed(segment: SegmentMap, pulled: np.ndarray, random: np.random.Generator, shape: str) -> tuple[Object, Table]:
+def placed(segment: Rod, pulled: np.ndarray, random: np.random.Generator, shape: str) -> tuple[Object, Table]:
     """An object that touches the free plate where d is DISTANCE, whichever way it lies there, and its scene's table.
 
     It touches a corner of the plate, or as a box happens to be turned.
@@ -51,9 +51,7 @@ def placed(segment: SegmentMap, pulled: np.ndarray, random: np.random.Generator,
     return found, obstacle(found)
 
 
-def _box(
-    segment: SegmentMap, pulled: np.ndarray, random: np.random.Generator, corner: np.ndarray, where: Table
-) -> tuple:
+def _box(segment: Rod, pulled: np.ndarray, random: np.random.Generator, corner: np.ndarray, where: Table) -> tuple:
     """A box that would hold the plate's corner in its middle at d = 0, moved back to touch it at DISTANCE."""
     state = random.bit_generator.state
     found, _ = random_box(random, tuple(corner), where | {"distances": (-1.0, 1.0)})

@@ -10,7 +10,7 @@ import numpy as np
 
 from rom.error_statistics import quantiles
 from rom.fit.chebyshev import products
-from rom.segment.segment_map import SegmentMap
+from rom.rod.rod import Rod
 from rom.segment.training.contact_error import relative_force_errors
 from rom.snapshots.pressed_states import read_pressed_states
 from studies.runner import Run
@@ -28,7 +28,7 @@ class Separated:
         segment: the map.
     """
 
-    def __init__(self, segment: SegmentMap):
+    def __init__(self, segment: Rod):
         self._pose, self._powers = segment.pose, segment.pose.powers
         self._weights = np.array([1.0] * 3 + [TURN] * 4)
         # Chebyshev polynomials of one input are orthogonal, T_0 twice as long: in these coefficients, norms are sums.

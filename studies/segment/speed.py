@@ -12,8 +12,8 @@ from control.model import Model
 from rom import Surrogate, TouchedSegment
 from rom.native import EVALUATION, forms
 from rom.native import pointer as numbers
-from rom.segment import native
-from rom.segment.objects import facing_plane
+from rom.rod import native
+from rom.rod.objects import facing_plane
 from studies.runner import Run
 from studies.segment import maps
 

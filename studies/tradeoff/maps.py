@@ -11,8 +11,8 @@ import numpy as np
 
 from control import campaign
 from fingerfem import load_scene
-from rom import SegmentMap, TouchedSegment
-from rom.segment.objects import facing_plane
+from rom import Rod, TouchedSegment
+from rom.rod.objects import facing_plane
 from rom.segment.training import build
 from rom.snapshots.snapshot_set import SnapshotSet
 from studies import sets
@@ -93,7 +93,7 @@ def row(sets_: Sets, one: MapTraining) -> dict:
         coarse, own = sets_.alone(*one.coarse), sets_.near(one.mesh, one.lines, one.coarse[0])
     file, trained = study.run.folder / "map.h5", [own, *([coarse] if coarse else [])]
     build.train(own, coarse=coarse).save(file)
-    segment = SegmentMap.load(file)
+    segment = Rod.load(file)
     model = TouchedSegment(segment=segment, obstacle=facing_plane(segment.scene["geometry"]["side"], DISTANCES))
     answers = model.evaluate(truth.parameters)
     inside = answers.inside

@@ -12,7 +12,7 @@ import control
 import rom
 from control import Finger, Gripper, Limits
 from rom import BackedSegment, Chain, SegmentMap, Surrogate, TouchedSegment
-from rom.segment.inverse_map import InverseMap
+from rom.rod.inverse_map import InverseMap
 
 POINT = [50.0, 20.0, 0.012]
 HULL = {"vertices": [(x, y, z) for x in (0, 0.01) for y in (0, 0.01) for z in (0, 0.01)]}
@@ -20,7 +20,7 @@ WHERE = {"centre": (0.0, 0.01, 0.0), "direction": (0.0, 1.0, 0.0)}
 
 
 def segment() -> SegmentMap:
-    return TouchedSegment.load().chain.segments[0]
+    return TouchedSegment.load().rod.segments[0]
 
 
 def backed() -> BackedSegment:
@@ -81,7 +81,7 @@ CLASSES = {
         lambda: Gripper(Surrogate.load()).targets(control.Object(mass=0.1, friction=0.5, admissible_force=9.0)),
         lambda one: [one.contact_forces],
     ),
-    # Not named there, and handed out: by `Gripper.grips`, and by `rom.segment.inverse_map` to who moves plates himself.
+    # Not named there, and handed out: by `Gripper.grips`, and by `rom.rod.inverse_map` to who moves plates himself.
     "Grip": (
         lambda: Gripper(Surrogate.load()).grips(1.0)[0],
         lambda one: [one.step(0.0).copy() for _ in range(3)] + [one.step(0.3).copy() for _ in range(3)],

@@ -26,9 +26,9 @@ from rom.export.c_header import header
 from rom.export.model import MODEL, struct
 from rom.native import pointer
 from rom.segment import chain
-from rom.segment.inverse_map import InverseMap
-from rom.segment.native import rubber_boxes
-from rom.segment.native.told import sections
+from rom.rod.inverse_map import InverseMap
+from rom.rod.native import rubber_boxes
+from rom.rod.native.told import sections
 
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 1e-300, 255, 65535, 2**31, -(2**31))
 POINTS = 30
@@ -220,13 +220,13 @@ def asked(model: Surrogate | TouchedSegment, random: np.random.Generator) -> Non
 def asked_of_a_map(model: TouchedSegment, points: np.ndarray) -> None:
     model.answers(points, by_object=True)
     model.contact_forces(points[3])
-    first = model.chain.segments[0]
-    sections(model.chain.struct, points[4, :-1], np.zeros((len(model.chain.segments), 6)))
+    first = model.rod.segments[0]
+    sections(model.rod.struct, points[4, :-1], np.zeros((len(model.rod.segments), 6)))
     inputs = np.append(points[4, :-1], np.zeros(6))
     placed = first.place(inputs)
     begins = np.array([[0.0, y, z] for y in (-1, 1) for z in (-1, 1)])
     rubber_boxes(first.struct, inputs, begins, placed.centre, placed.rotation, 24)
-    if len(model.chain.segments) == 1 and first.displacements is not None:
+    if len(model.rod.segments) == 1 and first.displacements is not None:
         model.displacement(points[4])
     inverse = InverseMap(first)
     inverse.find(points[4, :-1], placed.centre + 1e-4, [1.0, 0.0, 0.0, 0.0])

@@ -15,9 +15,9 @@ import rom
 from control import Finger, Gripper, Limits, SimulatedPlant
 from rom import BackedSegment, Chain, Surrogate, TouchedSegment
 from rom.brief import brief
-from rom.segment.objects import box
+from rom.rod.objects import box
 from rom.segment.segment_map import SegmentMap
-from rom.segment.touched_segment import SHIPPED
+from rom.rod.touched_segment import SHIPPED
 
 MANY = (
     "ndarray",
@@ -85,7 +85,7 @@ def test_answers_motions_and_grasps_are_one_line_at_one_point_and_at_many(surrog
     grasp = gripper.grasp(1.0, plants)
     assert line(grasp) and line(grasp.history[-1])
     touched = TouchedSegment.load()
-    assert line(touched.chain.place([30.0, 0.0])) and all(map(line, touched.contact_forces(point)))
+    assert line(touched.rod.place([30.0, 0.0])) and all(map(line, touched.contact_forces(point)))
     assert line(Limits(upper=np.full(8, 20.0)))
 
 

@@ -8,7 +8,7 @@ import pytest
 from rom import BackedSegment, Chain, Plane, Sphere, Surrogate, TouchedSegment
 from rom.export.model import MODEL, struct
 from rom.native import pointer
-from rom.segment.objects import facing_plane
+from rom.rod.objects import facing_plane
 
 TENSIONS = [30.0, 0.0]
 
@@ -20,7 +20,7 @@ def backed() -> BackedSegment:
 
 
 def chain() -> TouchedSegment:
-    one = TouchedSegment.load().chain.segments[0]
+    one = TouchedSegment.load().rod.segments[0]
     return TouchedSegment(segment=Chain([one, one]), obstacle=facing_plane(0.01, (0.0, 0.1)))
 
 

@@ -29,7 +29,7 @@ from rom.file_kinds import (
     kind_of,
     uses_of,
 )
-from rom.segment.touched_segment import SHIPPED
+from rom.rod.touched_segment import SHIPPED
 
 PROGRAMS = {"rom": rom, "control": control}
 # Words of every command that takes a file, by its name in the table; {} is the file, OUT a folder.

@@ -14,7 +14,7 @@ from rom import Chain, SegmentMap, Surrogate, limits
 from rom.checked_file import ModelError
 from rom.native import EVALUATION, SEGMENT, compiler
 from rom.segment import limits as segment_limits
-from rom.segment.touched_segment import SHIPPED
+from rom.rod.touched_segment import SHIPPED
 from tests.rom import fuzzed
 
 ROOT = Path(__file__).resolve().parents[2]

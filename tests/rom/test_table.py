@@ -7,7 +7,7 @@ import pytest
 
 from rom import Surrogate, TouchedSegment
 from rom.segment.segment_map import SegmentMap
-from rom.segment.touched_segment import SHIPPED
+from rom.rod.touched_segment import SHIPPED
 from rom.table import Table, number, parameters, print_tables, quantities, row
 
 

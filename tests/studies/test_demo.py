@@ -80,7 +80,7 @@ def test_the_touch_distance_is_the_rubber_s_where_that_touches_first(report, dem
     scene = load_scene(ROOT / "scenes" / "demo" / "plane.toml").model_dump(exclude_none=True)
     true = FingerModel(Scene(**scene | {"mesh": report["meshes"]["fine"]})).solve(tensions, sensitivities=False)
     answer = model.evaluate([*tensions, 0.02])
-    placed = model.chain.place(tensions, np.zeros((1, 6)))
+    placed = model.rod.place(tensions, np.zeros((1, 6)))
     corners = placed.centres[0] + np.array(list(product(*zip(-HALF, HALF, strict=True)))) @ placed.rotations[0].T
     assert true.touch_distance > corners[:, 1].max() - HALF[1] + 2e-4
     assert model.outputs([[*tensions, 0.02]])[0, 4] == answer.touch_distance

@@ -36,7 +36,7 @@ FLAGS = ("-std=c99", "-O2", "-s", "-fno-math-errno", "-fno-trapping-math", "-fno
 
 def sources() -> str:
     """Hash of all that the page without a model is made from."""
-    folders = "rom/native", "rom/segment/native", "rom/export/native", "control/native", "rom/export/browser"
+    folders = "rom/native", "rom/rod/native", "rom/export/native", "control/native", "rom/export/browser"
     files = [file for folder in folders for file in (ROOT / folder).glob("*.[ch]")]
     files += [*(HERE / "src").iterdir(), *HERE.glob("package*.json"), HERE / "build.py"]
     found = hashlib.sha256()

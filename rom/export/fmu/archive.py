@@ -19,7 +19,7 @@ from rom.export.fmu.numbers import definitions, literal
 from rom.export.fmu.variables import OUTPUTS, Interface, Variable, controller_interface, model_interface
 from rom.export.model import MODEL, errors_of
 from rom.native import FLAGS, compiler
-from rom.segment.touched_segment import TouchedSegment
+from rom.rod.touched_segment import TouchedSegment
 from rom.surrogate import Surrogate
 from rom.whole_file import whole_file
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from rom.brief import brief
 from rom.checked_file import ModelError
-from rom.segment.touched_segment import TouchedSegment
+from rom.rod.touched_segment import TouchedSegment
 from rom.surrogate import Surrogate
 
 INPUTS, OUTPUTS, FLAG, STATUS = 1, 101, 201, 202  # value references, as in native/fmu.h

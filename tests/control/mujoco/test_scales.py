@@ -94,7 +94,7 @@ def test_the_number_of_fingers_does_not_matter(model, count):
     for finger, one in zip(fingers, tensions, strict=True):
         clamp = simulation.data.body(finger.clamp)
         centres = [clamp.xmat.reshape(3, 3).T @ (simulation.data.body(one).xpos - clamp.xpos) for one in finger.plates]
-        np.testing.assert_allclose(centres, finger.chain.place(one).centres, atol=1e-6)
+        np.testing.assert_allclose(centres, finger.rod.place(one).centres, atol=1e-6)
 
 
 def rested(segment, quaternion, wall, friction, count):

@@ -9,7 +9,7 @@ from control.grasp_controller import GraspOptions  # noqa: E402
 from control.motion import Limits  # noqa: E402
 from control.mujoco import Simulation, SimulationStopped, attach, attach_gripper, plants  # noqa: E402
 from rom import Chain, Sphere, TouchedSegment, friction_history  # noqa: E402
-from rom.segment.inverse_map import InverseMap  # noqa: E402
+from rom.rod.inverse_map import InverseMap  # noqa: E402
 
 WALL = 0.010  # [m], the paper's d
 SCENE = """

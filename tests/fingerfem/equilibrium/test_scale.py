@@ -8,9 +8,9 @@ from farm import run
 
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
-from rom.segment.objects import Plane
+from rom.rod.objects import Plane
 from rom.segment.segment_map import SegmentMap
-from rom.segment.touched_segment import TouchedSegment
+from rom.rod.touched_segment import TouchedSegment
 from rom.segment.training.build import train
 from rom.snapshots.snapshot_set import SnapshotSet
 

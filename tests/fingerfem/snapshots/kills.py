@@ -22,7 +22,7 @@ from fingerfem.snapshots import ledger
 from rom import SegmentMap, Surrogate
 from rom.export.c_header import export
 from rom.export.page import write as write_page
-from rom.segment.touched_segment import SHIPPED
+from rom.rod.touched_segment import SHIPPED
 from rom.snapshots.folder import create
 from rom.snapshots.plan import Plan, Round, read_round
 from rom.snapshots.snapshot_set import (

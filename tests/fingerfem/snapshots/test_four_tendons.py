@@ -51,7 +51,7 @@ def model(sets):
 
 
 def test_held_out_states_are_within_the_promise_and_the_estimate(scene, sets, model):
-    segment = TouchedSegment.load(model).chain.segments[0]
+    segment = TouchedSegment.load(model).rod.segments[0]
     found = [build.check(segment, SnapshotSet(sets / seed)) for seed in ("3", "7")]
     assert np.mean([one["covered"] for one in found]) >= 0.93
     assert np.mean([one["contact_force"]["p95"] for one in found]) <= load_scene(scene).expected.error
@@ -63,4 +63,4 @@ def test_a_force_is_held_by_an_answer_that_is_inside(model):
     assert motion.status == "converged"
     answer = touched.evaluate([*motion.tensions, 0.010])
     assert answer.inside and answer.contact_force == pytest.approx(1.0, abs=1e-6)
-    assert touched.chain.skin_error < 0.5e-3  # 2.4 mm where lines were corners: all answers counted as touching rubber
+    assert touched.rod.skin_error < 0.5e-3  # 2.4 mm where lines were corners: all answers counted as touching rubber

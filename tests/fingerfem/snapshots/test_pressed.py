@@ -14,7 +14,7 @@ from fingerfem.scene.scene import SceneError
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.design import HeldOut, describe
 from rom import SegmentMap, TouchedSegment
-from rom.segment.objects import facing_plane
+from rom.rod.objects import facing_plane
 from rom.snapshots.pressed_states import read_pressed_states
 from rom.snapshots.rigid_motion import motions, rotations
 from rom.snapshots.snapshot_set import SnapshotSet, read_task, task_file

@@ -15,9 +15,9 @@ from rom import Surrogate, TouchedSegment
 from rom.export.model import MODEL, struct
 from rom.export.page import write
 from rom.native import pointer
-from rom.segment.chain import Chain
-from rom.segment.native.told import sections
-from rom.segment.objects import facing_plane
+from rom.rod.rod import Chain
+from rom.rod.native.told import sections
+from rom.rod.objects import facing_plane
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="needs selenium (the environment has it)")
 pytestmark = pytest.mark.skipif(shutil.which("chromedriver") is None, reason="needs Chromium and its driver")
@@ -58,7 +58,7 @@ def emulated(driver, method: str, **parameters) -> None:
 
 def two_segments() -> TouchedSegment:
     """The finger that comes along, twice: the second one's tendons pass the first."""
-    one = TouchedSegment.load().chain.segments[0]
+    one = TouchedSegment.load().rod.segments[0]
     return TouchedSegment(segment=Chain([one, one]), obstacle=facing_plane(0.01, (0.0, 0.1)))
 
 
@@ -159,7 +159,7 @@ def test_the_shape_is_python_s(opened, trained, name):
                 assert nearest.max() < 1e-6  # single precision
             continue
         wrenches = model.answers(point).wrenches
-        expected = np.concatenate(sections(model.chain.struct, point[:-1], wrenches))
+        expected = np.concatenate(sections(model.rod.struct, point[:-1], wrenches))
         assert np.abs(found - expected).max() < 1e-9
 
 

@@ -9,7 +9,7 @@ from rom.segment.training import mesh_correction, regression
 from rom.segment.training.contact_error import relative_force_errors
 from rom.segment.training.index_set import index_set
 from rom.segment.training.mirrors import with_images
-from tests.rom.segment import rod
+from tests.rom.rod import kirchhoff as rod
 
 SOFTER = 1.04  # of all loads: what a stiff mesh leaves out
 

@@ -7,7 +7,7 @@ from rom.segment.training.contact_error import relative_force_errors
 from rom.segment.training.index_set import index_set
 from rom.segment.training.mirrors import mirrors, with_images
 from rom.snapshots.rigid_motion import motions, rotations
-from tests.rom.segment import rod
+from tests.rom.rod import kirchhoff as rod
 
 
 def cross(v: np.ndarray) -> np.ndarray:

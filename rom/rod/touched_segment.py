@@ -1,4 +1,4 @@
-"""Segments that an object touches: a model of tensions and the object's distance, as a surrogate is of a plane's."""
+"""A finger that an object touches: a model of tensions and the object's distance, as a surrogate is of a plane's."""
 
 from __future__ import annotations
 
@@ -15,12 +15,11 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.native.answer import Answer
-from rom.segment import native
-from rom.segment.chain import Chain
-from rom.segment.native import SEGMENT, Touched
-from rom.segment.native.told import tells
-from rom.segment.objects import Object, facing_plane
-from rom.segment.segment_map import SegmentMap
+from rom.rod import native
+from rom.rod.native import SEGMENT, Touched
+from rom.rod.native.told import tells
+from rom.rod.objects import Object, facing_plane
+from rom.rod.rod import Rod
 from rom.table import Table, as_html, parameters
 
 QUANTITIES = "tip", "contact_force", "touch_distance"  # of which errors are estimated
@@ -51,47 +50,41 @@ class ContactForce(NamedTuple):
 @brief
 @dataclass(frozen=True, kw_only=True)
 class TouchedSegment(PickledByFields):
-    """A segment or several, and a rigid object without friction that any of their plates may touch.
+    """A finger of one segment or several, and a rigid object without friction that any of its plates may touch.
 
     Attributes:
-        segment: the map, or a chain of maps.
+        rod: the finger.
         obstacle: what touches.
     """
 
-    segment: SegmentMap | Chain
+    rod: Rod
     obstacle: Object
     has_obstacle: bool = field(default=True, init=False)
     has_pad: bool = field(default=False, init=False)
 
     @classmethod
     def load(cls, path: str | Path | None = None) -> TouchedSegment:
-        """Read a map or a chain of maps; it stands before the plane y = side/2 + d, d from 0 to the finger's length.
+        """Read a finger; it stands before the plane y = side/2 + d, d from 0 to the finger's length.
 
         Args:
-            path: the file; None reads the finger that comes along.
+            path: the file; None reads the bundled finger.
 
         Raises:
-            ModelError: no file, neither of these, a damaged one, or one of another format.
+            ModelError: no file, no finger of elements, a damaged one, or one of another format.
 
         Example:
             >>> model = TouchedSegment.load()
             >>> model.evaluate([30.0, 0.0, 0.010]).contact_force
         """
-        segments = Chain.load(path or SHIPPED)
-        geometry = segments.scene["geometry"]
-        segment = segments if len(segments.segments) > 1 else segments.segments[0]
-        return cls(segment=segment, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))
-
-    @cached_property
-    def chain(self) -> Chain:
-        """The segments, one or several."""
-        return self.segment if isinstance(self.segment, Chain) else Chain([self.segment])
+        rod = Rod.load(path or SHIPPED)
+        geometry = rod.scene["geometry"]
+        return cls(rod=rod, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))
 
     @property
     def parameters(self) -> list[dict[str, Any]]:
         """Name, unit, lower and upper of tensions and d."""
         nearest, farthest = self.obstacle.distances
-        return [*self.chain.tension_parameters, {"name": "d", "unit": "m", "lower": nearest, "upper": farthest}]
+        return [*self.rod.parameters, {"name": "d", "unit": "m", "lower": nearest, "upper": farthest}]
 
     @property
     def names(self) -> list[str]:
@@ -107,18 +100,18 @@ class TouchedSegment(PickledByFields):
     @property
     def scene(self) -> dict[str, Any]:
         """The trained scene."""
-        return self.chain.scene
+        return self.rod.scene
 
     def tables(self) -> list[Table | str]:
         """For people: its segments, and where the object may be."""
-        return [*self.chain.tables(), parameters(self.parameters, "with the object")]
+        return [*self.rod.tables(), parameters(self.parameters, "with the object")]
 
     def _repr_html_(self) -> str:
         return as_html(self.tables())
 
     def tip_error(self, way: float) -> float:
         """Estimated error of the free tip [m], the same a way [m] from where it rests."""
-        return self.chain.finer_mesh_factor("tip") * self.chain.place_error
+        return self.rod.finer_mesh_factor("tip") * self.rod.place_error
 
     @cached_property
     def lead(self) -> int:
@@ -132,7 +125,7 @@ class TouchedSegment(PickledByFields):
         """For compiled code, a struct fingerfem_touching."""
         return SEGMENT.struct(
             "fingerfem_touching",
-            chain=self.chain.struct,
+            chain=self.rod.struct,
             object=SEGMENT.struct("fingerfem_object", **self.obstacle.numbers()),
         )
 
@@ -144,7 +137,7 @@ class TouchedSegment(PickledByFields):
     def rubber_gap(self, point: np.ndarray, wrenches: np.ndarray) -> float:
         """The rubber's least distance from the object under wrenches, shape (6 plates,) [m]; infinite if unknown."""
         given = map(native.pointer, (np.array(point, float), np.array(wrenches, float).ravel()))
-        return float(SEGMENT.functions.fingerfem_rubber_gap(self.touching, *given, native.memory_of(self.chain.struct)))
+        return float(SEGMENT.functions.fingerfem_rubber_gap(self.touching, *given, native.memory_of(self.rod.struct)))
 
     @property
     def native(self) -> dict[str, Any]:
@@ -204,9 +197,9 @@ class TouchedSegment(PickledByFields):
 
     def _parts(self, errors: dict[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
         """Estimated errors [m, N, m], taken apart: the surrogate's, and its mesh's if states on a finer one told."""
-        factors = {name: self.chain.finer_mesh_factor(name) for name in errors}
+        factors = {name: self.rod.finer_mesh_factor(name) for name in errors}
         own = {name: error * min(1.0, 1.0 / factors[name]) for name, error in errors.items()}
-        if not any(one.finer_mesh_factors for one in self.chain.segments):
+        if not any(one.finer_mesh_factors for one in self.rod.segments):
             return {"surrogate": own}
         known = {name: np.where(np.isfinite(error), error, 0.0) for name, error in errors.items()}
         return {
@@ -223,13 +216,13 @@ class TouchedSegment(PickledByFields):
         wrench = answer.wrenches.reshape(-1, 6)
         if answer.evaluations[0] < 0 or not wrench.any():
             return []
-        placed = self.chain.place(point[:-1], wrench)
+        placed = self.rod.place(point[:-1], wrench)
         nearest, farthest = self.obstacle.distances
         d = min(float(point[-1]), farthest) if point[-1] > nearest else nearest  # as the solve has it
         near = native.contacts(self.touching, point[:-1], d, placed.centres, placed.rotations)
         closed = near.gaps < CLOSED
         own, p, n = near.plates[closed], near.points[closed], near.normals[closed]
-        units = np.repeat([1.0, self.chain.half_lengths.max()], 3)  # a moment counts by its force at that arm
+        units = np.repeat([1.0, self.rod.half_lengths.max()], 3)  # a moment counts by its force at that arm
         rows = np.zeros((*wrench.shape, len(own)))
         rows[own, :, np.arange(len(own))] = np.hstack([n, np.cross(p, n)]) / units
         sizes = lsq_linear(rows.reshape(wrench.size, -1), (wrench / units).ravel(), (0.0, np.inf), method="bvls").x
@@ -240,30 +233,23 @@ class TouchedSegment(PickledByFields):
             for k in np.flatnonzero(sizes > 1e-6 * sizes.max(initial=0.0))
         ]
 
-    def displacement(self, parameters: ArrayLike) -> np.ndarray:
-        """Of the nodes at one point, shape (p,); shape (nodes, 3) [m].
+    def displacement(self, parameters: ArrayLike, points: ArrayLike | None = None) -> np.ndarray:
+        """Of material points at one point of the parameters, shape (p,); shape (points, 3) [m].
 
-        Raises:
-            ModelError: several segments, or a set that did not store displacements.
+        Args:
+            parameters: tensions [N] and d [m].
+            points: of the finger at rest, shape (points, 3) [m]; by default the long edges' at even cross-sections.
         """
-        return self._only().displacement(self._inputs(parameters))
+        tensions, wrenches = self._loads(parameters)
+        return self.rod.displacement(tensions, wrenches, points)
 
     def shortening(self, parameters: ArrayLike) -> np.ndarray:
-        """How much shorter the tendons have become at one point, shape (p,); shape (t,) [m].
+        """How much shorter the tendons have become at one point, shape (p,); shape (t,) [m]."""
+        return self.rod.shortening(*self._loads(parameters))
 
-        Raises:
-            ModelError: several segments, or a set that did not store it.
-        """
-        return self._only().shortening(self._inputs(parameters))
-
-    def _only(self) -> SegmentMap:
-        if len(self.chain.segments) > 1:
-            raise ModelError("segment must be one map for displacements and shortenings, got several")
-        return self.chain.segments[0]
-
-    def _inputs(self, parameters: ArrayLike) -> np.ndarray:
-        """Tensions, and the wrench in contact."""
-        return np.append(np.asarray(parameters, float)[:-1], self.answers(parameters).wrenches[0])
+    def _loads(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Tensions, and the wrenches on the plates in contact, shapes (t,) [N] and (n, 6) [N, N m]."""
+        return np.asarray(parameters, float)[:-1], self.answers(parameters).wrenches[0].reshape(-1, 6)
 
     def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and derivatives, shape (5, p)."""

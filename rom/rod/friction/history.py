@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from rom.brief import brief
 from rom.checked_file import ModelError
-from rom.segment.friction.contact_law import OPEN, SLIDES
-from rom.segment.friction.increment import Loads, Resting, advance, free
-from rom.segment.objects import Cylinder, Plane, Sphere
-from rom.segment.touched_segment import ContactForce, TouchedSegment
+from rom.rod.friction.contact_law import OPEN, SLIDES
+from rom.rod.friction.increment import Loads, Resting, advance, free
+from rom.rod.objects import Cylinder, Plane, Sphere
+from rom.rod.touched_segment import ContactForce, TouchedSegment
 
 HALVINGS = 8  # of an increment that finds no equilibrium, or one too far away
 SUSPECT, JUMP = 3.0, 30.0  # motion of the plates over what drives it, above which an increment is halved; refused
@@ -110,16 +110,16 @@ def _states(
 def _least(model: TouchedSegment, begun: Loads, goal: Loads) -> int:
     """Increments in which neither the object nor the free plates go farther than a part of what they may pass by."""
     obstacle = model.obstacle
-    thin = np.inf if isinstance(obstacle, Plane) else model.chain.half_lengths.min()
+    thin = np.inf if isinstance(obstacle, Plane) else model.rod.half_lengths.min()
     if isinstance(obstacle, Sphere | Cylinder):
-        thin = min(obstacle.radius, model.chain.half_lengths.max())
+        thin = min(obstacle.radius, model.rod.half_lengths.max())
     return int(np.ceil(2 * _pushed(model, begun, goal) / thin))
 
 
 def _pushed(model: TouchedSegment, begun: Loads, goal: Loads) -> float:
     """How far the object moves and, by the tensions alone, the plates [m]."""
     object_way = goal.moved - begun.moved + (goal.d - begun.d) * model.direction
-    one, other = (model.chain.place(loads.tensions).centres for loads in (begun, goal))
+    one, other = (model.rod.place(loads.tensions).centres for loads in (begun, goal))
     return float(np.linalg.norm(object_way) + np.linalg.norm(other - one, axis=1).max())
 
 
@@ -164,7 +164,7 @@ def _report(model: TouchedSegment, state: Resting | None, dissipated: float, kno
     force = np.sum([one.force for one in found], axis=0) if found else np.zeros(3)
     return FrictionState(
         status="converged" if known and _is_known(model, state) else "out_of_domain",
-        tip=placed.centres[-1] - model.chain.rest,
+        tip=placed.centres[-1] - model.rod.rest,
         force=force,
         contact_force=float(-force @ model.direction),
         contacts=found,
@@ -178,5 +178,5 @@ def _is_known(model: TouchedSegment, state: Resting) -> bool:
     there = replace(model, obstacle=replace(model.obstacle, centre=tuple(model.obstacle.centre + state.loads.moved)))
     gap = there.rubber_gap(point, state.wrenches)
     return bool(state.placed.inside and (point >= lower).all() and (point <= upper).all()) and not (
-        gap < model.chain.skin_error
+        gap < model.rod.skin_error
     )

@@ -9,11 +9,11 @@ import numpy as np
 
 from rom.checked_file import require
 from rom.fit.chebyshev import Polynomial
-from rom.segment.wrench_products import padded
+from rom.rod.wrench_products import padded
 
 if TYPE_CHECKING:
-    from rom.segment.native import Segment
-    from rom.segment.segment_map import SegmentMap
+    from rom.rod.native import Segment
+    from rom.rod.rod import Rod
 
 MOST_TENSIONS, MOST_POWER, MOST_ELEMENTS = 8, 31, 64  # as in native/segment.h
 MOST_PRODUCTS = 1 << 20  # of a polynomial: with these, places in memory are counted in 32 bits
@@ -23,7 +23,7 @@ TWICE = 2.0  # largest ratio of a fitted quaternion's length to 1, or of 1 to it
 STATIONS = 2  # of the rubber's edges, at least: a tangent needs two
 
 
-def check_sizes(segment: SegmentMap) -> None:
+def check_sizes(segment: Rod) -> None:
     """Refuse a map, also one that is being trained, beyond what compiled code holds.
 
     Raises:
@@ -65,7 +65,7 @@ def _alike(name: str, one: list[np.ndarray], other: list[np.ndarray]) -> None:
     require(bool(np.array_equal(one, other)), f"{name} must have one box", [*map(np.ndarray.tolist, one)])
 
 
-def check(segment: SegmentMap) -> None:
+def check(segment: Rod) -> None:
     """Refuse a map that compiled code cannot read.
 
     Raises:
@@ -89,7 +89,7 @@ def check(segment: SegmentMap) -> None:
     require(all(0 < one < np.inf for one in factors.values()), "finer_mesh_factors must be finite and above 0", factors)
 
 
-def _surface(segment: SegmentMap | Segment, t: int) -> None:
+def _surface(segment: Rod | Segment, t: int) -> None:
     """The plate's corners and the rubber's edges."""
     if segment.corners is not None:
         _polynomial("corner_powers", segment.corners, t, CORNERS)
@@ -112,7 +112,7 @@ def _ends(polynomial: Polynomial, t: int) -> None:
     require(even, "box must be as wide to both sides of no wrench", [lower[t:].tolist(), upper[t:].tolist()])
 
 
-def _box(segment: SegmentMap, t: int) -> None:
+def _box(segment: Rod, t: int) -> None:
     lower, upper = segment.pose.lower, segment.pose.upper
     _ends(segment.pose, t)
     ends = np.array([[float(one["lower"]), float(one["upper"])] for one in segment.parameters]).T
@@ -161,7 +161,7 @@ def _poses(pose: Polynomial, t: int) -> None:
     require(known, f"quaternions must have lengths from {1 / TWICE} to {TWICE}", lengths.tolist())
 
 
-def _field(segment: SegmentMap, t: int) -> None:
+def _field(segment: Rod, t: int) -> None:
     field = segment.displacements
     if field is None:
         return
@@ -175,7 +175,7 @@ def _field(segment: SegmentMap, t: int) -> None:
         require(bool(np.isfinite(values).all()), f"{name} must be finite", "others")
 
 
-def _scene(segment: SegmentMap, t: int) -> None:
+def _scene(segment: Rod, t: int) -> None:
     geometry, tendons = segment.scene["geometry"], segment.scene["tendons"]
     lengths = [geometry["side"], geometry["plate"], *geometry["segments"]]
     positive = len(lengths) > 2 and all(isinstance(one, (int, float)) and 0 < one < np.inf for one in lengths)

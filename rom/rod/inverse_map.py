@@ -1,4 +1,4 @@
-"""The map of a segment read backwards: where the plate is -> the wrench it bears, for whoever moves plates himself."""
+"""A segment read backwards: where the plate is -> the wrench it bears, for whoever moves plates himself."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.brief import brief
-from rom.segment.native import SEGMENT, memory_of, pointer
-from rom.segment.segment_map import SegmentMap
+from rom.rod.native import SEGMENT, memory_of, pointer
+from rom.rod.segment import Segment
 
 
 @brief
@@ -28,15 +28,15 @@ class InverseMap:
         converged: whether the map has such a pose; if not, the wrench is that of the nearest pose that was found.
 
     Args:
-        segment: the map.
+        segment: the segment.
 
     Example:
-        >>> inverse = InverseMap(SegmentMap.load("finger.h5"))
+        >>> inverse = InverseMap(Rod.load("finger.h5").segments[0])
         >>> inverse.find([20.0, 0.0], [0.047, 0.012, 0.0], [0.97, 0.0, 0.0, 0.24])
         >>> inverse.wrench
     """
 
-    segment: SegmentMap
+    segment: Segment
 
     def __post_init__(self) -> None:
         self.wrench, self.stiffness = np.zeros(6), np.zeros((6, 6))

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from rom.brief import brief
-from rom.segment.touched_segment import TouchedSegment
+from rom.rod.touched_segment import TouchedSegment
 
 FORCE, TOUCH = 3, 4  # rows of an answer
 STEP = 1e-3  # by which places are scaled in the search [m]
@@ -105,7 +105,7 @@ def find_object(
     if not np.isfinite(points).all():
         raise ValueError(f"distances must be finite, got {distances!r}")
     guess = np.asarray(model.obstacle.centre, float)
-    share = model.chain.finer_mesh_factor("contact_force") * model.chain.force_error
+    share = model.rod.finer_mesh_factor("contact_force") * model.rod.force_error
 
     def moved(way: np.ndarray) -> TouchedSegment:
         return replace(model, obstacle=replace(model.obstacle, centre=tuple(guess + STEP * way)))

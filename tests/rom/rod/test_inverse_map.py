@@ -3,7 +3,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom import TouchedSegment
-from rom.segment.inverse_map import InverseMap
+from rom.rod.inverse_map import InverseMap
 
 
 @pytest.fixture(scope="module")

@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 
 from control import Finger
 from rom.checked_file import ModelError
-from rom.segment.chain import Chain
-from rom.segment.objects import Object, Plane, Sphere, box, facing_plane
-from rom.segment.touched_segment import TouchedSegment
-from tests.rom.segment import rod
+from rom.rod.rod import Chain
+from rom.rod.objects import Object, Plane, Sphere, box, facing_plane
+from rom.rod.touched_segment import TouchedSegment
+from tests.rom.rod import kirchhoff as rod
 
 TENSIONS = np.array([6.0, 3.0])
 WRENCHES = np.array([[0.1, -0.2, 0.15, 2e-4, -3e-4, 2e-4], [-0.1, 0.12, 0.05, 3e-4, 1e-4, -2e-4]])

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from rom.brief import brief
-from rom.segment import native
-from rom.segment.chain import ChainPlaced
-from rom.segment.friction.contact_law import OPEN, SLIDES, Law, law
-from rom.segment.touched_segment import TouchedSegment
+from rom.rod import native
+from rom.rod.friction.contact_law import OPEN, SLIDES, Law, law
+from rom.rod.rod import Plates
+from rom.rod.touched_segment import TouchedSegment
 
 TOLERANCE = 1e-9  # of the largest residual [N]
 ITERATIONS = 25
@@ -57,7 +57,7 @@ class Resting:
     """
 
     loads: Loads
-    placed: ChainPlaced
+    placed: Plates
     wrenches: np.ndarray
     contacts: native.Contacts
     forces: np.ndarray
@@ -73,7 +73,7 @@ class Resting:
 class _At(NamedTuple):
     """What the equations are made of at some wrenches; directions n, t1, t2 of every contact, shape (m, 3, 3)."""
 
-    placed: ChainPlaced
+    placed: Plates
     contacts: native.Contacts
     axes: np.ndarray
     motions: np.ndarray  # (g, s), shape (m, 3) [m]
@@ -82,8 +82,8 @@ class _At(NamedTuple):
 
 def free(model: TouchedSegment, loads: Loads) -> Resting:
     """The plates without an object, which then is where the loads have it."""
-    nothing = np.zeros((len(model.chain.segments), 6))
-    placed = model.chain.place(loads.tensions, nothing)
+    nothing = np.zeros((len(model.rod.segments), 6))
+    placed = model.rod.place(loads.tensions, nothing)
     contacts = _contacts(model, loads, placed)
     m = len(contacts.gaps)
     return Resting(
@@ -97,7 +97,7 @@ def free(model: TouchedSegment, loads: Loads) -> Resting:
     )
 
 
-def _contacts(model: TouchedSegment, loads: Loads, placed: ChainPlaced) -> native.Contacts:
+def _contacts(model: TouchedSegment, loads: Loads, placed: Plates) -> native.Contacts:
     return native.contacts(model.touching, loads.tensions, loads.d, placed.centres - loads.moved, placed.rotations)
 
 
@@ -122,7 +122,7 @@ def _solve(model: TouchedSegment, last: Resting, loads: Loads, friction: float, 
     at = _at(model, last, loads, wrenches)
     forces = _forces(at.contacts, begun.by_label)
     # A moment counts by the force that half a plate's length away makes it.
-    scale = np.tile([1.0] * 3 + [1 / model.chain.half_lengths.max()] * 3, len(wrenches))
+    scale = np.tile([1.0] * 3 + [1 / model.rod.half_lengths.max()] * 3, len(wrenches))
     for _ in range(ITERATIONS):
         found = _law(at, forces, last.by_label, friction)
         balance = (wrenches - _wrenches(at.contacts, forces, wrenches.shape)).ravel()
@@ -152,7 +152,7 @@ def _solve(model: TouchedSegment, last: Resting, loads: Loads, friction: float, 
 
 
 def _at(model: TouchedSegment, last: Resting, loads: Loads, wrenches: np.ndarray) -> _At:
-    placed = model.chain.place(loads.tensions, wrenches)
+    placed = model.rod.place(loads.tensions, wrenches)
     contacts = _contacts(model, loads, placed)
     own, p, n = contacts.plates, contacts.points, contacts.normals
     axes = np.stack([n, *_across(n)], axis=1)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.rom.segment import rod
+from tests.rom.rod import kirchhoff as rod
 
 
 @pytest.fixture(scope="session")

@@ -8,9 +8,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment, box
-from rom.segment import native
-from rom.segment.objects import Object
-from tests.rom.segment import rod
+from rom.rod import native
+from rom.rod.objects import Object
+from tests.rom.rod import kirchhoff as rod
 
 TOUCHED = 1e-11  # [m]
 FINEST = 1e-9  # of a path's length, between two poses whose normals are compared [-]
@@ -44,7 +44,7 @@ class Path:
     """
 
     def __init__(self, model: TouchedSegment, random: np.random.Generator, turns: float):
-        self._model, self._tensions = model, np.full(model.chain.segments[0].tensions, 5.0)
+        self._model, self._tensions = model, np.full(model.rod.segments[0].tensions, 5.0)
         self._back, across, self._axis = (one / np.linalg.norm(one) for one in random.standard_normal((3, 3)))
         self._along = np.cross(self._back, across) / np.linalg.norm(np.cross(self._back, across))
         self._turns, self.names = turns, set[int]()
@@ -105,7 +105,7 @@ def test_no_normal_flips_along_a_face_or_an_edge_or_past_a_corner(segment, shape
 @pytest.mark.parametrize("shape", ["cylinder", "box"])
 def test_where_tensions_bend_the_plate_a_normal_turns_by_no_more_than_the_bend_over_the_rounding(shape):
     """The bent plate is a box that stands off by how far the touching point is off, some micrometres."""
-    bundled = replace(TouchedSegment.load().chain.segments[0], displacements=None)
+    bundled = replace(TouchedSegment.load().rod.segments[0], displacements=None)
     found, _ = jumps(bundled, shape, 4)
     off = np.abs(bundled.corners.value(np.array([[5.0, 5.0, *np.zeros(6)]]))).max()
     assert off < 1e-5 and max(found) < 2 * off / 1e-4

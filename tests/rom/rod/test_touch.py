@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 from control import Finger
 from rom import Cylinder, Hull, Plane, SegmentMap, Sphere, TouchedSegment, box
 from rom.fit.chebyshev import total_degree
-from rom.segment import native
-from rom.segment.objects import facing_plane
-from tests.rom.segment import rod
+from rom.rod import native
+from rom.rod.objects import facing_plane
+from tests.rom.rod import kirchhoff as rod
 
 HALF = np.array([rod.PLATE, rod.SIDE, rod.SIDE]) / 2
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * HALF

@@ -7,8 +7,8 @@ import pytest
 
 from rom import SegmentMap, Surrogate
 from rom.checked_file import ModelError
-from rom.segment import native
-from tests.rom.segment import rod
+from rom.rod import native
+from tests.rom.rod import kirchhoff as rod
 
 
 def compiled(segment: SegmentMap, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:

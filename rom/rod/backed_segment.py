@@ -17,8 +17,8 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.native.answer import Answer
-from rom.segment.objects import Plane, facing_plane
-from rom.segment.touched_segment import QUANTITIES, TouchedSegment
+from rom.rod.objects import Plane, facing_plane
+from rom.rod.touched_segment import QUANTITIES, TouchedSegment
 
 if TYPE_CHECKING:  # segments are below the surrogate, which is only asked
     from rom.surrogate import Surrogate

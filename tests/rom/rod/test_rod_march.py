@@ -11,9 +11,9 @@ from rom.checked_file import ModelError
 from rom.fit.chebyshev import total_degree
 from rom.native import SEGMENT
 from rom.elements.march import march
-from rom.segment import limits, native
-from rom.segment.inverse_map import InverseMap
-from rom.segment.objects import Plane
+from rom.rod import limits, native
+from rom.rod.inverse_map import InverseMap
+from rom.rod.objects import Plane
 from tests.rom.elements import laws
 
 HALF = np.array([0.0005, laws.SIDE / 2, laws.SIDE / 2])

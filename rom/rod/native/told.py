@@ -8,7 +8,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.native import SEGMENT
-from rom.segment.native import ENDS, memory_of, pointer
+from rom.rod.native import ENDS, memory_of, pointer
 
 
 @brief

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rom import Sphere, TouchedSegment, find_object
-from rom.segment.objects import facing_plane
-from tests.rom.segment import rod
+from rom.rod.objects import facing_plane
+from tests.rom.rod import kirchhoff as rod
 
 # Which bend the finger so far to the side that the ball meets its plate's front edge, its face and its sides.
 TENSIONS = np.array([[8, 0], [12, 2], [10, 6], [16, 1], [14, 8], [15, 4], [12, 10], [8, 8]], float)

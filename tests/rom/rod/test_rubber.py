@@ -10,7 +10,7 @@ from control import Finger
 from rom import Chain, Cylinder, Hull, Plane, Sphere, TouchedSegment
 from rom.export.model import MODEL, struct
 from rom.native import pointer
-from tests.rom.segment import rod
+from tests.rom.rod import kirchhoff as rod
 
 POINTS = 4000
 STEP = 1e-4  # [N]
@@ -18,7 +18,7 @@ STEP = 1e-4  # [N]
 
 def plates_alone(model: TouchedSegment) -> TouchedSegment:
     """The same whose rubber touches nothing."""
-    return replace(model, segment=Chain([replace(one, skin=None) for one in model.chain.segments]))
+    return replace(model, segment=Chain([replace(one, skin=None) for one in model.rod.segments]))
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,8 @@ import numpy as np
 from rom.brief import brief
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
-from rom.segment import limits
-from rom.segment.native.arrangement import between, by_degree, free_numbers, law, tension_monomials
+from rom.rod import limits
+from rom.rod.native.arrangement import between, by_degree, free_numbers, law, tension_monomials
 
 EDGES, MOST_CONTACTS, SKIN_ROW, CORNERS = 4, 12, 32, 24  # as in segment.h
 ENDS = 11  # sections of a segment's surface besides its places, likewise

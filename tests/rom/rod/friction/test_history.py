@@ -8,9 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from rom import Chain, Sphere, TouchedSegment, friction_history
 from rom.checked_file import ModelError
-from rom.segment.objects import facing_plane
-from tests.rom.segment import rod
-from tests.rom.segment.test_touch import touched
+from rom.rod.objects import facing_plane
+from tests.rom.rod import kirchhoff as rod
+from tests.rom.rod.test_touch import touched
 
 TENSIONS = (10.0, 2.0)
 SHAPES = ["plane", "sphere", "cylinder", "hull"]
@@ -102,7 +102,7 @@ def test_a_wrench_with_friction_is_one_that_the_rod_bears_there(plane):
         force = sum((turned.T @ one.force for one in state.contacts), np.zeros(3))
         moment = sum((turned.T @ np.cross(one.place - centre, one.force) for one in state.contacts), np.zeros(3))
         pose = rod.poses(np.array([*TENSIONS, *force, *moment])[None])[0]
-    assert centre - plane.chain.rest == pytest.approx(state.tip, abs=2e-5)
+    assert centre - plane.rod.rest == pytest.approx(state.tip, abs=2e-5)
 
 
 def test_finer_increments_change_less_and_less(plane):

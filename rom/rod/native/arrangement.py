@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rom.fit.chebyshev import Polynomial
-from rom.segment.wrench_products import padded
+from rom.rod.wrench_products import padded
 
 BLOCK, POSE = 4, 8  # as in segment.h
 BETWEEN, NEAREST = 8, 4  # cross-sections between two stations of the rubber's edges; stations that interpolate one

@@ -1,0 +1,124 @@
+"""A segment of a finger: elements in series from its plate to its clamp, and the plate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rom.brief import brief
+from rom.checked_file import ModelError
+from rom.elements.elements import Elements
+from rom.elements.law import POSE
+from rom.elements.pieces import Piece
+from rom.fit.chebyshev import Polynomial
+from rom.native import PickledByFields
+from rom.rod import native
+
+
+@brief
+@dataclass(frozen=True, kw_only=True)
+class Segment(PickledByFields):
+    """One segment of a finger, condensed to its plate when it is asked for.
+
+    Attributes:
+        elements: laws by the segment's tensions and the wrench that each transmits, from the plate to the clamp: pose,
+            then shortenings of the trained tendons. Elements that share a law are one object.
+        names: of its tensions.
+        trained: which trained tendon each of these is.
+        half_lengths: of the plate along its own axes, shape (3,) [m].
+        length: from the clamp to the plate's centre at rest [m].
+    """
+
+    elements: Sequence[Polynomial]
+    names: Sequence[str]
+    trained: Sequence[int]
+    half_lengths: np.ndarray
+    length: float
+
+    @property
+    def tensions(self) -> int:
+        """Number of tensions."""
+        return len(self.names)
+
+    @property
+    def rest(self) -> np.ndarray:
+        """The plate's centre in the undeformed segment, seen from the clamp, shape (3,) [m]."""
+        return np.array([self.length, 0.0, 0.0])
+
+    @cached_property
+    def struct(self) -> Any:
+        """For compiled code, a struct fingerfem_segment.
+
+        Raises:
+            ModelError: a segment beyond what compiled code holds.
+        """
+        poses = {id(one): replace(one, coefficients=one.coefficients[:, :POSE]) for one in self.elements}
+        return native.struct(
+            native.Segment(elements=[poses[id(one)] for one in self.elements], half_lengths=self.half_lengths)
+        )
+
+    def place(self, inputs: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
+        """The plate at tensions and the wrench on it, shape (t + 6,) [N, N m], seen from the clamp.
+
+        Beyond their box elements go on linearly by their wrench, and stay by the tensions.
+
+        Returns:
+            centre, shape (3,) [m]; rotation, shape (3, 3) [-]; motion R^T dc, R^T dtheta by the inputs, shape
+            (6, t + 6) [m, rad]; and whether the inputs of all elements lie in their boxes.
+
+        Raises:
+            ModelError: the wrong number of inputs.
+        """
+        given = np.asarray(inputs, float)
+        if given.shape != (self.tensions + 6,):
+            raise ModelError(f"inputs must be {', '.join(self.names)} and a wrench, got shape {given.shape}")
+        return native.place(self.struct, given)
+
+
+def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str], trained: Sequence[int]) -> Segment:
+    """The segment of some elements.
+
+    Args:
+        elements: at their size and modulus.
+        pieces: kinds and lengths, from the plate to the clamp.
+        names: of the tensions that pass the segment.
+        trained: which of the elements' tendons each of these is.
+    """
+    laws = {one: only(elements.laws[one.kind].of_length(one.length), trained) for one in set(pieces)}
+    geometry, size = elements.scene["geometry"], elements.size
+    half = size * np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
+    return Segment(
+        elements=[laws[one] for one in pieces],
+        names=names,
+        trained=trained,
+        half_lengths=half,
+        length=sum(one.length for one in pieces),
+    )
+
+
+def only(law: Polynomial, tensions: Sequence[int]) -> Polynomial:
+    """A law by some of its tensions, shape (t,), where the others are 0 N.
+
+    Raises:
+        ModelError: a tension that is left out was never 0 N in the training.
+    """
+    count = len(law.lower) - 6
+    others = [k for k in range(count) if k not in tensions]
+    if not others and list(tensions) == list(range(count)):
+        return law
+    shares = np.ones(len(law.powers))
+    for k in others:
+        if not law.lower[k] <= 0 <= law.upper[k]:
+            raise ModelError(f"tension {k + 1} must have been trained from 0 N to be left out, got {law.lower[k]:g} N")
+        at = -1 - 2 * law.lower[k] / (law.upper[k] - law.lower[k])
+        shares *= np.cos(law.powers[:, k] * np.arccos(at))
+    kept = [*tensions, *range(count, count + 6)]
+    powers, which = np.unique(law.powers[:, kept], axis=0, return_inverse=True)
+    coefficients = np.zeros((len(powers), law.coefficients.shape[1]))
+    np.add.at(coefficients, which.ravel(), shares[:, None] * law.coefficients)
+    return Polynomial(lower=law.lower[kept], upper=law.upper[kept], powers=powers, coefficients=coefficients)
