@@ -199,7 +199,7 @@ class TouchedSegment(PickledByFields):
         """Estimated errors [m, N, m], taken apart: the surrogate's, and its mesh's if states on a finer one told."""
         factors = {name: self.rod.finer_mesh_factor(name) for name in errors}
         own = {name: error * min(1.0, 1.0 / factors[name]) for name, error in errors.items()}
-        if not any(one.finer_mesh_factors for one in self.rod.segments):
+        if not self.rod.finer_mesh_factors:
             return {"surrogate": own}
         known = {name: np.where(np.isfinite(error), error, 0.0) for name, error in errors.items()}
         return {
