@@ -38,15 +38,15 @@ ContactForce = Annotated[float, typer.Option(help="To hold [N], above 0.")]
 
 
 def model_of(file: Path | None, behind: Path | None = None) -> Model:
-    """The model of a file, or the one that comes along; segments' maps stand before the plane y = side/2 + d.
+    """The model of a file, or the one that comes along; fingers of elements stand before the plane y = side/2 + d.
 
     Args:
         file: the model's.
-        behind: of a surrogate, which is asked where a segment's map knows nothing.
+        behind: of a surrogate, which is asked where a finger of elements has no answer.
     """
-    if file is not None and kind_of(file) not in rod.KINDS:
+    if file is not None and kind_of(file) != rod.KIND:
         if behind is not None:
-            raise ValueError(f"{file}: must be a segment map or a chain before --behind{uses_of(file)}")
+            raise ValueError(f"{file}: must be a finger of elements before --behind{uses_of(file)}")
         return Surrogate.load(file)
     touched = TouchedSegment.load(file)
     return touched if behind is None else BackedSegment(touched=touched, surrogate=Surrogate.load(behind))

@@ -82,7 +82,7 @@ def load(file: Path) -> Surrogate | TouchedSegment:
     Raises:
         ModelError: no file, or none of these.
     """
-    if kind_of(file) not in rod.KINDS:
+    if kind_of(file) != rod.KIND:
         return Surrogate.load(file)
     return TouchedSegment.load(file)
 

@@ -1,4 +1,4 @@
-"""python3 -m rom build | elements | assemble | chain | check | info | export | page."""
+"""python3 -m rom build | assemble | check | info | export | page."""
 
 from __future__ import annotations
 
@@ -19,12 +19,9 @@ from rom.file_kinds import uses_of
 from rom.rod import rod
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
-from rom.segment import chain, segment_map
-from rom.rod.rod import Chain
-from rom.segment.segment_map import SegmentMap
 from rom.snapshots.description import difference
 from rom.snapshots.snapshot_set import SnapshotSet
-from rom.summaries import chain_summary, origin, rod_summary, segment_summary, summary
+from rom.summaries import origin, rod_summary, summary
 from rom.surrogate import Surrogate
 from rom.table import percent
 from rom.terminal import log_lines, say, steps
@@ -46,7 +43,7 @@ def build(
     ] = None,
     terms: Annotated[
         int | None,
-        typer.Option(min=1, max=10_000, help="Most products of one form, 100; of a segment's map, 2500."),
+        typer.Option(min=1, max=10_000, help="Most products of one separated form, 100."),
     ] = None,
     held_out: Annotated[
         Path | None,
@@ -59,30 +56,28 @@ def build(
         Path | None,
         typer.Option(metavar="FINER/", help="Held-out states on a finer mesh: estimated errors then count the mesh's."),
     ] = None,
-    fields: Annotated[
-        bool, typer.Option("--fields/--no-fields", help="Keep displacements in a map's file: most of its size.")
-    ] = True,
     force: Annotated[
         bool, typer.Option("--force", help="Write a model that expects errors above 100 %, or lacks its coarse set.")
     ] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Separate a snapshot set and write the model file; of a scene with a load, fit the map of its segment."""
+    """Separate a snapshot set and write the model file; of a scene with a load, train rod elements and its finger."""
     log_lines()
     check_folder(output)
     snapshots = SnapshotSet(folder)
+    if snapshots.description.has_load:
+        for name, value in (("tolerance", tolerance), ("terms", terms), ("coarse", coarse)):
+            if value is not None:
+                raise ValueError(f"{name} must be left out for a set of a scene with a load, got {value}")
+        finger = build_rod(snapshots, held_out, finer)
+        check_expected(finger.expected_error, output, force)
+        finger.save(output)
+        show(rod_summary(finger), finger.tables(), as_json)
     if not force and coarse is None and snapshots.description.scene.get("coarse"):
         raise ValueError(
             f"coarse must be given, as the scene of {folder} names a coarse mesh, got none: solve its states by "
             "fingerfem snapshots --coarse, then rom build --coarse SET/; --force builds without them"
         )
-    if snapshots.description.has_load:
-        if tolerance is not None:
-            raise ValueError("tolerance must be left out for a set of a scene with a load, got one")
-        segment = build_segment(snapshots, terms, held_out, coarse, finer)
-        check_expected(segment.expected_error, output, force)
-        (segment if fields else segment.without_displacements()).save(output)
-        show(segment_summary(segment), segment.tables(), as_json)
     from rom.build import train
     from rom.error_model import calibrated, covering_training, expected_error, with_mesh_error
     from rom.held_out import accuracy, check, check_against, check_finer
@@ -138,71 +133,37 @@ def held_out_of(training: SnapshotSet, folder: Path) -> SnapshotSet:
     return found
 
 
-def build_segment(
-    snapshots: SnapshotSet, terms: int | None, held_out: Path | None, coarse: Path | None, finer: Path | None
-) -> SegmentMap:
-    """The map of a set of pressed states, measured on held-out ones, or on those of the plane, if there are any."""
-    from rom.error_model import map_with_mesh_error
+def build_rod(snapshots: SnapshotSet, held_out: Path | None, finer: Path | None) -> Rod:
+    """The finger of a set of pressed states, measured on held-out ones, or on those of the plane, if there are any."""
+    from rom.elements.section_states import read_section_states
+    from rom.elements.training import train
+    from rom.error_model import rod_with_mesh_error
     from rom.held_out import check_finer
-    from rom.segment.training import build
 
-    states, others, told = (None if folder is None else SnapshotSet(folder) for folder in (held_out, coarse, finer))
-    if told is not None:
-        check_finer(snapshots.description.scene, told)
+    if snapshots.description.random:
+        raise ValueError(f"{snapshots.path}: must be a training set{uses_of(snapshots.path)}")
+    states, others = (None if folder is None else SnapshotSet(folder) for folder in (held_out, finer))
+    if others is not None:
+        check_finer(snapshots.description.scene, others)
+    sections = read_section_states(snapshots)
     with steps() as progress:
-        segment = build.train(snapshots, terms or build.TERMS, others, progress=progress)
-    if told is not None:
-        segment = map_with_mesh_error(segment, told)
-    return segment if states is None else segment.with_accuracy(check_segment(segment, states))
+        found = train(sections, origin(snapshots), progress)
+    finger = Rod(elements=found, scene=sections.scene)
+    if others is not None:
+        finger = rod_with_mesh_error(finger, others)
+    return finger if states is None else finger.with_accuracy(check_rod(finger, states))
 
 
-def check_segment(segment: SegmentMap, held_out: SnapshotSet) -> dict:
-    """What a map errs by in held-out states: pressed ones of its own mesh, or those of the plane, of any mesh."""
+def check_rod(finger: Rod, held_out: SnapshotSet) -> dict:
+    """Errors of a finger in held-out states: pressed ones, or those before the plane, of any mesh."""
     if held_out.description.has_load:
-        from rom.segment.training import build
+        from rom.rod.check import check_pressed
 
-        return build.check(segment, held_out)
+        return check_pressed(finger, held_out)
     from rom.held_out import check_plane
 
     with steps() as progress:
-        return check_plane(segment, held_out, progress)
-
-
-@app.command("chain")
-def chain_models(
-    models: Annotated[list[Path], typer.Argument(metavar="BASE.h5 ... TIP.h5", help="Maps, from clamp to tip.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FINGER.h5")],
-    as_json: AsJson = False,
-) -> None:
-    """Put the maps of segments one after another into one model: the next one's clamp is the plate of the one before.
-
-    A tendon that ends at a later plate is one of every segment before, by its name and with its tensions.
-    """
-    check_folder(output)
-    made = Chain([SegmentMap.load(model) for model in models])
-    made.save(output)
-    show(chain_summary(made), made.tables(), as_json)
-
-
-@app.command()
-def elements(
-    folder: Annotated[Path, typer.Argument(metavar="SET/", help="A training set of a scene with a load.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FINGER.h5")],
-    as_json: AsJson = False,
-) -> None:
-    """Train rod elements on a set, and write the set's own finger, of which others are assembled."""
-    from rom.elements.section_states import read_section_states
-    from rom.elements.training import train
-
-    log_lines()
-    check_folder(output)
-    snapshots = SnapshotSet(folder)
-    states = read_section_states(snapshots)
-    with steps() as progress:
-        found = train(states, origin(snapshots), progress)
-    finger = Rod(elements=found, scene=states.scene)
-    finger.save(output)
-    show(rod_summary(finger), finger.tables(), as_json)
+        return check_plane(finger, held_out, progress)
 
 
 @app.command()
@@ -236,10 +197,10 @@ def check_model(
     """Compare a model with full-order states: held-out ones, or those that it was trained on."""
     if held_out is None and against is None:
         raise ValueError("SET/ or --against FINER/ must be given, got neither")
-    if kind_of(model) == segment_map.KIND:
+    if kind_of(model) == rod.KIND:
         if held_out is None or against is not None:
-            raise ValueError("against must be left out for a segment's map: SET/ may be of any mesh")
-        found = check_segment(SegmentMap.load(model), SnapshotSet(held_out))
+            raise ValueError("against must be left out for a finger of elements: SET/ may be of any mesh")
+        found = check_rod(Rod.load(model), SnapshotSet(held_out))
         show(found, check_parts(found), as_json)
     from rom.held_out import check, check_against
 
@@ -257,9 +218,6 @@ def info(model: ModelFile, as_json: AsJson = False) -> None:
     if kind_of(model) == rod.KIND:
         finger = Rod.load(model)
         show(rod_summary(finger), finger.tables(), as_json)
-    if kind_of(model) in chain.KINDS:
-        segments = Chain.load(model)
-        show(chain_summary(segments), segments.tables(), as_json)
     known = Surrogate.load(model)
     show(summary(known), known.tables(), as_json)
 
@@ -293,10 +251,10 @@ def export_model(
         return
     from rom.export.fmu import write
 
-    if kind_of(model) not in chain.KINDS:
+    if kind_of(model) != rod.KIND:
         write(Surrogate.load(model, tolerance=tolerance), output, fmi, controller)
     elif tolerance:
-        raise ValueError(f"tolerance must be left out for a segment's map, got {tolerance:g}")
+        raise ValueError(f"tolerance must be left out for a finger of elements, got {tolerance:g}")
     else:
         write(TouchedSegment.load(model), output, fmi, controller)
     say(f"{output}: FMI {fmi}.0 for co-simulation, {output.stat().st_size / 1e6:.1f} MB")
@@ -314,9 +272,9 @@ def page(
     from rom.export.page import write
 
     check_folder(output)
-    if kind_of(model) in chain.KINDS:
+    if kind_of(model) == rod.KIND:
         if tolerance:
-            raise ValueError(f"tolerance must be left out for a segment's map, got {tolerance:g}")
+            raise ValueError(f"tolerance must be left out for a finger of elements, got {tolerance:g}")
         write(TouchedSegment.load(model), output)
     else:
         write(Surrogate.load(model, tolerance=tolerance), output)

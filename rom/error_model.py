@@ -188,28 +188,26 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
     )
 
 
-def map_with_mesh_error(segment: Rod, finer: SnapshotSet) -> Rod:
-    """A segment's map whose estimated errors are scaled to what held-out states on a finer mesh show.
+def rod_with_mesh_error(rod: Rod, finer: SnapshotSet) -> Rod:
+    """A finger of elements whose estimated errors are scaled to what held-out states on a finer mesh show.
 
     They stand before the plane y = side/2 + d. Every estimate times a factor is the conformal quantile: the guarantee
     and its limits are those of `with_mesh_error`.
 
     Raises:
-        SnapshotError: not such states of the map's finger on a finer mesh, or too few that touch.
+        SnapshotError: not such states of the finger on a finer mesh, or too few that touch.
     """
-    model = before_plane(segment, finer)
-    check_finer(segment.scene, finer)
+    model = before_plane(rod, finer)
+    check_finer(rod.scene, finer)
     answers = model.evaluate(finer.random("parameters"))
     touched = answers.inside & (answers.contact_force > 0) & (finer.random("contact_force") > 0)
     if touched.sum() < FEWEST:
         raise SnapshotError(f"{finer.path}: must have {FEWEST} states that touch, or nothing tells what forces err by")
     counted = {"tip": answers.inside, "touch_distance": answers.inside, "contact_force": touched}
     off, estimated = differences(model, finer), answers.error_parts["surrogate"]
-    return replace(
-        segment,
-        finer_mesh_factors={name: covering(off[name][own] / estimated[name][own]) for name, own in counted.items()},
-        provenance=segment.provenance | {"mesh_error": _told(finer)},
-    )
+    factors = {name: covering(off[name][own] / estimated[name][own]) for name, own in counted.items()}
+    elements = replace(rod.elements, provenance=rod.elements.provenance | {"mesh_error": _told(finer)})
+    return replace(rod, elements=elements, finer_mesh_factors=factors)
 
 
 def _told(finer: SnapshotSet) -> dict[str, Any]:

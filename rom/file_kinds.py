@@ -28,24 +28,26 @@ SURROGATE = Kind(
     "a surrogate",
     ("rom info", "rom check", "rom export .h", "rom export .fmu", "rom page .html", *_CONTROL, "fingerfem certify"),
 )
-SEGMENT_MAP = Kind(
-    "a segment map",
-    ("rom info", "rom check", "rom chain", "rom export .fmu", "rom page .html", *_CONTROL, "fingerfem certify"),
+ROD = Kind(
+    "a finger of rod elements",
+    ("rom info", "rom assemble", "rom check", "rom export .fmu", "rom page .html", *_CONTROL, "fingerfem certify"),
 )
-CHAIN = Kind("a chain of segment maps", ("rom info", "rom export .fmu", "rom page .html", *_CONTROL))
-ROD = Kind("a finger of rod elements", ("rom info", "rom assemble"))
-TRAINING_SET = Kind("a training set", ("rom build", "rom elements", "rom check", *_SET))
+AGAIN = "none any more: solve its scene again by fingerfem snapshots SCENE.toml SET/, then rom build SET/ -o FINGER.h5"
+OLD = Kind("a segment map of an earlier version", (AGAIN,))
+TRAINING_SET = Kind("a training set", ("rom build", "rom check", *_SET))
 HELD_OUT_SET = Kind("a held-out set", ("rom check", "rom build --held-out", *_SET))
-SCENE = Kind("a scene", ("fingerfem solve", "fingerfem snapshots", "fingerfem render", "fingerfem sketch"))
+SCENE = Kind(
+    "a scene", ("fingerfem solve", "fingerfem snapshots", "fingerfem render", "fingerfem sketch", "rom assemble")
+)
 FMU = Kind("an FMU", ("a simulation tool that imports FMI 2 or 3",))
 HEADER = Kind("a C header", ("a C compiler",))
 PAGE = Kind("a page", ("a browser",))
 # Model files by what they begin with, others by their ending and a part of their text.
 MODELS = {
     "fingerfem surrogate": SURROGATE,
-    "fingerfem segment map": SEGMENT_MAP,
-    "fingerfem chain": CHAIN,
     "fingerfem rod": ROD,
+    "fingerfem segment map": OLD,
+    "fingerfem chain": OLD,
 }
 OTHERS = {".toml": (b"", SCENE), ".fmu": (b"PK", FMU), ".h": (b"", HEADER), ".html": (b"<", PAGE), ".htm": (b"<", PAGE)}
 

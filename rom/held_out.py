@@ -110,8 +110,8 @@ def check_finer(scene: dict[str, Any], finer: SnapshotSet) -> None:
         raise SnapshotError(f"{finer.path}: must be of a finer mesh than the model's {cells} cells of order {order}")
 
 
-def check_plane(segment: Rod, held_out: SnapshotSet, progress: Progress = quiet) -> dict[str, Any]:
-    """Compare a segment's map before the plane y = side/2 + d with held-out states of that plane, of any mesh.
+def check_plane(rod: Rod, held_out: SnapshotSet, progress: Progress = quiet) -> dict[str, Any]:
+    """Compare a finger of elements before the plane y = side/2 + d with held-out states of that plane, of any mesh.
 
     Errors are those of points that the map answers; `marked` counts the others: rubber touches, or the force is beyond
     what was trained.
@@ -122,21 +122,21 @@ def check_plane(segment: Rod, held_out: SnapshotSet, progress: Progress = quiet)
     Raises:
         SnapshotError: no held-out set, of another finger, or of none before that plane.
     """
-    model, mesh = before_plane(segment, held_out), held_out.description.scene["mesh"]
+    model, mesh = before_plane(rod, held_out), held_out.description.scene["mesh"]
     found = _errors(model, held_out, progress, "mesh")
     return found | {"mesh": {key: mesh[key] for key in ("cells", "order")}}
 
 
-def before_plane(segment: Rod, held_out: SnapshotSet) -> TouchedSegment:
-    """A segment's map before the plane of a held-out set.
+def before_plane(rod: Rod, held_out: SnapshotSet) -> TouchedSegment:
+    """A finger of elements before the plane of a held-out set.
 
     Raises:
         SnapshotError: no held-out set, of another finger, or of none before the plane y = side/2 + d.
     """
-    _check_plane_of(segment.scene, held_out)
+    _check_plane_of(rod.scene, held_out)
     scene = held_out.description.scene
     plane = facing_plane(scene["geometry"]["side"], tuple(scene["obstacle"]["distance"]))
-    return TouchedSegment(segment=segment, obstacle=plane)
+    return TouchedSegment(rod=rod, obstacle=plane)
 
 
 def _check_plane_of(own: dict[str, Any], held_out: SnapshotSet) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.mujoco import keyframes
-from control.mujoco.rod import CLAMP_SECTIONS, END_SECTIONS, Lump, Beam, united
+from control.mujoco.rod import CLAMP_SECTIONS, END_SECTIONS, Beam, Lump, united
 from rom import Rod
 from rom.brief import brief
 

@@ -98,7 +98,8 @@ def tip_height(gripper: Gripper, rod: Rod, radius: float) -> float:
     """How far below the palm a free finger's plate reaches, bent to touch a face at a radius [m]."""
     finger, lead = gripper.fingers[0], gripper.model.lead
     tensions, half, edges = np.zeros(len(rod.names)), rod.half_lengths, []
-    for tensions[lead] in np.linspace(finger.lower[lead], finger.upper[lead], 200):
+    for tension in np.linspace(finger.lower[lead], finger.upper[lead], 200):
+        tensions[lead] = tension
         placed = rod.place(tensions)
         edges.append(placed.centres[-1] + placed.rotations[-1] @ [half[0], half[1], 0.0])
     x, y, _ = np.transpose(edges)

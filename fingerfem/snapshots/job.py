@@ -25,9 +25,9 @@ from fingerfem.snapshots.neighbours import KnownSet
 from fingerfem.snapshots.progress import Reporter
 from fingerfem.snapshots.reuse import Donor
 from fingerfem.versions import versions
+from rom.elements import growth
 from rom.refinement.next_round import next_round
 from rom.refinement.regime_lines import between_regimes
-from rom.segment.training.rounds import Growth
 from rom.snapshots.description import Description
 from rom.snapshots.folder import create, set_aside_broken_rounds, set_aside_strangers
 from rom.snapshots.plan import Round
@@ -149,8 +149,7 @@ class Job:
             return between_regimes
         if not self.description.has_load:
             return next_round
-        near = self._known.near
-        return Growth(near.coarse if near is not None else None).next_round
+        return growth.next_round
 
     def _group(self) -> MPI.Comm:
         count = self.ranks_per_finger

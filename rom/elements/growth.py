@@ -1,0 +1,34 @@
+"""How many lines of states elements need: more of their sequence, until lines that are left out are predicted.
+
+Lines are a low-discrepancy sequence of tensions and wrenches, of which any first ones fill the box evenly. A finger is
+smooth in both, and a polynomial of the whole box learns from every state.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rom.elements.contact_error import relative_force_errors
+from rom.elements.section_states import read_section_states
+from rom.elements.training import best_degrees, prepare
+from rom.snapshots.plan import Round
+from rom.snapshots.snapshot_set import SnapshotSet
+
+GROWTH = 1.35  # how many times as many lines a set has after a round: ranks wait for each other between rounds [-]
+
+
+def next_round(snapshots: SnapshotSet, tolerance: float) -> Round:
+    """The lines to solve next for a relative error of the contact force, 95th percentile [-].
+
+    Raises:
+        SnapshotError: of a finger of several segments, or no state has an answer.
+    """
+    lines, description = len(snapshots.plan.lines), snapshots.description
+    states = read_section_states(snapshots)
+    training = prepare(states)
+    predicted = training.left_out(best_degrees(training))
+    error = float(np.nanquantile(relative_force_errors(states, *predicted), 0.95))
+    more = range(lines, min(int(np.ceil(GROWTH * lines)), len(description.wrenches)))
+    if error <= tolerance or not more:
+        return Round(error=error, threshold=0.0, lines={}, finest=error > tolerance)
+    return Round(error=error, threshold=0.0, lines={f"pressed-{k}": description.pressed_line(k) for k in more})

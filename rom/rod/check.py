@@ -1,0 +1,49 @@
+"""A finger compared with pressed states of the full-order model: places, shortenings, and what they mean for forces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rom.elements.contact_error import relative_force_errors
+from rom.elements.section_states import read_section_states
+from rom.error_statistics import quantiles
+from rom.rod.rod import Rod
+from rom.snapshots.description import difference
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+
+OF_THE_FINGER = "geometry", "material", "tendons"
+
+
+def check_pressed(rod: Rod, held_out: SnapshotSet) -> dict[str, Any]:
+    """Compare a finger with held-out or its training states, of any mesh.
+
+    Returns:
+        numbers of states; errors of the plate's place [m], of contact forces [-] and of shortenings [m]; the share of
+        states within what was trained, and of contact forces within what is expected.
+
+    Raises:
+        SnapshotError: a set of another finger, or without a load.
+    """
+    scene = held_out.description.scene
+    other = difference({key: rod.scene[key] for key in OF_THE_FINGER}, {key: scene[key] for key in OF_THE_FINGER})
+    if other:
+        raise SnapshotError(f"{held_out.path}: must hold states of the model's finger: {other}")
+    states = read_section_states(held_out)
+    t = states.tensions
+    plates = [rod.place(row[:t], row[None, t:]) for row in states.inputs]
+    centres, rotations = (np.array([getattr(one, name)[0] for one in plates]) for name in ("centres", "rotations"))
+    errors = relative_force_errors(states, centres, rotations)
+    shorter = np.array([rod.shortening(row[:t], row[None, t:]) for row in states.inputs]) - states.shortenings[:, -1]
+    known = ~np.isnan(errors)
+    return {
+        "states": len(states.inputs),
+        "failed": len(held_out.failures),
+        "training": not held_out.description.random,
+        "inside": float(np.mean([one.inside for one in plates])),
+        "place_m": quantiles(np.linalg.norm(centres - states.plate.places, axis=1)),
+        "contact_force": quantiles(errors),
+        "channel_shortening_m": quantiles(np.abs(shorter).ravel()),
+        "covered": float(np.mean(errors[known] <= rod.force_error)) if known.any() else np.nan,
+    }
