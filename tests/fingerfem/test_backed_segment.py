@@ -7,8 +7,10 @@ from farm import ROOT, run
 from control import Finger
 from rom import BackedSegment, Sphere, Surrogate, TouchedSegment
 from rom.checked_file import ModelError
+from rom.elements.section_states import read_section_states
+from rom.elements.training import train
 from rom.rod.objects import facing_plane
-from rom.segment.training.build import train
+from rom.rod.rod import Rod
 from rom.snapshots.snapshot_set import SnapshotSet
 
 FORCE = 3.0  # that the map is trained with [N]; the surrogate knows more
@@ -22,8 +24,9 @@ def touched(tmp_path_factory) -> TouchedSegment:
     file = folder / "pressed.toml"
     file.write_text(f"{head}[load]\nforce = {FORCE}\n\n{mesh}[sampling]\nlines = 20\n")
     run(2, file, folder / "training")
-    segment = train(SnapshotSet(folder / "training"), 300)
-    return TouchedSegment(segment=segment, obstacle=facing_plane(2 * segment.half_lengths[1], (0.001, 0.031)))
+    states = read_section_states(SnapshotSet(folder / "training"))
+    rod = Rod(elements=train(states, {}), scene=states.scene)
+    return TouchedSegment(rod=rod, obstacle=facing_plane(2 * rod.half_lengths[1], (0.001, 0.031)))
 
 
 @pytest.fixture(scope="module")
@@ -77,4 +80,4 @@ def test_refuses_another_finger_and_another_object(touched, surrogate):
         BackedSegment(touched=touched, surrogate=Surrogate.load())
     ball = Sphere(centre=(0.045, 0.02, 0.0), radius=0.005, direction=(0.0, 1.0, 0.0))
     with pytest.raises(ModelError, match="another object"):
-        BackedSegment(touched=TouchedSegment(segment=touched.segment, obstacle=ball), surrogate=surrogate)
+        BackedSegment(touched=TouchedSegment(rod=touched.rod, obstacle=ball), surrogate=surrogate)

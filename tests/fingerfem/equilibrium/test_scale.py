@@ -8,10 +8,11 @@ from farm import run
 
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
+from rom.elements.section_states import read_section_states
+from rom.elements.training import train
 from rom.rod.objects import Plane
-from rom.segment.segment_map import SegmentMap
+from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
-from rom.segment.training.build import train
 from rom.snapshots.snapshot_set import SnapshotSet
 
 SEGMENTS = 5
@@ -67,7 +68,7 @@ def test_fingers_of_5_mm_and_of_5_m_have_the_same_figures(obstacle):
         assert np.abs(ours - theirs).max() < 1e-6 * np.abs(theirs).max()
 
 
-def trained(length: float, folder: Path) -> SegmentMap:
+def trained(length: float, folder: Path) -> Rod:
     """The map of one segment, from few states, whose field has a node for each of the mesh's."""
     folder.mkdir()
     unit = C1 * (0.2 * length) ** 2
@@ -96,18 +97,19 @@ lines = 8
 """
     )
     run(2, folder / "scene.toml", folder / "set")
-    return train(SnapshotSet(folder / "set"))
+    states = read_section_states(SnapshotSet(folder / "set"))
+    return Rod(elements=train(states, {}), scene=states.scene)
 
 
-def test_maps_of_a_finger_of_5_mm_and_of_one_of_1_m_give_the_same_figures(tmp_path):
+def test_elements_of_a_finger_of_5_mm_and_of_one_of_1_m_give_the_same_figures(tmp_path):
     lengths = 5e-3, 1.0  # [m]
     small, large = (trained(length, tmp_path / str(length)) for length in lengths)
     assert large.force_error == pytest.approx(small.force_error, rel=1e-3)
     found = []
-    for segment, length in zip((small, large), lengths, strict=True):
+    for rod, length in zip((small, large), lengths, strict=True):
         unit = C1 * (0.2 * length) ** 2
         plane = Plane(centre=(0, 0.1 * length, 0), normal=(0, -1, 0), direction=(0, 1, 0))
-        model = TouchedSegment(segment=segment, obstacle=plane)
+        model = TouchedSegment(rod=rod, obstacle=plane)
         free = model.evaluate([0.1 * unit, np.inf])
         pressed = model.evaluate([0.1 * unit, free.touch_distance - 0.01 * length])
         found.append([*free.tip / length, free.touch_distance / length, pressed.contact_force / unit])

@@ -45,7 +45,7 @@ def trained(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def finger(trained) -> Rod:
-    command = [sys.executable, "-m", "rom", "elements", "set", "-o", "finger.h5", "--json"]
+    command = [sys.executable, "-m", "rom", "build", "set", "-o", "finger.h5", "--json"]
     found = subprocess.run(command, cwd=trained, env=_environment(), capture_output=True, text=True)
     assert found.returncode == 0, found.stderr
     assert json.loads(found.stdout)["provenance"]["states"] == 100

@@ -1,4 +1,4 @@
-"""A finger with two pairs of tendons keeps what the preset promises, and its map holds a force."""
+"""A finger with two pairs of tendons keeps what the preset promises, and its model holds a force."""
 
 import json
 import subprocess
@@ -12,7 +12,8 @@ from farm import ROOT, run
 from control import Finger
 from fingerfem import load_scene
 from rom import TouchedSegment
-from rom.segment.training import build
+from rom.rod.check import check_pressed
+from rom.rod.rod import Rod
 from rom.snapshots.snapshot_set import SnapshotSet
 from studies.sets import as_toml
 
@@ -43,16 +44,16 @@ def sets(scene, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def model(sets):
-    """The file of the map."""
-    words = ["rom", "build", str(sets / "fine"), "--coarse", str(sets / "coarse"), "-o", str(sets / "model.h5")]
+    """The file of the finger."""
+    words = ["rom", "build", str(sets / "fine"), "-o", str(sets / "model.h5")]
     made = subprocess.run([sys.executable, "-m", *words, "--json"], cwd=ROOT, capture_output=True, text=True)
     assert made.returncode == 0 and json.loads(made.stdout), made.stderr
     return sets / "model.h5"
 
 
 def test_held_out_states_are_within_the_promise_and_the_estimate(scene, sets, model):
-    segment = TouchedSegment.load(model).rod.segments[0]
-    found = [build.check(segment, SnapshotSet(sets / seed)) for seed in ("3", "7")]
+    finger = Rod.load(model)
+    found = [check_pressed(finger, SnapshotSet(sets / seed)) for seed in ("3", "7")]
     assert np.mean([one["covered"] for one in found]) >= 0.93
     assert np.mean([one["contact_force"]["p95"] for one in found]) <= load_scene(scene).expected.error
 

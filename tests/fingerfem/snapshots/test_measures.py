@@ -10,9 +10,9 @@ from pydantic import ValidationError
 from fingerfem.scene.grid_lines import fitting, grid_lines, in_column, in_plate
 from fingerfem.scene.scene import Scene
 from fingerfem.snapshots.design import body
+from rom.elements.section_states import read_section_states
 from rom.snapshots.grid import levels
 from rom.snapshots.mesh_transfer import interpolation
-from rom.snapshots.pressed_states import edge_sections, read_pressed_states
 from rom.snapshots.snapshot_set import SnapshotSet
 
 FINGERS = 300
@@ -143,9 +143,7 @@ def check_edges(scene: Scene, lines: list[np.ndarray], nodes: np.ndarray) -> Non
     finger = body(scene, nodes)
     x, corners = lines[0], 2 if scene.is_half else 4
     assert len(finger.edge_nodes) == corners * len(x)
-    chosen = edge_sections(finger)
-    found, counts = np.unique(levels(nodes[chosen, 0], scene.outline.tolerance)[1], return_counts=True)
-    assert len(found) >= 2 and (counts == corners).all()
+    assert len(finger.sections) == len(x) and np.abs(finger.sections - x).max() < scene.outline.tolerance
     assert nodes[chosen, 0].max() < scene.outline.plates[-1][0] - scene.outline.tolerance
     for k, (start, end) in enumerate(scene.outline.plates):
         layers = np.sum((x > start * (1 - 1e-9)) & (x < end * (1 + 1e-9)))
@@ -171,6 +169,6 @@ def test_a_finger_whose_measures_are_not_round_is_trained_on_two_meshes(tmp_path
     run(2, scene, tmp_path / "coarse", "--coarse")
     report = run(2, scene, tmp_path / "fine", "--near", str(tmp_path / "coarse"))
     assert report["failed"] == 0 and report["states"] == 6
-    coarse, fine = SnapshotSet(tmp_path / "coarse"), SnapshotSet(tmp_path / "fine")
-    pressed = read_pressed_states(fine, on=coarse)
-    assert len(pressed.inputs) == 6 and np.isfinite(pressed.skin_jacobians).all()
+    states = read_section_states(SnapshotSet(tmp_path / "fine"))
+    assert len(states.inputs) == 6 and np.isfinite(states.corner_changes).all()
+    assert states.at[-1] + states.scene["geometry"]["plate"] == pytest.approx(sum(states.scene["geometry"]["segments"]))

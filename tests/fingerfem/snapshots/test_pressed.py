@@ -1,4 +1,4 @@
-"""Sets of pressed states: what is drawn, the same numbers whoever solves them, and the map that comes of it."""
+"""Sets of pressed states: what is drawn, the same numbers whoever solves them, and the finger that comes of it."""
 
 import json
 import subprocess
@@ -13,10 +13,9 @@ from fingerfem import FingerModel, load_scene
 from fingerfem.scene.scene import SceneError
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.design import HeldOut, describe
-from rom import SegmentMap, TouchedSegment
+from rom import Rod, TouchedSegment
+from rom.elements.section_states import read_section_states
 from rom.rod.objects import facing_plane
-from rom.snapshots.pressed_states import read_pressed_states
-from rom.snapshots.rigid_motion import motions, rotations
 from rom.snapshots.snapshot_set import SnapshotSet, read_task, task_file
 
 FORCE = 4.0
@@ -60,23 +59,22 @@ def test_wrenches_are_forces_on_the_plate_s_surface(pressed_scene):
 
 def test_a_set_holds_free_states_and_pressed_ones_with_exact_derivatives(pressed_scene, pressed_set):
     snapshots = SnapshotSet(pressed_set)
-    states = read_pressed_states(snapshots)
+    states = read_section_states(snapshots)
     assert states.inputs.shape == (60, 8) and (states.forces.reshape(15, 4)[:, 0] == 0).all()
     assert snapshots.description.tensions == 2 and not snapshots.description.has_obstacle
     model = FingerModel(load_scene(pressed_scene))
     k = int(np.argmax(states.forces))
     solved = model.solve(states.inputs[k, :2], wrenches=states.inputs[k, 2:].reshape(1, 6))
-    turned = rotations(states.poses[k : k + 1])[0]
-    assert turned == pytest.approx(solved.plate_rotations[0], abs=1e-9)
-    assert -turned @ states.poses[k, :3] == pytest.approx(solved.plate_centres[0], abs=1e-10)
-    assert pytest.approx(solved.plate_motion[:, 0], rel=1e-6, abs=1e-9) == motions(states.poses, states.jacobians)[k].T
+    assert states.plate.rotations[k] == pytest.approx(solved.plate_rotations[0], abs=1e-9)
+    assert states.plate.places[k] == pytest.approx(solved.plate_centres[0], abs=1e-10)
+    assert pytest.approx(solved.plate_motion[:, 0], rel=1e-6, abs=1e-9) == states.plate.motions[k].T
     assert solved.parameters["fx"] == states.inputs[k, 2]
 
 
 def test_every_state_obeys_the_identity_of_a_potential(pressed_set):
     """K - K^T = ad(w), K the inverse of the compliance in the plate's frame: no fit and no tolerance is in it."""
-    states = read_pressed_states(SnapshotSet(pressed_set))
-    for motion, wrench in zip(motions(states.poses, states.jacobians), states.inputs[:, 2:], strict=True):
+    states = read_section_states(SnapshotSet(pressed_set))
+    for motion, wrench in zip(states.plate.motions, states.inputs[:, 2:], strict=True):
         (a, b, c), (d, e, f) = wrench.reshape(2, 3)
         force, moment = (np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) for x, y, z in ((a, b, c), (d, e, f)))
         turned = np.block([[np.zeros((3, 3)), force], [force, moment]])
@@ -86,10 +84,10 @@ def test_every_state_obeys_the_identity_of_a_potential(pressed_set):
 
 def test_tendons_shorten_by_a_wrench_as_the_plate_moves_by_their_tensions(pressed_set):
     """Without a wrench, of one potential: dS/dw = d(motion)/dF, and dS/dF is symmetric and positive definite."""
-    states = read_pressed_states(SnapshotSet(pressed_set))
-    motion, free = motions(states.poses, states.jacobians), states.forces == 0
-    changes = states.shortening_jacobians
-    assert free.sum() == 15 and states.shortenings.shape == (60, 2)
+    states = read_section_states(SnapshotSet(pressed_set))
+    motion, free = states.plate.motions, states.forces == 0
+    changes = states.shortening_changes[:, -1]
+    assert free.sum() == 15 and states.shortenings[:, -1].shape == (60, 2)
     by_wrench, by_tension = changes[free][:, :, 2:], motion[free][:, :, :2].transpose(0, 2, 1)
     assert by_wrench == pytest.approx(by_tension, rel=1e-5, abs=1e-6 * np.abs(by_tension).max())
     own = changes[free][:, :, :2]
@@ -109,7 +107,7 @@ def test_a_line_that_is_lost_is_solved_again_and_is_the_same(pressed_scene, pres
     assert np.array_equal(read_task(pressed_set, "pressed-13")["clamp_place"], before["clamp_place"])
 
 
-def test_held_out_states_measure_the_map_that_is_built(pressed_scene, pressed_set, tmp_path):
+def test_held_out_states_measure_the_finger_that_is_built(pressed_scene, pressed_set, tmp_path):
     run(2, pressed_scene, tmp_path / "held-out", "--random", "8", "--seed", "3")
 
     def rom(*words: str) -> dict:
@@ -117,27 +115,21 @@ def test_held_out_states_measure_the_map_that_is_built(pressed_scene, pressed_se
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout)
 
-    file = tmp_path / "segment.h5"
-    built = rom("build", str(pressed_set), "-o", str(file), "--terms", "300", "--held-out", str(tmp_path / "held-out"))
+    file = tmp_path / "finger.h5"
+    built = rom("build", str(pressed_set), "-o", str(file), "--held-out", str(tmp_path / "held-out"))
     assert built["accuracy"]["contact_force"]["count"] == 8
     assert built["accuracy"]["contact_force"]["median"] < built["contact_force_error"]  # what it expects of itself
     assert rom("check", str(file), str(tmp_path / "held-out")) == built["accuracy"]
     assert rom("info", str(file)) == built
-    segment = SegmentMap.load(file)
-    assert segment.skin is not None and segment.skin_error < 5e-4
-    held_out = SnapshotSet(tmp_path / "held-out")
-    moved = segment.displacement(read_pressed_states(held_out).inputs)
-    off = np.linalg.norm(moved - held_out.random("displacement"), axis=2).max(axis=1)
-    assert np.median(off) < segment.displacements.error  # which sixty states do not make small
-    expected = np.linalg.norm(moved - held_out.random("displacement"), axis=(1, 2))
-    expected /= np.linalg.norm(held_out.random("displacement"), axis=(1, 2))
-    assert built["accuracy"]["displacement"]["median"] == pytest.approx(np.median(expected))
-    true = read_pressed_states(held_out)
-    short = np.abs(segment.shortening(true.inputs) - true.shortenings).ravel()
-    assert built["accuracy"]["channel_shortening_m"]["median"] == pytest.approx(np.median(short), rel=1e-6)
-    assert np.median(short) < segment.shortening_error < 0.1 * np.abs(true.shortenings).max()
-    plane = TouchedSegment(segment=segment, obstacle=facing_plane(0.01, (0.001, 0.05)))
-    assert plane.shortening([20.0, 0.0, 0.05]) == pytest.approx(segment.shortening([20.0, *np.zeros(7)]))
+    finger, held_out = Rod.load(file), SnapshotSet(tmp_path / "held-out")
+    true, field = read_section_states(held_out), held_out.random("displacement")
+    edges = held_out.body.edge_nodes
+    for state, moved in zip(true.inputs, field, strict=True):
+        found = finger.displacement(state[:2], state[None, 2:], held_out.nodes)
+        assert np.linalg.norm(found[edges] - moved[edges], axis=1).max() < 2e-4
+        assert np.linalg.norm(found - moved, axis=1).max() < 5e-4  # between the corners cross-sections warp
+    plane = TouchedSegment(rod=finger, obstacle=facing_plane(0.01, (0.001, 0.05)))
+    assert plane.shortening([20.0, 0.0, 0.05]) == pytest.approx(finger.shortening([20.0, 0.0]))
     own = rom("check", str(file), str(pressed_set))
     assert own["training"] and own["states"] == 60 and own["covered"] >= 0.95
 
@@ -156,61 +148,16 @@ def test_states_that_begin_at_those_of_a_coarser_mesh_are_those_from_rest(finer_
     near = run(2, finer_scene, tmp_path / "near", "--near", str(pressed_set))
     assert near["failed"] == rest["failed"] == 0 and near["states"] == rest["states"] == 48
     assert near["newton_iterations"] < 0.6 * rest["newton_iterations"]
-    true, found = (read_pressed_states(SnapshotSet(tmp_path / name)) for name in ("rest", "near"))
-    assert found.poses == pytest.approx(true.poses, abs=1e-8)
-    assert found.jacobians == pytest.approx(true.jacobians, rel=1e-6, abs=1e-6)
+    true, found = (read_section_states(SnapshotSet(tmp_path / name)) for name in ("rest", "near"))
+    assert found.sections.places == pytest.approx(true.sections.places, abs=1e-8)
+    assert found.sections.motions == pytest.approx(true.sections.motions, rel=1e-6, abs=1e-6)
     held_out, same = (
         run(2, finer_scene, tmp_path / f"held-out {k}", *options)
         for k, options in enumerate((["--random", "4"], ["--random", "4", "--near", str(pressed_set)]))
     )
     assert same["states"] == held_out["states"] == 4 and same["failed"] == 0
-    true, found = (read_pressed_states(SnapshotSet(tmp_path / f"held-out {k}")) for k in (0, 1))
-    assert found.poses == pytest.approx(true.poses, abs=1e-8)
-
-
-def test_few_states_on_a_finer_mesh_correct_the_map_of_a_coarse_one(finer_scene, pressed_set, tmp_path):
-    run(2, finer_scene, tmp_path / "fine", "--near", str(pressed_set))
-    table = finer_scene.read_text().replace('store = ["displacement", "channel_shortening"]', "store = []")
-    plane = table.replace(
-        f"[load]\nforce = {FORCE}\nfriction_angle = 0.2", '[obstacle]\nmethod = "penalty"\ndistance = [0.004, 0.03]'
-    )
-    (tmp_path / "plane.toml").write_text(plane.replace("lines = 12\nwrenches = 3\n", ""))
-    run(2, tmp_path / "plane.toml", tmp_path / "held-out", "--random", "6", "--distances", "4", "--seed", "1")
-
-    def rom(*words: str) -> dict:
-        words = ("build", *words, "--held-out", str(tmp_path / "held-out"), "--json")
-        done = subprocess.run([sys.executable, "-m", "rom", *words], cwd=ROOT, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
-        return json.loads(done.stdout)["accuracy"]
-
-    file = tmp_path / "both.h5"
-    before = rom(str(pressed_set), "-o", str(tmp_path / "coarse.h5"))
-    after = rom(str(tmp_path / "fine"), "-o", str(file), "--coarse", str(pressed_set))
-    assert after["mesh"] == {"cells": [20, 5], "order": 1} and after["marked"] < 8
-    for quantity in ("touch_distance", "contact_force"):  # what fifteen coarse lines leave of the tip is more than that
-        assert after[quantity]["median"] < 0.5 * before[quantity]["median"], quantity
-    assert after["touch"]["wrong"] <= before["touch"]["wrong"]
-    segment, coarse_map = SegmentMap.load(file), SegmentMap.load(tmp_path / "coarse.h5")
-    assert segment.force_error > coarse_map.force_error and segment.place_error > coarse_map.place_error
-    assert segment.provenance["coarse"]["states"] == 60 and segment.provenance["states"] == 48
-    fine = read_pressed_states(SnapshotSet(tmp_path / "fine"))
-    off = np.abs(segment.shortening(fine.inputs) - fine.shortenings)
-    assert np.quantile(off, 0.9) < 2 * segment.shortening_error
-    coarse = SnapshotSet(pressed_set)
-    assert np.array_equal(segment.displacements.nodes, coarse.nodes)
-    run(2, finer_scene, tmp_path / "pressed", "--random", "3", "--seed", "2")  # whose fields are of the fine mesh
-    command = [sys.executable, "-m", "rom", "check", str(file), str(tmp_path / "pressed"), "--json"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    measured = json.loads(done.stdout)["displacement"]
-    assert measured["count"] == 3 and measured["median"] < 0.5  # of few states; of other nodes it is 1.4
-    done = subprocess.run(
-        [sys.executable, "-m", "rom", "build", str(pressed_set), "-o", str(file), "--coarse", str(tmp_path / "fine")],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 2 and "must be of a coarser mesh than the fine set's" in done.stderr
+    true, found = (read_section_states(SnapshotSet(tmp_path / f"held-out {k}")) for k in (0, 1))
+    assert found.plate.places == pytest.approx(true.plate.places, abs=1e-8)
 
 
 def test_what_a_load_does_not_go_with_is_refused(pressed_scene):
