@@ -1,5 +1,4 @@
 #include "tensions.h"
-#include <string.h>
 
 int tensions_all_held(const fingerfem_segment *segment, const double *tensions, double *held)
 {

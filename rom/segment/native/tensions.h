@@ -1,6 +1,7 @@
 /* What the tensions of a segment make alone: monomials, of which all its laws take the first ones, and how a plate bends. */
 #ifndef FINGERFEM_TENSIONS_H
 #define FINGERFEM_TENSIONS_H
+#include <string.h>
 #include "segment.h"
 
 enum { TENSIONS_MOST = FINGERFEM_MOST_TENSIONS, TENSIONS_POWERS = FINGERFEM_MOST_POWER + 1 };
