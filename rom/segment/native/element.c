@@ -1,12 +1,12 @@
 #include "element.h"
 
 enum { POSE = FINGERFEM_POSE, BLOCK = FINGERFEM_BLOCK, ROW = FINGERFEM_BLOCK_ROW, W = FINGERFEM_WRENCH, P = ELEMENT_PRODUCT };
-enum { MOST_SETS = 3 /* of sums at once, of THREE wides each, which registers hold */, THREE = 3, HALVES = P * 8 > sizeof(wide) ? 2 : 1 };
+enum { MOST_SETS = 3, THREE = 3 /* wides of each, sums that registers hold */, HALVES = P > WIDE ? 2 : 1 };
 typedef double half __attribute__((vector_size(8 * (WIDE < P ? WIDE : P)), aligned(8), may_alias)); /* of a product, or all */
 
 int element_contracted(const fingerfem_segment *segment, const fingerfem_law *law)
 {
-    return POSE * (law->groups + law->pulled * segment->tensions);
+    return POSE * (law->groups + law->slope_count * segment->tensions);
 }
 
 int element_products(const fingerfem_segment *segment, const fingerfem_law *law)
@@ -34,9 +34,10 @@ static inline void scatter(const double *sums, const int32_t *places, double *ro
 
 /* Sums of a block by some weights of the monomials at once, (count, stride): a value, if there is any, goes to `places` of
  * `values`, derivatives to those of sets of `slopes`, (rows, 8). The first monomial is 1, and its derivatives are 0. */
-__attribute__((always_inline)) static inline void contract_block(const double *from, int count, int monomials, const double *weights,
-                                                                 int stride, double *values, const int32_t *places, double *slopes,
-                                                                 int set, const int32_t *pulled)
+__attribute__((always_inline)) static inline void contract_block(const double *from, int count, int monomials,
+                                                                 const double *weights, int stride, double *values,
+                                                                 const int32_t *places, double *slopes, int set,
+                                                                 const int32_t *slope_places)
 {
     double found[MOST_SETS][ROW];
 #pragma GCC unroll 4
@@ -57,25 +58,25 @@ __attribute__((always_inline)) static inline void contract_block(const double *f
 #pragma GCC unroll 3
     for (int k = 0; k < count; k++) {
         if (values && !k) scatter(found[k], places, values);
-        else scatter(found[k], pulled, slopes + set * (k - !!values));
+        else scatter(found[k], slope_places, slopes + set * (k - !!values));
     }
 }
 
 void element_contract(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, double *contracted)
 {
-    const int all = segment->monomials, t = segment->tensions, set = POSE * law->pulled;
+    const int all = segment->monomials, t = segment->tensions, set = POSE * law->slope_count;
     const double *from = law->coefficients;
     double *slopes = contracted + POSE * law->groups;
     for (int block = 0; block < law->groups / BLOCK; block++) {
         const int own = law->block_monomials[block];
-        const int32_t *places = law->rows + BLOCK * block, *pulled = law->pulled_rows + BLOCK * block;
-        if (own == 1) contract_block(from, 1, 1, monomials, all, contracted, places, slopes, set, pulled);
-        else if (t == 1) contract_block(from, 2, own, monomials, all, contracted, places, slopes, set, pulled);
-        else contract_block(from, 3, own, monomials, all, contracted, places, slopes, set, pulled);
+        const int32_t *places = law->rows + BLOCK * block, *slope_places = law->slope_rows + BLOCK * block;
+        if (own == 1) contract_block(from, 1, 1, monomials, all, contracted, places, slopes, set, slope_places);
+        else if (t == 1) contract_block(from, 2, own, monomials, all, contracted, places, slopes, set, slope_places);
+        else contract_block(from, 3, own, monomials, all, contracted, places, slopes, set, slope_places);
         for (int j = 2; j < t && own > 1; j += 2) {
             const double *weights = monomials + all * (1 + j);
-            if (j + 1 < t) contract_block(from, 2, own, weights, all, NULL, places, slopes + set * j, set, pulled);
-            else contract_block(from, 1, own, weights, all, NULL, places, slopes + set * j, set, pulled);
+            if (j + 1 < t) contract_block(from, 2, own, weights, all, NULL, places, slopes + set * j, set, slope_places);
+            else contract_block(from, 1, own, weights, all, NULL, places, slopes + set * j, set, slope_places);
         }
         from += ROW * own;
     }
@@ -196,10 +197,10 @@ void element_by_tensions(const fingerfem_segment *segment, const fingerfem_law *
     const double *moments = products + P * law->forces, *slopes = contracted + POSE * law->groups;
     for (int part = 0; part < WIDE * WIDE_SIX * segment->tensions; part += WIDE) {
         const int j = part / (WIDE * WIDE_SIX), from = part % (WIDE * WIDE_SIX);
-        const double *rows = slopes + POSE * law->pulled * j + from;
+        const double *rows = slopes + POSE * law->slope_count * j + from;
         wide sum = {0.0};
         for (int a = 0; a < law->forces; a++) {
-            const int count = law->pulled_moments_of[a];
+            const int count = law->slope_moments_of[a];
             wide even = {0.0}, odd = {0.0};
             int b = 0;
             for (; b + 1 < count; b += 2) {

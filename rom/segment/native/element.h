@@ -12,7 +12,7 @@ int element_contracted(const fingerfem_segment *segment, const fingerfem_law *la
 int element_products(const fingerfem_segment *segment, const fingerfem_law *law);
 
 /* Coefficients of the wrench's products at tensions of which the monomials are known, (groups, 8), and their derivatives by
- * these, (tensions, pulled, 8). */
+ * these, (tensions, slope_count, 8). */
 void element_contract(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, double *contracted);
 
 /* Pose and its derivatives by the wrench, (1 + 6, 8), from contracted coefficients; linear beyond the box. Products of force

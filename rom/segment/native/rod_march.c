@@ -45,7 +45,7 @@ int rod_work(const fingerfem_segment *segment)
 
 int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_memory(segment) + rod_work(segment); }
 
-void rod_pull(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found)
+void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found)
 {
     found->segment = segment;
     found->free_stride = POSE * (1 + segment->tensions);
@@ -172,7 +172,7 @@ __attribute__((always_inline)) static inline void carry_change(const double *wre
 }
 
 /* Add the change of an element's pose, (6), with the wrench that it carries. */
-static inline void yield_to(const rod_element *element, const wide *wrench, wide *change)
+static inline void add_by_wrench(const rod_element *element, const wide *wrench, wide *change)
 {
 #pragma GCC unroll 6
     for (int i = 0; i < W; i++)
@@ -220,7 +220,7 @@ void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
         for (int part = 0; part < WIDE_SIX; part++) {
             wide carried[W], change[W] = {{0.0}};
             carry_change(wrench, element, moved + part, 1, WIDE * part, carried);
-            yield_to(element, carried, change);
+            add_by_wrench(element, carried, change);
             move_on(element, change, moved + part);
         }
     }
@@ -229,7 +229,7 @@ void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
 }
 
 /* A part of an element's changes by the tensions, (6), from those of its pose by every one, (tensions, 8). */
-static inline void by_part(int tensions, const double *by_tensions, int part, wide *change)
+static inline void add_by_tensions(int tensions, const double *by_tensions, int part, wide *change)
 {
     for (int j = part; j < tensions && j < part + WIDE; j++)
 #pragma GCC unroll 6
@@ -249,9 +249,9 @@ void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
                             rod->products + k * rod->products_stride, own);
         for (int part = 0; WIDE * part < t; part++) {
             wide carried[W], change[W] = {{0.0}};
-            by_part(t, own, WIDE * part, change);
+            add_by_tensions(t, own, WIDE * part, change);
             carry_change(wrench, element, moved + part, 0, 0, carried);
-            yield_to(element, carried, change);
+            add_by_wrench(element, carried, change);
             move_on(element, change, moved + part);
         }
         for (int i = 0; i < 3; i++) end[i] = element->place[i] + element->arm[i];
@@ -276,35 +276,9 @@ void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS
         advance(element, end->place, end->rotation);
         for (int part = 0; WIDE * part < t; part++) {
             wide change[W] = {{0.0}};
-            by_part(t, free + POSE, WIDE * part, change);
+            add_by_tensions(t, free + POSE, WIDE * part, change);
             move_on(element, change, moved + part);
         }
     }
     for (int part = 0; WIDE * part < t; part++) seen_from_clamp(end->place, moved + part, by_tensions[0] + WIDE * part);
-}
-
-int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *memory,
-                    double *centre, double *rotation, double *motion)
-{
-    const int t = segment->tensions, columns = t + W;
-    double held[TENSIONS_MOST], by_tensions[W][TENSIONS_MOST];
-    rod_state rod;
-    rod_end end;
-    const int within = tensions_all_held(segment, tensions, held);
-    rod_pull(segment, held, memory, memory + rod_memory(segment), &rod);
-    rod_contract(&rod);
-    rod_under(&rod, wrench, &end);
-    rod_by_tensions(&rod, by_tensions);
-    for (int i = 0; i < 3; i++) {
-        centre[i] = 0.0;
-        for (int j = 0; j < 3; j++) {
-            rotation[3 * i + j] = end.rotation[3 * j + i];
-            centre[i] -= end.rotation[3 * j + i] * end.place[j];
-        }
-    }
-    for (int i = 0; i < W; i++) {
-        for (int j = 0; j < t; j++) motion[columns * i + j] = held[j] == tensions[j] ? by_tensions[i][j] : 0.0;
-        memcpy(motion + columns * i + t, end.by_wrench[i], sizeof end.by_wrench[i]);
-    }
-    return within && end.inside;
 }

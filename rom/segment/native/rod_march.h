@@ -35,7 +35,7 @@ int rod_memory(const fingerfem_segment *segment);
 int rod_work(const fingerfem_segment *segment);
 
 /* A rod at tensions inside their box, in such memory; for `rod_free`, it need not be contracted. */
-void rod_pull(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found);
+void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found);
 void rod_contract(const rod_state *rod);
 
 /* The end of a contracted rod under a wrench on its plate, (6). */

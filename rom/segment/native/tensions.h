@@ -21,14 +21,14 @@ static inline void tensions_chebyshev(double z, int most, double *values, double
 }
 
 /* Tension k within its box; NaN is the lowest. */
-static inline double tensions_held(const fingerfem_segment *segment, int k, double tension)
+static inline double tensions_clamped(const fingerfem_segment *segment, int k, double tension)
 {
     const double held = tension > segment->lower[k] ? tension : segment->lower[k];
     return held < segment->upper[k] ? held : segment->upper[k];
 }
 
 /* All tensions within the box, (tensions); returns whether they all were. */
-int tensions_all_held(const fingerfem_segment *segment, const double *tensions, double *held);
+int tensions_all_clamped(const fingerfem_segment *segment, const double *tensions, double *held);
 
 /* Monomials of tensions inside their box, and their derivatives by these, (1 + tensions, monomials). */
 void tensions_monomials(const fingerfem_segment *segment, const double *tensions, double *found);

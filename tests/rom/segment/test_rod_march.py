@@ -218,7 +218,7 @@ REFUSED = {
     steep: "powers of law 0 must be from 0 to 31, got 0 to 36",
     uneven: "box must be as wide to both sides of no wrench",
     endless: "coefficients of powers of law 0 must be finite",
-    scattered: "law 0 must be at most 1048576 products, padded",
+    scattered: "laws must have at most 1048576 products, all as the largest, padded, got ",
 }
 
 
