@@ -13,6 +13,7 @@ from rom.native import SEGMENT
 from rom.rod.march import march
 from rom.segment import limits, native
 from rom.segment.inverse_map import InverseMap
+from rom.segment.native.arrangement import BLOCK, POSE
 from rom.segment.objects import Plane
 from tests.rom.rod import laws
 
@@ -231,7 +232,9 @@ def test_a_law_beyond_what_compiled_code_holds_is_refused_by_name_and_limit(chan
 def test_a_rod_beyond_what_compiled_code_holds_is_refused_by_name_and_limit():
     element = laws.law(2, 0, degree=1)
     most = limits.MOST_ELEMENTS
-    assert most == SEGMENT.functions.FINGERFEM_MOST_ELEMENTS
+    lib = SEGMENT.functions
+    assert (most, BLOCK, POSE) == (lib.FINGERFEM_MOST_ELEMENTS, lib.FINGERFEM_BLOCK, lib.FINGERFEM_POSE)
+    assert (limits.ELEMENT, limits.ELEMENT * BLOCK) == (lib.FINGERFEM_WRENCH, lib.FINGERFEM_BLOCK_ROW)
     with pytest.raises(ModelError, match=f"elements must be from 1 to {most}, got {most + 1}"):
         compiled([element] * (most + 1))
     with pytest.raises(ModelError, match="tensions of all elements must have one box"):
