@@ -72,7 +72,7 @@ class NormalEquations:
         normal = gram[np.ix_(chosen, chosen)]
         normal[np.diag_indices_from(normal)] += RIDGE * normal.max()
         factor = cho_factor(normal)
-        coefficients = cho_solve(factor, right[chosen])
+        coefficients = np.ascontiguousarray(cho_solve(factor, right[chosen]))  # as a file holds them: the same sums
         return Polynomial(lower=self.lower, upper=self.upper, powers=self.powers[chosen], coefficients=coefficients)
 
     def _sums(self, folds: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:

@@ -48,13 +48,15 @@ def check_rod(segment: Segment) -> None:
     require(1 <= len(elements) <= MOST_ELEMENTS, f"elements must be from 1 to {MOST_ELEMENTS}", len(elements))
     first, t = elements[0], len(elements[0].lower) - WRENCH
     require(1 <= t <= MOST_TENSIONS, f"tensions must be from 1 to {MOST_TENSIONS}", t)
-    for k, one in enumerate({id(one): one for one in elements}.values()):
+    laws, most = {id(one): one for one in elements}, 0
+    for k, one in enumerate(laws.values()):
         _polynomial(f"powers of law {k}", one, t, ELEMENT)
         _ends(one, t)
         _alike("tensions of all elements", [one.lower[:t], one.upper[:t]], [first.lower[:t], first.upper[:t]])
         _, _, counts = padded(one.powers[:, t:])
-        products = sum(counts) * len(np.unique(one.powers[:, :t], axis=0))
-        require(products <= MOST_PRODUCTS, f"law {k} must be at most {MOST_PRODUCTS} products, padded", products)
+        most = max(most, sum(counts) * len(np.unique(one.powers[:, :t], axis=0)))
+    size = len(laws) * most
+    require(size <= MOST_PRODUCTS, f"laws must have at most {MOST_PRODUCTS} products, all as the largest, padded", size)
     _surface(segment, t)
     for name, surface in (("corners", segment.corners), ("skin", segment.skin)):
         if surface is not None:

@@ -46,11 +46,11 @@ def row(run: Run, plan: maps.Plan, count: int) -> dict:
     known = model.answers(points)
     touched = known.inside & (known.out[:, 3] > 0) & surrogate.evaluate(points).inside
     points, wrenches = np.ascontiguousarray(points[touched]), known.wrenches[touched]
-    out, jacobian, pose, motion = (np.empty(size) for size in (8, 64, 8, 6 * (len(lower) + 5)))
+    out, jacobian, centre, rotation, motion = (np.empty(size) for size in (8, 64, 3, 9, 6 * (len(lower) + 5)))
     work = forms.memory_of(surrogate.kernel.tables)
     theirs = [(surrogate.kernel, numbers(p), work, numbers(out), numbers(jacobian)) for p in points]
     parts = [(np.ascontiguousarray(p[:-1]), np.ascontiguousarray(w)) for p, w in zip(points, wrenches, strict=True)]
-    room, found = native.memory_of(segment.struct), [native.pointer(one) for one in (pose, motion)]
+    room, found = native.memory_of(segment.struct), [native.pointer(one) for one in (centre, rotation, motion)]
     ours = [(segment.struct, *map(native.pointer, part), room, *found) for part in parts]
     query = each(EVALUATION.functions.fingerfem_answer, theirs)
     place = each(native.SEGMENT.functions.fingerfem_place, ours)

@@ -72,12 +72,12 @@ def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
     known = _by_rows(polynomial, rows, monomials)
     used = np.array([1 + max(one, default=0) for one in known])
     starts = np.cumsum([0, *counts])
-    pulled = [int(np.flatnonzero(used[i:j] > 1).max(initial=-1)) + 1 for i, j in pairwise(starts)]
-    of_tensions = np.concatenate([start + np.arange(count) for start, count in zip(starts, pulled, strict=False)])
+    dependent = [int(np.flatnonzero(used[i:j] > 1).max(initial=-1)) + 1 for i, j in pairwise(starts)]
+    of_tensions = np.concatenate([start + np.arange(count) for start, count in zip(starts, dependent, strict=False)])
     used[of_tensions] = np.maximum(used[of_tensions], 2)
     places = [*np.argsort(-used, kind="stable"), *range(len(rows), len(rows) + -len(rows) % BLOCK)]
-    pulled_rows = np.full(len(places), len(of_tensions))
-    pulled_rows[of_tensions] = np.arange(len(of_tensions))
+    slope_rows = np.full(len(places), len(of_tensions))
+    slope_rows[of_tensions] = np.arange(len(of_tensions))
     blocks = [_block([known[k] for k in group if k < len(rows)], used[group[0]]) for group in _fours(places)]
     free = np.zeros((used.max(), POSE))
     for value, one in zip(at_rest(np.array(rows)), known, strict=True):
@@ -97,9 +97,9 @@ def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
         "moment_factors": factors(moments),
         "moments_of": counts,
         "rows": places,
-        "pulled": 1 + len(of_tensions),
-        "pulled_moments_of": pulled,
-        "pulled_rows": pulled_rows[places],
+        "slope_count": 1 + len(of_tensions),
+        "slope_moments_of": dependent,
+        "slope_rows": slope_rows[places],
         "block_monomials": [len(block) for block in blocks],
         "coefficients": np.concatenate([block.ravel() for block in blocks]),
         "free_coefficients": free,

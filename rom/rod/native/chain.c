@@ -11,7 +11,7 @@ int32_t fingerfem_chain_memory(const fingerfem_chain *chain)
     return size;
 }
 
-void chain_pull(const fingerfem_chain *chain, const double *tensions, double *memory, chain_pulled *found)
+void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found)
 {
     found->chain = chain;
     found->work = memory;
@@ -20,13 +20,13 @@ void chain_pull(const fingerfem_chain *chain, const double *tensions, double *me
         const fingerfem_segment *segment = chain->segments[k];
         double own[TENSIONS_MOST];
         for (int i = 0; i < segment->tensions; i++) own[i] = tensions[chain->own[chain->tensions * k + i]];
-        rod_pull(segment, own, memory, found->work, found->rods + k);
+        rod_set_tensions(segment, own, memory, found->work, found->rods + k);
         tensions_corners(segment, found->rods[k].monomials, found->corners[k]);
         memory += rod_memory(segment);
     }
 }
 
-void chain_contract(const chain_pulled *map)
+void chain_contract(const chain_rods *map)
 {
     for (int k = 0; k < map->chain->plates; k++) rod_contract(map->rods + k);
 }
@@ -139,7 +139,7 @@ static void compose(const fingerfem_chain *chain, int first, int last, chain_sta
     }
 }
 
-void chain_under(const chain_pulled *map, const double *wrench, chain_state *state)
+void chain_under(const chain_rods *map, const double *wrench, chain_state *state)
 {
     const fingerfem_chain *chain = map->chain;
     const int w = W * chain->plates;
@@ -160,7 +160,7 @@ void chain_under(const chain_pulled *map, const double *wrench, chain_state *sta
     compose(chain, 0, w, state);
 }
 
-void chain_free(const chain_pulled *map, chain_state *state)
+void chain_free(const chain_rods *map, chain_state *state)
 {
     const fingerfem_chain *chain = map->chain;
     const int w = W * chain->plates, inputs = w + chain->tensions;
@@ -175,7 +175,7 @@ void chain_free(const chain_pulled *map, chain_state *state)
     compose(chain, w, inputs, state);
 }
 
-void chain_by_tensions(const chain_pulled *map, chain_state *state)
+void chain_by_tensions(const chain_rods *map, chain_state *state)
 {
     const fingerfem_chain *chain = map->chain;
     const int w = W * chain->plates, inputs = w + chain->tensions;
@@ -196,10 +196,10 @@ int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, 
 {
     const int n = chain->plates, w = W * n, t = chain->tensions;
     double held[TENSIONS_MOST];
-    chain_pulled map;
+    chain_rods map;
     chain_state state;
-    int inside = tensions_all_held(chain->segments[0], tensions, held);
-    chain_pull(chain, held, memory, &map);
+    int inside = tensions_all_clamped(chain->segments[0], tensions, held);
+    chain_set_tensions(chain, held, memory, &map);
     chain_contract(&map);
     chain_under(&map, wrenches, &state);
     chain_by_tensions(&map, &state);

@@ -15,7 +15,7 @@ typedef struct {
     const fingerfem_chain *chain;
     double corners[FINGERFEM_MOST_PLATES][FINGERFEM_CORNERS], *work;
     rod_state rods[FINGERFEM_MOST_PLATES];
-} chain_pulled;
+} chain_rods;
 
 /* A plate: what it bears, and where its segment alone has it, seen from that one's clamp; then where it is in space, and
  * its motion R^T dc, R^T dtheta by all inputs. */
@@ -30,15 +30,15 @@ typedef struct {
 
 /* All segments at tensions inside their box, in memory of fingerfem_chain_memory's size. For what bears wrenches they must
  * be contracted too. */
-void chain_pull(const fingerfem_chain *chain, const double *tensions, double *memory, chain_pulled *found);
-void chain_contract(const chain_pulled *map);
+void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found);
+void chain_contract(const chain_rods *map);
 
 /* The plates under wrenches, (6 plates), and their motions by these. */
-void chain_under(const chain_pulled *map, const double *wrench, chain_state *state);
+void chain_under(const chain_rods *map, const double *wrench, chain_state *state);
 
 /* The plates without a wrench: where they are, and their motions by the tensions. */
-void chain_free(const chain_pulled *map, chain_state *state);
+void chain_free(const chain_rods *map, chain_state *state);
 
 /* The plates' motions by the tensions too, under the wrenches that they were placed under last. */
-void chain_by_tensions(const chain_pulled *map, chain_state *state);
+void chain_by_tensions(const chain_rods *map, chain_state *state);
 #endif

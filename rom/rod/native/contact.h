@@ -23,7 +23,7 @@ typedef struct {
 /* What the solve is about. */
 typedef struct {
     const fingerfem_touching *touching;
-    const chain_pulled *map;
+    const chain_rods *map;
     int size; /* of all wrenches */
 } contact_problem;
 

@@ -1,12 +1,12 @@
 #include "element.h"
 
 enum { POSE = FINGERFEM_POSE, BLOCK = FINGERFEM_BLOCK, ROW = FINGERFEM_BLOCK_ROW, W = FINGERFEM_WRENCH, P = ELEMENT_PRODUCT };
-enum { THREE = ROW / POSE /* eights of a block's row */, MOST_SETS = 3 /* of sums at once, which registers hold */ };
-typedef double four __attribute__((vector_size(32), aligned(8)));
+enum { MOST_SETS = 3, THREE = 3 /* wides of each, sums that registers hold */, HALVES = P > WIDE ? 2 : 1 };
+typedef double half __attribute__((vector_size(8 * (WIDE < P ? WIDE : P)), aligned(8), may_alias)); /* of a product, or all */
 
 int element_contracted(const fingerfem_segment *segment, const fingerfem_law *law)
 {
-    return POSE * (law->groups + law->pulled * segment->tensions);
+    return POSE * (law->groups + law->slope_count * segment->tensions);
 }
 
 int element_products(const fingerfem_segment *segment, const fingerfem_law *law)
@@ -15,57 +15,68 @@ int element_products(const fingerfem_segment *segment, const fingerfem_law *law)
     return P * (law->forces + law->moments);
 }
 
-/* Sums of a block's four groups as rows, (4, 8), of which the last two numbers have no meaning. */
-static inline void rows_of(const eight *sums, eight *rows)
+/* Sums of a block, (BLOCK, 6), as rows, (8), of which the last two numbers have no meaning, each to its place. */
+static inline void scatter(const double *sums, const int32_t *places, double *rows)
 {
-    rows[0] = sums[0];
-    rows[1] = EIGHT_OF(sums[0], sums[1], 6, 7, 8, 9, 10, 11, 12, 13);
-    rows[2] = EIGHT_OF(sums[1], sums[2], 4, 5, 6, 7, 8, 9, 10, 11);
-    rows[3] = EIGHT_OF(sums[2], sums[2], 2, 3, 4, 5, 6, 7, 0, 1);
+#if WIDE == 8 && (defined(__clang__) || __GNUC__ >= 12)
+    const wide one = wide_load(sums), two = wide_load(sums + 8), three = wide_load(sums + 16);
+    wide_store(rows + POSE * places[0], one);
+    wide_store(rows + POSE * places[1], __builtin_shufflevector(one, two, 6, 7, 8, 9, 10, 11, 12, 13));
+    wide_store(rows + POSE * places[2], __builtin_shufflevector(two, three, 4, 5, 6, 7, 8, 9, 10, 11));
+    wide_store(rows + POSE * places[3], __builtin_shufflevector(three, three, 2, 3, 4, 5, 6, 7, 0, 1));
+#else
+#pragma GCC unroll 4
+    for (int g = 0; g < BLOCK; g++)
+#pragma GCC unroll 3
+        for (int i = 0; i < W; i += 2) memcpy(rows + POSE * places[g] + i, sums + W * g + i, 2 * sizeof *rows);
+#endif
 }
 
 /* Sums of a block by some weights of the monomials at once, (count, stride): a value, if there is any, goes to `places` of
  * `values`, derivatives to those of sets of `slopes`, (rows, 8). The first monomial is 1, and its derivatives are 0. */
-__attribute__((always_inline)) static inline void contract_block(const double *from, int count, int monomials, const double *weights,
-                                                                 int stride, double *values, const int32_t *places, double *slopes,
-                                                                 int set, const int32_t *pulled)
+__attribute__((always_inline)) static inline void contract_block(const double *from, int count, int monomials,
+                                                                 const double *weights, int stride, double *values,
+                                                                 const int32_t *places, double *slopes, int set,
+                                                                 const int32_t *slope_places)
 {
-    eight sums[MOST_SETS * THREE], rows[BLOCK];
+    double found[MOST_SETS][ROW];
+#pragma GCC unroll 4
+    for (int part = 0; part < ROW; part += THREE * WIDE) {
+        wide sums[MOST_SETS * THREE];
 #pragma GCC unroll 9
-    for (int i = 0; i < THREE * count; i++) sums[i] = values && i < THREE ? eight_load(from + POSE * i) : (eight){0.0};
-    for (int m = 1; m < monomials; m++)
+        for (int i = 0; i < THREE * count; i++) sums[i] = values && i < THREE ? wide_load(from + part + WIDE * i) : (wide){0.0};
+        for (int m = 1; m < monomials; m++)
 #pragma GCC unroll 3
-        for (int i = 0; i < THREE; i++) {
-            const eight own = eight_load(from + ROW * m + POSE * i);
+            for (int i = 0; i < THREE; i++) {
+                const wide own = wide_load(from + ROW * m + part + WIDE * i);
 #pragma GCC unroll 3
-            for (int k = 0; k < count; k++) sums[THREE * k + i] += weights[stride * k + m] * own;
-        }
+                for (int k = 0; k < count; k++) sums[THREE * k + i] += weights[stride * k + m] * own;
+            }
+#pragma GCC unroll 9
+        for (int i = 0; i < THREE * count; i++) wide_store(found[i / THREE] + part + WIDE * (i % THREE), sums[i]);
+    }
 #pragma GCC unroll 3
     for (int k = 0; k < count; k++) {
-        rows_of(sums + THREE * k, rows);
-#pragma GCC unroll 4
-        for (int g = 0; g < BLOCK; g++) {
-            if (values && !k) eight_store(values + POSE * places[g], rows[g]);
-            else eight_store(slopes + set * (k - !!values) + POSE * pulled[g], rows[g]);
-        }
+        if (values && !k) scatter(found[k], places, values);
+        else scatter(found[k], slope_places, slopes + set * (k - !!values));
     }
 }
 
 void element_contract(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, double *contracted)
 {
-    const int all = segment->monomials, t = segment->tensions, set = POSE * law->pulled;
+    const int all = segment->monomials, t = segment->tensions, set = POSE * law->slope_count;
     const double *from = law->coefficients;
     double *slopes = contracted + POSE * law->groups;
     for (int block = 0; block < law->groups / BLOCK; block++) {
         const int own = law->block_monomials[block];
-        const int32_t *places = law->rows + BLOCK * block, *pulled = law->pulled_rows + BLOCK * block;
-        if (own == 1) contract_block(from, 1, 1, monomials, all, contracted, places, slopes, set, pulled);
-        else if (t == 1) contract_block(from, 2, own, monomials, all, contracted, places, slopes, set, pulled);
-        else contract_block(from, 3, own, monomials, all, contracted, places, slopes, set, pulled);
+        const int32_t *places = law->rows + BLOCK * block, *slope_places = law->slope_rows + BLOCK * block;
+        if (own == 1) contract_block(from, 1, 1, monomials, all, contracted, places, slopes, set, slope_places);
+        else if (t == 1) contract_block(from, 2, own, monomials, all, contracted, places, slopes, set, slope_places);
+        else contract_block(from, 3, own, monomials, all, contracted, places, slopes, set, slope_places);
         for (int j = 2; j < t && own > 1; j += 2) {
             const double *weights = monomials + all * (1 + j);
-            if (j + 1 < t) contract_block(from, 2, own, weights, all, NULL, places, slopes + set * j, set, pulled);
-            else contract_block(from, 1, own, weights, all, NULL, places, slopes + set * j, set, pulled);
+            if (j + 1 < t) contract_block(from, 2, own, weights, all, NULL, places, slopes + set * j, set, slope_places);
+            else contract_block(from, 1, own, weights, all, NULL, places, slopes + set * j, set, slope_places);
         }
         from += ROW * own;
     }
@@ -75,65 +86,67 @@ void element_contract(const fingerfem_segment *segment, const fingerfem_law *law
  * products have derivatives by other components; its derivative at 1 + i. */
 typedef double factors[TENSIONS_POWERS][3][P];
 
-/* Of a wrench inside the box. */
-static inline void factors_of(const fingerfem_law *law, const double *wrench, factors force, factors moment)
+/* Chebyshev polynomials of a wrench inside the box, (powers, 8), and their derivatives. */
+static inline void polynomials(const fingerfem_law *law, const double *wrench, double (*values)[POSE], double (*slopes)[POSE])
 {
-    static const four own[3] = {{0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}, {0.0, 0.0, 0.0, 1.0}};
-    static const four others[3] = {{1.0, 0.0, 1.0, 1.0}, {1.0, 1.0, 0.0, 1.0}, {1.0, 1.0, 1.0, 0.0}};
-    const eight lower = eight_load(law->lower), scale = 2.0 / (eight_load(law->upper) - lower);
-    const eight z = scale * (eight_load(wrench) - lower) - 1.0;
-    eight value = {0.0}, slope = value, before = value, slope_before = value;
-    for (int k = 0; k <= law->most_power; k++) { /* T_0 = 1, T_1 = z, T_k = 2 z T_k-1 - T_k-2 */
-        const double twice = k > 1 ? 2.0 : 1.0;
-        const eight next = k ? twice * z * value - before : value + 1.0;
-        const eight slope_next = twice * (scale * value + z * slope) - slope_before;
-        double values[POSE], slopes[POSE];
-        before = value;
-        slope_before = slope;
-        eight_store(values, value = next);
-        eight_store(slopes, slope = slope_next);
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; i++) {
-            const four one = values[i] * others[i] + slopes[i] * own[i], other = values[3 + i] * others[i] + slopes[3 + i] * own[i];
-            memcpy(force[k][i], &one, sizeof one);
-            memcpy(moment[k][i], &other, sizeof other);
+#pragma GCC unroll 4
+    for (int part = 0; part < WIDE * WIDE_SIX; part += WIDE) {
+        const wide lower = wide_load(law->lower + part), scale = 2.0 / (wide_load(law->upper + part) - lower);
+        const wide z = scale * (wide_load(wrench + part) - lower) - 1.0;
+        wide value = {0.0}, slope = value, before = value, slope_before = value;
+        for (int k = 0; k <= law->most_power; k++) { /* T_0 = 1, T_1 = z, T_k = 2 z T_k-1 - T_k-2 */
+            const double twice = k > 1 ? 2.0 : 1.0;
+            const wide next = k ? twice * z * value - before : value + 1.0;
+            const wide slope_next = twice * (scale * value + z * slope) - slope_before;
+            before = value;
+            slope_before = slope;
+            wide_store(values[k] + part, value = next);
+            wide_store(slopes[k] + part, slope = slope_next);
         }
     }
+}
+
+static inline void factors_of(const fingerfem_law *law, const double *wrench, factors force, factors moment)
+{
+    static const double own[3][P] = {{0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}, {0.0, 0.0, 0.0, 1.0}};
+    static const double others[3][P] = {{1.0, 0.0, 1.0, 1.0}, {1.0, 1.0, 0.0, 1.0}, {1.0, 1.0, 1.0, 0.0}};
+    double values[TENSIONS_POWERS][POSE], slopes[TENSIONS_POWERS][POSE];
+    polynomials(law, wrench, values, slopes);
+    for (int k = 0; k <= law->most_power; k++)
+#pragma GCC unroll 6
+        for (int i = 0; i < 3 * HALVES; i++) {
+            const int c = i / HALVES, part = i % HALVES * P / HALVES;
+            const half value = *(const half *)(others[c] + part), slope = *(const half *)(own[c] + part);
+            *(half *)(force[k][c] + part) = values[k][c] * value + slopes[k][c] * slope;
+            *(half *)(moment[k][c] + part) = values[k][3 + c] * value + slopes[k][3 + c] * slope;
+        }
 }
 
 /* Products of three factors: value, then derivatives by the three. */
 static inline void products_of(int count, const int32_t *places, const factors of, double *products)
 {
     const double *from = of[0][0];
-    for (int n = 0; n < count; n++, places += 3, products += P) {
-        four one, two, three;
-        memcpy(&one, from + places[0], sizeof one);
-        memcpy(&two, from + places[1], sizeof two);
-        memcpy(&three, from + places[2], sizeof three);
-        one *= two * three;
-        memcpy(products, &one, sizeof one);
-    }
+    for (int n = 0; n < count; n++, places += 3, products += P)
+#pragma GCC unroll 2
+        for (int part = 0; part < P; part += P / HALVES) {
+            const half *one = (const half *)(from + places[0] + part), *two = (const half *)(from + places[1] + part);
+            *(half *)(products + part) = *one * *two * *(const half *)(from + places[2] + part);
+        }
 }
 
-void element_pose(const fingerfem_law *law, const double *contracted, const double *wrench, double *products, double *pose,
-                  double *by_wrench)
+/* A part of the sums over all products: of the pose, and of its derivatives by the wrench, (1 + 6, 8). */
+static inline void pose_part(const fingerfem_law *law, const double *contracted, const double *products, double *found)
 {
-    factors force, moment;
-    double held[POSE] = {0.0}, *moments = products + P * law->forces;
-    for (int i = 0; i < W; i++)
-        held[i] = wrench[i] < law->lower[i] ? law->lower[i] : wrench[i] > law->upper[i] ? law->upper[i] : wrench[i];
-    factors_of(law, held, force, moment);
-    products_of(law->forces, law->force_factors, force, products);
-    products_of(law->moments, law->moment_factors, moment, moments);
-    eight sums[1 + W] = {{0.0}};
+    const double *moments = products + P * law->forces;
+    wide sums[1 + W] = {{0.0}};
     int a = 0;
     for (; a < law->forces && law->moments_of[a] > 1; a++) {
         const double *own = products + P * a;
         const int count = law->moments_of[a];
-        eight even[P] = {eight_load(contracted)}, odd[P] = {{0.0}}; /* the first product of the moment is 1 */
+        wide even[P] = {wide_load(contracted)}, odd[P] = {{0.0}}; /* the first product of the moment is 1 */
         int b = 1;
         for (; b + 1 < count; b += 2) {
-            const eight one = eight_load(contracted + POSE * b), next = eight_load(contracted + POSE * (b + 1));
+            const wide one = wide_load(contracted + POSE * b), next = wide_load(contracted + POSE * (b + 1));
 #pragma GCC unroll 4
             for (int i = 0; i < P; i++) {
                 odd[i] += moments[P * b + i] * one;
@@ -141,7 +154,7 @@ void element_pose(const fingerfem_law *law, const double *contracted, const doub
             }
         }
         if (b < count) {
-            const eight one = eight_load(contracted + POSE * b);
+            const wide one = wide_load(contracted + POSE * b);
 #pragma GCC unroll 4
             for (int i = 0; i < P; i++) odd[i] += moments[P * b + i] * one;
         }
@@ -154,38 +167,51 @@ void element_pose(const fingerfem_law *law, const double *contracted, const doub
         for (int i = 1; i < P; i++) sums[3 + i] += own[0] * even[i];
     }
     for (; a < law->forces; a++, contracted += POSE) { /* with no moment */
-        const eight own = eight_load(contracted);
+        const wide own = wide_load(contracted);
 #pragma GCC unroll 4
         for (int i = 0; i < P; i++) sums[i] += products[P * a + i] * own;
     }
-#pragma GCC unroll 6
+#pragma GCC unroll 7
+    for (int i = 0; i <= W; i++) wide_store(found + POSE * i, sums[i]);
+}
+
+void element_pose(const fingerfem_law *law, const double *contracted, const double *wrench, double *products, double *pose)
+{
+    factors force, moment;
+    double held[POSE] = {0.0};
+    for (int i = 0; i < W; i++)
+        held[i] = wrench[i] < law->lower[i] ? law->lower[i] : wrench[i] > law->upper[i] ? law->upper[i] : wrench[i];
+    factors_of(law, held, force, moment);
+    products_of(law->forces, law->force_factors, force, products);
+    products_of(law->moments, law->moment_factors, moment, products + P * law->forces);
+    for (int part = 0; part < WIDE * WIDE_SIX; part += WIDE) pose_part(law, contracted + part, products, pose + part);
     for (int i = 0; i < W; i++) {
-        sums[0] += (wrench[i] - held[i]) * sums[1 + i];
-        eight_store(by_wrench + POSE * i, sums[1 + i]);
+        const double beyond = wrench[i] - held[i];
+        for (int o = 0; o < W && beyond != 0.0; o++) pose[o] += beyond * pose[POSE * (1 + i) + o];
     }
-    eight_store(pose, sums[0]);
 }
 
 void element_by_tensions(const fingerfem_segment *segment, const fingerfem_law *law, const double *contracted,
                          const double *products, double *by_tensions)
 {
-    const double *moments = products + P * law->forces;
-    for (int j = 0; j < segment->tensions; j++) {
-        const double *rows = contracted + POSE * (law->groups + law->pulled * j);
-        eight sum = {0.0};
+    const double *moments = products + P * law->forces, *slopes = contracted + POSE * law->groups;
+    for (int part = 0; part < WIDE * WIDE_SIX * segment->tensions; part += WIDE) {
+        const int j = part / (WIDE * WIDE_SIX), from = part % (WIDE * WIDE_SIX);
+        const double *rows = slopes + POSE * law->slope_count * j + from;
+        wide sum = {0.0};
         for (int a = 0; a < law->forces; a++) {
-            const int count = law->pulled_moments_of[a];
-            eight even = {0.0}, odd = {0.0};
+            const int count = law->slope_moments_of[a];
+            wide even = {0.0}, odd = {0.0};
             int b = 0;
             for (; b + 1 < count; b += 2) {
-                even += moments[P * b] * eight_load(rows + POSE * b);
-                odd += moments[P * (b + 1)] * eight_load(rows + POSE * (b + 1));
+                even += moments[P * b] * wide_load(rows + POSE * b);
+                odd += moments[P * (b + 1)] * wide_load(rows + POSE * (b + 1));
             }
-            if (b < count) even += moments[P * b] * eight_load(rows + POSE * b);
+            if (b < count) even += moments[P * b] * wide_load(rows + POSE * b);
             sum += products[P * a] * (even + odd);
             rows += POSE * count;
         }
-        eight_store(by_tensions + POSE * j, sum);
+        wide_store(by_tensions + POSE * j + from, sum);
     }
 }
 
@@ -193,21 +219,24 @@ void element_by_tensions(const fingerfem_segment *segment, const fingerfem_law *
 __attribute__((always_inline)) static inline void free_sums(const fingerfem_law *law, int count, const double *weights, int stride,
                                                             double *found)
 {
-    eight even[MOST_SETS] = {{0.0}}, odd[MOST_SETS] = {{0.0}};
-    int m = 0;
-    for (; m + 1 < law->monomials; m += 2) {
-        const eight one = eight_load(law->free_coefficients + POSE * m), next = eight_load(law->free_coefficients + POSE * (m + 1));
+    for (int part = 0; part < WIDE * WIDE_SIX; part += WIDE) {
+        const double *from = law->free_coefficients + part;
+        wide even[MOST_SETS] = {{0.0}}, odd[MOST_SETS] = {{0.0}};
+        int m = 0;
+        for (; m + 1 < law->monomials; m += 2) {
+            const wide one = wide_load(from + POSE * m), next = wide_load(from + POSE * (m + 1));
 #pragma GCC unroll 3
-        for (int k = 0; k < count; k++) {
-            even[k] += weights[stride * k + m] * one;
-            odd[k] += weights[stride * k + m + 1] * next;
+            for (int k = 0; k < count; k++) {
+                even[k] += weights[stride * k + m] * one;
+                odd[k] += weights[stride * k + m + 1] * next;
+            }
         }
+        for (; m < law->monomials; m++)
+#pragma GCC unroll 3
+            for (int k = 0; k < count; k++) even[k] += weights[stride * k + m] * wide_load(from + POSE * m);
+#pragma GCC unroll 3
+        for (int k = 0; k < count; k++) wide_store(found + POSE * k + part, even[k] + odd[k]);
     }
-    for (; m < law->monomials; m++)
-#pragma GCC unroll 3
-        for (int k = 0; k < count; k++) even[k] += weights[stride * k + m] * eight_load(law->free_coefficients + POSE * m);
-#pragma GCC unroll 3
-    for (int k = 0; k < count; k++) eight_store(found + POSE * k, even[k] + odd[k]);
 }
 
 void element_free(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, double *found)

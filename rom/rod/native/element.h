@@ -2,7 +2,7 @@
  * wrench is evaluated, as sums over products of the force and, inside these, over products of the moment. */
 #ifndef FINGERFEM_ELEMENT_H
 #define FINGERFEM_ELEMENT_H
-#include "eight.h"
+#include "wide.h"
 #include "tensions.h"
 
 enum { ELEMENT_PRODUCT = 4 /* numbers of a product of a force, or of a moment: its value and its derivatives */ };
@@ -12,13 +12,12 @@ int element_contracted(const fingerfem_segment *segment, const fingerfem_law *la
 int element_products(const fingerfem_segment *segment, const fingerfem_law *law);
 
 /* Coefficients of the wrench's products at tensions of which the monomials are known, (groups, 8), and their derivatives by
- * these, (tensions, pulled, 8). */
+ * these, (tensions, slope_count, 8). */
 void element_contract(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, double *contracted);
 
-/* Pose, (8), and its derivatives by the wrench, (6, 8), from contracted coefficients; linear beyond the box. Products of
- * force and moment are left in `products`. */
-void element_pose(const fingerfem_law *law, const double *contracted, const double *wrench, double *products, double *pose,
-                  double *by_wrench);
+/* Pose and its derivatives by the wrench, (1 + 6, 8), from contracted coefficients; linear beyond the box. Products of force
+ * and moment are left in `products`. */
+void element_pose(const fingerfem_law *law, const double *contracted, const double *wrench, double *products, double *pose);
 
 /* Derivatives of the pose by the tensions, (tensions, 8), with the products that `element_pose` has left, inside the box.
  * Beyond it, the slopes by the wrench do not change with the tensions. */

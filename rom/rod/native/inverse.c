@@ -1,11 +1,40 @@
+/* Where a segment's plate is, and the wrench that has it there. */
 #include <math.h>
 #include "rod_march.h"
 #include "small.h"
+
+enum { W = FINGERFEM_WRENCH };
 
 #define EVALUATIONS 40
 #define MET 1e-9       /* of a pose, turns by half the plate's side [m]: one more step of Newton's is then exact */
 #define LONGEST 0.25   /* of the box, that a wrench changes at once */
 #define SHORTEST 1e-3  /* share of a step that is tried, before the pose counts as out of reach */
+
+int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *memory,
+                    double *centre, double *rotation, double *motion)
+{
+    const int t = segment->tensions, columns = t + W;
+    double held[TENSIONS_MOST], by_tensions[W][TENSIONS_MOST];
+    rod_state rod;
+    rod_end end;
+    const int within = tensions_all_clamped(segment, tensions, held);
+    rod_set_tensions(segment, held, memory, memory + rod_memory(segment), &rod);
+    rod_contract(&rod);
+    rod_under(&rod, wrench, &end);
+    rod_by_tensions(&rod, by_tensions);
+    for (int i = 0; i < 3; i++) {
+        centre[i] = 0.0;
+        for (int j = 0; j < 3; j++) {
+            rotation[3 * i + j] = end.rotation[3 * j + i];
+            centre[i] -= end.rotation[3 * j + i] * end.place[j];
+        }
+    }
+    for (int i = 0; i < W; i++) {
+        for (int j = 0; j < t; j++) motion[columns * i + j] = held[j] == tensions[j] ? by_tensions[i][j] : 0.0;
+        memcpy(motion + columns * i + t, end.by_wrench[i], sizeof end.by_wrench[i]);
+    }
+    return within && end.inside;
+}
 
 /* The rotation, (3, 3), of a quaternion of any length. */
 static void rotation_of(const double *quaternion, double *rotation)
@@ -55,15 +84,14 @@ static double size_of(const fingerfem_segment *segment, const double *motion)
 int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, const double *centre,
                    const double *quaternion, double *memory, double *wrench, double *stiffness, int32_t *inside)
 {
-    enum { W = FINGERFEM_WRENCH };
     const int t = segment->tensions;
     const double *lower = segment->lower + t, *upper = segment->upper + t;
     double held[TENSIONS_MOST], target[9], yielding[W * W], motion[W], step[W], tried[W];
     rod_state rod;
     rod_end end;
     double least = INFINITY, share = 1.0;
-    *inside = tensions_all_held(segment, tensions, held);
-    rod_pull(segment, held, memory, memory + rod_memory(segment), &rod);
+    *inside = tensions_all_clamped(segment, tensions, held);
+    rod_set_tensions(segment, held, memory, memory + rod_memory(segment), &rod);
     rod_contract(&rod);
     rotation_of(quaternion, target);
     memcpy(tried, wrench, sizeof tried);
@@ -111,7 +139,6 @@ int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, con
 void fingerfem_spring(const fingerfem_segment *segment, const double *quaternion, const double *wrench,
                       const double *stiffness, double *force, double *seen)
 {
-    enum { W = FINGERFEM_WRENCH };
     const double size = segment->half_lengths[1], *f = wrench;
     /* The force turns with the plate: R (K dx + turn x f). */
     const double follows[3][3] = {{0.0, f[2], -f[1]}, {-f[2], 0.0, f[0]}, {f[1], -f[0], 0.0}};

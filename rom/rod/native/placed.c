@@ -116,12 +116,12 @@ int fingerfem_contacts(const fingerfem_touching *touching, const double *tension
                        double *normals, double *point_changes, double *normal_changes)
 {
     const fingerfem_chain *chain = touching->chain;
-    chain_pulled map;
+    chain_rods map;
     const contact_problem problem = {touching, &map, W * chain->plates};
     placed at = {.contacts.count = 0};
     double held[TENSIONS_MOST];
-    tensions_all_held(chain->segments[0], tensions, held);
-    chain_pull(chain, held, memory, &map);
+    tensions_all_clamped(chain->segments[0], tensions, held);
+    chain_set_tensions(chain, held, memory, &map);
     for (int plate = 0; plate < chain->plates; plate++) {
         memcpy(at.chain.plates[plate].centre, centres + 3 * plate, 3 * sizeof *centres);
         memcpy(at.chain.plates[plate].rotation, rotations + 9 * plate, 9 * sizeof *rotations);

@@ -8,14 +8,14 @@
  *     b' = b + s Q (1 + [g]x) dg,    dp' = dp + b x Q q + Q dq,
  *
  * where dq and dg are the element's, by the tensions, and by the wrench that changes as its section moves. They are rows of
- * eight numbers, one for every input. */
+ * numbers, one for every input, in parts. */
 #include "rod_march.h"
 
 enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
 
-/* How a section moves and turns with all inputs, in the plate's frame. */
+/* How a section moves and turns with a part of the inputs, in the plate's frame. */
 typedef struct {
-    eight move[3], turn[3];
+    wide move[3], turn[3];
 } motion;
 
 static const fingerfem_law *law_of(const rod_state *rod, int k) { return rod->segment->law[rod->segment->law_of[k]]; }
@@ -45,13 +45,13 @@ int rod_work(const fingerfem_segment *segment)
 
 int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_memory(segment) + rod_work(segment); }
 
-void rod_pull(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found)
+void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found)
 {
     found->segment = segment;
     found->free_stride = POSE * (1 + segment->tensions);
     found->contracted_stride = most(segment, element_contracted);
     found->products_stride = most(segment, element_products);
-    memory += (0 - (uintptr_t)memory / sizeof *memory) % POSE; /* whole eights lie in one line of the cache */
+    memory += (0 - (uintptr_t)memory / sizeof *memory) % POSE; /* a row lies in one line of the cache */
     found->contracted = memory;
     memory += segment->laws * found->contracted_stride;
     found->free = memory;
@@ -92,10 +92,10 @@ static void advance(rod_element *element, double *place, double *rotation)
 }
 
 /* The motion of an element's proximal section, from that of its distal one and from changes of its pose, (6). */
-static inline void move_on(const rod_element *element, const eight *change, motion *moved)
+static inline void move_on(const rod_element *element, const wide *change, motion *moved)
 {
     const double *a = element->arm;
-    eight turn[3];
+    wide turn[3];
     memcpy(turn, moved->turn, sizeof turn);
 #pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
@@ -108,10 +108,15 @@ static inline void move_on(const rod_element *element, const eight *change, moti
     moved->move[2] += turn[0] * a[1] - turn[1] * a[0];
 }
 
-static const eight units[POSE] = {
-    {1.0}, {0.0, 1.0}, {0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 1.0},
-    {0.0, 0.0, 0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0},
-};
+/* A part of the row of an input that changes itself. */
+static inline wide unit(int input, int part)
+{
+    static const double units[POSE][POSE] = {
+        {1.0}, {0.0, 1.0}, {0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 1.0},
+        {0.0, 0.0, 0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0},
+    };
+    return wide_load(units[input] + part);
+}
 
 static inline void cross(const double *a, const double *b, double *found)
 {
@@ -140,13 +145,14 @@ static inline void carry(const double *wrench, rod_element *element)
     }
 }
 
-/* How that changes as the section moves, and, where the inputs are the wrench's components, with these; (6). */
+/* How that changes as the section moves, (6), and, where the inputs are the wrench's components, with these, of which it is
+ * a part. */
 __attribute__((always_inline)) static inline void carry_change(const double *wrench, const rod_element *element,
-                                                               const motion *moved, int by_wrench, eight *change)
+                                                               const motion *moved, int by_wrench, int part, wide *change)
 {
     const double *Q = element->rotation, *f = wrench, *p = element->place;
-    const eight *dp = moved->move, *b = moved->turn;
-    eight force[3], moment[3];
+    const wide *dp = moved->move, *b = moved->turn;
+    wide force[3], moment[3];
     double m[3];
     moment_at(p, wrench, m);
 #pragma GCC unroll 3
@@ -155,8 +161,8 @@ __attribute__((always_inline)) static inline void carry_change(const double *wre
         force[i] = b[l] * f[j] - b[j] * f[l];
         moment[i] = (dp[l] * f[j] - dp[j] * f[l]) + (b[l] * m[j] - b[j] * m[l]);
         if (!by_wrench) continue;
-        force[i] += units[i];
-        moment[i] += units[3 + i] - (p[j] * units[l] - p[l] * units[j]);
+        force[i] += unit(i, part);
+        moment[i] += unit(3 + i, part) - (p[j] * unit(l, part) - p[l] * unit(j, part));
     }
 #pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
@@ -166,7 +172,7 @@ __attribute__((always_inline)) static inline void carry_change(const double *wre
 }
 
 /* Add the change of an element's pose, (6), with the wrench that it carries. */
-static inline void yield_to(const rod_element *element, const eight *wrench, eight *change)
+static inline void add_by_wrench(const rod_element *element, const wide *wrench, wide *change)
 {
 #pragma GCC unroll 6
     for (int i = 0; i < W; i++)
@@ -174,120 +180,105 @@ static inline void yield_to(const rod_element *element, const eight *wrench, eig
         for (int o = 0; o < W; o++) change[o] += element->by_wrench[POSE * i + o] * wrench[i];
 }
 
-/* The motion of the plate seen from the clamp, in its own frame, by that of the clamp seen from the plate. */
-static inline void seen_from_clamp(const double *place, const motion *clamp, eight *found)
+/* A part of the motion of the plate seen from the clamp, in its own frame, (6, 8), by that of the clamp seen from the plate. */
+static inline void seen_from_clamp(const double *place, const motion *clamp, double *found)
 {
-    const eight *b = clamp->turn;
+    const wide *b = clamp->turn;
     const double *p = place;
 #pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
         const int j = (i + 1) % 3, l = (i + 2) % 3;
-        found[i] = b[j] * p[l] - b[l] * p[j] - clamp->move[i];
-        found[3 + i] = -b[i];
+        wide_store(found + POSE * i, b[j] * p[l] - b[l] * p[j] - clamp->move[i]);
+        wide_store(found + POSE * (3 + i), -b[i]);
     }
 }
 
-static const double plate_place[3] = {0.0}, plate_rotation[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+/* Begin at the plate, or where the element before ends. */
+static inline void begin(rod_element *element, int k, rod_end *end)
+{
+    static const double place[3] = {0.0}, rotation[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+    memcpy(element->place, k ? end->place : place, sizeof place);
+    memcpy(element->rotation, k ? end->rotation : rotation, sizeof rotation);
+}
 
 void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
 {
     const fingerfem_segment *segment = rod->segment;
-    motion moved = {{{0.0}}, {{0.0}}};
-    eight seen[W];
+    motion moved[WIDE_SIX] = {{{{0.0}}, {{0.0}}}};
+    double seen[W * POSE];
     end->inside = 1;
-    memcpy(end->place, plate_place, sizeof end->place);
-    memcpy(end->rotation, plate_rotation, sizeof end->rotation);
     for (int k = 0; k < segment->elements; k++) {
         rod_element *element = rod->elements + k;
         const fingerfem_law *law = law_of(rod, k);
-        eight carried[W], change[W] = {{0.0}};
-        memcpy(element->place, end->place, sizeof element->place);
-        memcpy(element->rotation, end->rotation, sizeof element->rotation);
+        begin(element, k, end);
         carry(wrench, element);
         end->inside &= element_inside(law, element->wrench);
         element_pose(law, rod->contracted + segment->law_of[k] * rod->contracted_stride, element->wrench,
-                     rod->products + k * rod->products_stride, element->pose, element->by_wrench);
+                     rod->products + k * rod->products_stride, element->pose);
         advance(element, end->place, end->rotation);
-        if (k) carry_change(wrench, element, &moved, 1, carried);
-        yield_to(element, k ? carried : units, change);
-        move_on(element, change, &moved);
+#pragma GCC unroll 3
+        for (int part = 0; part < WIDE_SIX; part++) {
+            wide carried[W], change[W] = {{0.0}};
+            carry_change(wrench, element, moved + part, 1, WIDE * part, carried);
+            add_by_wrench(element, carried, change);
+            move_on(element, change, moved + part);
+        }
     }
-    seen_from_clamp(end->place, &moved, seen);
-    for (int i = 0; i < W; i++) memcpy(end->by_wrench[i], seen + i, sizeof end->by_wrench[i]);
+    for (int part = 0; part < WIDE_SIX; part++) seen_from_clamp(end->place, moved + part, seen + WIDE * part);
+    for (int i = 0; i < W; i++) memcpy(end->by_wrench[i], seen + POSE * i, sizeof end->by_wrench[i]);
+}
+
+/* A part of an element's changes by the tensions, (6), from those of its pose by every one, (tensions, 8). */
+static inline void add_by_tensions(int tensions, const double *by_tensions, int part, wide *change)
+{
+    for (int j = part; j < tensions && j < part + WIDE; j++)
+#pragma GCC unroll 6
+        for (int o = 0; o < W; o++) change[o] += by_tensions[POSE * j + o] * unit(j, part);
 }
 
 void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
+    const int t = segment->tensions;
     const double *wrench = rod->elements[0].wrench;
-    motion moved = {{{0.0}}, {{0.0}}};
-    eight seen[W];
+    motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     double end[3], own[TENSIONS_MOST * POSE];
     for (int k = 0; k < segment->elements; k++) {
         const rod_element *element = rod->elements + k;
-        eight carried[W], change[W] = {{0.0}};
         element_by_tensions(segment, law_of(rod, k), rod->contracted + segment->law_of[k] * rod->contracted_stride,
                             rod->products + k * rod->products_stride, own);
-        for (int j = 0; j < segment->tensions; j++)
-            for (int o = 0; o < W; o++) change[o] += own[POSE * j + o] * units[j];
-        if (k) carry_change(wrench, element, &moved, 0, carried);
-        if (k) yield_to(element, carried, change);
-        move_on(element, change, &moved);
+        for (int part = 0; WIDE * part < t; part++) {
+            wide carried[W], change[W] = {{0.0}};
+            add_by_tensions(t, own, WIDE * part, change);
+            carry_change(wrench, element, moved + part, 0, 0, carried);
+            add_by_wrench(element, carried, change);
+            move_on(element, change, moved + part);
+        }
         for (int i = 0; i < 3; i++) end[i] = element->place[i] + element->arm[i];
     }
-    seen_from_clamp(end, &moved, seen);
-    memcpy(by_tensions, seen, sizeof seen);
+    for (int part = 0; WIDE * part < t; part++) seen_from_clamp(end, moved + part, by_tensions[0] + WIDE * part);
 }
 
 void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
-    motion moved = {{{0.0}}, {{0.0}}};
-    eight seen[W];
+    const int t = segment->tensions;
+    motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     end->inside = 1; /* every box is as wide to both sides of no wrench */
     memset(end->by_wrench, 0, sizeof end->by_wrench);
-    memcpy(end->place, plate_place, sizeof end->place);
-    memcpy(end->rotation, plate_rotation, sizeof end->rotation);
     for (int k = 0; k < segment->laws; k++)
         element_free(segment, segment->law[k], rod->monomials, rod->free + k * rod->free_stride);
     for (int k = 0; k < segment->elements; k++) {
         const double *free = rod->free + segment->law_of[k] * rod->free_stride;
         rod_element *element = rod->elements + k;
-        eight change[W] = {{0.0}};
-        memcpy(element->place, end->place, sizeof element->place);
-        memcpy(element->rotation, end->rotation, sizeof element->rotation);
+        begin(element, k, end);
         memcpy(element->pose, free, sizeof element->pose);
-        for (int j = 0; j < segment->tensions; j++)
-            for (int o = 0; o < W; o++) change[o] += free[POSE * (1 + j) + o] * units[j];
         advance(element, end->place, end->rotation);
-        move_on(element, change, &moved);
-    }
-    seen_from_clamp(end->place, &moved, seen);
-    memcpy(by_tensions, seen, sizeof seen);
-}
-
-int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *memory,
-                    double *centre, double *rotation, double *motion)
-{
-    const int t = segment->tensions, columns = t + W;
-    double held[TENSIONS_MOST], by_tensions[W][TENSIONS_MOST];
-    rod_state rod;
-    rod_end end;
-    const int within = tensions_all_held(segment, tensions, held);
-    rod_pull(segment, held, memory, memory + rod_memory(segment), &rod);
-    rod_contract(&rod);
-    rod_under(&rod, wrench, &end);
-    rod_by_tensions(&rod, by_tensions);
-    for (int i = 0; i < 3; i++) {
-        centre[i] = 0.0;
-        for (int j = 0; j < 3; j++) {
-            rotation[3 * i + j] = end.rotation[3 * j + i];
-            centre[i] -= end.rotation[3 * j + i] * end.place[j];
+        for (int part = 0; WIDE * part < t; part++) {
+            wide change[W] = {{0.0}};
+            add_by_tensions(t, free + POSE, WIDE * part, change);
+            move_on(element, change, moved + part);
         }
     }
-    for (int i = 0; i < W; i++) {
-        for (int j = 0; j < t; j++) motion[columns * i + j] = held[j] == tensions[j] ? by_tensions[i][j] : 0.0;
-        memcpy(motion + columns * i + t, end.by_wrench[i], sizeof end.by_wrench[i]);
-    }
-    return within && end.inside;
+    for (int part = 0; WIDE * part < t; part++) seen_from_clamp(end->place, moved + part, by_tensions[0] + WIDE * part);
 }

@@ -9,9 +9,9 @@ enum { ROD_WRENCH = FINGERFEM_WRENCH };
  * in its own frame; the element's pose, its place turned into the plate's frame, its derivatives by the wrench; and what
  * turns a change of its Gibbs vector into a turn in the plate's frame. */
 typedef struct {
-    double by_wrench[ROD_WRENCH * FINGERFEM_POSE], pose[FINGERFEM_POSE]; /* first, as they are eights */
+    double pose[FINGERFEM_POSE], by_wrench[ROD_WRENCH * FINGERFEM_POSE]; /* first, each row in one line of the cache */
     double place[3], rotation[9], wrench[ROD_WRENCH], arm[3], turning[9];
-    double unused[2]; /* the next one begins with an eight */
+    double unused[2]; /* the next one begins in another line */
 } rod_element;
 
 /* A rod at some tensions; all in memory of fingerfem_segment_memory's size, of which several rods may share the last
@@ -35,7 +35,7 @@ int rod_memory(const fingerfem_segment *segment);
 int rod_work(const fingerfem_segment *segment);
 
 /* A rod at tensions inside their box, in such memory; for `rod_free`, it need not be contracted. */
-void rod_pull(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found);
+void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found);
 void rod_contract(const rod_state *rod);
 
 /* The end of a contracted rod under a wrench on its plate, (6). */

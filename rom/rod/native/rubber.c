@@ -137,11 +137,11 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     const int t = chain->tensions;
     const double d = fmax(object->nearest, fmin(object->farthest, point[t]));
     double held[TENSIONS_MOST], corner[3], normal[3], least = INFINITY;
-    chain_pulled map;
+    chain_rods map;
     chain_state state;
     if (!any_skin(chain) || point[t] == INFINITY) return INFINITY;
-    tensions_all_held(chain->segments[0], point, held);
-    chain_pull(chain, held, memory, &map);
+    tensions_all_clamped(chain->segments[0], point, held);
+    chain_set_tensions(chain, held, memory, &map);
     chain_contract(&map);
     chain_under(&map, wrench, &state);
     for (int k = 0; k < chain->plates; k++) {
@@ -175,7 +175,7 @@ static void note(const chain_plate *plate, const double *place, const double *no
 }
 
 /* How a point of a section, a share of the way from one corner to the next, moves with the tensions, seen from its plate. */
-static void moves_by_tensions(const chain_pulled *map, int q, int number, int corner, double share, double *work, double *found)
+static void moves_by_tensions(const chain_rods *map, int q, int number, int corner, double share, double *work, double *found)
 {
     const fingerfem_chain *chain = map->chain;
     const fingerfem_segment *segment = chain->segments[q];

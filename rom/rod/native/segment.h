@@ -4,8 +4,8 @@
 #define FINGERFEM_SEGMENT_H
 #include <stdint.h>
 
-/* Numbers of an element's pose, in rows of FINGERFEM_POSE, the last two of no meaning: place of its proximal section seen from the distal one [m], and the Gibbs
- * vector tan(angle / 2) axis of that rotation [-]. */
+/* Six numbers of an element's pose, in rows of FINGERFEM_POSE: place of its proximal section seen from the distal one [m],
+ * and the Gibbs vector tan(angle / 2) axis of that rotation [-]. */
 enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12, FINGERFEM_MOST_PLATES = 3 };
 
 /* Limits of a segment, which are checked before its struct is made. */
@@ -25,7 +25,7 @@ enum { FINGERFEM_PLANE = 0, FINGERFEM_SPHERE = 1, FINGERFEM_CYLINDER = 2, FINGER
  * force goes with the first moments_of[a] of the moment's, of which the very first is 1; so the groups lie in `rows`. Each
  * has the first monomials of the segment's tensions, as many as its own degree leaves, the very first of which is 1. Groups
  * are stored in blocks that have as many, the most first. */
-enum { FINGERFEM_BLOCK = 4, FINGERFEM_BLOCK_ROW = 24 /* 4 x 6 */, FINGERFEM_SKIN_ROW = 32 /* a skin's numbers fill rows of so many */, FINGERFEM_CORNERS = 24 /* 8 x 3 */ };
+enum { FINGERFEM_BLOCK = 4, FINGERFEM_BLOCK_ROW = 24 /* 4 x 6 */ };
 typedef struct {
     int32_t groups, monomials;       /* groups fill whole blocks */
     int32_t forces, moments;         /* products of each */
@@ -34,13 +34,16 @@ typedef struct {
     const int32_t *force_factors, *moment_factors; /* (forces, 3), (moments, 3): 4 (3 power + component) of every factor */
     const int32_t *moments_of;       /* (forces): how many go with each */
     const int32_t *rows;             /* (groups): the row of each among the contracted ones */
-    int32_t pulled;                  /* rows of those with two monomials or more, on which tensions have an effect, and one */
-    const int32_t *pulled_moments_of; /* (forces): how many of these go with each product of the force */
-    const int32_t *pulled_rows;      /* (groups): the row of each among these; of others the last one */
+    int32_t slope_count;             /* groups that depend on tensions, which have two monomials at least; and one row more */
+    const int32_t *slope_moments_of; /* (forces): how many of these go with each product of the force, the first ones */
+    const int32_t *slope_rows;       /* (groups): the row of each among these; of all others the last one */
     const int32_t *block_monomials;  /* (groups / FINGERFEM_BLOCK) */
     const double *coefficients;      /* (block, block_monomials, FINGERFEM_BLOCK, 6) */
     const double *free_coefficients; /* (monomials, FINGERFEM_POSE): of the pose without a wrench */
 } fingerfem_law;
+
+/* Numbers of a plate's corners, 8 x 3; and of the rows that a skin's numbers fill. */
+enum { FINGERFEM_CORNERS = 24, FINGERFEM_SKIN_ROW = 32 };
 
 /* A segment: a rod of elements in series, from its plate to its clamp, of which several may share a law. */
 typedef struct {

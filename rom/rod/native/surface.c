@@ -137,10 +137,10 @@ int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tension
 {
     const int t = chain->tensions;
     double held[TENSIONS_MOST], before[EDGES][3], along[3] = {1.0, 0.0, 0.0};
-    chain_pulled map;
+    chain_rods map;
     chain_state state;
-    tensions_all_held(chain->segments[0], tensions, held);
-    chain_pull(chain, held, memory, &map);
+    tensions_all_clamped(chain->segments[0], tensions, held);
+    chain_set_tensions(chain, held, memory, &map);
     chain_contract(&map);
     chain_under(&map, wrenches, &state);
     for (int edge = 0; edge < EDGES; edge++) rubber_begin(chain, edge, before[edge]);

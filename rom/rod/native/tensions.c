@@ -1,11 +1,10 @@
 #include "tensions.h"
-#include <string.h>
 
-int tensions_all_held(const fingerfem_segment *segment, const double *tensions, double *held)
+int tensions_all_clamped(const fingerfem_segment *segment, const double *tensions, double *held)
 {
     int inside = 1;
     for (int k = 0; k < segment->tensions; k++) {
-        held[k] = tensions_held(segment, k, tensions[k]);
+        held[k] = tensions_clamped(segment, k, tensions[k]);
         inside &= held[k] == tensions[k];
     }
     return inside;

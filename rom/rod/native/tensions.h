@@ -1,6 +1,7 @@
 /* What the tensions of a segment make alone: monomials, of which all its laws take the first ones, and how a plate bends. */
 #ifndef FINGERFEM_TENSIONS_H
 #define FINGERFEM_TENSIONS_H
+#include <string.h>
 #include "segment.h"
 
 enum { TENSIONS_MOST = FINGERFEM_MOST_TENSIONS, TENSIONS_POWERS = FINGERFEM_MOST_POWER + 1 };
@@ -20,14 +21,14 @@ static inline void tensions_chebyshev(double z, int most, double *values, double
 }
 
 /* Tension k within its box; NaN is the lowest. */
-static inline double tensions_held(const fingerfem_segment *segment, int k, double tension)
+static inline double tensions_clamped(const fingerfem_segment *segment, int k, double tension)
 {
     const double held = tension > segment->lower[k] ? tension : segment->lower[k];
     return held < segment->upper[k] ? held : segment->upper[k];
 }
 
 /* All tensions within the box, (tensions); returns whether they all were. */
-int tensions_all_held(const fingerfem_segment *segment, const double *tensions, double *held);
+int tensions_all_clamped(const fingerfem_segment *segment, const double *tensions, double *held);
 
 /* Monomials of tensions inside their box, and their derivatives by these, (1 + tensions, monomials). */
 void tensions_monomials(const fingerfem_segment *segment, const double *tensions, double *found);

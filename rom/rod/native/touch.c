@@ -173,15 +173,15 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     const fingerfem_object *object = touching->object;
     const int t = chain->tensions, p = t + 1;
     double held[TENSIONS_MOST];
-    chain_pulled map;
+    chain_rods map;
     contact_state state;
     touched_point first;
     const contact_problem problem = {touching, &map, W * chain->plates};
     const size_t size = (size_t)problem.size * sizeof *wrench;
     memset(jacobian, 0, (size_t)(FINGERFEM_ROWS * p) * sizeof *jacobian);
     if (by_object) memset(by_object, 0, W * FINGERFEM_ROWS * sizeof *by_object);
-    *inside = tensions_all_held(chain->segments[0], point, held);
-    chain_pull(chain, held, memory, &map);
+    *inside = tensions_all_clamped(chain->segments[0], point, held);
+    chain_set_tensions(chain, held, memory, &map);
     memset(state.wrench, 0, sizeof state.wrench);
     memset(state.forces, 0, sizeof state.forces);
     chain_free(&map, &state.at.chain);

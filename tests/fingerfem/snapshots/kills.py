@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from fingerfem.snapshots import ledger
-from rom import Surrogate
+from rom import Rod, Surrogate
 from rom.export.c_header import export
 from rom.export.page import write as write_page
 from rom.rod.touched_segment import SHIPPED

@@ -144,7 +144,6 @@ def check_edges(scene: Scene, lines: list[np.ndarray], nodes: np.ndarray) -> Non
     x, corners = lines[0], 2 if scene.is_half else 4
     assert len(finger.edge_nodes) == corners * len(x)
     assert len(finger.sections) == len(x) and np.abs(finger.sections - x).max() < scene.outline.tolerance
-    assert nodes[chosen, 0].max() < scene.outline.plates[-1][0] - scene.outline.tolerance
     for k, (start, end) in enumerate(scene.outline.plates):
         layers = np.sum((x > start * (1 - 1e-9)) & (x < end * (1 + 1e-9)))
         assert in_plate(scene.outline, k, nodes.T).sum() == layers * len(lines[1]) * len(lines[2])

@@ -13,7 +13,7 @@ import pytest
 from control.least_squares import CONVERGED, GOING, LIMIT, STATIONARY
 from control.native import CONTROL
 from rom.fit.layout import RegimeLayout
-from rom.native import EVALUATION, FEATURES, HERE, Library, NoCompiler, answer, forms, processor
+from rom.native import EVALUATION, FEATURES, HERE, LINE, Library, NoCompiler, answer, forms, processor
 
 ROOT = Path(__file__).resolve().parents[3]
 HALF = "double {name}(double x);\n", "double {name}(double x) {{ return {factor} * x; }}\n"
@@ -125,6 +125,12 @@ def test_the_sources_allocate_nothing_and_keep_no_state():
             text = re.sub(r"/\*.*?\*/", "", file.read_text(), flags=re.DOTALL)
             assert not re.search(r"\b(malloc|calloc|realloc|alloca)\b", text), file
             assert not re.search(r"^static (?!inline|const)[^(]*[;=]", text, re.MULTILINE), file
+
+
+def test_arrays_of_structs_begin_with_a_cache_line():
+    """Vectors of as many bytes then lie in one line each."""
+    found = EVALUATION.struct("fingerfem_tables", data=np.arange(3.0))
+    assert int(EVALUATION.ffi.cast("uintptr_t", found.data)) % LINE == 0 and list(found.data[0:3]) == [0.0, 1.0, 2.0]
 
 
 def test_a_model_that_has_answered_can_be_pickled(surrogate):

@@ -5,15 +5,15 @@ inner wrench is carried from the plate to the clamp, the strains follow from it,
 """
 
 import numpy as np
-from scipy.spatial.transform import Rotation
-
-from rom.error_statistics import quantiles
-from rom.fit.chebyshev import Polynomial
 from rom.segment.segment_map import SegmentMap
 from rom.segment.training import pose_fit
 from rom.segment.training.build import few_products, skin_fit
 from rom.segment.training.mirrors import with_images
 from rom.snapshots.pressed_states import PressedStates
+from scipy.spatial.transform import Rotation
+
+from rom.error_statistics import quantiles
+from rom.fit.chebyshev import Polynomial
 
 LENGTH, PLATE, SIDE, YOUNG, OFFSET = 0.049, 0.001, 0.010, 1.1e7, 0.004
 AXIAL, BENDING, TORSION = YOUNG * SIDE**2, YOUNG * SIDE**4 / 12, YOUNG / 3 * 0.141 * SIDE**4

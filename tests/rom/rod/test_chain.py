@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from control import Finger
 from rom.checked_file import ModelError
-from rom.rod.rod import Chain
 from rom.rod.objects import Object, Plane, Sphere, box, facing_plane
+from rom.rod.rod import Chain
 from rom.rod.touched_segment import TouchedSegment
 from tests.rom.rod import kirchhoff as rod
 

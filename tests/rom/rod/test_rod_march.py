@@ -8,11 +8,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom.checked_file import ModelError
+from rom.elements.march import march
 from rom.fit.chebyshev import total_degree
 from rom.native import SEGMENT
-from rom.elements.march import march
 from rom.rod import limits, native
 from rom.rod.inverse_map import InverseMap
+from rom.rod.native.arrangement import BLOCK, POSE
 from rom.rod.objects import Plane
 from tests.rom.elements import laws
 
@@ -218,7 +219,7 @@ REFUSED = {
     steep: "powers of law 0 must be from 0 to 31, got 0 to 36",
     uneven: "box must be as wide to both sides of no wrench",
     endless: "coefficients of powers of law 0 must be finite",
-    scattered: "law 0 must be at most 1048576 products, padded",
+    scattered: "laws must have at most 1048576 products, all as the largest, padded, got ",
 }
 
 
@@ -231,7 +232,9 @@ def test_a_law_beyond_what_compiled_code_holds_is_refused_by_name_and_limit(chan
 def test_a_rod_beyond_what_compiled_code_holds_is_refused_by_name_and_limit():
     element = laws.law(2, 0, degree=1)
     most = limits.MOST_ELEMENTS
-    assert most == SEGMENT.functions.FINGERFEM_MOST_ELEMENTS
+    lib = SEGMENT.functions
+    assert (most, BLOCK, POSE) == (lib.FINGERFEM_MOST_ELEMENTS, lib.FINGERFEM_BLOCK, lib.FINGERFEM_POSE)
+    assert (limits.ELEMENT, limits.ELEMENT * BLOCK) == (lib.FINGERFEM_WRENCH, lib.FINGERFEM_BLOCK_ROW)
     with pytest.raises(ModelError, match=f"elements must be from 1 to {most}, got {most + 1}"):
         compiled([element] * (most + 1))
     with pytest.raises(ModelError, match="tensions of all elements must have one box"):
