@@ -6,7 +6,7 @@
 
 /* Six numbers of an element's pose, in rows of FINGERFEM_POSE: place of its proximal section seen from the distal one [m],
  * and the Gibbs vector tan(angle / 2) axis of that rotation [-]. */
-enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12, FINGERFEM_MOST_PLATES = 3 };
+enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12, FINGERFEM_MOST_PLATES = 8 };
 
 /* Limits of a segment, which are checked before its struct is made. */
 enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31, FINGERFEM_MOST_ELEMENTS = 64 };
