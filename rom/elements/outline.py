@@ -23,7 +23,7 @@ from rom.snapshots.grid import SHARE, levels
 CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])  # y and z of corners, over half the side [-]
 NUMBERS = 3 * len(CORNERS)
 DEGREE, WEIGHTS, ALONG = 4.0, (0.8, 1.5, 1.0), 0.8  # weighted degree; weights of the inputs, and of the distance [-]
-MARGIN = 1.02  # the box is so much larger than the largest inputs [-]
+MARGIN = 1.2  # the box is so much larger than the largest inputs: other fingers reach a little beyond these [-]
 MOST_PAIRS = 30  # positions of one kind of element that are fitted
 
 
