@@ -13,11 +13,6 @@
 
 enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
 
-/* How a section moves and turns with all inputs, in the plate's frame. */
-typedef struct {
-    eight move[3], turn[3];
-} motion;
-
 static const fingerfem_law *law_of(const rod_state *rod, int k) { return rod->segment->law[rod->segment->law_of[k]]; }
 
 /* The largest that any law needs of something. */
@@ -40,7 +35,13 @@ int rod_memory(const fingerfem_segment *segment)
 
 int rod_work(const fingerfem_segment *segment)
 {
-    return segment->skin_terms + 2 * segment->skin_numbers;
+    int products = 0, numbers = 0;
+    for (int k = 0; k < segment->laws && segment->stations; k++) {
+        const fingerfem_outline *own = segment->outline[k];
+        products = own->products > products ? own->products : products;
+        numbers = own->numbers > numbers ? own->numbers : numbers;
+    }
+    return OUTLINE_STATION * segment->stations + numbers + products;
 }
 
 int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_memory(segment) + rod_work(segment); }
@@ -92,7 +93,7 @@ static void advance(rod_element *element, double *place, double *rotation)
 }
 
 /* The motion of an element's proximal section, from that of its distal one and from changes of its pose, (6). */
-static inline void move_on(const rod_element *element, const eight *change, motion *moved)
+static inline void move_on(const rod_element *element, const eight *change, rod_motion *moved)
 {
     const double *a = element->arm;
     eight turn[3];
@@ -142,7 +143,7 @@ static inline void carry(const double *wrench, rod_element *element)
 
 /* How that changes as the section moves, and, where the inputs are the wrench's components, with these; (6). */
 __attribute__((always_inline)) static inline void carry_change(const double *wrench, const rod_element *element,
-                                                               const motion *moved, int by_wrench, eight *change)
+                                                               const rod_motion *moved, int by_wrench, eight *change)
 {
     const double *Q = element->rotation, *f = wrench, *p = element->place;
     const eight *dp = moved->move, *b = moved->turn;
@@ -175,7 +176,7 @@ static inline void yield_to(const rod_element *element, const eight *wrench, eig
 }
 
 /* The motion of the plate seen from the clamp, in its own frame, by that of the clamp seen from the plate. */
-static inline void seen_from_clamp(const double *place, const motion *clamp, eight *found)
+static inline void seen_from_clamp(const double *place, const rod_motion *clamp, eight *found)
 {
     const eight *b = clamp->turn;
     const double *p = place;
@@ -192,7 +193,7 @@ static const double plate_place[3] = {0.0}, plate_rotation[9] = {1.0, 0.0, 0.0, 
 void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
 {
     const fingerfem_segment *segment = rod->segment;
-    motion moved = {{{0.0}}, {{0.0}}};
+    rod_motion moved = {{{0.0}}, {{0.0}}};
     eight seen[W];
     end->inside = 1;
     memcpy(end->place, plate_place, sizeof end->place);
@@ -220,7 +221,7 @@ void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
     const double *wrench = rod->elements[0].wrench;
-    motion moved = {{{0.0}}, {{0.0}}};
+    rod_motion moved = {{{0.0}}, {{0.0}}};
     eight seen[W];
     double end[3], own[TENSIONS_MOST * POSE];
     for (int k = 0; k < segment->elements; k++) {
@@ -239,10 +240,23 @@ void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
     memcpy(by_tensions, seen, sizeof seen);
 }
 
+void rod_free_motion(const rod_state *rod, int section, rod_motion *moved)
+{
+    const fingerfem_segment *segment = rod->segment;
+    memset(moved, 0, sizeof *moved);
+    for (int k = 0; k < section; k++) {
+        const double *free = rod->free + segment->law_of[k] * rod->free_stride;
+        eight change[W] = {{0.0}};
+        for (int j = 0; j < segment->tensions; j++)
+            for (int o = 0; o < W; o++) change[o] += free[POSE * (1 + j) + o] * units[j];
+        move_on(rod->elements + k, change, moved);
+    }
+}
+
 void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
-    motion moved = {{{0.0}}, {{0.0}}};
+    rod_motion moved;
     eight seen[W];
     end->inside = 1; /* every box is as wide to both sides of no wrench */
     memset(end->by_wrench, 0, sizeof end->by_wrench);
@@ -251,17 +265,13 @@ void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS
     for (int k = 0; k < segment->laws; k++)
         element_free(segment, segment->law[k], rod->monomials, rod->free + k * rod->free_stride);
     for (int k = 0; k < segment->elements; k++) {
-        const double *free = rod->free + segment->law_of[k] * rod->free_stride;
         rod_element *element = rod->elements + k;
-        eight change[W] = {{0.0}};
         memcpy(element->place, end->place, sizeof element->place);
         memcpy(element->rotation, end->rotation, sizeof element->rotation);
-        memcpy(element->pose, free, sizeof element->pose);
-        for (int j = 0; j < segment->tensions; j++)
-            for (int o = 0; o < W; o++) change[o] += free[POSE * (1 + j) + o] * units[j];
+        memcpy(element->pose, rod->free + segment->law_of[k] * rod->free_stride, sizeof element->pose);
         advance(element, end->place, end->rotation);
-        move_on(element, change, &moved);
     }
+    rod_free_motion(rod, segment->elements, &moved);
     seen_from_clamp(end->place, &moved, seen);
     memcpy(by_tensions, seen, sizeof seen);
 }

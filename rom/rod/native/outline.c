@@ -1,0 +1,58 @@
+#include "outline.h"
+#include "eight.h"
+
+enum { W = FINGERFEM_WRENCH, EIGHT = 8, MOST_ROWS = 3 /* eights of a sum that registers hold */ };
+typedef float singles __attribute__((vector_size(32), aligned(4)));
+
+/* Products of the wrench's Chebyshev polynomials, (products). */
+static void wrench_products(const fingerfem_outline *outline, const double *wrench, double *products)
+{
+    double values[W][TENSIONS_POWERS], slopes[TENSIONS_POWERS];
+    const int32_t *powers = outline->wrench_powers;
+    for (int i = 0; i < W; i++) {
+        const double lower = outline->lower[i], upper = outline->upper[i];
+        const double held = wrench[i] > lower ? wrench[i] < upper ? wrench[i] : upper : lower; /* NaN is the lowest */
+        tensions_chebyshev(2.0 * (held - lower) / (upper - lower) - 1.0, outline->most_power, values[i], slopes);
+    }
+    for (int k = 0; k < outline->products; k++, powers += W)
+        products[k] = values[0][powers[0]] * values[1][powers[1]] * values[2][powers[2]] *
+                      (values[3][powers[3]] * values[4][powers[4]] * values[5][powers[5]]);
+}
+
+/* Some eights of the corners' numbers, from number `first` on. */
+__attribute__((always_inline)) static inline void sum_terms(const fingerfem_outline *outline, int first, int rows,
+                                                            const double *monomials, const double *products, double *corners)
+{
+    const float *from = outline->coefficients + first;
+    eight sums[MOST_ROWS] = {{0.0}};
+    for (int k = 0; k < outline->terms; k++, from += outline->numbers) {
+        const double weight = monomials[outline->term_monomials[k]] * products[outline->term_products[k]];
+#pragma GCC unroll 3
+        for (int i = 0; i < rows; i++) {
+            singles own;
+            memcpy(&own, from + EIGHT * i, sizeof own);
+            sums[i] += weight * __builtin_convertvector(own, eight);
+        }
+    }
+#pragma GCC unroll 3
+    for (int i = 0; i < rows; i++) eight_store(corners + first + EIGHT * i, sums[i]);
+}
+
+void outline_under(const fingerfem_outline *outline, const double *monomials, const double *wrench, double *work, double *corners)
+{
+    int first = 0;
+    wrench_products(outline, wrench, work);
+    for (; first + MOST_ROWS * EIGHT <= outline->numbers; first += MOST_ROWS * EIGHT)
+        sum_terms(outline, first, MOST_ROWS, monomials, work, corners);
+    for (; first < outline->numbers; first += EIGHT) sum_terms(outline, first, 1, monomials, work, corners);
+}
+
+void outline_free(const fingerfem_outline *outline, const double *monomials, double *corners)
+{
+    for (int row = 0; row < outline->numbers; row += EIGHT) {
+        const double *from = outline->free_coefficients + row;
+        eight sum = {0.0};
+        for (int m = 0; m < outline->monomials; m++, from += outline->numbers) sum += monomials[m] * eight_load(from);
+        eight_store(corners + row, sum);
+    }
+}
