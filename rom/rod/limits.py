@@ -60,7 +60,11 @@ def _outlines(outlines: Sequence[Outline], elements: Sequence[Polynomial], begin
         require(1 <= count <= MOST_STATIONS, f"stations of outline {k} must be from 1 to {MOST_STATIONS}", count)
         _polynomial(f"powers of outline {k}", own, t, STATION * count)
         _ends(own, t)
-        _alike("tensions of elements and outlines", [own.lower[:t], own.upper[:t]], [elements[0].lower[:t], elements[0].upper[:t]])
+        _alike(
+            "tensions of elements and outlines",
+            [own.lower[:t], own.upper[:t]],
+            [elements[0].lower[:t], elements[0].upper[:t]],
+        )
         single = np.abs(own.coefficients).max() <= np.finfo(np.float32).max
         require(bool(single), f"coefficients of outline {k} must be finite in single precision", "others")
         ends = np.array([one.length, *one.distances, begins if one is outlines[0] else 0.0])

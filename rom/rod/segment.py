@@ -101,7 +101,7 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     outlines = {}
     for k, one in enumerate(pieces):
         if one not in outlines:
-            own = native.outline_of(elements.outlines[one.kind], one.length, 0.0 if k else half[0])
+            own = native.outline_of(elements.outlines[one.kind], one, 0.0 if k else half[0])
             outlines[one] = replace(own, polynomial=only(own.polynomial, trained))
     return Segment(
         elements=[laws[one] for one in pieces],

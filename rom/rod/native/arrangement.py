@@ -13,7 +13,7 @@ from rom.rod.wrench_products import padded
 
 BLOCK, POSE = 4, 8  # as in segment.h
 EIGHT, STATION = 8, 12  # likewise: numbers of an outline fill eights; numbers of one of its stations
-PLACES, NEAREST = 7, 4  # cross-sections of the rubber for every station; stations that interpolate one
+PLACES, NEAREST = 5, 4  # cross-sections of the rubber for every station; stations that interpolate one
 
 
 def at_rest(powers: np.ndarray) -> np.ndarray:

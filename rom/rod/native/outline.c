@@ -1,7 +1,7 @@
 #include "outline.h"
 #include "eight.h"
 
-enum { W = FINGERFEM_WRENCH, EIGHT = 8, MOST_ROWS = 3 /* eights of a sum that registers hold */ };
+enum { W = FINGERFEM_WRENCH, EIGHT = 8, MOST_ROWS = 6 /* eights of a sum that registers hold */ };
 typedef float singles __attribute__((vector_size(32), aligned(4)));
 
 /* Products of the wrench's Chebyshev polynomials, (products). */
@@ -27,24 +27,29 @@ __attribute__((always_inline)) static inline void sum_terms(const fingerfem_outl
     eight sums[MOST_ROWS] = {{0.0}};
     for (int k = 0; k < outline->terms; k++, from += outline->numbers) {
         const double weight = monomials[outline->term_monomials[k]] * products[outline->term_products[k]];
-#pragma GCC unroll 3
+#pragma GCC unroll 6
         for (int i = 0; i < rows; i++) {
             singles own;
             memcpy(&own, from + EIGHT * i, sizeof own);
             sums[i] += weight * __builtin_convertvector(own, eight);
         }
     }
-#pragma GCC unroll 3
+#pragma GCC unroll 6
     for (int i = 0; i < rows; i++) eight_store(corners + first + EIGHT * i, sums[i]);
 }
 
 void outline_under(const fingerfem_outline *outline, const double *monomials, const double *wrench, double *work, double *corners)
 {
-    int first = 0;
+    int first = 0, left = outline->numbers / EIGHT;
     wrench_products(outline, wrench, work);
-    for (; first + MOST_ROWS * EIGHT <= outline->numbers; first += MOST_ROWS * EIGHT)
-        sum_terms(outline, first, MOST_ROWS, monomials, work, corners);
-    for (; first < outline->numbers; first += EIGHT) sum_terms(outline, first, 1, monomials, work, corners);
+    while (left) {
+        const int rows = left >= MOST_ROWS ? MOST_ROWS : left >= 3 ? 3 : 1;
+        if (rows == MOST_ROWS) sum_terms(outline, first, MOST_ROWS, monomials, work, corners);
+        else if (rows == 3) sum_terms(outline, first, 3, monomials, work, corners);
+        else sum_terms(outline, first, 1, monomials, work, corners);
+        first += rows * EIGHT;
+        left -= rows;
+    }
 }
 
 void outline_free(const fingerfem_outline *outline, const double *monomials, double *corners)

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from rom.brief import brief
+from rom.elements.elements import INTERIOR
 from rom.elements.outline import OutlineLaw
+from rom.elements.pieces import Piece
 from rom.fit.chebyshev import Polynomial
 
-STEP = 0.55  # of the section's side: stations of one element are not farther apart [-]
+STEP, END_STEP = 0.55, 0.28  # of the side: most between stations, and where a plate or the clamp hinders warping [-]
 NUMBERS = 12  # of a station: four corners, -y -z, -y z, y -z and y z
 
 
@@ -33,18 +35,19 @@ class Outline:
     length: float
 
 
-def outline_of(law: OutlineLaw, length: float, begins: float) -> Outline:
+def outline_of(law: OutlineLaw, piece: Piece, begins: float) -> Outline:
     """The outline of an element, its stations evenly along its rubber and half as far from its ends.
 
     Args:
         law: of its kind.
-        length: of the element at rest [m].
+        piece: its kind, and its length at rest [m].
         begins: where its rubber begins, from its distal section on [m]: 0, or a plate's half.
     """
-    count = max(int(np.ceil((length - begins) / (2 * law.half * STEP))), 1)
-    distances = begins + (length - begins) * (1 - (np.arange(count) + 0.5) / count)
+    length = piece.length - begins
+    count = max(int(np.ceil(length / (2 * law.half * (STEP if piece.kind == INTERIOR else END_STEP)))), 1)
+    distances = begins + length * (1 - (np.arange(count) + 0.5) / count)
     polynomial = Polynomial.together([law.at(float(distance)) for distance in distances])
-    return Outline(polynomial=polynomial, distances=distances, length=length)
+    return Outline(polynomial=polynomial, distances=distances, length=piece.length)
 
 
 def stations_of(outlines: Sequence[Outline], begins: float) -> np.ndarray:
