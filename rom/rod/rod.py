@@ -169,7 +169,7 @@ class Rod(PickledByFields):
 
     @property
     def skin_error(self) -> float:
-        """Of the rubber's surface [m]: of the outlines of the kinds used, and of the sections' positions by the tip's."""
+        """Of the rubber's surface [m]: that of the outlines, and of the sections' positions, which the tip's bounds."""
         kinds = {piece.kind for own in self.pieces for piece in own}
         return max(self.own.outlines[kind].error for kind in kinds) + self.place_error
 
