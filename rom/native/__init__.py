@@ -236,6 +236,7 @@ _SEGMENT = HERE.parent / "rod" / "native"
 _SOURCES = (
     "tensions.c",
     "element.c",
+    "outline.c",
     "rod_march.c",
     "inverse.c",
     "chain.c",

@@ -169,8 +169,9 @@ class Rod(PickledByFields):
 
     @property
     def skin_error(self) -> float:
-        """Of what is known of the rubber's surface [m]; nan if nothing is."""
-        return np.nan
+        """Of the rubber's surface [m]: that of the outlines, and of the sections' positions, which the tip's bounds."""
+        kinds = {piece.kind for own in self.pieces for piece in own}
+        return max(self.own.outlines[kind].error for kind in kinds) + self.place_error
 
     def finer_mesh_factor(self, quantity: str) -> float:
         """Times how much its estimated error covers what states on a finer mesh showed; 1 if nobody looked [-]."""

@@ -28,6 +28,7 @@ class Segment(PickledByFields):
     Attributes:
         elements: laws by the segment's tensions and the wrench that each transmits, from the plate to the clamp: pose,
             then shortenings of the trained tendons. Elements that share a law are one object.
+        outlines: of every element, shared as its law is.
         names: of its tensions.
         trained: which trained tendon each of these is.
         half_lengths: of the plate along its own axes, shape (3,) [m].
@@ -35,6 +36,7 @@ class Segment(PickledByFields):
     """
 
     elements: Sequence[Polynomial]
+    outlines: Sequence[native.Outline]
     names: Sequence[str]
     trained: Sequence[int]
     half_lengths: np.ndarray
@@ -59,7 +61,11 @@ class Segment(PickledByFields):
         """
         poses = {id(one): replace(one, coefficients=one.coefficients[:, :POSE]) for one in self.elements}
         return native.struct(
-            native.Segment(elements=[poses[id(one)] for one in self.elements], half_lengths=self.half_lengths)
+            native.Segment(
+                elements=[poses[id(one)] for one in self.elements],
+                half_lengths=self.half_lengths,
+                outlines=self.outlines,
+            )
         )
 
     def place(self, inputs: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
@@ -92,8 +98,14 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     laws = {one: only(elements.laws[one.kind].of_length(one.length), trained) for one in set(pieces)}
     geometry, size = elements.scene["geometry"], elements.size
     half = size * np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
+    outlines = {}
+    for k, one in enumerate(pieces):
+        if one not in outlines:
+            own = native.outline_of(elements.outlines[one.kind], one, 0.0 if k else half[0])
+            outlines[one] = replace(own, polynomial=only(own.polynomial, trained))
     return Segment(
         elements=[laws[one] for one in pieces],
+        outlines=[outlines[one] for one in pieces],
         names=names,
         trained=trained,
         half_lengths=half,

@@ -12,10 +12,14 @@ from rom.brief import brief
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
 from rom.rod import limits
-from rom.rod.native.arrangement import between, by_degree, free_numbers, law, tension_monomials
+from rom.rod.native.arrangement import by_degree, free_numbers, law, outline, places_between, tension_monomials
+from rom.rod.native.outlines import Outline, outline_of, stations_of
 
-EDGES, MOST_CONTACTS, SKIN_ROW, CORNERS = 4, 12, 32, 24  # as in segment.h
-ENDS = 11  # sections of a segment's surface besides its places, likewise
+MOST_CONTACTS, CORNERS = 12, 24  # as in segment.h
+ENDS = 1  # sections of a segment's surface besides its places, FINGERFEM_FRONTS there
+
+
+__all__ = ["Outline", "outline_of"]  # and all that is defined here
 
 
 @brief
@@ -29,15 +33,13 @@ class Segment:
             and Gibbs vector of that rotation [-], 6 values. Elements that share a law are one and the same object.
         half_lengths: of the plate along its own axes, shape (3,) [m].
         corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
-        skin: of the same, 3 values of every point of the rubber [m]; None without any.
-        skin_error: of these [m].
+        outlines: of every element, shared as its law is; None if nothing is known of the rubber's surface.
     """
 
     elements: Sequence[Polynomial]
     half_lengths: np.ndarray
     corners: Polynomial | None = None
-    skin: Polynomial | None = None
-    skin_error: float = np.nan
+    outlines: Sequence[Outline] | None = None
 
 
 def pointer(array: np.ndarray, kind: str = "double[]") -> Any:
@@ -59,45 +61,34 @@ def struct(segment: Segment) -> Any:
         ModelError: a segment beyond what compiled code holds.
     """
     limits.check_rod(segment)
-    plate, t, corners, skin = segment.elements[0], len(segment.elements[0].lower) - 6, segment.corners, segment.skin
+    plate, t, corners = segment.elements[0], len(segment.elements[0].lower) - 6, segment.corners
     corner_powers, corner_coefficients = np.zeros((0, t + 6), int), np.zeros((0, CORNERS))
     if corners is not None:
         order = sorted(range(len(corners.powers)), key=lambda k: by_degree(corners.powers[k].tolist()))
         corner_powers, corner_coefficients = corners.powers[order], corners.coefficients[order]
-    skin_powers, skin_coefficients, stations = np.zeros((0, t + 6), int), np.zeros((0, 0)), 0
-    if skin is not None:
-        skin_powers, numbers = skin.powers, skin.coefficients.shape[1]
-        skin_coefficients = np.pad(skin.coefficients.astype(np.float32), [(0, 0), (0, -numbers % SKIN_ROW)])
-        stations = numbers // (3 * EDGES)
     laws = list({id(one): one for one in segment.elements}.values())
-    powers = [corner_powers, *(one.powers for one in laws), skin_powers]
+    law_of = [next(k for k, one in enumerate(laws) if one is element) for element in segment.elements]
+    outlines = [] if segment.outlines is None else [segment.outlines[law_of.index(k)] for k in range(len(laws))]
+    powers = [corner_powers, *(one.powers for one in laws), *(one.polynomial.powers for one in outlines)]
     monomials = tension_monomials(t, powers)
-    places = between(stations) if stations else np.zeros((0, 0))
-    unloaded = free_numbers(monomials, skin_powers, skin_coefficients)
     bent = free_numbers(monomials, corner_powers, corner_coefficients)
     structs = [SEGMENT.struct("fingerfem_law", **law(one, monomials)) for one in laws]
+    rubber = {} if segment.outlines is None else places_between(stations_of(segment.outlines, segment.half_lengths[0]))
+    rubber_structs = [SEGMENT.struct("fingerfem_outline", **outline(one.polynomial, monomials)) for one in outlines]
     return SEGMENT.struct(
         "fingerfem_segment",
         tensions=t,
         monomials=len(monomials),
         lower=plate.lower,
         upper=plate.upper,
-        most_powers=np.concatenate(powers).max(axis=0),
+        most_powers=monomials.max(axis=0),
         tension_powers=monomials,
         elements=len(segment.elements),
         laws=len(laws),
         law=SEGMENT.pointers("fingerfem_law", structs),
-        law_of=[next(k for k, one in enumerate(laws) if one is element) for element in segment.elements],
-        skin_terms=len(skin_powers),
-        skin_numbers=skin_coefficients.shape[1],
-        skin_monomials=len(unloaded),
-        skin_powers=skin_powers,
-        skin_coefficients=skin_coefficients,
-        free_skin=unloaded,
-        stations=stations,
-        places=len(places),
-        between=places,
-        skin_error=segment.skin_error,
+        law_of=law_of,
+        outline=SEGMENT.pointers("fingerfem_outline", rubber_structs),
+        **rubber,
         half_lengths=segment.half_lengths.tolist(),
         corner_monomials=len(bent),
         corner_coefficients=bent,

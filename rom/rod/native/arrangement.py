@@ -12,7 +12,8 @@ from rom.fit.chebyshev import Polynomial
 from rom.rod.wrench_products import padded
 
 BLOCK, POSE = 4, 8  # as in segment.h
-BETWEEN, NEAREST = 8, 4  # cross-sections between two stations of the rubber's edges; stations that interpolate one
+EIGHT, STATION = 8, 12  # likewise: numbers of an outline fill eights; numbers of one of its stations
+PLACES, NEAREST = 5, 4  # cross-sections of the rubber for every station; stations that interpolate one
 
 
 def at_rest(powers: np.ndarray) -> np.ndarray:
@@ -30,16 +31,24 @@ def free_numbers(monomials: np.ndarray, powers: np.ndarray, coefficients: np.nda
     return found
 
 
-def between(stations: int) -> np.ndarray:
-    """Weights, shape (places, stations), of even stations at places between them: polynomials through the nearest."""
-    places, near = np.linspace(0, stations - 1, BETWEEN * (stations - 1) + 1), min(stations, NEAREST)
-    found = np.zeros((len(places), stations))
-    for row, place in zip(found, places, strict=True):
-        first = int(np.clip(np.floor(place) - (near - 1) // 2, 0, stations - near))
-        for k in range(first, first + near):
-            others = [j for j in range(first, first + near) if j != k]
-            row[k] = np.prod([(place - j) / (k - j) for j in others])
-    return found
+def places_between(stations: np.ndarray) -> dict[str, Any]:
+    """Places of the rubber, and the stations' weights there, as values of a struct fingerfem_segment.
+
+    Args:
+        stations: positions along the segment at rest, shape (stations,) [m].
+
+    Polynomials through the nearest stations interpolate the corners.
+    """
+    near, count = min(len(stations), NEAREST), PLACES * (len(stations) - 1) + 1
+    places = np.linspace(stations[0], stations[-1], count)
+    before = np.searchsorted(stations, places, side="right") - 1
+    first = np.clip(before - (near - 1) // 2, 0, len(stations) - near)
+    own = stations[first[:, None] + np.arange(near)]
+    weights = np.ones((count, near))
+    for k in range(near):
+        for j in set(range(near)) - {k}:
+            weights[:, k] *= (places - own[:, j]) / (own[:, k] - own[:, j])
+    return {"stations": len(stations), "places": count, "near": near, "first": first, "between": weights}
 
 
 def by_degree(powers: Sequence[int]) -> tuple[int, ...]:
@@ -102,6 +111,37 @@ def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
         "slope_rows": slope_rows[places],
         "block_monomials": [len(block) for block in blocks],
         "coefficients": np.concatenate([block.ravel() for block in blocks]),
+        "free_coefficients": free,
+    }
+
+
+def outline(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
+    """An element's outline as values of a struct fingerfem_outline.
+
+    Args:
+        polynomial: 12 values of every station [m], of t + 6 variables.
+        monomials: powers of the tensions, shape (monomials, t), with all of its own.
+    """
+    t, numbers = monomials.shape[1], polynomial.coefficients.shape[1]
+    column = {tuple(one): k for k, one in enumerate(monomials.tolist())}
+    products, which = np.unique(polynomial.powers[:, t:], axis=0, return_inverse=True)
+    of = np.array([column[tuple(one)] for one in polynomial.powers[:, :t].tolist()])
+    order = np.lexsort((of, which.ravel()))
+    coefficients = np.pad(polynomial.coefficients[order], [(0, 0), (0, -numbers % EIGHT)]).astype(np.float32)
+    free = free_numbers(monomials, polynomial.powers[order], coefficients)
+    return {
+        "stations": numbers // STATION,
+        "numbers": coefficients.shape[1],
+        "terms": len(coefficients),
+        "products": len(products),
+        "monomials": len(free),
+        "most_power": int(products.max()),
+        "lower": polynomial.lower[t:],
+        "upper": polynomial.upper[t:],
+        "wrench_powers": products,
+        "term_monomials": of[order],
+        "term_products": which.ravel()[order],
+        "coefficients": coefficients,
         "free_coefficients": free,
     }
 

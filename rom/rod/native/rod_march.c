@@ -40,7 +40,13 @@ int rod_memory(const fingerfem_segment *segment)
 
 int rod_work(const fingerfem_segment *segment)
 {
-    return segment->skin_terms + 2 * segment->skin_numbers;
+    int products = 0, numbers = 0;
+    for (int k = 0; k < segment->laws && segment->stations; k++) {
+        const fingerfem_outline *own = segment->outline[k];
+        products = own->products > products ? own->products : products;
+        numbers = own->numbers > numbers ? own->numbers : numbers;
+    }
+    return OUTLINE_STATION * segment->stations + numbers + products;
 }
 
 int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_memory(segment) + rod_work(segment); }
@@ -281,4 +287,21 @@ void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS
         }
     }
     for (int part = 0; WIDE * part < t; part++) seen_from_clamp(end->place, moved + part, by_tensions[0] + WIDE * part);
+}
+
+void rod_free_motion(const rod_state *rod, int section, rod_motion *moved)
+{
+    const fingerfem_segment *segment = rod->segment;
+    for (int part = 0; WIDE * part < segment->tensions; part++) {
+        motion own = {{{0.0}}, {{0.0}}};
+        for (int k = 0; k < section; k++) {
+            wide change[W] = {{0.0}};
+            add_by_tensions(segment->tensions, rod->free + segment->law_of[k] * rod->free_stride + POSE, WIDE * part, change);
+            move_on(rod->elements + k, change, &own);
+        }
+        for (int i = 0; i < 3; i++) {
+            wide_store(moved->move[i] + WIDE * part, own.move[i]);
+            wide_store(moved->turn[i] + WIDE * part, own.turn[i]);
+        }
+    }
 }

@@ -2,6 +2,7 @@
 #ifndef FINGERFEM_ROD_MARCH_H
 #define FINGERFEM_ROD_MARCH_H
 #include "element.h"
+#include "outline.h"
 
 enum { ROD_WRENCH = FINGERFEM_WRENCH };
 
@@ -30,6 +31,11 @@ typedef struct {
     int inside;
 } rod_end;
 
+/* How a section moves and turns with the tensions, in the plate's frame: rows, one number for every tension. */
+typedef struct {
+    double move[3][TENSIONS_MOST], turn[3][TENSIONS_MOST];
+} rod_motion;
+
 /* Numbers of memory that a rod keeps, and that it works in. */
 int rod_memory(const fingerfem_segment *segment);
 int rod_work(const fingerfem_segment *segment);
@@ -46,4 +52,8 @@ void rod_by_tensions(const rod_state *rod, double (*motion)[TENSIONS_MOST]);
 
 /* The end of a rod without a wrench, without its motion by one, and how the plate moves by the tensions. */
 void rod_free(const rod_state *rod, rod_end *end, double (*motion)[TENSIONS_MOST]);
+
+/* How the distal section of an element moves by the tensions where `rod_free` has placed it; the clamp, if `section` is the
+ * number of elements. */
+void rod_free_motion(const rod_state *rod, int section, rod_motion *moved);
 #endif

@@ -3,7 +3,7 @@
 #define FINGERFEM_RUBBER_H
 #include "contact.h"
 
-#define EDGES 4
+enum { EDGES = OUTLINE_CORNERS };
 
 /* A point of the free finger that an object touches first, in the frame of a plate that carries it: p [m], the wrench of a
  * unit force along the normal there, and how p changes with the tensions, (tensions, 3). */
@@ -16,13 +16,13 @@ typedef struct {
  * else `least`. */
 double rubber_reach(const contact_problem *problem, const chain_state *free, double least, touched_point *first);
 
-/* Points of the rubber in the plate's frame, (skin_numbers) [m]; `work` is for skin_terms. Coefficients are single, sums
- * double: else the same point would differ by some nanometres from processor to processor. */
-void rubber_points(const fingerfem_segment *segment, const double *inputs, double *work, double *found);
+/* Corners of all stations of a segment's rubber, (stations, 4, 3) [m], seen from its plate, where the rod has been placed
+ * last, by `rod_under` or, if `free`, by `rod_free`; they lie in the rod's work. */
+double *rubber_points(const rod_state *rod, const rod_end *clamp, int free);
 
-/* Corners of the rubber's section at one of the places between its stations, from its points; seen from the plate. */
-void rubber_between(const fingerfem_segment *segment, const double *points, int place, double (*seen)[3]);
+/* Points that a plate sees, (count, 3), in space, where its centre and rotation are; in place. */
+void rubber_in_space(const double *centre, const double *rotation, int count, double *points);
 
-/* A corner of the section where the first segment's rubber begins. */
-void rubber_begin(const fingerfem_chain *chain, int edge, double *corner);
+/* Corners of the rubber's cross-section at one of its places, from those of the stations. */
+void rubber_between(const fingerfem_segment *segment, const double *points, int place, double (*corners)[3]);
 #endif

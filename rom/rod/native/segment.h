@@ -14,8 +14,8 @@ enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31, FINGERFEM_MOST_EL
 /* Rows of an answer, as of a surrogate: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
 enum { FINGERFEM_ROWS = 5 };
 
-/* Sections of a surface that join the rubber's places to what holds it; and all of a segment besides its places. */
-enum { FINGERFEM_JOINED = 4, FINGERFEM_ENDS = 3 + 2 * FINGERFEM_JOINED };
+/* Sections of a segment's surface besides its places: its plate's front. */
+enum { FINGERFEM_FRONTS = 1 };
 
 enum { FINGERFEM_PLANE = 0, FINGERFEM_SPHERE = 1, FINGERFEM_CYLINDER = 2, FINGERFEM_HULL = 3 };
 
@@ -42,27 +42,39 @@ typedef struct {
     const double *free_coefficients; /* (monomials, FINGERFEM_POSE): of the pose without a wrench */
 } fingerfem_law;
 
-/* Numbers of a plate's corners, 8 x 3; and of the rows that a skin's numbers fill. */
-enum { FINGERFEM_CORNERS = 24, FINGERFEM_SKIN_ROW = 32 };
+/* Numbers of a plate's corners, 8 x 3. */
+enum { FINGERFEM_CORNERS = 24 };
+
+/* An element's outline: the corners, -y -z, -y z, y -z and y z, of some cross-sections, its stations, from the clamp's side to
+ * the plate's, seen from its distal section, or its plate's centre [m]: sum_k coefficients_k M_k(F) P_k(w), products of
+ * Chebyshev polynomials of the scaled tensions and of the wrench that its distal section carries. */
+typedef struct {
+    int32_t stations, numbers;           /* the latter of the corners, (stations, 4, 3), and zeros that fill eights */
+    int32_t terms, products, monomials;  /* products of the wrench; the first monomials of the tensions, for those without */
+    int32_t most_power;                  /* highest of the wrench */
+    const double *lower, *upper;         /* (6): the trained box of the wrench [N, N m] */
+    const int32_t *wrench_powers;        /* (products, 6) */
+    const int32_t *term_monomials, *term_products; /* (terms): which of the segment's monomials, and of the products */
+    const float *coefficients;           /* (terms, numbers) */
+    const double *free_coefficients;     /* (monomials, numbers): without a wrench */
+} fingerfem_outline;
 
 /* A segment: a rod of elements in series, from its plate to its clamp, of which several may share a law. */
 typedef struct {
     int32_t tensions, monomials;
     const double *lower, *upper;         /* (tensions + 6): the box of tensions and of the plate's wrench [N, N m] */
-    const int32_t *most_powers;          /* (tensions + 6): highest of every input */
+    const int32_t *most_powers;          /* (tensions): highest of every tension */
     const int32_t *tension_powers;       /* (monomials, tensions) */
     int32_t elements, laws;
     const fingerfem_law *const *law;     /* (laws) */
     const int32_t *law_of;               /* (elements), from the plate to the clamp */
-    int32_t skin_terms, skin_numbers;    /* of points of the rubber, by stations and edges, and zeros that fill rows; 0
-                                            without */
-    int32_t skin_monomials;              /* of the tensions, the first ones, by which these move without a wrench */
-    const int32_t *skin_powers;          /* (skin_terms, tensions + 6) */
-    const float *skin_coefficients;      /* (skin_terms, skin_numbers) */
-    const double *free_skin;             /* (skin_monomials, skin_numbers): without a wrench */
-    int32_t stations, places;            /* of these points along every edge; and of places between them */
-    const double *between;               /* (places, stations): weights of the stations there */
-    double skin_error;                   /* [m] */
+    const fingerfem_outline *const *outline; /* (laws), of the elements of each; NULL if nothing is known of the rubber */
+    int32_t stations;                    /* of the whole segment: where the rubber begins, those of its elements, its plate's
+                                            face; 0 if nothing is known */
+    int32_t places, near;                /* cross-sections of the rubber, evenly from the first station to the last, each
+                                            interpolated by some stations next to each other */
+    const int32_t *first;                /* (places): the first of these */
+    const double *between;               /* (places, near): their weights */
     double half_lengths[3];              /* of the plate along its own axes [m] */
     int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */
     const double *corner_coefficients;   /* (corner_monomials, FINGERFEM_CORNERS) */
@@ -172,8 +184,8 @@ int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *input
                            const double *rotation, int count, double *memory, double *centres, double *halves, double *axes);
 
 /* The surface of a chain under tensions and wrenches, (6 plates), as sections with four corners each, -y -z, -y z, y -z and
- * y z: of every segment where its rubber begins, FINGERFEM_JOINED more, its `places`, as many more, its plate's back and its
- * plate's front, (sections, 4, 3) [m]. Returns 0 where nothing is known of a segment's rubber. */
+ * y z: of every segment its `places`, the first where its rubber begins, the last its plate's back, and its plate's front,
+ * (sections, 4, 3) [m]. Returns 0 where nothing is known of a segment's rubber. */
 int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
                              double *corners);
 

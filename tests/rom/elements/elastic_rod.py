@@ -8,6 +8,7 @@ Every piece of it is an element without end effects, and every length of it the 
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from rom.elements.section_states import Bodies, SectionStates
 
@@ -15,6 +16,7 @@ PLATE, SIDE, YOUNG, OFFSET = 0.001, 0.010, 1.1e7, 0.004
 AXIAL, BENDING, TORSION = YOUNG * SIDE**2, YOUNG * SIDE**4 / 12, YOUNG / 3 * 0.141 * SIDE**4
 MOST_TENSION, MOST_FORCE, MOST_MOMENT = 40.0, 2.0, 0.06
 OFFSETS = np.array([[0.0, OFFSET, 0.0], [0.0, 0.0, OFFSET]])
+SQUARE = np.array([[0.0, y, z] for y in (-1, 1) for z in (-1, 1)]) * SIDE / 2  # corners of a section, in its frame
 STEP = 0.001  # between cross-sections [m]
 TWICE = 2  # steps of the method of Runge and Kutta from one to the next
 
@@ -89,6 +91,13 @@ def in_space(inputs: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray,
         np.einsum("nji,mnjk->nmik", frame, turned)[:, ::-1],
         np.swapaxes(shorter[-1] - shorter, 0, 1)[:, ::-1],
     )
+
+
+def corners_at(inputs: np.ndarray, length: float, at: np.ndarray) -> np.ndarray:
+    """Corners of the cross-sections in space at positions, shape (m,) [m]; shape (n, m, 4, 3) [m]."""
+    places, turned, _ = in_space(inputs, length)
+    corners = places[:, :-1, None] + np.einsum("nmij,kj->nmki", turned[:, :-1], SQUARE)
+    return CubicSpline(np.arange(corners.shape[1]) * STEP, corners, axis=1)(at)
 
 
 def pressed(count: int, seed: int) -> np.ndarray:

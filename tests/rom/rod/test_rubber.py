@@ -1,4 +1,4 @@
-"""The touch distance of the free finger: where an object touches a plate or the rubber first, and how that changes."""
+"""The rubber of a finger of elements before objects: its gaps, and where the free finger is touched first."""
 
 from dataclasses import replace
 
@@ -7,18 +7,22 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from control import Finger
-from rom import Chain, Cylinder, Hull, Plane, Sphere, TouchedSegment
+from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment
 from rom.export.model import MODEL, struct
-from rom.native import pointer
-from tests.rom.rod import kirchhoff as rod
+from rom.native import SEGMENT, pointer
+from rom.rod import native
+from rom.rod.rod import Rod
+from tests.rom.elements import elastic_rod
+from tests.rom.elements.elastic_rod import PLATE, SQUARE, corners_at
 
 POINTS = 4000
 STEP = 1e-4  # [N]
+NEAR = 3e-6  # how near the assembled surface is to the elastic rod's [m]
 
 
-def plates_alone(model: TouchedSegment) -> TouchedSegment:
-    """The same whose rubber touches nothing."""
-    return replace(model, segment=Chain([replace(one, skin=None) for one in model.rod.segments]))
+@pytest.fixture(scope="module")
+def finger(rod_states, rod_elements) -> Rod:
+    return Rod(elements=rod_elements, scene=rod_states.scene)
 
 
 @pytest.fixture(scope="module")
@@ -32,11 +36,66 @@ def points(shipped) -> np.ndarray:
     return lower + (upper - lower) * np.random.default_rng(0).random((POINTS, len(lower)))
 
 
+def touch_of_plates_alone(model: TouchedSegment, point: np.ndarray) -> float:
+    """The touch distance where the rubber touches nothing [m]."""
+    t, n = len(model.names) - 1, len(model.rod.segments)
+    wrench, out, jacobian, inside = np.zeros(6 * n), np.empty(5), np.empty((5, t + 1)), np.empty(1, np.int32)
+    given = [*map(pointer, (wrench, out, jacobian)), pointer(inside, "int32_t[]")]
+    memory = native.memory_of(model.rod.struct)
+    SEGMENT.functions.fingerfem_press(model.touching, pointer(np.array(point, float)), memory, *given)
+    return float(out[4])
+
+
+def test_the_rubber_s_gap_is_the_elastic_rod_s(finger):
+    """Of planes and balls under wrenches on the plate; at the sections between clamp and plate."""
+    random, inputs = np.random.default_rng(4), 0.5 * elastic_rod.pressed(12, 7)
+    rubber = 0.050 - PLATE
+    at = np.linspace(0.0, rubber, finger.segments[0].struct.places)[:-1]
+    for row, corners in zip(inputs, corners_at(inputs, 0.050, at), strict=True):
+        side = random.standard_normal(3) * [0.3, 1.0, 1.0]
+        side /= np.linalg.norm(side)
+        middle = corners[random.integers(5, len(corners))].mean(axis=0)
+        where = {"centre": tuple(middle + 0.03 * side), "direction": tuple(side), "distances": (-0.05, 0.05)}
+        faces = corners[:, [0, 1, 3, 2]]
+        shares = np.linspace(0.0, 1.0, 9)[:, None, None, None]
+        on_faces = faces + shares * (np.roll(faces, -1, axis=1) - faces)
+        for obstacle, gaps in (
+            (Plane(normal=tuple(-side), **where), (middle + 0.03 * side - corners) @ side),
+            (Sphere(radius=0.011, **where), np.linalg.norm(on_faces - middle - 0.03 * side, axis=-1) - 0.011),
+        ):
+            model = TouchedSegment(rod=finger, obstacle=obstacle)
+            assert abs(model.rubber_gap([*row[:2], 0.0], row[None, 2:]) - gaps.min()) < NEAR
+
+
+def test_rubber_that_touches_is_noticed_and_marked(finger):
+    """A leaning plane that the tip touches, or passes: the elastic rod itself decides whether its belly does."""
+    random, noticed, missed, clear = np.random.default_rng(5), 0, 0, 0
+    at = np.linspace(0.0, 0.050 - PLATE, 200)[:-3]
+    for _ in range(200):
+        tensions, lean = 0.5 * elastic_rod.MOST_TENSION * random.random(2), random.uniform(-0.5, 0.5)
+        normal, middle = (
+            np.array([np.sin(lean), -np.cos(lean), 0.0]),
+            np.array([0.025, random.uniform(0.004, 0.015), 0]),
+        )
+        plane = Plane(centre=tuple(middle), normal=tuple(normal), direction=tuple(-normal), distances=(0.0, 0.1))
+        model = TouchedSegment(rod=finger, obstacle=plane)
+        found = model.answers([*tensions, 0.0])
+        if found.evaluations[0] < 0 or not finger.place(tensions, found.wrenches[0].reshape(1, 6)).inside:
+            continue
+        corners = corners_at(np.array([[*tensions, *found.wrenches[0]]]), 0.050, at)[0]
+        gap, inside = ((corners - middle) @ normal).min(), bool(model.evaluate([*tensions, 0.0]).inside)
+        assert inside == bool(found.inside[0])
+        noticed += gap < 0 and not inside
+        missed += gap < 0 and inside
+        clear += gap > 0 and inside and found.out[0, 3] > 0
+    assert noticed > 5 and missed == 0 and clear > 5
+
+
 def test_every_answer_has_one_touch_distance(shipped, points):
     answers, outputs = shipped.evaluate(points), shipped.outputs(points)
-    alone = plates_alone(shipped).outputs(points)
-    rubber_first = outputs[:, 4] > alone[:, 4]
-    assert 0.01 < rubber_first.mean() < 0.1 and (outputs[:, 4] >= alone[:, 4]).all()
+    alone = np.array([touch_of_plates_alone(shipped, point) for point in points])
+    rubber_first = outputs[:, 4] > alone
+    assert 0.01 < rubber_first.mean() < 0.1 and (outputs[:, 4] >= alone).all()
     assert np.array_equal(answers.touch_distance, outputs[:, 4])
     assert np.array_equal(shipped.answers(points).out, outputs)
     for i in [*np.flatnonzero(rubber_first)[:20], *range(20)]:
@@ -73,7 +132,7 @@ def test_c_alone_has_the_same_touch_distance_and_derivative(shipped, points):
 def test_reach_stays_clear_of_the_plane_with_the_rubber_too(shipped, points):
     finger, free = Finger(shipped), points.copy()
     free[:, -1] = np.inf
-    reaches, alone = shipped.outputs(free), plates_alone(shipped).outputs(free)[:, 4]
+    reaches, alone = shipped.outputs(free), np.array([touch_of_plates_alone(shipped, point) for point in free])
     some = np.flatnonzero((reaches[:, 4] > alone + 1e-6) & (reaches[:, 4] > 2e-5))
     assert len(some) > 40
     for i in some:
@@ -86,9 +145,9 @@ def test_reach_stays_clear_of_the_plane_with_the_rubber_too(shipped, points):
             assert motion.residual <= nearest + 2e-4
 
 
-def in_the_way(segment, random: np.random.Generator, shape: str) -> tuple[TouchedSegment, np.ndarray]:
+def in_the_way(rod: Rod, random: np.random.Generator, shape: str) -> tuple[TouchedSegment, np.ndarray]:
     """An object of a shape that comes to the middle of the rubber from a random side, and tensions."""
-    tensions, side = 0.3 * rod.MOST_TENSION * random.random(2), random.uniform(0, 2 * np.pi)
+    tensions, side = 0.3 * elastic_rod.MOST_TENSION * random.random(2), random.uniform(0, 2 * np.pi)
     out = np.array([0.2 * random.standard_normal(), np.cos(side), np.sin(side)])
     out /= np.linalg.norm(out)
     along, radius = np.cross(out, random.standard_normal(3)), random.uniform(2e-3, 1e-2)
@@ -106,16 +165,16 @@ def in_the_way(segment, random: np.random.Generator, shape: str) -> tuple[Touche
     else:
         vertices = random.standard_normal((12, 3))
         found = Hull(vertices=radius * vertices / np.linalg.norm(vertices, axis=1)[:, None], **where)
-    return TouchedSegment(segment=segment, obstacle=found), tensions
+    return TouchedSegment(rod=rod, obstacle=found), tensions
 
 
 @pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder", "hull"])
-def test_at_the_touch_distance_the_rubber_has_no_gap_and_before_it_has_one(segment, shape):
+def test_at_the_touch_distance_the_rubber_has_no_gap_and_before_it_has_one(finger, shape):
     random, counted = np.random.default_rng(1), 0
     for _ in range(60):
-        model, tensions = in_the_way(segment, random, shape)
+        model, tensions = in_the_way(finger, random, shape)
         free = np.array([*tensions, np.inf])
-        touch, alone = (one.outputs(free)[0, 4] for one in (model, plates_alone(model)))
+        touch, alone = model.outputs(free)[0, 4], touch_of_plates_alone(model, free)
         assert touch >= alone
         if not (touch > alone and np.isfinite(touch) and abs(touch) < 0.05):
             continue
@@ -139,12 +198,12 @@ def test_at_the_touch_distance_the_rubber_has_no_gap_and_before_it_has_one(segme
     assert counted > 20
 
 
-def test_an_object_that_the_clamp_s_end_of_the_rubber_meets_first_is_noticed(segment):
+def test_an_object_that_the_clamp_s_end_of_the_rubber_meets_first_is_noticed(finger):
     """The plane leans towards the clamp, which no tension moves."""
     turned = Rotation.from_rotvec([0, 0, 0.6]).apply([0.0, -1.0, 0.0])
     plane = Plane(centre=(0.0, 0.02, 0.0), normal=tuple(turned), direction=(0, 1, 0), distances=(-0.02, 0.05))
-    model = TouchedSegment(segment=segment, obstacle=plane)
+    model = TouchedSegment(rod=finger, obstacle=plane)
     value, jacobian = model.value_and_jacobian([1.0, 1.0, np.inf])
-    place = np.array([[0.0, y, z] for y in (-1, 1) for z in (-1, 1)]) * rod.SIDE / 2
-    gaps = (place - plane.centre) @ turned
-    assert value[4] == pytest.approx(gaps.min() / turned[1], abs=1e-9) and np.array_equal(jacobian[4], np.zeros(3))
+    gaps = (SQUARE - plane.centre) @ turned
+    assert value[4] == pytest.approx(gaps.min() / turned[1], abs=1e-9)
+    assert jacobian[4] == pytest.approx(np.zeros(3), abs=1e-15)

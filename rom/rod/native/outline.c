@@ -1,0 +1,61 @@
+#include "outline.h"
+#include <string.h>
+
+enum { W = FINGERFEM_WRENCH, EIGHT = 8, MOST_ROWS = 6 /* eights of a sum that registers hold */ };
+typedef double eight __attribute__((vector_size(64), aligned(8), may_alias)); /* among plain numbers */
+typedef float singles __attribute__((vector_size(32), aligned(4), may_alias));
+
+/* Products of the wrench's Chebyshev polynomials, (products). */
+static void wrench_products(const fingerfem_outline *outline, const double *wrench, double *products)
+{
+    double values[W][TENSIONS_POWERS], slopes[TENSIONS_POWERS];
+    const int32_t *powers = outline->wrench_powers;
+    for (int i = 0; i < W; i++) {
+        const double lower = outline->lower[i], upper = outline->upper[i];
+        const double held = wrench[i] > lower ? wrench[i] < upper ? wrench[i] : upper : lower; /* NaN is the lowest */
+        tensions_chebyshev(2.0 * (held - lower) / (upper - lower) - 1.0, outline->most_power, values[i], slopes);
+    }
+    for (int k = 0; k < outline->products; k++, powers += W)
+        products[k] = values[0][powers[0]] * values[1][powers[1]] * values[2][powers[2]] *
+                      (values[3][powers[3]] * values[4][powers[4]] * values[5][powers[5]]);
+}
+
+/* Some eights of the corners' numbers, from number `first` on. */
+__attribute__((always_inline)) static inline void sum_terms(const fingerfem_outline *outline, int first, int rows,
+                                                            const double *monomials, const double *products, double *corners)
+{
+    const float *from = outline->coefficients + first;
+    eight sums[MOST_ROWS] = {{0.0}};
+    for (int k = 0; k < outline->terms; k++, from += outline->numbers) {
+        const double weight = monomials[outline->term_monomials[k]] * products[outline->term_products[k]];
+#pragma GCC unroll 6
+        for (int i = 0; i < rows; i++)
+            sums[i] += weight * __builtin_convertvector(*(const singles *)(from + EIGHT * i), eight);
+    }
+#pragma GCC unroll 6
+    for (int i = 0; i < rows; i++) *(eight *)(corners + first + EIGHT * i) = sums[i];
+}
+
+void outline_under(const fingerfem_outline *outline, const double *monomials, const double *wrench, double *work, double *corners)
+{
+    int first = 0, left = outline->numbers / EIGHT;
+    wrench_products(outline, wrench, work);
+    while (left) {
+        const int rows = left >= MOST_ROWS ? MOST_ROWS : left >= 3 ? 3 : 1;
+        if (rows == MOST_ROWS) sum_terms(outline, first, MOST_ROWS, monomials, work, corners);
+        else if (rows == 3) sum_terms(outline, first, 3, monomials, work, corners);
+        else sum_terms(outline, first, 1, monomials, work, corners);
+        first += rows * EIGHT;
+        left -= rows;
+    }
+}
+
+void outline_free(const fingerfem_outline *outline, const double *monomials, double *corners)
+{
+    for (int row = 0; row < outline->numbers; row += EIGHT) {
+        const double *from = outline->free_coefficients + row;
+        eight sum = {0.0};
+        for (int m = 0; m < outline->monomials; m++, from += outline->numbers) sum += monomials[m] * *(const eight *)from;
+        *(eight *)(corners + row) = sum;
+    }
+}

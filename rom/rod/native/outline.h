@@ -1,0 +1,16 @@
+/* The outline of an element: corners of a few of its cross-sections, its stations, by the tensions and the wrench that its
+ * distal section carries, seen from that one's frame. */
+#ifndef FINGERFEM_OUTLINE_H
+#define FINGERFEM_OUTLINE_H
+#include "tensions.h"
+
+enum { OUTLINE_CORNERS = 4, OUTLINE_STATION = 3 * OUTLINE_CORNERS /* numbers of a station */ };
+
+/* Corners of the stations, (numbers), from the monomials of the tensions and a wrench, (6), which is clamped to the trained
+ * box; `work` holds the products of the wrench. Coefficients are single, sums double: else the same point would differ by
+ * some nanometres from processor to processor. */
+void outline_under(const fingerfem_outline *outline, const double *monomials, const double *wrench, double *work, double *corners);
+
+/* The same without a wrench; with the monomials' derivatives by a tension, the derivatives. */
+void outline_free(const fingerfem_outline *outline, const double *monomials, double *corners);
+#endif
