@@ -9,6 +9,7 @@ from rom.rod.objects import Object, Plane, Sphere, box, facing_plane
 from rom.rod.rod import Chain
 from rom.rod.touched_segment import TouchedSegment
 from tests.rom.elements import elastic_rod as rod
+from tests.rom.rod.plates import touch_of_plates
 
 TENSIONS = np.array([6.0, 3.0])
 WRENCHES = np.array([[0.1, -0.2, 0.15, 2e-4, -3e-4, 2e-4], [-0.1, 0.12, 0.05, 3e-4, 1e-4, -2e-4]])
@@ -92,8 +93,7 @@ def pressed(two, name: str) -> tuple[TouchedSegment, np.ndarray]:
     else:
         found = Sphere(centre=tuple(base - [0, 0.05 - 0.004, 0]), radius=0.004, **WHERE)
     model = TouchedSegment(rod=two, obstacle=found)
-    touch = model.outputs([*tensions, 0.1])[0, 4]
-    return model, np.array([*tensions, touch - 1e-3])
+    return model, np.array([*tensions, touch_of_plates(model, [*tensions, 0.1]) - 1e-3])
 
 
 @pytest.mark.parametrize("name", OBJECTS)
