@@ -2,7 +2,7 @@
 #ifndef FINGERFEM_MODEL_H
 #define FINGERFEM_MODEL_H
 #include "../../native/kernel.h"
-#include "../../segment/native/segment.h"
+#include "../../rod/native/segment.h"
 
 enum { FINGERFEM_MOST_ROWS = 6, FINGERFEM_MOST_ERRORS = 4 };
 
