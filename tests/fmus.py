@@ -17,8 +17,8 @@ from fmpy.fmi3 import FMU3Slave
 
 from rom import Surrogate, TouchedSegment
 from rom.export.fmu import write
-from rom.rod.rod import Chain
 from rom.rod.objects import facing_plane
+from rom.rod.rod import Chain
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
 BOTH = pytest.mark.parametrize("version", [2, 3])

@@ -18,6 +18,7 @@ from typing import Any
 
 import h5py
 import numpy as np
+from rom.segment import chain
 
 from control import Finger, problems
 from rom import Hull, Sphere, Surrogate, TouchedSegment
@@ -25,7 +26,6 @@ from rom.checked_file import BLOCK, ModelError, kind_of
 from rom.export.c_header import header
 from rom.export.model import MODEL, struct
 from rom.native import pointer
-from rom.segment import chain
 from rom.rod.inverse_map import InverseMap
 from rom.rod.native import rubber_boxes
 from rom.rod.native.told import sections

@@ -9,6 +9,7 @@ from pkgutil import walk_packages
 
 import numpy as np
 import pytest
+from rom.segment.segment_map import SegmentMap
 
 import control
 import rom
@@ -16,7 +17,6 @@ from control import Finger, Gripper, Limits, SimulatedPlant
 from rom import BackedSegment, Chain, Surrogate, TouchedSegment
 from rom.brief import brief
 from rom.rod.objects import box
-from rom.segment.segment_map import SegmentMap
 from rom.rod.touched_segment import SHIPPED
 
 MANY = (

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rom.segment import limits as segment_limits
 
 from rom import Chain, SegmentMap, Surrogate, limits
 from rom.checked_file import ModelError
 from rom.native import EVALUATION, SEGMENT, compiler
-from rom.segment import limits as segment_limits
 from rom.rod.touched_segment import SHIPPED
 from tests.rom import fuzzed
 

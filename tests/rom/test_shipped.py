@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rom.segment import touched_segment
 
 from rom import Surrogate, TouchedSegment
-from rom.segment import touched_segment
 from rom.surrogate import SHIPPED
 
 MAKEFILE = Path(__file__).resolve().parents[2] / "Makefile"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from rom.segment.segment_map import SegmentMap
 
 from rom import Surrogate, TouchedSegment
-from rom.segment.segment_map import SegmentMap
 from rom.rod.touched_segment import SHIPPED
 from rom.table import Table, number, parameters, print_tables, quantities, row
 

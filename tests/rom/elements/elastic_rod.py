@@ -11,8 +11,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from rom.elements.section_states import Bodies, SectionStates
+from rom.rod.rod import Rod
 
-PLATE, SIDE, YOUNG, OFFSET = 0.001, 0.010, 1.1e7, 0.004
+LENGTH, PLATE, SIDE, YOUNG, OFFSET = 0.050, 0.001, 0.010, 1.1e7, 0.004
+HALF = np.array([PLATE, SIDE, SIDE]) / 2
+CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * HALF  # of the plate
 AXIAL, BENDING, TORSION = YOUNG * SIDE**2, YOUNG * SIDE**4 / 12, YOUNG / 3 * 0.141 * SIDE**4
 MOST_TENSION, MOST_FORCE, MOST_MOMENT = 40.0, 2.0, 0.06
 OFFSETS = np.array([[0.0, OFFSET, 0.0], [0.0, 0.0, OFFSET]])
@@ -29,7 +32,7 @@ class Seen(NamedTuple):
     shortenings: np.ndarray  # of the tendons between the plate and the section [m]
 
 
-def scene(length: float = 0.050, **changes: Any) -> dict[str, Any]:
+def scene(length: float = LENGTH, **changes: Any) -> dict[str, Any]:
     """A scene of the rod, as plain data."""
     return {
         "name": "elastic rod",
@@ -41,6 +44,13 @@ def scene(length: float = 0.050, **changes: Any) -> dict[str, Any]:
         ],
         "load": {"force": MOST_FORCE, "moment": MOST_MOMENT},
     } | changes
+
+
+def in_series(*lengths: float) -> dict[str, Any]:
+    """A scene of several segments; both tendons pass all of them."""
+    one = scene()
+    tendons = [tendon | {"segment": len(lengths)} for tendon in one["tendons"]]
+    return one | {"geometry": one["geometry"] | {"segments": list(lengths)}, "tendons": tendons}
 
 
 def seen_from_plate(inputs: np.ndarray, length: float) -> Seen:
@@ -100,6 +110,20 @@ def corners_at(inputs: np.ndarray, length: float, at: np.ndarray) -> np.ndarray:
     return CubicSpline(np.arange(corners.shape[1]) * STEP, corners, axis=1)(at)
 
 
+def plate(tensions: np.ndarray, wrench: np.ndarray, length: float = LENGTH) -> tuple[np.ndarray, np.ndarray]:
+    """The plate's centre and rotation in space at one state, shapes (3,) and (3, 3)."""
+    places, turned, _ = in_space(np.concatenate([tensions, wrench])[None], length)
+    return places[0, -1], turned[0, -1]
+
+
+def placed(finger: Rod, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Centre and rotation of a one-segment finger's plate at n states, and whether they are inside; inputs (n, 8)."""
+    found = [finger.place(one[:2], one[None, 2:]) for one in inputs]
+    parts = zip(*((one.centres[0], one.rotations[0], np.array(one.inside)) for one in found), strict=True)
+    centres, rotations, inside = map(np.stack, parts)
+    return centres, rotations, inside
+
+
 def pressed(count: int, seed: int) -> np.ndarray:
     """Inputs of free states and pressed ones, four a line, of all signs of force and moment, shape (5 count, 8)."""
     random = np.random.default_rng(seed)
@@ -109,7 +133,7 @@ def pressed(count: int, seed: int) -> np.ndarray:
     return np.concatenate([tensions, wrenches], axis=1)
 
 
-def states(count: int, seed: int, length: float = 0.050) -> SectionStates:
+def states(count: int, seed: int, length: float = LENGTH) -> SectionStates:
     """States of the rod with their derivatives by differences, as a set would hold them."""
     inputs = pressed(count, seed)
     places, turned, shorter = in_space(inputs, length)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rom.fit.chebyshev import Polynomial
 from rom.elements.march import march
 from rom.elements.rotation_vectors import matrices as rotations
+from rom.fit.chebyshev import Polynomial
 from tests.rom.elements import laws
 
 

@@ -15,9 +15,9 @@ from rom import Surrogate, TouchedSegment
 from rom.export.model import MODEL, struct
 from rom.export.page import write
 from rom.native import pointer
-from rom.rod.rod import Chain
 from rom.rod.native.told import sections
 from rom.rod.objects import facing_plane
+from rom.rod.rod import Chain
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="needs selenium (the environment has it)")
 pytestmark = pytest.mark.skipif(shutil.which("chromedriver") is None, reason="needs Chromium and its driver")

@@ -8,12 +8,13 @@ from rom.rod.inverse_map import InverseMap
 
 @pytest.fixture(scope="module")
 def segment():
-    return TouchedSegment.load().segment
+    return TouchedSegment.load().rod.segments[0]
 
 
 def seen(placed):
     """Centre and quaternion, w first."""
-    return placed.centre, Rotation.from_matrix(placed.rotation).as_quat()[[3, 0, 1, 2]]
+    centre, rotation, _, _ = placed
+    return centre, Rotation.from_matrix(rotation).as_quat()[[3, 0, 1, 2]]
 
 
 def random_inputs(segment, random, force):
@@ -39,7 +40,7 @@ def test_its_stiffness_is_that_of_the_map(segment):
     inputs = random_inputs(segment, random, 2.0)
     placed = segment.place(inputs)
     inverse.find(inputs[:2], *seen(placed))
-    np.testing.assert_allclose(inverse.stiffness @ placed.motion[:, 2:], np.eye(6), atol=1e-6)
+    np.testing.assert_allclose(inverse.stiffness @ placed[2][:, 2:], np.eye(6), atol=1e-6)
 
 
 def test_from_pose_to_pose_it_takes_few_evaluations(segment):
@@ -71,7 +72,7 @@ def test_as_a_spring_it_never_pushes_a_plate_away(segment):
         placed = segment.place(inputs)
         inverse.forget()
         inverse.find(inputs[:2], *seen(placed))
-        force, stiffness, lowest = as_spring(segment, placed.rotation, inverse.wrench, inverse.stiffness)
+        force, stiffness, lowest = as_spring(segment, placed[1], inverse.wrench, inverse.stiffness)
         found = inverse.spring()
         np.testing.assert_allclose(found[0], force, atol=1e-9)
         np.testing.assert_allclose(found[1], stiffness, atol=1e-9 * np.abs(stiffness).max())

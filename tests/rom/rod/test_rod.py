@@ -5,25 +5,21 @@ import pytest
 
 from rom.checked_file import ModelError
 from rom.rod.rod import Rod
+from rom.surrogate import Surrogate
 from tests.rom.elements import elastic_rod
 
 LENGTHS = (0.021, 0.025, 0.040, 0.063, 0.080, 0.120)  # [m]
-
-
-@pytest.fixture(scope="module")
-def finger(rod_states, rod_elements):
-    return Rod(elements=rod_elements, scene=rod_states.scene)
 
 
 @pytest.mark.parametrize("length", LENGTHS)
 def test_a_finger_of_another_length_is_the_rod_of_that_length(finger, length):
     inputs = elastic_rod.pressed(12, 5)
     inputs *= 0.5 * min(1.0, 0.050 / length)
-    found = finger.assembled(elastic_rod.scene(length)).place(inputs[:, :2], inputs[:, None, 2:])
+    centres, rotations, inside = elastic_rod.placed(finger.assembled(elastic_rod.scene(length)), inputs)
     places, turned, _ = elastic_rod.in_space(inputs, length)
-    assert found.inside.all()
-    np.testing.assert_allclose(found.centres[:, 0], places[:, -1], atol=1e-6)
-    np.testing.assert_allclose(found.rotations[:, 0], turned[:, -1], atol=3e-5)
+    assert inside.all()
+    np.testing.assert_allclose(centres, places[:, -1], atol=1e-6)
+    np.testing.assert_allclose(rotations, turned[:, -1], atol=3e-5)
 
 
 def test_two_segments_are_one_after_the_other_and_the_first_transmits_the_second_ones_wrench(finger):
@@ -31,22 +27,16 @@ def test_two_segments_are_one_after_the_other_and_the_first_transmits_the_second
     scene["geometry"] = scene["geometry"] | {"segments": [0.040, 0.060]}
     scene["tendons"] = [one | {"segment": k + 1} for k, one in enumerate(scene["tendons"])]
     both = finger.assembled(scene)
-    tensions, wrenches = (
-        np.array([[12.0, 7.0]]),
-        np.array([[[0.1, -0.2, 0.1, 1e-3, 2e-3, 0], [0.1, 0.2, -0.1, 0, 1e-3, 2e-3]]]),
-    )
+    tensions = np.array([12.0, 7.0])
+    wrenches = np.array([[0.1, -0.2, 0.1, 1e-3, 2e-3, 0], [0.1, 0.2, -0.1, 0, 1e-3, 2e-3]])
     found = both.place(tensions, wrenches)
-    tip = elastic_rod.in_space(np.concatenate([[[0.0, 7.0]], wrenches[:, 1]], axis=1), 0.060)
+    tip, turned = elastic_rod.plate(np.array([0.0, 7.0]), wrenches[1], 0.060)
     # The wrench on the tip's plate, in the frame of the plate that clamps it and about that one's centre.
-    arm, turned = tip[0][:, -1] + [elastic_rod.PLATE / 2, 0, 0], tip[1][:, -1]
-    force = np.einsum("nij,nj->ni", turned, wrenches[:, 1, :3])
-    moment = np.einsum("nij,nj->ni", turned, wrenches[:, 1, 3:]) + np.cross(arm, force)
-    borne = wrenches[:, 0] + np.concatenate([force, moment], axis=1)
-    base = elastic_rod.in_space(np.concatenate([tensions, borne], axis=1), 0.040)
-    centre, frame = base[0][:, -1], base[1][:, -1]
-    np.testing.assert_allclose(found.centres[:, 0], centre, atol=1e-6)
-    np.testing.assert_allclose(found.centres[:, 1], centre + np.einsum("nij,nj->ni", frame, arm), atol=1e-6)
-    np.testing.assert_allclose(found.rotations[:, 1], frame @ turned, atol=3e-5)
+    arm, force = tip + [elastic_rod.PLATE / 2, 0, 0], turned @ wrenches[1, :3]
+    carried = wrenches[0] + np.concatenate([force, turned @ wrenches[1, 3:] + np.cross(arm, force)])
+    centre, frame = elastic_rod.plate(tensions, carried, 0.040)
+    np.testing.assert_allclose(found.centres, [centre, centre + frame @ arm], atol=1e-6)
+    np.testing.assert_allclose(found.rotations, [frame, frame @ turned], atol=3e-5)
 
 
 @pytest.mark.parametrize("size", [0.3, 2.0, 6.0])
@@ -66,13 +56,11 @@ def test_a_finger_of_another_size_and_modulus_is_similar(finger, size, modulus):
         for one in scene["tendons"]
     ]
     inputs = elastic_rod.pressed(4, 9)
-    own, other = finger, finger.assembled(scene)
-    one = own.place(inputs[:, :2], inputs[:, None, 2:])
-    factors = np.repeat([force, force * size], 3)
-    two = other.place(inputs[:, :2] * force, inputs[:, None, 2:] * factors)
-    np.testing.assert_allclose(two.centres, size * one.centres, rtol=0, atol=1e-13 * size)
-    np.testing.assert_allclose(two.rotations, one.rotations, atol=1e-12)
-    np.testing.assert_array_equal(one.inside, two.inside)
+    one = elastic_rod.placed(finger, inputs)
+    two = elastic_rod.placed(finger.assembled(scene), inputs * np.repeat([force, force * size], [5, 3]))
+    np.testing.assert_allclose(two[0], size * one[0], rtol=0, atol=1e-13 * size)
+    np.testing.assert_allclose(two[1], one[1], atol=1e-12)
+    np.testing.assert_array_equal(one[2], two[2])
 
 
 def _changed(path: str, value):
@@ -117,9 +105,21 @@ def test_a_finger_read_from_its_file_is_the_same(finger, tmp_path):
     other.save(tmp_path / "finger.h5")
     read = Rod.load(tmp_path / "finger.h5")
     inputs = elastic_rod.pressed(3, 2)
-    one, two = (rod.place(inputs[:, :2], inputs[:, None, 2:]) for rod in (other, read))
-    np.testing.assert_array_equal(one.centres, two.centres)
+    for one, two in zip(*(elastic_rod.placed(rod, inputs) for rod in (other, read)), strict=True):
+        np.testing.assert_array_equal(one, two)
     assert read.scene == other.scene and read.elements.provenance == other.elements.provenance
+    with pytest.raises(ModelError, match="must be a fingerfem surrogate, got a fingerfem rod"):
+        Surrogate.load(tmp_path / "finger.h5")
+
+
+def test_a_damaged_file_is_refused(finger, tmp_path):
+    file = tmp_path / "finger.h5"
+    finger.save(file)
+    damaged = bytearray(file.read_bytes())
+    damaged[-100] ^= 1
+    file.write_bytes(damaged)
+    with pytest.raises(ModelError, match="damaged"):
+        Rod.load(file)
 
 
 def test_a_scene_file_is_read_and_a_broken_one_refused(finger, tmp_path):
