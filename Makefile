@@ -1,7 +1,7 @@
 # make demo   train a finger, grasp, verify, report to out/demo
 # make test   tests, lint, types, import contracts; make test-long  the repetitions of faults, and what takes long
 # make docs   measure anew what README and docs/ show; make readme  README's numbers alone; make peers  docs/peers.md alone
-# make model  rom/finger.h5, the trained finger that comes with the repository; make plane  rom/plane.h5; make wheel  dist/*.whl
+# make model  rom/finger.h5, the bundled finger; make plane  rom/plane.h5; make wheel  dist/*.whl
 # make page   rom/export/viewer.html, what `rom page` writes models into
 # make site   the documentation as a site, in out/site
 # make bench  the short form of all studies, compared with docs/bench.json
@@ -50,19 +50,19 @@ out/tests/finger.h5:
 readme: demo
 	docker/run python3 studies/readme.py out/demo
 
-# rom/finger.h5, the trained finger that comes with the repository: a segment's map of two meshes, whose estimates were
-# scaled on 60 states of a still finer one and measured on 60 others: some fifteen minutes on two cores; it resumes.
+# rom/finger.h5, the bundled finger: rod elements trained on MINUTES core-seconds of states, each of which begins at the same one on a
+# coarse mesh. Its estimates are scaled on 60 states of a finer mesh and measured on 60 others, most of the time; it resumes.
 SNAPSHOTS = docker/run mpirun -n 2 python3 -m fingerfem snapshots
 model:
-	$(SNAPSHOTS) scenes/demo/fine.toml out/model/coarse --coarse --until "0.3 %"
-	$(SNAPSHOTS) scenes/demo/fine.toml out/model/fine --until "0.7 %" --near out/model/coarse
+	$(SNAPSHOTS) scenes/demo/bundled.toml out/model/coarse --coarse
+	$(SNAPSHOTS) scenes/demo/bundled.toml out/model/fine --near out/model/coarse
 	$(SNAPSHOTS) scenes/demo/plane_coarse.toml out/model/finest-coarse --random 15 --distances 4 --seed 2019
 	$(SNAPSHOTS) scenes/demo/plane_finest.toml out/model/finest --random 15 --distances 4 --seed 2019 --near out/model/finest-coarse
 	$(SNAPSHOTS) scenes/demo/plane_coarse.toml out/model/heldout-coarse --random 15 --distances 4 --seed 2020
 	$(SNAPSHOTS) scenes/demo/plane_finest.toml out/model/heldout --random 15 --distances 4 --seed 2020 --near out/model/heldout-coarse
-	docker/run python3 -m rom build out/model/fine --coarse out/model/coarse --finer out/model/finest --held-out out/model/heldout --no-fields -o rom/finger.h5
+	docker/run python3 -m rom build out/model/fine --finer out/model/finest --held-out out/model/heldout -o rom/finger.h5
 
-# rom/plane.h5, a surrogate of the paper's plane that comes along, too: some twenty minutes on two cores; it resumes.
+# rom/plane.h5, the bundled surrogate of the paper's plane: some twenty minutes on two cores; it resumes.
 plane:
 	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/standard.toml out/plane/training
 	docker/run mpirun -n 2 python3 -m fingerfem snapshots scenes/standard.toml out/plane/heldout --random 50 --distances 4 --seed 2018

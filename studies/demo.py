@@ -2,8 +2,9 @@
 
 python3 studies/demo.py [OUT] [--quick]    writes OUT (out/demo by default); what is there already is not solved again
 
-The rubber is learnt as the map of a segment: on a coarse mesh, corrected by few states on a fine one. Contact is solved
-for online. --quick takes meshes that are too coarse to be believed: it tries the demo.
+The finger is cut into rod elements, which few full-order states train: each begins at the same state on a coarse mesh.
+The finger is assembled from them, and contact is solved for online. --quick takes coarse meshes alone: it tries the
+demo, and its numbers mean nothing.
 """
 
 from __future__ import annotations
@@ -36,14 +37,14 @@ from control.model import Model
 from fingerfem import FingerModel, State, load_scene
 from fingerfem.full_order_plant import FullOrderPlant
 from fingerfem.output.pictures import Deformed, draw
+from rom.elements.section_states import read_section_states
+from rom.elements.training import train
 from rom.export.page import write as write_page
-from rom.held_out import check_plane
-from rom.rod.objects import facing_plane
+from rom.held_out import before_plane, check_plane
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
-from rom.segment.training import build
-from rom.segment.training.mesh_correction import corrected
 from rom.snapshots.snapshot_set import SnapshotSet
+from rom.summaries import origin
 from rom.terminal import Progress, steps
 from studies import report, sets
 
@@ -51,15 +52,11 @@ SCENES = Path(__file__).resolve().parents[1] / "scenes" / "demo"
 CALLER = "FINGERFEM_CALLER"  # tells the farm that the demo says what is kept when it is stopped
 SHOW_CURSOR = "\x1b[?25h"  # which a bar hides, and a killed rank does not bring back
 HELD_OUT = ["--random", "8", "--distances", "4", "--seed", "2018"]
-# The fingers that are driven are on neither of the meshes trained on.
+# The fingers that are driven are on a mesh of their own, neither the fine nor the coarse one.
 PLANTS = {"mesh": {"cells": [10, 5], "order": 2}}
-# Meshes that are soon solved, and lines of states.
+# Meshes that are soon solved.
 QUICK: dict[str, dict] = {
-    "fine": {
-        "mesh": {"cells": [20, 5], "order": 1},
-        "coarse": {"cells": [10, 5], "order": 1, "lines": 24},
-        "sampling": {"lines": 8},
-    },
+    "fine": {"mesh": {"cells": [20, 5], "order": 1}, "coarse": {"cells": [10, 5], "order": 1}},
     "plane": {"mesh": {"cells": [20, 5], "order": 1}},
     "plants": {"mesh": {"cells": [20, 5], "order": 1}},
     "plane_coarse": {"mesh": {"cells": [10, 5], "order": 1}},
@@ -121,45 +118,44 @@ def scene_file(name: str, out: Path, quick: bool) -> Path:
 
 
 def trained(out: Path, quick: bool) -> tuple[TouchedSegment, dict]:
-    """Train the map on all cores, measure it on held-out states of the fine mesh, save."""
-    say("training: many full-order states on a coarse mesh, on all cores")
+    """Train the elements on all cores, measure the finger on held-out states of the fine mesh, save."""
+    say("training: full-order states on a coarse mesh, on all cores")
     coarse, on_coarse = farm(scene_file("fine", out, quick), out / "coarse", "--coarse")
-    say("training: few states on a fine mesh, each begins at the coarse one")
+    say("training: the same states on a fine mesh; each begins at the coarse one")
     fine, on_fine = farm(scene_file("fine", out, quick), out / "fine", "--near", str(out / "coarse"))
     say("held-out: full-order states before a plane, on the coarse mesh from rest, then on the fine one")
     farm(scene_file("plane_coarse", out, quick), out / "heldout-coarse", *HELD_OUT)
     near = "--near", str(out / "heldout-coarse")
     fresh, held_out = farm(scene_file("plane", out, quick), out / "heldout", *HELD_OUT, *near)
-    say("the map: fit the coarse states, correct them by the fine ones, check them against the held-out ones")
+    say("the finger: fit its elements to the fine states, assemble it, compare it with the held-out ones")
     begun = time.perf_counter()
     with steps() as progress:
-        before = build.train(coarse, progress=progress)
-        model = corrected(before, coarse, fine)
+        states = read_section_states(fine)
+        rod = Rod(elements=train(states, origin(fine), progress), scene=states.scene)
         fitting = time.perf_counter() - begun
-        errors = {"coarse": check_plane(before, fresh), "both": check_plane(model, fresh, progress)}
-    model.with_accuracy(errors["both"]).save(out / "finger.h5")
-    before.save(out / "coarse.h5")
-    scene = fresh.description.scene
-    plane = facing_plane(scene["geometry"]["side"], tuple(scene["obstacle"]["distance"]))
-    touched = TouchedSegment(segment=Rod.load(out / "finger.h5"), obstacle=plane)
+        rod = rod.with_accuracy(check_plane(rod, fresh, progress))
+    rod.save(out / "finger.h5")
+    touched = before_plane(Rod.load(out / "finger.h5"), fresh)
+    sets_ = {"coarse": coarse, "fine": fine}
     return touched, {
         "coarse": on_coarse,
         "fine": on_fine,
         "heldout": held_out,
-        "meshes": {name: one.description.scene["mesh"] for name, one in (("coarse", coarse), ("fine", fine))},
-        "unknowns": {name: 3 * len(one.nodes) for name, one in (("coarse", coarse), ("fine", fine))},
-        "terms": len(model.pose.powers),
+        "meshes": {name: one.description.scene["mesh"] for name, one in sets_.items()},
+        "unknowns": {name: 3 * len(one.nodes) for name, one in sets_.items()},
+        "elements": [kind for kind, _ in reversed(rod.pieces[0])],
+        "terms": sum(len(law.polynomial.powers) for law in rod.elements.laws.values()),
         "bytes": (out / "finger.h5").stat().st_size,
         "fitting_seconds": fitting,
-        "left_out": {"coarse": before.provenance["left_out"], "both": model.provenance["left_out"]},
-        "errors": errors,
+        "left_out": rod.elements.provenance["left_out"],
+        "errors": rod.accuracy,
         "parity": report.parity(touched, fresh, out / "parity.png"),
     }
 
 
 def grasp(model: Model, full_order: FingerModel, out: Path) -> tuple[Grasp, dict]:
     """Three full-order fingers around an object of unknown position; every final state solved again from rest."""
-    say("grasp: three full-order fingers, driven by the map's controller")
+    say("grasp: three full-order fingers, driven by its controller")
     gripper = Gripper(model)
     true = gripper.distances(OBJECT_CENTRE, OBJECT_RADIUS)
     with steps() as progress:
@@ -259,7 +255,7 @@ def main(out: Path, quick: bool = False) -> None:
     write_page(model, out / "finger.html")
     report.write(numbers, out / "report.html")
     held = [*numbers["grasp"]["force_errors"], *[hold["force_error"] for hold in numbers["holds"]]]
-    forces, touch = (numbers["errors"]["both"][name] for name in ("contact_force", "touch"))
+    forces, touch = (numbers["errors"][name] for name in ("contact_force", "touch"))
     say(
         f"contact force: median error {forces['median']:.2%} on held-out states of the fine mesh; "
         f"touch decided correctly: {touch['right']:.1%}; worst held force off by {max(held):.2%}"

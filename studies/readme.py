@@ -40,10 +40,10 @@ def put(begin: str, text: str, page: str = "README.md") -> None:
 
 def summary(numbers: dict) -> str:
     """README's block: one table, and the speed beside the paper's."""
-    sweep, both = numbers["campaign"], numbers["errors"]["both"]
+    sweep, found = numbers["campaign"], numbers["errors"]
     return f"""
-The demo's finger against {both["states"]} held-out full-order states of the fine mesh, contact forces above 0.1 N; marked and not counted: {both["marked"]}.
-Touch is decided correctly in {both["touch"]["count"] - both["touch"]["wrong"]} of them.
+The demo's finger against {found["states"]} held-out full-order states of the fine mesh, contact forces above 0.1 N; marked and not counted: {found["marked"]}.
+Touch is decided correctly in {found["touch"]["count"] - found["touch"]["wrong"]} of them.
 
 {table(report.ERROR_HEADER, [row for row in report.error_rows(numbers) if row[0] != "touch distance"])}
 
@@ -55,22 +55,22 @@ A hold takes {sweep["mean_us"]:.0f} µs on average and {sweep["p99_us"]:.0f} µs
 def measured(numbers: dict) -> str:
     """The block of docs/demo.md."""
     coarse, fine, sweep, held_out = (numbers[name] for name in ("coarse", "fine", "campaign", "heldout"))
-    both = numbers["errors"]["both"]
-    touch = both["touch"]
+    found = numbers["errors"]
+    touch = found["touch"]
     return f"""
-The demo's finger (`scenes/demo/`): the map of its segment, from {coarse["states"]} full-order states on {report.mesh_name(numbers["meshes"]["coarse"])}
-({coarse["newton_iterations"] / coarse["states"]:.1f} factorisations per state) and {fine["states"]} on {report.mesh_name(numbers["meshes"]["fine"])} ({numbers["unknowns"]["fine"]:,} unknowns; {fine["newton_iterations"] / fine["states"]:.1f} per state, as they
-begin at the coarse ones), {coarse["failed"] + fine["failed"]} failed; contact is solved for online. Against {both["states"]} held-out states of the fine mesh before a plane,
-which begin at the same on the coarse one ({held_out["newton_iterations"] / held_out["states"]:.1f} per state); marked, as rubber touches or the force is beyond what was trained, and not counted: {both["marked"]}.
-Contact forces above 0.1 N:
+The demo's finger (`scenes/demo/`) is assembled from {len(numbers["elements"])} rod elements ({", ".join(numbers["elements"])}). They were trained on {fine["states"]} full-order
+states on {report.mesh_name(numbers["meshes"]["fine"])} ({numbers["unknowns"]["fine"]:,} unknowns; {fine["newton_iterations"] / fine["states"]:.1f} factorisations per state). Each began at the same state on
+{report.mesh_name(numbers["meshes"]["coarse"])} ({coarse["newton_iterations"] / coarse["states"]:.1f} per state); {coarse["failed"] + fine["failed"]} failed. Contact is solved for online. The table compares the finger with {found["states"]}
+held-out states of the fine mesh before a plane ({held_out["newton_iterations"] / held_out["states"]:.1f} factorisations per state), contact forces above 0.1 N. Marked answers,
+where rubber touches or the force is beyond the trained range, are not counted: {found["marked"]}.
 
 {table(report.ERROR_HEADER, report.error_rows(numbers))}
 
-Touch decided correctly in {touch["count"] - touch["wrong"]} of {touch["count"]} states.
+Touch is decided correctly in {touch["count"] - touch["wrong"]} of {touch["count"]} states.
 
 ![The demo's finger, coloured by axial stress, in four load cases](finger.png)
 
-Contact forces held at {numbers["grasp"]["target"]:g} N, fed to the full-order model on a third mesh, {report.mesh_name(numbers["scene"]["mesh"])}; the grasp's fingers find d themselves and correct by what they feel:
+Contact forces held at {numbers["grasp"]["target"]:g} N, fed to the full-order model on a third mesh, {report.mesh_name(numbers["scene"]["mesh"])}; the grasp's fingers find d and correct their tensions by the contact force that they feel:
 
 {table(report.HOLD_HEADER, report.hold_rows(numbers))}
 
@@ -81,7 +81,7 @@ on the machine that measured this (the authors report 7,160 µs and 31,000 µs a
 
 
 def photograph(picture: Path) -> None:
-    """A picture of the page of the finger that comes along, in Chromium."""
+    """A picture of the page of the bundled finger, in Chromium."""
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "finger.html"
         write_page(TouchedSegment.load(), page)

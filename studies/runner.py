@@ -38,7 +38,7 @@ STUDIES = (
     "surrogate",
     "control",
     "tradeoff",
-    "segment",
+    "rods",
     "grasping",
     "coverage",
     "extremes",
@@ -46,6 +46,7 @@ STUDIES = (
     "figures",
     "peers",
 )
+PAGES = {"rods": "segment"}  # whose page has another name than the study
 OUT = ROOT / "out" / "docs"
 COMMIT = "FINGERFEM_COMMIT"  # the Makefile's word for where the checkout is
 
@@ -117,6 +118,11 @@ def sources(study: str) -> list[Path]:
     """A study's own files."""
     folder = ROOT / "studies" / study
     return [*folder.rglob("*.py"), *folder.rglob("*.j2")]
+
+
+def page_of(study: str) -> Path:
+    """The page that a study writes."""
+    return DOCS / f"{PAGES.get(study, study)}.md"
 
 
 def page_hash(study: str) -> str:
@@ -214,7 +220,7 @@ def results(study: str, out: Path, quick: bool = False) -> tuple[dict[str, Any],
     for name in parts(study, quick):
         one = read(name, out, quick)
         if one is None:
-            raise Unmeasured(f"docs/{study}.md not written: {name} must be measured first, see make docs")
+            raise Unmeasured(f"docs/{page_of(study).name} not written: {name} must be measured first, see make docs")
         part = name.split("/")[1]
         found[part], origin[part] = one.pop("result"), one
     return found, origin
@@ -228,8 +234,8 @@ def write_page(study: str, out: Path) -> None:
         page = importlib.import_module(f"studies.{study}.page")
         found |= page.prepare(found, place(f"{study}/", out, quick=False).folder)
     text = templates().get_template(f"{study}/page.md.j2").render(found)
-    (DOCS / f"{study}.md").write_text(f"{text.rstrip()}\n\n{provenance(study, origin)}")
-    print(f"docs/{study}.md written", flush=True)
+    page_of(study).write_text(f"{text.rstrip()}\n\n{provenance(study, origin)}")
+    print(f"docs/{page_of(study).name} written", flush=True)
 
 
 def provenance(study: str, origin: dict[str, dict]) -> str:
@@ -248,9 +254,9 @@ def stale() -> list[str]:
     """One line for every page that an older version of its study or template has written, or none."""
     found = []
     for study in STUDIES:
-        file = DOCS / f"{study}.md"
+        file = page_of(study)
         if not file.exists() or f"<!-- {study} {page_hash(study)} -->" not in file.read_text():
-            found.append(f"docs/{study}.md is not of this studies/{study}: make docs")
+            found.append(f"docs/{file.name} is not of this studies/{study}: make docs")
     return found
 
 

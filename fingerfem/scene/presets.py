@@ -20,9 +20,9 @@ FRONT = Path(__file__).with_name("front.json")
 KEYS = ("accuracy", "budget", "preset")
 OF_MESH, OF_SAMPLING = ("cells", "order"), ("lines", "tension_nodes", "contact_nodes")
 TENSIONS, SLENDERNESS = 2, 5.0  # of the finger the front was measured on; its length over its side [-]
-# By number of tensions: lines of states over those of one tension, errors of maps over those of two. Products of
-# polynomials grow faster than tensions. More tensions than errors here have no promise; a surrogate of a plane has
-# one up to TENSIONS.
+# By number of tensions: lines of states over those of one tension, and errors of fingers of elements over those of two.
+# Products of polynomials grow faster than tensions. More tensions than errors here have no promise; a surrogate of a
+# plane has one up to TENSIONS.
 GROWTH, ERRORS = (1.0, 2.0, 4.0, 8.0), (1.0, 1.0, 1.0, 2.0)
 LINES = 3  # the fewest a scene may ask for
 LONGEST, PLAIN = 1e6, {"cells": [20, 5]}  # no finger is longer [-]; cells of a scene that is to be refused
@@ -32,13 +32,13 @@ LONGEST, PLAIN = 1e6, {"cells": [20, 5]}  # no finger is longer [-]; cells of a 
 def front(pressed: bool = False) -> list[dict[str, Any]]:
     """The presets, and what no other choice beats in both cost and error of the contact force; cheapest first.
 
-    Of scenes with a load (`pressed`), which are trained as maps, or of the others, trained before one plane. Each has
+    Of scenes with a load (`pressed`), which train rod elements, or of the others, trained before one plane. Each has
     `cells`, `order`, `lines` [a tension], `tolerance`; `preset`, its name or None; and as measured `contact_force`,
     `contact_force_of_mesh`, `contact_force_of_surrogate` and the same of `displacement` (95th percentile, relative
-    [-]), `core_seconds` [s], `states`. Of a map the whole error alone is known, and there is no `tolerance`; its
-    `coarse` has `cells`, `order` and `lines` [a tension] of the mesh whose states it corrects, or is None.
+    [-]), `core_seconds` [s], `states`. Of a finger of elements the whole error alone is measured, and there is no
+    `tolerance`; its `coarse` has `cells` and `order` of the mesh at whose states its own begin, or is None.
     """
-    return json.loads(FRONT.read_text())["maps" if pressed else "choices"]
+    return json.loads(FRONT.read_text())["rods" if pressed else "choices"]
 
 
 def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, Any]:
@@ -111,12 +111,7 @@ def _fitted(
         "cells": cells,
         "order": one["order"],
         "lines": lines,
-        "coarse": coarse
-        and {
-            "cells": _cells(coarse, longest, fitting),
-            "order": coarse["order"],
-            "lines": _lines(coarse["lines"], tensions),
-        },
+        "coarse": coarse and {"cells": _cells(coarse, longest, fitting), "order": coarse["order"]},
         "preset": one["preset"],
         "expected": {
             "quantity": quantity,

@@ -235,7 +235,7 @@ class Sampling(Table):
 
 
 class Coarse(Table):
-    """A mesh on which states are cheap: many on it are corrected by few on the scene's own; `--coarse` solves them.
+    """A mesh on which states are cheap: `--coarse` solves them; those on the scene's own mesh begin at or correct them.
 
     `lines` is how many; if absent, as many as the scene's sampling has.
     """
@@ -249,8 +249,8 @@ class Expected(Table):
     """What the mesh, sampling and terms that an accuracy, a budget or a preset chose are expected to give, see presets.
 
     Errors are relative [-], of the contact force or, where nothing touches, of the displacement, at the 95th
-    percentile of states on the finger that the front was measured on. A map, which has a load in place of an
-    obstacle, has the whole error alone. No error is expected with more tendons than were measured.
+    percentile of states on the finger that the front was measured on. A scene with a load has the whole
+    error alone. No error is expected with more tendons than were measured.
     """
 
     quantity: Literal["contact_force", "displacement"]

@@ -103,5 +103,5 @@ def campaign(known: Model, grasps: int, seed: int) -> dict:
 
 
 def measure(run: Run) -> dict:
-    """With the finger that comes along."""
+    """With the bundled finger."""
     return campaign(model(run, "one segment"), 50 if run.quick else 500, seed=2018)

@@ -28,12 +28,12 @@ def names(run: Run) -> list[str]:
 
 
 def model(run: Run, name: str) -> Model:
-    """The finger that comes along; of two segments, a surrogate of another study's sets."""
+    """The bundled finger; of two segments, a surrogate of another study's sets."""
     return finger() if name == "one segment" else two_segments(run)
 
 
 def finger() -> TouchedSegment:
-    """The finger that comes along, before the paper's plane."""
+    """The bundled finger, before the paper's plane."""
     touched = TouchedSegment.load()
     return replace(touched, obstacle=facing_plane(touched.scene["geometry"]["side"], DISTANCES))
 

@@ -1,4 +1,4 @@
-"""Answers of the finger that comes along beside full-order states on a mesh finer than all it was trained on."""
+"""Answers of the bundled finger beside full-order states on a finer mesh than it was trained on."""
 
 from __future__ import annotations
 

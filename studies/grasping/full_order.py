@@ -13,14 +13,14 @@ from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.scene.scene import Scene
 from rom import TouchedSegment
 from studies.measures import quantiles
+from studies.rods.full_order import rubber_touches
 from studies.runner import Run
-from studies.segment.full_order import rubber_touches
 
 MOMENTS = "moments.json"  # as in moments.py, which needs MuJoCo
 
 
 class Pressed:
-    """The finger of the map that comes along, on the finer of its meshes."""
+    """The bundled finger, on the mesh that its elements were trained on."""
 
     def __init__(self) -> None:
         self._table = TouchedSegment.load().scene
@@ -29,7 +29,7 @@ class Pressed:
     def contact_force(self, moment: dict[str, Any]) -> dict[str, Any]:
         """The full-order contact force of a moment [N], whether rubber touches; or `failed`.
 
-        It begins at what the map says the plate bears. Friction, gravity and inertia press on the plate as they did.
+        It begins at the simulated wrench on the plate. Friction, gravity and inertia press on the plate as they did.
         """
         pulled, wrench = np.array(moment["tensions"]), np.array([moment["wrench"]])
         try:

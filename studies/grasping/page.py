@@ -13,7 +13,7 @@ from studies.runner import DOCS
 
 FATES = ("held", "let go", "dropped", "crushed", "refused")
 REASONS = {  # beginnings of why a solid was not lifted, for people
-    "rubber": "rubber may have touched, which the map does not know",
+    "rubber": "rubber may have touched, where no contact is solved for",
     "finds": "a finger found its face more than 8 mm from where it should be: the solid has moved or tipped",
     "no_contact": "a finger felt nothing up to its highest tension",
     "lost_contact": "a finger lost what it had felt",

@@ -44,7 +44,7 @@ DAMPED = {STIFF: 1.0, SOFT: 0.02}  # of critical damping [-]: what it takes is l
 
 
 def before_a_wall(
-    segment: Rod, friction: float, stiffness: float = STIFF, dragged: bool = False, coulomb: bool = True
+    rod: Rod, friction: float, stiffness: float = STIFF, dragged: bool = False, coulomb: bool = True
 ) -> Simulation:
     """A finger before a wall on springs along y and z [N/m], or drawn along z instead."""
     mass = stiffness / RINGS**2
@@ -59,18 +59,17 @@ def before_a_wall(
         mass=mass,
     )
     spec = mujoco.MjSpec.from_string(text)
-    finger = attach(spec, segment, "palm")
+    finger = attach(spec, rod, "palm")
     return Simulation(spec.compile(), [finger], coulomb=coulomb)
 
 
 def coulomb(model: TouchedSegment, friction: float) -> dict[str, Any]:
     """Contact force along a history of tensions: MuJoCo's law and the corrected one beside the quasi-static one."""
-    assert isinstance(model.segment, Rod)
     points = [[tension, 0.0, DISTANCE] for tension in PULLED]
     expected = np.array([one.contact_force for one in friction_history(model, points, friction, increments=2)])
     row: dict[str, Any] = {"friction": friction, "tension": PULLED.tolist(), "history": expected.tolist()}
     for name, follows in (("corrected", True), ("mujoco", False)):
-        simulation, found = before_a_wall(model.segment, friction, coulomb=follows), []
+        simulation, found = before_a_wall(model.rod, friction, coulomb=follows), []
         simulation.pull(0, (PULLED[0], 0.0))
         simulation.advance(1.0)
         simulation.rate = SLOWLY
@@ -83,12 +82,12 @@ def coulomb(model: TouchedSegment, friction: float) -> dict[str, Any]:
     return row
 
 
-def sliding(segment: Rod, friction: float) -> dict[str, Any]:
+def sliding(rod: Rod, friction: float) -> dict[str, Any]:
     """A wall drawn along under a finger: the angle at which it slides, and how fast it creeps below that.
 
     Creeping is what sticks moving at all, sliding what moves faster than a tenth of the wall.
     """
-    simulation = before_a_wall(segment, friction, dragged=True)
+    simulation = before_a_wall(rod, friction, dragged=True)
     for tension in (36.0, 35.0):  # let go a little it sticks, with friction to spare
         simulation.pull(0, (tension, 0.0))
         simulation.advance(simulation.time + 1.0)
@@ -117,9 +116,9 @@ def sliding(segment: Rod, friction: float) -> dict[str, Any]:
     }
 
 
-def tension_loop(segment: Rod, rounds: int = 2, seconds: float = 20.0) -> dict[str, float]:
+def tension_loop(rod: Rod, rounds: int = 2, seconds: float = 20.0) -> dict[str, float]:
     """Tensions led around a closed loop before a wall on springs without friction: net work done on the wall."""
-    simulation = before_a_wall(segment, 0.0, SOFT)
+    simulation = before_a_wall(rod, 0.0, SOFT)
     data, wall = simulation.data, simulation.data.body("wall")
     simulation.pull(0, (48.0, 10.0))
     simulation.advance(1.0)
@@ -141,20 +140,21 @@ def tension_loop(segment: Rod, rounds: int = 2, seconds: float = 20.0) -> dict[s
     return {"work": work, "exchanged": exchanged, "share": abs(work) / exchanged}
 
 
-def pose_loop(segment: Rod, points: int = 2000) -> dict[str, float]:
+def pose_loop(rod: Rod, points: int = 2000) -> dict[str, float]:
     """A plate led around a closed loop of poses at tensions that stay: net work done by rubber and tendons."""
+    segment = rod.segments[0]
     inverse, work, exchanged, before = InverseMap(segment), 0.0, 0.0, None
     for angle in np.linspace(0, 2 * np.pi, points + 1):
         pressed = [0.3 * np.sin(angle), -1 - np.cos(angle), 0.7 * np.sin(2 * angle), 0.0, 0.002, 0.0]
-        placed = segment.place([30.0, 10.0, *pressed])
-        rotation = Rotation.from_matrix(placed.rotation)
-        inverse.find([30.0, 10.0], placed.centre, rotation.as_quat()[[3, 0, 1, 2]])
+        centre, turned, _, _ = segment.place([30.0, 10.0, *pressed])
+        rotation = Rotation.from_matrix(turned)
+        inverse.find([30.0, 10.0], centre, rotation.as_quat()[[3, 0, 1, 2]])
         if before is not None:
             turn = (before[1].inv() * rotation).as_rotvec()
-            moved = np.concatenate([before[1].inv().apply(placed.centre - before[0]), turn])
+            moved = np.concatenate([before[1].inv().apply(centre - before[0]), turn])
             done = float((before[2] + inverse.wrench) / 2 @ moved)
             work, exchanged = work + done, exchanged + abs(done)
-        before = placed.centre, rotation, inverse.wrench.copy()
+        before = centre, rotation, inverse.wrench.copy()
     return {"work": work, "exchanged": exchanged, "share": abs(work) / exchanged}
 
 
@@ -200,12 +200,10 @@ def half_step(model: TouchedSegment, shape: str) -> dict[str, Any]:
 def measure(run: Run) -> dict:
     """All of them."""
     model = TouchedSegment.load()
-    segment = model.segment
-    assert isinstance(segment, Rod)
     frictions = FRICTION[:1] if run.quick else FRICTION
     return {
         "coulomb": [run.once(f"coulomb {friction}", coulomb, model, friction) for friction in frictions],
-        "sliding": [run.once(f"sliding {friction}", sliding, segment, friction) for friction in frictions],
-        "loops": {"poses": pose_loop(segment), "tensions": tension_loop(segment)},
+        "sliding": [run.once(f"sliding {friction}", sliding, model.rod, friction) for friction in frictions],
+        "loops": {"poses": pose_loop(model.rod), "tensions": tension_loop(model.rod)},
         "grasps": [half_step(model, shape) for shape in (list(GRASPS)[:1] if run.quick else GRASPS)],
     }

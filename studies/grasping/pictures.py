@@ -1,7 +1,7 @@
 """What the task looks like: a moving picture of one grasp, and a still one of the five shapes in the air.
 
 Drawn off-screen with MuJoCo's own renderer through EGL: no display is needed. Of a finger MuJoCo knows the plate alone;
-its rubber is drawn where the map has it.
+its rubber is drawn by its outline.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from control.loop import run
 from control.mujoco import MujocoPlant, Simulation, plants
 from control.mujoco.solids import POSE_ERROR, Solid, random_error, random_solid
 from control.mujoco.table import STEP, table
-from rom import Rod, TouchedSegment
+from rom import TouchedSegment
 from studies.grasping.closing import GENTLY, SQUEEZE, Closing
 
 PERIOD = 0.005  # of the controllers [s]
@@ -105,11 +105,10 @@ class Prepared:
 
 def prepare(model: TouchedSegment, one: Trial, step: float = STEP) -> Prepared:
     """The gripper above the solid, turned so that the faces which its fingers meet lean least."""
-    assert isinstance(model.segment, Rod)
     gripper, solid = Gripper(model, limits=Limits(rate=MOTOR)), one.solid
     turn = solid.best_turn(gripper.directions)
     held = solid.turned(turn).held(gripper.directions)
-    simulation = table(gripper, model.segment, solid, one.error, turn, step)
+    simulation = table(gripper, model.rod, solid, one.error, turn, step)
     return Prepared(gripper=gripper, held=held, simulation=simulation)
 
 

@@ -1,4 +1,4 @@
-"""Part `ours`: the two trained models that come with the repository, asked the same; what a query costs in Python."""
+"""Part `ours`: the two bundled models, asked the same; what a query costs in Python."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ def answers(name: str, ask: Callable[[np.ndarray], Any], size: int, settings: st
 
 
 def measure(run: Run) -> list[dict]:
-    """The surrogate of one plane, and the map with its contact solved for at every query."""
-    plane, segment = Surrogate.load(ROOT / "rom" / "plane.h5"), TouchedSegment.load()
+    """The surrogate of one plane, and the rod of elements with contact solved for at every query."""
+    plane, finger = Surrogate.load(ROOT / "rom" / "plane.h5"), TouchedSegment.load()
     sizes = [(ROOT / "rom" / file).stat().st_size for file in ("plane.h5", "finger.h5")]
     return [
         answers("fingerfem, surrogate", plane.evaluate, sizes[0], "rom/plane.h5").as_json(),
-        answers("fingerfem, map", segment.evaluate, sizes[1], "rom/finger.h5").as_json(),
+        answers("fingerfem, rod", finger.evaluate, sizes[1], "rom/finger.h5").as_json(),
     ]

@@ -73,9 +73,9 @@ def unanswered(row: dict[str, Any]) -> str:
 
 
 def budgets() -> dict[str, int]:
-    """From how many states the models are that come with fingerfem."""
-    plane, made = Surrogate.load().provenance, TouchedSegment.load().rod.segments[0].provenance
-    return {"surrogate": plane["states"], "map": made["states"], "coarse": made["coarse"]["states"]}
+    """From how many states the bundled models are."""
+    plane, rod = Surrogate.load().provenance, TouchedSegment.load().rod.elements.provenance
+    return {"surrogate": plane["states"], "rod": rod["states"]}
 
 
 def edge(folder: Path, rows: list[dict[str, Any]]) -> dict[str, float]:
@@ -124,7 +124,7 @@ def within(reference: dict[str, Any]) -> list[dict[str, Any]]:
     """How many errors of contact states the two trained models tell of, and how large they say these are."""
     models: dict[str, Model] = {
         "fingerfem, surrogate": Surrogate.load(ROOT / "rom" / "plane.h5"),
-        "fingerfem, map": TouchedSegment.load(),
+        "fingerfem, rod": TouchedSegment.load(),
     }
     truths = list(zip(reference["contact_tips"], reference["contact_forces"], strict=True))
     found = []

@@ -10,39 +10,39 @@ import matplotlib.pyplot as plt
 from fingerfem.scene.presets import FRONT
 from studies.axes import large_letters, logarithmic
 from studies.runner import DOCS
-from studies.tradeoff.maps import DRAFT, FINE, SQUARE, MapTraining
-from studies.tradeoff.tradeoff import PRESETS, error_of, front
+from studies.tradeoff.rods import FINE, SQUARE, RodTraining
+from studies.tradeoff.tradeoff import DRAFT, PRESETS, error_of, front
 
 WORTH = "total", "contact_force", "p95"  # the error that models are compared by
 USUAL = 3e-4  # tolerance of the separation
-MAP_PRESETS = {
-    "draft": MapTraining(SQUARE, 8, (DRAFT, 28)),
-    "standard": MapTraining(FINE, 16, (DRAFT, 56)),
-    "fine": MapTraining(FINE, 32, (DRAFT, 112)),
+ROD_PRESETS = {
+    "draft": RodTraining(SQUARE, 8),
+    "standard": RodTraining(FINE, 12),
+    "fine": RodTraining(FINE, 24),
 }
 NAMES = {"mor": "e_MOR", "total": "total"}
 
 
 def prepare(found: dict, folder: Path) -> dict:
     """Write picture and front; the choices that a scene has."""
-    draw(found["tradeoff"], found["maps"], DOCS / "tradeoff.png")
+    draw(found["tradeoff"], found["rods"], DOCS / "tradeoff.png")
     listed = choices(found["tradeoff"])
-    maps = map_choices(found["maps"])
-    FRONT.write_text(json.dumps({"choices": listed, "maps": maps}, indent=1) + "\n")
-    return {"choices": listed, "map_choices": maps, "mesh_of": mesh_of, "ahead": ahead(found)}
+    rods = rod_choices(found["rods"])
+    FRONT.write_text(json.dumps({"choices": listed, "rods": rods}, indent=1) + "\n")
+    return {"choices": listed, "rod_choices": rods, "mesh_of": mesh_of, "ahead": ahead(found)}
 
 
 def ahead(found: dict) -> list[dict]:
-    """Of every surrogate of the front, the cheapest map that errs as little, or None, and how much cheaper it is."""
-    plain, maps, listed = found["tradeoff"], found["maps"]["maps"], []
+    """Of every surrogate of the front, the cheapest rod whose error is as small, or None, and how much cheaper it is."""
+    plain, rods, listed = found["tradeoff"], found["rods"]["rods"], []
     best = [row for row in plain["models"] if row["name"] in plain["front"]]
     for row in sorted(best, key=lambda row: row["core_seconds"]):
-        as_good = [one for one in maps if error_of(one, WORTH) <= error_of(row, WORTH)]
+        as_good = [one for one in rods if error_of(one, WORTH) <= error_of(row, WORTH)]
         cheapest = min(as_good, key=lambda one: one["core_seconds"], default=None)
         listed.append(
             {
                 "surrogate": row,
-                "map": cheapest,
+                "rod": cheapest,
                 "cheaper": cheapest and row["core_seconds"] / cheapest["core_seconds"],
             }
         )
@@ -84,25 +84,26 @@ def _choice(row: dict, of_mesh: dict[str, dict]) -> dict:
     return found | {key: row[key] for key in ("core_seconds", "states", "bytes", "terms", "query_us")}
 
 
-def map_choices(found: dict) -> list[dict]:
-    """The same of scenes with a load, which are trained as maps."""
-    names = {training.name: preset for preset, training in MAP_PRESETS.items()}
+def rod_choices(found: dict) -> list[dict]:
+    """The same of scenes with a load, which are trained as rod elements."""
+    names = {training.name: preset for preset, training in ROD_PRESETS.items()}
+    on_draft = {"cells": list(DRAFT.cells), "order": DRAFT.order}
     listed = []
-    for row in found["maps"]:
-        one, coarse, total = row["training"], row["training"]["coarse"], row["total"]
+    for row in found["rods"]:
+        one, total = row["training"], row["total"]
         if row["name"] not in {*found["front"], *names}:
             continue
         choice = {"cells": one["mesh"]["cells"], "order": one["mesh"]["order"], "lines": one["lines"] / 2}
-        on_coarse = coarse and {"cells": coarse[0]["cells"], "order": coarse[0]["order"], "lines": coarse[1] / 2}
-        choice |= {"coarse": on_coarse, "preset": names.get(row["name"])}
+        begins = None if choice["cells"] == on_draft["cells"] and choice["order"] == on_draft["order"] else on_draft
+        choice |= {"coarse": begins, "preset": names.get(row["name"])}
         choice |= {quantity: total[quantity]["p95"] for quantity in ("contact_force", "displacement", "held_force")}
         choice |= {"contact_force_median": total["contact_force"]["median"]}
         listed.append(choice | {key: row[key] for key in ("core_seconds", "states", "bytes", "terms", "query_us")})
     return sorted(listed, key=lambda one: one["core_seconds"])
 
 
-def draw(found: dict, maps: dict, file: Path) -> None:
-    """Cost against error of every model and map, and both parts of the error against the states of the draft mesh."""
+def draw(found: dict, rods: dict, file: Path) -> None:
+    """Cost against error of every surrogate and rod, and both parts of the error against the states of the draft mesh."""
     large_letters()
     usual = [row for row in found["models"] if row["training"]["tolerance"] == USUAL]
     figure, (left, right) = plt.subplots(1, 2, figsize=(12, 6.8), layout="constrained")
@@ -113,9 +114,9 @@ def draw(found: dict, maps: dict, file: Path) -> None:
         left.loglog(*_curve(rows, "total"), "s" if label == "two meshes" else "o", label=label)
     best = [next(row for row in found["models"] if row["name"] == name) for name in found["front"]]
     left.loglog(*_curve(best, "total"), "k-", lw=1, label="front of surrogates of a plane")
-    left.loglog(*_curve(maps["maps"], "total"), "^", color="tab:red", label="maps")
-    best = [next(row for row in maps["maps"] if row["name"] == name) for name in maps["front"]]
-    left.loglog(*_curve(best, "total"), "-", color="tab:red", lw=1, label="front of maps")
+    left.loglog(*_curve(rods["rods"], "total"), "^", color="tab:red", label="rods")
+    best = [next(row for row in rods["rods"] if row["name"] == name) for name in rods["front"]]
+    left.loglog(*_curve(best, "total"), "-", color="tab:red", lw=1, label="front of rods")
     left.set(xlabel="training [core-seconds]", title="against the reference")
     for label, colour in (("20 x 5, order 1", "tab:blue"), ("10 x 5, order 2", "tab:orange")):
         rows = sorted(kinds.get(label, []), key=lambda row: row["states"])

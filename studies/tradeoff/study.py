@@ -1,5 +1,5 @@
 """The parts of docs/tradeoff.md."""
 
-from studies.tradeoff import maps, tradeoff
+from studies.tradeoff import rods, tradeoff
 
-PARTS = {"tradeoff": tradeoff.measure, "maps": maps.measure}
+PARTS = {"tradeoff": tradeoff.measure, "rods": rods.measure}

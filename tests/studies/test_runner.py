@@ -13,7 +13,7 @@ def test_no_page_was_written_by_an_older_version_of_its_study():
 
 def test_every_generated_page_says_its_commit_and_date():
     for study in runner.STUDIES:
-        text = (runner.DOCS / f"{study}.md").read_text()
+        text = runner.page_of(study).read_text()
         assert "commit " in text.split("---")[-1] and "unknown" not in text.split("---")[-1], study
 
 

@@ -32,7 +32,7 @@ def test_two_segments_are_one_after_the_other_and_the_first_transmits_the_second
     found = both.place(tensions, wrenches)
     tip, turned = elastic_rod.plate(np.array([0.0, 7.0]), wrenches[1], 0.060)
     # The wrench on the tip's plate, in the frame of the plate that clamps it and about that one's centre.
-    arm, force = tip + [elastic_rod.PLATE / 2, 0, 0], turned @ wrenches[1, :3]
+    arm, force = tip + np.array([elastic_rod.PLATE / 2, 0, 0]), turned @ wrenches[1, :3]
     carried = wrenches[0] + np.concatenate([force, turned @ wrenches[1, 3:] + np.cross(arm, force)])
     centre, frame = elastic_rod.plate(tensions, carried, 0.040)
     np.testing.assert_allclose(found.centres, [centre, centre + frame @ arm], atol=1e-6)

@@ -1,7 +1,7 @@
-"""The full-order finger, pressed by objects: the truth that contact about maps is compared with.
+"""The full-order finger, pressed by wrenches or by objects: the reference that assembled fingers are compared with.
 
-A state in contact begins at the pressed state of the wrenches that the maps' contact ends with: what is left to
-solve is what the two differ by. It converges to the solver's tolerance, or counts as failed.
+A state in contact begins at the pressed state of the wrenches of the solved contact: what is left to solve is the
+difference of the two. It converges to the solver's tolerance, or counts as failed.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def obstacle(found: Object, sides: dict | None = None) -> Table:
 
 
 def random_box(random: np.random.Generator, centre: tuple, where: Table) -> tuple[Hull, Table]:
-    """A box turned at random, and what a scene says of it."""
+    """A box turned at random, and its entries in a scene."""
     sides, rounding = random.uniform(0.008, 0.03, 3).tolist(), float(random.uniform(0.0005, 0.002))
     rotation = Rotation.random(random_state=random).as_rotvec().tolist()
     table = {"sides": sides, "rotation": rotation, "rounding": rounding}
@@ -49,12 +49,14 @@ class FullOrder:
         self._table, self._model, self._scene = table, FingerModel, Scene
         self._pressed = FingerModel(Scene.model_validate(table))
 
-    def centres(self, pulled: np.ndarray) -> np.ndarray:
-        """Of all plates of the free finger, shape (plates, 3) [m]."""
-        plates = len(self._table["geometry"]["segments"])
-        found = self._pressed.solve(pulled, wrenches=np.zeros((plates, 6)), sensitivities=False)
-        assert found.plate_centres is not None
-        return found.plate_centres
+    def pressed(self, pulled: np.ndarray, wrenches: np.ndarray) -> Any | None:
+        """The state at tensions [N] and wrenches on the plates, shape (6 plates,) [N, N m]; None if none converged."""
+        from fingerfem.equilibrium.failures import LoadNotReached
+
+        try:
+            return self._pressed.solve(pulled, wrenches=wrenches.reshape(-1, 6), sensitivities=False)
+        except LoadNotReached:
+            return None
 
     def force(self, touched: Table, pulled: np.ndarray, d: float, wrenches: np.ndarray) -> tuple[float, bool] | None:
         """Contact force [N], and whether rubber touches; None without a converged state.
@@ -63,13 +65,12 @@ class FullOrder:
             touched: a scene's obstacle.
             pulled: tensions [N].
             d: of the obstacle [m].
-            wrenches: that the maps found, on all plates, shape (6 plates,) [N, N m].
+            wrenches: of the solved contact, on all plates, shape (6 plates,) [N, N m].
         """
-        from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
+        from fingerfem.equilibrium.failures import NotConverged
 
-        try:
-            begun = self._pressed.solve(pulled, wrenches=wrenches.reshape(-1, 6), sensitivities=False)
-        except LoadNotReached:
+        begun = self.pressed(pulled, wrenches)
+        if begun is None:
             return None
         table = {key: value for key, value in self._table.items() if key != "load"} | {"obstacle": touched}
         model = self._model(self._scene.model_validate(table))

@@ -1,4 +1,4 @@
-"""The map and contact about it beside the surrogate of the paper's plane, on the same points, one core, one run."""
+"""The bundled finger and its contact, beside the surrogate of the paper's plane: same points, one core, one run."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from rom.native import pointer as numbers
 from rom.rod import native
 from rom.rod.objects import facing_plane
 from studies.runner import Run
-from studies.segment import maps
 
 MOVED = 1e-4  # [m]: of the plane, for warm starts
 FORCE = 0.5  # to hold [N]
@@ -37,47 +36,48 @@ def each(call, arguments: list) -> list[int]:
     return found
 
 
-def row(run: Run, plan: maps.Plan, count: int) -> dict:
+def row(count: int) -> dict:
     """Everything, one after the other on the same points."""
-    surrogate, segment = Surrogate.load(), maps.segment(run, plan)
-    model = TouchedSegment(segment=segment, obstacle=facing_plane(2 * segment.half_lengths[1], (0.001, 0.031)))
+    surrogate, finger = Surrogate.load(), TouchedSegment.load().rod
+    model = TouchedSegment(rod=finger, obstacle=facing_plane(2 * finger.half_lengths[1], (0.001, 0.031)))
     lower, upper = model.limits
     points = lower + np.random.default_rng(0).random((count, len(lower))) * (upper - lower)
     known = model.answers(points)
     touched = known.inside & (known.out[:, 3] > 0) & surrogate.evaluate(points).inside
     points, wrenches = np.ascontiguousarray(points[touched]), known.wrenches[touched]
-    out, jacobian, centre, rotation, motion = (np.empty(size) for size in (8, 64, 3, 9, 6 * (len(lower) + 5)))
+    out, jacobian = np.empty(8), np.empty(64)
     work = forms.memory_of(surrogate.kernel.tables)
     theirs = [(surrogate.kernel, numbers(p), work, numbers(out), numbers(jacobian)) for p in points]
     parts = [(np.ascontiguousarray(p[:-1]), np.ascontiguousarray(w)) for p, w in zip(points, wrenches, strict=True)]
-    room, found = native.memory_of(segment.struct), [native.pointer(one) for one in (centre, rotation, motion)]
-    ours = [(segment.struct, *map(native.pointer, part), room, *found) for part in parts]
+    plate = finger.segments[0].struct
+    room, found = native.memory_of(plate), [native.pointer(np.empty(size)) for size in (3, 9, 6 * (len(lower) + 5))]
+    ours = [(plate, *map(native.pointer, part), room, *found) for part in parts]
     query = each(EVALUATION.functions.fingerfem_answer, theirs)
     place = each(native.SEGMENT.functions.fingerfem_place, ours)
     cold = native.touches(model.touching, points)
     warm = native.touches(model.touching, points + MOVED * np.eye(len(lower))[-1], wrenches)
     holds = {}
-    kinds: dict[str, Model] = {"surrogate": surrogate, "segment": model}
+    kinds: dict[str, Model] = {"surrogate": surrogate, "rod": model}
     for name, one in kinds.items():
-        finger = Finger(one)
+        driven = Finger(one)
         starts = points[:, :-1]
-        _, outcomes, taken = problems.hold_many(finger.known, starts, FORCE, points[:, -1], problems.rules(1e-6))
+        _, outcomes, taken = problems.hold_many(driven.known, starts, FORCE, points[:, -1], problems.rules(1e-6))
         holds[name] = us(taken) | {"converged": int(np.sum(outcomes["status"] == 1)), "of": len(points)}
     return {
         "points": len(points),
-        "terms": len(segment.pose.powers),
+        "elements": len(finger.segments[0].elements),
+        "terms": sum(len(law.polynomial.powers) for law in finger.elements.laws.values()),
         "query": us(query),
-        "map": us(place),
+        "place": us(place),
         "contact_cold": us(cold.nanoseconds) | {"evaluations": float(np.median(cold.evaluations))},
         "contact_warm": us(warm.nanoseconds) | {"evaluations": float(np.median(warm.evaluations))},
         "hold": holds,
-        "map_over_query": float(np.median(place) / np.median(query)),
+        "place_over_query": float(np.median(place) / np.median(query)),
         "warm_over_query": float(np.median(warm.nanoseconds) / np.median(query)),
-        "hold_over_hold": holds["segment"]["p50_us"] / holds["surrogate"]["p50_us"],
+        "hold_over_hold": holds["rod"]["p50_us"] / holds["surrogate"]["p50_us"],
     }
 
 
 def measure(run: Run) -> dict:
-    """The small map, and the large one."""
-    plans = [maps.QUICK] if run.quick else [maps.SMALL, maps.LARGE]
-    return {"rows": [run.once(plan.name, row, run, plan, 1000 if run.quick else 6000) for plan in plans]}
+    """One row."""
+    return run.once("speed", row, 1000 if run.quick else 6000)

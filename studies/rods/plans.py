@@ -1,13 +1,15 @@
-"""The maps that the study measures, each trained once."""
+"""The sets of pressed states that the study trains elements on, and the fingers assembled from them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
 
+from rom.elements.section_states import read_section_states
+from rom.elements.training import train
 from rom.rod.rod import Rod
-from rom.segment.training import build
 from rom.snapshots.snapshot_set import SnapshotSet
+from rom.summaries import origin
 from studies import sets
 from studies.runner import ROOT, Run
 
@@ -16,11 +18,10 @@ SEED = 5
 
 @dataclass(frozen=True)
 class Plan:
-    """A map: the largest force [N], lines of states, terms, held-out states, and the mesh if not the draft scene's."""
+    """A set: the largest force [N], lines of 5 states, held-out states, and the mesh if not the draft scene's."""
 
     force: float
     lines: int
-    terms: int
     held_out: int
     mesh: tuple[int, int, int] | None = None
 
@@ -31,13 +32,13 @@ class Plan:
         return f"{self.force:g} N{mesh}"
 
 
-SMALL, LARGE = Plan(5.0, 80, 1500, 150), Plan(15.0, 160, 4000, 150)
-FINE = Plan(5.0, 30, 1000, 30, sets.STANDARD)
-QUICK = Plan(5.0, 20, 300, 20)
+SMALL, LARGE = Plan(5.0, 24, 100), Plan(15.0, 24, 100)
+FINE = Plan(15.0, 12, 20, sets.STANDARD)
+QUICK = Plan(5.0, 12, 20)
 
 
 def scene(run: Run, plan: Plan) -> Path:
-    """The draft finger that something may press on instead of a plane."""
+    """The draft finger with a load in place of the plane."""
     text = (ROOT / "scenes" / "draft.toml").read_text().split("[sampling]")[0]
     head, rest = text.split("[obstacle]")
     text = f"{head}[load]\nforce = {plan.force}\n\n{rest[rest.index('[mesh]') :]}"
@@ -46,22 +47,29 @@ def scene(run: Run, plan: Plan) -> Path:
     return sets.written(run.folder, f"pressed {plan.name}", f"{text}\n[sampling]\nlines = {plan.lines}\n")
 
 
-def snapshots(run: Run, plan: Plan) -> SnapshotSet:
-    """The training set."""
-    return sets.training(scene(run, plan))
+def snapshots(run: Run, plan: Plan, lines: int | None = None) -> SnapshotSet:
+    """The training set, or its first lines."""
+    whole = sets.training(scene(run, plan))
+    return whole.only([f"pressed-{k}" for k in range(plan.lines if lines is None else lines)])
 
 
 def held_out(run: Run, plan: Plan) -> SnapshotSet:
-    """Held-out states."""
+    """Held-out pressed states."""
     file = scene(run, plan)
     place = file.with_suffix("") / "held-out"
     sets.farm(2, file, place, "--random", str(plan.held_out), "--seed", str(SEED))
     return SnapshotSet(place)
 
 
-def segment(run: Run, plan: Plan) -> Rod:
-    """The map, from its file if it has one."""
+def trained(training: SnapshotSet) -> Rod:
+    """The finger of a set's own elements."""
+    states = read_section_states(training)
+    return Rod(elements=train(states, origin(training)), scene=states.scene)
+
+
+def rod(run: Run, plan: Plan) -> Rod:
+    """The finger of all lines, from its file if it has one."""
     file = run.folder / f"{plan.name.replace(' ', '-')}.h5"
     if not file.exists():
-        build.train(snapshots(run, plan), plan.terms).save(file)
+        trained(snapshots(run, plan)).save(file)
     return Rod.load(file)

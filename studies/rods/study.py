@@ -1,12 +1,11 @@
 """The parts of docs/segment.md."""
 
-from studies.segment import accuracy, chains, objects, robustness, separation, speed
+from studies.rods import accuracy, lengths, objects, robustness, speed
 
 PARTS = {
     "accuracy": accuracy.measure,
-    "separation": separation.measure,
+    "lengths": lengths.measure,
     "objects": objects.measure,
-    "chains": chains.measure,
     "robustness": robustness.measure,
     "speed": speed.measure,
 }

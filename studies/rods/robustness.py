@@ -7,11 +7,10 @@ from collections import Counter
 
 import numpy as np
 
-from rom import TouchedSegment, friction_history
+from rom import Rod, TouchedSegment, friction_history
 from rom.rod.objects import facing_plane
+from studies.rods.scattered_objects import DISTANCE, SHAPES, placed, tensions
 from studies.runner import Run
-from studies.segment import maps
-from studies.segment.scattered_objects import DISTANCE, SHAPES, placed, tensions
 
 DEEPEST = 0.003  # [m]: how far objects come beyond the free plate
 POINTS, REFINED = 64, 60  # of a line; bisections of its largest step
@@ -20,21 +19,21 @@ JUMP = 1e-6  # [N]
 ASIDE, CHANGED, FRICTION = (2e-4, 2e-3), 10.0, (0.3, 1.0)
 
 
-def verdicts(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
-    """What comes of random objects of a shape."""
-    segment, random = maps.segment(run, plan), np.random.default_rng(7)
+def verdicts(finger: Rod, shape: str, count: int) -> dict:
+    """The outcomes of random objects of a shape."""
+    random = np.random.default_rng(7)
     found: Counter[str] = Counter()
     evaluations = []
     for _ in range(count):
-        pulled = tensions(segment, random)
-        model = TouchedSegment(segment=segment, obstacle=placed(segment, pulled, random, shape)[0])
+        pulled = tensions(finger, random)
+        model = TouchedSegment(rod=finger, obstacle=placed(finger, pulled, random, shape)[0])
         answer = model.answers(np.array([*pulled, DISTANCE - DEEPEST * random.random()]))
         evaluations.append(abs(int(answer.evaluations[0])))
         if answer.evaluations[0] < 0:
             found["slips"] += 1
         elif answer.inside[0]:
             found["answered"] += 1
-        elif answer.rubber_gaps[0] < segment.skin_error:
+        elif answer.rubber_gaps[0] < finger.skin_error:
             found["rubber"] += 1
         else:
             found["beyond"] += 1
@@ -48,10 +47,10 @@ def verdicts(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
     }
 
 
-def jumps(run: Run, plan: maps.Plan, count: int) -> dict:
+def jumps(finger: Rod, count: int) -> dict:
     """Largest jump of the contact force along random lines of tensions and distance, before the paper's plane."""
-    segment, random = maps.segment(run, plan), np.random.default_rng(8)
-    model = TouchedSegment(segment=segment, obstacle=facing_plane(2 * segment.half_lengths[1], (0.001, 0.031)))
+    random = np.random.default_rng(8)
+    model = TouchedSegment(rod=finger, obstacle=facing_plane(2 * finger.half_lengths[1], (0.001, 0.031)))
     lower, upper = model.limits
     largest, over = 0.0, 0
     share = np.linspace(0.0, 1.0, POINTS)[:, None]
@@ -72,14 +71,14 @@ def jumps(run: Run, plan: maps.Plan, count: int) -> dict:
     return {"lines": count, "largest_n": largest, "over": over, "limit_n": JUMP}
 
 
-def histories(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
+def histories(finger: Rod, shape: str, count: int) -> dict:
     """Histories with friction: an object presses, moves aside, tensions change, and it moves back."""
-    segment, random = maps.segment(run, plan), np.random.default_rng(14)
+    random = np.random.default_rng(14)
     found: Counter[str] = Counter()
     steps: list[float] = []
     while sum(found.values()) < count:
-        pulled = tensions(segment, random)
-        model = TouchedSegment(segment=segment, obstacle=placed(segment, pulled, random, shape)[0])
+        pulled = tensions(finger, random)
+        model = TouchedSegment(rod=finger, obstacle=placed(finger, pulled, random, shape)[0])
         point = np.array([*pulled, DISTANCE - DEEPEST * random.random()])
         if not model.answers(point).inside[0]:
             continue
@@ -105,10 +104,10 @@ def histories(run: Run, plan: maps.Plan, shape: str, count: int) -> dict:
 
 
 def measure(run: Run) -> dict:
-    """All shapes, then lines."""
-    plan, count, few = (maps.QUICK, 100, 5) if run.quick else (maps.SMALL, 2500, 100)
+    """All shapes, then lines; of the bundled finger."""
+    finger, count, few = TouchedSegment.load().rod, *((100, 3) if run.quick else (2500, 40))
     return {
-        "verdicts": [run.once(shape, verdicts, run, plan, shape, count) for shape in SHAPES],
-        "histories": [run.once(f"{shape}, friction", histories, run, plan, shape, few) for shape in SHAPES],
-        "jumps": run.once("lines", jumps, run, plan, 50 if run.quick else 10_000),
+        "verdicts": [run.once(shape, verdicts, finger, shape, count) for shape in SHAPES],
+        "histories": [run.once(f"{shape}, friction", histories, finger, shape, few) for shape in SHAPES],
+        "jumps": run.once("lines", jumps, finger, 50 if run.quick else 5_000),
     }

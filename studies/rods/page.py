@@ -12,7 +12,6 @@ from control import Finger
 from rom import Rod, Sphere, TouchedSegment
 from rom.rod.objects import Object
 from studies.runner import DOCS
-from studies.segment import maps
 
 BALL, HEIGHT, MOUNTED, FORCE = 0.014, 0.048, 0.024, 1.0  # its radius, height, the fingers' circle [m]; to hold [N]
 START = 25.0, 0.0  # tensions to hold from [N]
@@ -21,26 +20,26 @@ FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (
 
 def prepare(found: dict, folder: Path) -> dict:
     """Draw it; and the tables' sums."""
-    segment = Rod.load(folder / f"{maps.SMALL.name.replace(' ', '-')}.h5")
-    held = draw(segment, DOCS / "segment.png")
-    verdicts = found["robustness"]["verdicts"]
-    return {"held": held, "objects_in_all": sum(row["objects"] for row in verdicts)}
+    return {
+        "held": draw(TouchedSegment.load().rod, DOCS / "segment.png"),
+        "objects_in_all": sum(row["objects"] for row in found["robustness"]["verdicts"]),
+        "lengths_and_two": [*found["lengths"]["lengths"], found["lengths"]["two"]],
+    }
 
 
-def draw(segment: Rod, picture: Path) -> dict:
-    """Three fingers around a ball, each as its map says it stands; what they hold it with."""
+def draw(finger: Rod, picture: Path) -> dict:
+    """Three fingers around a ball, each as it is assembled; their tensions and contact force."""
     figure = plt.figure(figsize=(6.4, 5.6), layout="constrained")
     axes = figure.add_subplot(projection="3d")
-    side = 2 * segment.half_lengths[1]
+    side = 2 * finger.half_lengths[1]
     ball: Object = Sphere(
         centre=(HEIGHT, side / 2 + MOUNTED, 0.0), radius=BALL, direction=(0.0, 1.0, 0.0), distances=(-0.02, 0.02)
     )
-    model = TouchedSegment(segment=segment, obstacle=ball)
+    model = TouchedSegment(rod=finger, obstacle=ball)
     motion = Finger(model).hold(FORCE, 0.0, start=START)
     answer = model.answers(np.array([*motion.tensions, 0.0]))
-    inputs = np.concatenate([motion.tensions, answer.wrenches[0]])
     for k in range(3):
-        _finger(axes, segment, inputs, 2 * np.pi * k / 3)
+        _finger(axes, finger, motion.tensions, answer.wrenches, 2 * np.pi * k / 3)
     u, v = np.mgrid[0 : 2 * np.pi : 40j, 0 : np.pi : 20j]
     axes.plot_surface(
         1e3 * BALL * np.cos(u) * np.sin(v),
@@ -64,16 +63,12 @@ def draw(segment: Rod, picture: Path) -> dict:
     }
 
 
-def _finger(axes, segment: Rod, inputs: np.ndarray, angle: float) -> None:
+def _finger(axes, finger: Rod, tensions: np.ndarray, wrenches: np.ndarray, angle: float) -> None:
     """One finger that hangs from a palm above, its y axis towards the middle: rubber's edges, and plate."""
-    placed, side = segment.place(inputs), 2 * segment.half_lengths[1]
-    assert segment.skin is not None
-    pose = segment.pose.value(inputs[None])[0]
-    skin = segment.skin.value(inputs[None])[0].reshape(-1, 4, 3) - pose[:3]
-    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * segment.half_lengths
-    clamp = np.array([[0, y, z] for y in (-1, 1) for z in (-1, 1)]) * side / 2
-    plate = placed.centre + corners @ placed.rotation.T
-    rubber = np.concatenate([clamp[None], skin @ placed.rotation.T, plate[None, :4]])
+    placed, side = finger.place(tensions, wrenches), 2 * finger.half_lengths[1]
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * finger.half_lengths
+    plate = placed.centres[-1] + corners @ placed.rotations[-1].T
+    rubber = (finger.edges + finger.displacement(tensions, wrenches)).reshape(-1, 4, 3)
 
     def world(points: np.ndarray) -> np.ndarray:
         x, y, z = np.moveaxis(points, -1, 0)

@@ -1,1 +1,0 @@
-"""docs/segment.md: the map of a segment, and contact solved about it."""
