@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from rom.elements.index_set import chosen, index_set
-from rom.elements.law import ElementLaw
+from rom.elements.law import ElementLaw, combined
 from rom.elements.regression import NormalEquations
 from rom.elements.samples import Samples
+from rom.elements.symmetry import Mirror, mirrors
+from rom.elements.tension_map import RESULTANTS, TensionMap, of_scene
 from rom.snapshots.grid import levels
 
+# Weights of the powers of resultants, other combinations of tensions, force, moment: measured, forces matter least [-].
+WEIGHTS = 0.8, 2.0, 1.5, 1.0
 ROWS = 1.5  # rows a fit has at least for every coefficient [-]
 LENGTH_POWERS = 3  # highest degree in the length
-MARGIN = 1.02  # the box is so much larger than the largest inputs [-]
+MARGIN = 1.02  # the box is so much larger than the largest wrench and tension [-]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,12 +29,16 @@ class Candidates:
 
     Attributes:
         equations: of its samples, in the largest set of products.
+        tension_map: its variables in place of tensions, shape (t, t).
+        tensions: lowest and highest, shape (2, t) [N].
         weights: of the powers of every input [-].
         lengths: shortest and longest [m].
         terms: number of products without the length that a weighted degree has, by degree.
     """
 
     equations: NormalEquations
+    tension_map: np.ndarray
+    tensions: np.ndarray
     weights: np.ndarray
     lengths: tuple[float, float]
     terms: dict[float, int] = field(default_factory=dict)
@@ -41,31 +50,37 @@ class Candidates:
     def law(self, degree: float, without: int | None = None) -> ElementLaw:
         """The law of a weighted degree, without a fold of lines."""
         polynomial = self.equations.fit(self._positions(degree), without)
-        return ElementLaw(polynomial=polynomial, lengths=self.lengths)
+        return ElementLaw(
+            tension_map=self.tension_map, tensions=self.tensions, polynomial=polynomial, lengths=self.lengths
+        )
 
     def _positions(self, degree: float) -> np.ndarray:
         return chosen(self.equations.powers, self.weights, degree)
 
 
-def candidates(samples: Sequence[Samples], fold_of: dict[int, int], weights: np.ndarray, highest: float) -> Candidates:
+def candidates(
+    samples: Sequence[Samples], fold_of: dict[int, int], scene: dict[str, Any], highest: float
+) -> Candidates:
     """The laws of an element up to a weighted degree.
 
     Args:
-        samples: of one length each, with their images.
+        samples: of one length each.
         fold_of: of every line.
-        weights: of tensions and wrench, shape (t + 6,).
+        scene: of the finger, as plain data: its tendons and their symmetry.
         highest: weighted degree.
     """
     lengths = [one.length for one in samples]
     distinct = len(levels(np.array(lengths))[0])
     several = distinct > 1
-    largest = MARGIN * np.max([np.abs(one.inputs).max(axis=0) for one in samples], axis=0)
-    tensions = len(weights) - 6
-    lower = np.where(np.arange(len(weights)) < tensions, 0.0, -largest)
-    upper = largest
+    tension_map = of_scene(scene)
+    images = [mirror.combined(tension_map) for mirror in mirrors(scene)]
+    tensions = np.array([[0.0, MARGIN * tendon["tension"][1]] for tendon in scene["tendons"]]).T
+    lower, upper = _box(samples, tension_map.matrix, tensions, images)
+    weights = _weights(tension_map)
     if several:
         weights = np.append(weights, 1.0)
         lower, upper = np.append(lower, min(lengths)), np.append(upper, max(lengths))
+        images = [mirror.with_length() for mirror in images]
     powers = index_set(weights, highest)
     if several:
         powers = powers[powers[:, -1] <= min(LENGTH_POWERS, distinct - 1)]
@@ -73,9 +88,34 @@ def candidates(samples: Sequence[Samples], fold_of: dict[int, int], weights: np.
     equations = NormalEquations(lower, upper, powers, folds, samples[0].values.shape[1])
     for one in samples:
         fold = np.array([fold_of[line] for line in one.lines.tolist()])
+        inputs, jacobians = (combined(part, tension_map.matrix) for part in (one.inputs, one.jacobians))
         if several:
-            inputs = np.column_stack([one.inputs, np.full(len(one.inputs), one.length)])
-            equations.add(inputs, one.values / one.length, one.jacobians / one.length, fold)
+            inputs = np.column_stack([inputs, np.full(len(inputs), one.length)])
+            equations.add(inputs, one.values / one.length, jacobians / one.length, fold)
         else:
-            equations.add(one.inputs, one.values, one.jacobians, fold)
-    return Candidates(equations=equations, weights=weights, lengths=(min(lengths), max(lengths)))
+            equations.add(inputs, one.values, jacobians, fold)
+    equations.add_images(images)
+    return Candidates(
+        equations=equations,
+        tension_map=tension_map.matrix,
+        tensions=tensions,
+        weights=weights,
+        lengths=(min(lengths), max(lengths)),
+    )
+
+
+def _weights(tension_map: TensionMap) -> np.ndarray:
+    """Of the powers of combinations of tensions and of a wrench, shape (t + 6,)."""
+    resultant, other, force, moment = WEIGHTS
+    return np.append(np.where(tension_map.orders <= RESULTANTS, resultant, other), np.repeat([force, moment], 3))
+
+
+def _box(
+    samples: Sequence[Samples], tension_map: np.ndarray, tensions: np.ndarray, images: Sequence[Mirror]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper ends of combinations and wrenches, shapes (t + 6,); a mirror makes the same box of it."""
+    t = len(tension_map)
+    ranges = np.sort(tension_map[:, :, None] * tensions.T, axis=2).sum(axis=1)
+    largest = MARGIN * np.max([np.abs(one.inputs[:, t:]).max(axis=0) for one in samples], axis=0)
+    largest = np.max([largest, *(np.abs(mirror.inputs[t:, t:]) @ largest for mirror in images)], axis=0)
+    return np.append(ranges[:, 0], -largest), np.append(ranges[:, 1], largest)

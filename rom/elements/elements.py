@@ -53,6 +53,8 @@ class Elements:
         for kind, law in self.laws.items():
             group, polynomial = file.create_group(kind), law.polynomial
             group.attrs["lengths"] = law.lengths
+            checked_file.dataset(group, "tension_map", law.tension_map, "-")
+            checked_file.dataset(group, "tensions", law.tensions, "N")
             checked_file.dataset(group, "box", np.array([polynomial.lower, polynomial.upper]), "N, N m, m")
             checked_file.dataset(group, "powers", polynomial.powers, "-")
             checked_file.dataset(group, "coefficients", polynomial.coefficients, UNITS)
@@ -71,6 +73,11 @@ class Elements:
                 coefficients=group["coefficients"][:].astype(float),
             )
             shortest, longest = map(float, group.attrs["lengths"])
-            laws[kind] = ElementLaw(polynomial=polynomial, lengths=(shortest, longest))
+            laws[kind] = ElementLaw(
+                tension_map=group["tension_map"][:].astype(float),
+                tensions=group["tensions"][:].astype(float),
+                polynomial=polynomial,
+                lengths=(shortest, longest),
+            )
         scene, provenance = (json.loads(file.attrs[name]) for name in ("scene", "provenance"))
         return cls(laws=laws, scene=scene, force=float(file.attrs["force"]), provenance=provenance)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rom.elements import rotation_vectors
-from rom.fit.chebyshev import Polynomial
+from rom.elements.law import ElementMap
 
 
 class Marched(NamedTuple):
@@ -34,11 +34,11 @@ class Marched(NamedTuple):
         return -np.einsum("nji,nj->ni", self.rotation, self.place), np.swapaxes(self.rotation, 1, 2)
 
 
-def march(elements: Sequence[Polynomial], tensions: np.ndarray, wrenches: np.ndarray) -> Marched:
+def march(elements: Sequence[ElementMap], tensions: np.ndarray, wrenches: np.ndarray) -> Marched:
     """March from the plate to the clamp.
 
     Args:
-        elements: their laws at their lengths, from the plate to the clamp, of values (place [m], Rodrigues vector [-]).
+        elements: their laws at their lengths, from the plate to the clamp.
         tensions: shape (n, t) [N].
         wrenches: on the plate in its frame, shape (n, 6) [N, N m].
     """
@@ -47,7 +47,7 @@ def march(elements: Sequence[Polynomial], tensions: np.ndarray, wrenches: np.nda
     transmitted, inside = [], np.ones(n, bool)
     for element in elements:
         inputs = np.concatenate([tensions, wrench], axis=1)
-        inside &= np.all((inputs >= element.lower) & (inputs <= element.upper), axis=1)
+        inside &= element.inside(inputs)
         transmitted.append(wrench)
         values = element.value(inputs)
         arm, turned = values[:, :3], rotation_vectors.matrices(values[:, 3:6])

@@ -1,4 +1,4 @@
-"""Mirrors and turns of the section that map a finger onto itself: every sample of an element is several.
+"""Mirrors and turns of the section that map a finger onto itself: every sample of an element has images.
 
 Of a map S of space that keeps the axis, with det S = -1 for a mirror, forces and places go with S, and moments and
 turns, which are axial vectors, with det(S) S.
@@ -6,7 +6,7 @@ turns, which are axial vectors, with det(S) S.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from rom.brief import brief
-from rom.elements.samples import Samples
+from rom.elements.tension_map import TensionMap
 from rom.snapshots.grid import SHARE
 
 
@@ -23,22 +23,25 @@ from rom.snapshots.grid import SHARE
 class Mirror:
     """A map of an element onto itself: x -> inputs @ x of tensions and wrench, y -> values @ y of what it does.
 
+    Both are signed permutations.
+
     Attributes:
-        inputs: orthogonal, shape (t + 6, t + 6).
-        values: orthogonal, shape (6 + t, 6 + t).
+        inputs: shape (t + 6, t + 6).
+        values: shape (6 + t, 6 + t).
     """
 
     inputs: np.ndarray
     values: np.ndarray
 
-    def of(self, samples: Samples) -> Samples:
-        """The samples' images."""
-        return replace(
-            samples,
-            inputs=samples.inputs @ self.inputs.T,
-            values=samples.values @ self.values.T,
-            jacobians=self.values @ samples.jacobians @ self.inputs.T,
-        )
+    def combined(self, tension_map: TensionMap) -> Mirror:
+        """The same, by combinations of the tensions: a signed permutation of these, as a `TensionMap` has them."""
+        t, matrix = len(tension_map.orders), tension_map.matrix
+        exchange = np.rint(matrix @ self.inputs[:t, :t] @ matrix.T)
+        return Mirror(inputs=block_diag(exchange, self.inputs[t:, t:]), values=self.values)
+
+    def with_length(self) -> Mirror:
+        """The same, where the length is one more input."""
+        return Mirror(inputs=block_diag(self.inputs, 1.0), values=self.values)
 
 
 def mirrors(scene: dict[str, Any]) -> list[Mirror]:
@@ -66,15 +69,3 @@ def _of_section(S: np.ndarray, tendons: list[dict[str, Any]]) -> Mirror | None:
     polar = block_diag(1.0, S)
     axial = np.linalg.det(S) * polar
     return Mirror(inputs=block_diag(exchange, polar, axial), values=block_diag(polar, axial, exchange))
-
-
-def with_images(samples: Samples, scene: dict[str, Any]) -> Samples:
-    """Samples and their images, those of a state in its line."""
-    parts = [samples, *(mirror.of(samples) for mirror in mirrors(scene))]
-    return replace(
-        samples,
-        inputs=np.concatenate([part.inputs for part in parts]),
-        values=np.concatenate([part.values for part in parts]),
-        jacobians=np.concatenate([part.jacobians for part in parts]),
-        lines=np.concatenate([part.lines for part in parts]),
-    )

@@ -17,9 +17,9 @@ from rom import checked_file
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.elements.elements import Elements
+from rom.elements.law import ElementMap
 from rom.elements.march import march
 from rom.elements.pieces import Piece, pieces
-from rom.fit.chebyshev import Polynomial
 from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
 from rom.snapshots.grid import SHARE
 from rom.table import Table, as_html, parameters, percent
@@ -88,9 +88,9 @@ class Rod:
         return found
 
     @cached_property
-    def segments(self) -> list[list[Polynomial]]:
-        """The laws of these, one object for all pieces of a kind and length."""
-        laws: dict[Piece, Polynomial] = {}
+    def segments(self) -> list[list[ElementMap]]:
+        """The maps of these, one object for all pieces of a kind and length."""
+        laws: dict[Piece, ElementMap] = {}
         for piece in {one for segment in self.pieces for one in segment}:
             laws[piece] = self.own.laws[piece.kind].of_length(piece.length)
         return [[laws[piece] for piece in segment] for segment in self.pieces]

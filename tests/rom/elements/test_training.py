@@ -10,10 +10,11 @@ from rom.elements.cuts import END, LONGEST, cut
 from rom.elements.regression import NormalEquations
 from rom.elements.samples import element_samples
 from rom.elements.section_states import Bodies
-from rom.elements.symmetry import with_images
+from rom.elements.symmetry import mirrors
 from rom.rod.rod import Rod
 from rom.snapshots.snapshot_set import SnapshotError
 from tests.rom.elements import elastic_rod
+from tests.rom.elements.images import image
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +56,7 @@ def test_a_finger_of_too_few_lines_is_refused():
 
 
 def test_left_out_predictions_are_those_of_a_training_without_these_lines(rod_states, prepared):
-    """The normal equations without a fold are those of the other folds alone."""
+    """The normal equations without a fold are those of the other folds and their images alone."""
     clamp = prepared.kinds["clamp"]
     kept = prepared.fold != 0
 
@@ -71,10 +72,11 @@ def test_left_out_predictions_are_those_of_a_training_without_these_lines(rod_st
         shortenings=rod_states.shortenings[kept],
         shortening_changes=rod_states.shortening_changes[kept],
     )
-    samples = with_images(element_samples(fewer, 0, 10), rod_states.scene)
+    samples = element_samples(fewer, 0, 10)
     equations = clamp.equations
     alone = NormalEquations(equations.lower, equations.upper, equations.powers, 1, samples.values.shape[1])
-    alone.add(samples.inputs, samples.values, samples.jacobians, np.zeros(len(samples.inputs), int))
+    for part in (samples, *(image(mirror, samples) for mirror in mirrors(rod_states.scene))):
+        alone.add(part.inputs, part.values, part.jacobians, np.zeros(len(part.inputs), int))
     chosen = np.flatnonzero(equations.powers.sum(axis=1) <= 2)
     inputs = element_samples(rod_states, 0, 10).inputs
     np.testing.assert_allclose(
