@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,11 +13,14 @@ from rom.elements.law import ElementLaw, combined
 from rom.elements.regression import NormalEquations
 from rom.elements.samples import Samples
 from rom.elements.symmetry import Mirror, mirrors
-from rom.elements.tension_map import RESULTANTS, TensionMap, of_scene
+from rom.elements.tension_map import TensionMap, of_scene
 from rom.snapshots.grid import levels
 
-# Weights of the powers of resultants, other combinations of tensions, force, moment: measured, forces matter least [-].
-WEIGHTS = 0.8, 2.0, 1.5, 1.0
+# Weights of powers, measured [-]: of combinations of tensions by the order of their moment, and of higher ones; of a
+# wrench's force and moment.
+BY_ORDER, HIGHER, WRENCH = (0.8, 0.8, 1.0), 2.0, (2.0, 1.0)
+MOST = 3000  # products of a regression: bounds memory and time
+STEP = 0.5  # between weighted degrees that are tried [-]
 ROWS = 1.5  # rows a fit has at least for every coefficient [-]
 LENGTH_POWERS = 3  # highest degree in the length
 MARGIN = 1.02  # the box is so much larger than the largest wrench and tension [-]
@@ -33,7 +36,7 @@ class Candidates:
         tensions: lowest and highest, shape (2, t) [N].
         weights: of the powers of every input [-].
         lengths: shortest and longest [m].
-        terms: number of products without the length that a weighted degree has, by degree.
+        highest: weighted degree of the largest set.
     """
 
     equations: NormalEquations
@@ -41,11 +44,11 @@ class Candidates:
     tensions: np.ndarray
     weights: np.ndarray
     lengths: tuple[float, float]
-    terms: dict[float, int] = field(default_factory=dict)
+    highest: float
 
     def supports(self, degree: float) -> bool:
-        """Whether there are enough rows for the products of a degree."""
-        return self._positions(degree).size <= self.equations.rows.sum() / ROWS
+        """Whether all products of a degree are there, and enough rows for them."""
+        return degree <= self.highest and self._positions(degree).size <= self.equations.rows.sum() / ROWS
 
     def law(self, degree: float, without: int | None = None) -> ElementLaw:
         """The law of a weighted degree, without a fold of lines."""
@@ -67,7 +70,7 @@ def candidates(
         samples: of one length each.
         fold_of: of every line.
         scene: of the finger, as plain data: its tendons and their symmetry.
-        highest: weighted degree.
+        highest: weighted degree; a lower one if it has more than MOST products.
     """
     lengths = [one.length for one in samples]
     distinct = len(levels(np.array(lengths))[0])
@@ -81,19 +84,12 @@ def candidates(
         weights = np.append(weights, 1.0)
         lower, upper = np.append(lower, min(lengths)), np.append(upper, max(lengths))
         images = [mirror.with_length() for mirror in images]
-    powers = index_set(weights, highest)
-    if several:
-        powers = powers[powers[:, -1] <= min(LENGTH_POWERS, distinct - 1)]
-    folds = max(fold_of.values()) + 1
-    equations = NormalEquations(lower, upper, powers, folds, samples[0].values.shape[1])
+    most_lengths = min(LENGTH_POWERS, distinct - 1) if several else None
+    while len(powers := _products(weights, highest, most_lengths)) > MOST:
+        highest -= STEP
+    equations = NormalEquations(lower, upper, powers, max(fold_of.values()) + 1, samples[0].values.shape[1])
     for one in samples:
-        fold = np.array([fold_of[line] for line in one.lines.tolist()])
-        inputs, jacobians = (combined(part, tension_map.matrix) for part in (one.inputs, one.jacobians))
-        if several:
-            inputs = np.column_stack([inputs, np.full(len(inputs), one.length)])
-            equations.add(inputs, one.values / one.length, jacobians / one.length, fold)
-        else:
-            equations.add(inputs, one.values, jacobians, fold)
+        _add(equations, one, tension_map.matrix, np.array([fold_of[line] for line in one.lines.tolist()]))
     equations.add_images(images)
     return Candidates(
         equations=equations,
@@ -101,13 +97,29 @@ def candidates(
         tensions=tensions,
         weights=weights,
         lengths=(min(lengths), max(lengths)),
+        highest=highest,
     )
+
+
+def _add(equations: NormalEquations, samples: Samples, tension_map: np.ndarray, fold: np.ndarray) -> None:
+    """Add samples of one length to equations, by combinations of tensions; per length where that is an input."""
+    inputs, jacobians = (combined(part, tension_map) for part in (samples.inputs, samples.jacobians))
+    size = 1.0
+    if len(equations.lower) > inputs.shape[1]:
+        size = samples.length
+        inputs = np.column_stack([inputs, np.full(len(inputs), size)])
+    equations.add(inputs, samples.values / size, jacobians / size, fold)
+
+
+def _products(weights: np.ndarray, degree: float, most_lengths: int | None) -> np.ndarray:
+    """Powers of all products of a degree, shape (k, inputs); of the length, the last input, up to one of its own."""
+    powers = index_set(weights, degree)
+    return powers if most_lengths is None else powers[powers[:, -1] <= most_lengths]
 
 
 def _weights(tension_map: TensionMap) -> np.ndarray:
     """Of the powers of combinations of tensions and of a wrench, shape (t + 6,)."""
-    resultant, other, force, moment = WEIGHTS
-    return np.append(np.where(tension_map.orders <= RESULTANTS, resultant, other), np.repeat([force, moment], 3))
+    return np.append(np.append(BY_ORDER, HIGHER)[tension_map.orders.clip(max=len(BY_ORDER))], np.repeat(WRENCH, 3))
 
 
 def _box(

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.elements.candidates import Candidates, candidates
+from rom.elements.candidates import STEP, Candidates, candidates
 from rom.elements.contact_error import relative_force_errors
 from rom.elements.cuts import cut
 from rom.elements.elements import Elements
@@ -25,7 +25,7 @@ from rom.error_statistics import quantiles
 from rom.snapshots.snapshot_set import SnapshotError
 from rom.terminal import Progress, quiet
 
-LOWEST, STEP, HIGHEST = 2.0, 0.5, 5.0  # weighted degrees that are tried [-]
+LOWEST, HIGHEST = 2.0, 5.0  # weighted degrees that are tried [-]
 FOLDS = 8  # groups of lines that are left out together, at most
 FEWEST = 4  # lines
 SHARE = 0.9  # quantile of the predicted states' errors by which degrees are compared [-]

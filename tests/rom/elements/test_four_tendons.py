@@ -27,7 +27,8 @@ def finger(elements):
 
 def test_a_law_of_full_degree_is_the_polynomial_of_the_tensions_themselves(monkeypatch):
     """Combinations of tensions span the same polynomials; ranges of four sizes leave the section without a mirror."""
-    monkeypatch.setattr(candidates, "WEIGHTS", (1.0, 1.0, 1.0, 1.0))
+    for name, weights in (("BY_ORDER", (1.0, 1.0, 1.0)), ("HIGHER", 1.0), ("WRENCH", (1.0, 1.0))):
+        monkeypatch.setattr(candidates, name, weights)
     scene, random = elastic_rod.scene(offsets=elastic_rod.FOUR), np.random.default_rng(4)
     for k, tendon in enumerate(scene["tendons"]):
         tendon["tension"] = [0.0, 40.0 - k]
@@ -83,3 +84,11 @@ def test_two_tendons_that_share_a_channel_of_the_elements_share_its_range(finger
     shared = np.array([0.0, 20.0, 0.0, 0.0, 0.0, 15.0, 0.0, 0.0])
     assert both.place(shared).inside
     assert not both.place(1.6 * shared).inside
+
+
+def test_a_degree_of_more_products_than_a_regression_may_have_is_not_tried(monkeypatch):
+    states = elastic_rod.states(4, 0, offsets=elastic_rod.FOUR)
+    monkeypatch.setattr(candidates, "MOST", 100)
+    for one in training.prepare(states).kinds.values():
+        assert len(one.equations.powers) <= 100 and one.highest < training.HIGHEST
+        assert one.supports(one.highest) and not one.supports(one.highest + candidates.STEP)
