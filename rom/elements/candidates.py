@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from rom.brief import brief
 from rom.elements.index_set import chosen, index_set
-from rom.elements.law import ElementLaw
+from rom.elements.law import ElementLaw, combined
 from rom.elements.regression import NormalEquations
 from rom.elements.samples import Samples
+from rom.elements.symmetry import Mirror, mirrors
+from rom.elements.tension_map import TensionMap, of_scene
 from rom.snapshots.grid import levels
 
+# Weights of powers, measured [-]: of combinations of tensions by the order of their moment, and of higher ones; of a
+# wrench's force and moment.
+BY_ORDER, HIGHER, WRENCH = (0.8, 0.8, 1.0), 2.0, (2.0, 1.0)
+MOST = 3000  # products of a regression: bounds memory and time
+STEP = 0.5  # between weighted degrees that are tried [-]
 ROWS = 1.5  # rows a fit has at least for every coefficient [-]
 LENGTH_POWERS = 3  # highest degree in the length
-MARGIN = 1.2  # the box is so much larger than the largest inputs: other fingers reach a little beyond these [-]
+MARGIN = 1.2  # the box is so much larger than the largest wrench: other fingers reach a little beyond these [-]
 
 
 @brief
@@ -26,60 +34,102 @@ class Candidates:
 
     Attributes:
         equations: of its samples, in the largest set of products.
+        tension_map: its variables in place of tensions, shape (t, t).
+        tensions: lowest and highest, shape (2, t) [N].
         weights: of the powers of every input [-].
         lengths: shortest and longest [m].
-        terms: number of products without the length that a weighted degree has, by degree.
+        highest: weighted degree of the largest set.
     """
 
     equations: NormalEquations
+    tension_map: np.ndarray
+    tensions: np.ndarray
     weights: np.ndarray
     lengths: tuple[float, float]
-    terms: dict[float, int] = field(default_factory=dict)
+    highest: float
 
     def supports(self, degree: float) -> bool:
-        """Whether there are enough rows for the products of a degree."""
-        return self._positions(degree).size <= self.equations.rows.sum() / ROWS
+        """Whether all products of a degree are there, and enough rows for them."""
+        return degree <= self.highest and self._positions(degree).size <= self.equations.rows.sum() / ROWS
 
     def law(self, degree: float, without: int | None = None) -> ElementLaw:
         """The law of a weighted degree, without a fold of lines."""
         polynomial = self.equations.fit(self._positions(degree), without)
-        return ElementLaw(polynomial=polynomial, lengths=self.lengths)
+        return ElementLaw(
+            tension_map=self.tension_map, tensions=self.tensions, polynomial=polynomial, lengths=self.lengths
+        )
 
     def _positions(self, degree: float) -> np.ndarray:
         return chosen(self.equations.powers, self.weights, degree)
 
 
 def candidates(
-    samples: Sequence[Samples], fold_of: dict[int, int], tensions: np.ndarray, weights: np.ndarray, highest: float
+    samples: Sequence[Samples], fold_of: dict[int, int], scene: dict[str, Any], highest: float
 ) -> Candidates:
     """The laws of an element up to a weighted degree.
 
     Args:
-        samples: of one length each, with their images.
+        samples: of one length each.
         fold_of: of every line.
-        tensions: lowest and highest of each, shape (t, 2) [N].
-        weights: of tensions and wrench, shape (t + 6,).
-        highest: weighted degree.
+        scene: of the finger, as plain data: its tendons and their symmetry.
+        highest: weighted degree; a lower one if it has more than MOST products.
     """
     lengths = [one.length for one in samples]
     distinct = len(levels(np.array(lengths))[0])
     several = distinct > 1
-    largest = MARGIN * np.max([np.abs(one.inputs).max(axis=0) for one in samples], axis=0)
-    lower, upper = -largest, largest.copy()
-    lower[: len(tensions)], upper[: len(tensions)] = tensions.T
+    tension_map = of_scene(scene)
+    images = [mirror.combined(tension_map) for mirror in mirrors(scene)]
+    tensions = np.array([tendon["tension"] for tendon in scene["tendons"]], float).T
+    lower, upper = box(samples, tension_map.matrix, tensions, images)
+    weights = weights_of(tension_map)
     if several:
         weights = np.append(weights, 1.0)
         lower, upper = np.append(lower, min(lengths)), np.append(upper, max(lengths))
-    powers = index_set(weights, highest)
-    if several:
-        powers = powers[powers[:, -1] <= min(LENGTH_POWERS, distinct - 1)]
-    folds = max(fold_of.values()) + 1
-    equations = NormalEquations(lower, upper, powers, folds, samples[0].values.shape[1])
+        images = [mirror.with_length() for mirror in images]
+    most_lengths = min(LENGTH_POWERS, distinct - 1) if several else None
+    while len(powers := _products(weights, highest, most_lengths)) > MOST:
+        highest -= STEP
+    equations = NormalEquations(lower, upper, powers, max(fold_of.values()) + 1, samples[0].values.shape[1])
     for one in samples:
-        fold = np.array([fold_of[line] for line in one.lines.tolist()])
-        if several:
-            inputs = np.column_stack([one.inputs, np.full(len(one.inputs), one.length)])
-            equations.add(inputs, one.values / one.length, one.jacobians / one.length, fold)
-        else:
-            equations.add(one.inputs, one.values, one.jacobians, fold)
-    return Candidates(equations=equations, weights=weights, lengths=(min(lengths), max(lengths)))
+        _add(equations, one, tension_map.matrix, np.array([fold_of[line] for line in one.lines.tolist()]))
+    equations.add_images(images)
+    return Candidates(
+        equations=equations,
+        tension_map=tension_map.matrix,
+        tensions=tensions,
+        weights=weights,
+        lengths=(min(lengths), max(lengths)),
+        highest=highest,
+    )
+
+
+def _add(equations: NormalEquations, samples: Samples, tension_map: np.ndarray, fold: np.ndarray) -> None:
+    """Add samples of one length to equations, by combinations of tensions; per length where that is an input."""
+    inputs, jacobians = (combined(part, tension_map) for part in (samples.inputs, samples.jacobians))
+    size = 1.0
+    if len(equations.lower) > inputs.shape[1]:
+        size = samples.length
+        inputs = np.column_stack([inputs, np.full(len(inputs), size)])
+    equations.add(inputs, samples.values / size, jacobians / size, fold)
+
+
+def _products(weights: np.ndarray, degree: float, most_lengths: int | None) -> np.ndarray:
+    """Powers of all products of a degree, shape (k, inputs); of the length, the last input, up to one of its own."""
+    powers = index_set(weights, degree)
+    return powers if most_lengths is None else powers[powers[:, -1] <= most_lengths]
+
+
+def weights_of(tension_map: TensionMap) -> np.ndarray:
+    """Weights of the powers of combinations of tensions and of a wrench, shape (t + 6,)."""
+    return np.append(np.append(BY_ORDER, HIGHER)[tension_map.orders.clip(max=len(BY_ORDER))], np.repeat(WRENCH, 3))
+
+
+def box(
+    samples: Sequence[Samples], tension_map: np.ndarray, tensions: np.ndarray, images: Sequence[Mirror]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper ends of combinations and wrenches, shapes (t + 6,); a mirror makes the same box of it."""
+    t = len(tension_map)
+    ranges = np.sort(tension_map[:, :, None] * tensions.T, axis=2).sum(axis=1)
+    largest = MARGIN * np.max([np.abs(one.inputs[:, t:]).max(axis=0) for one in samples], axis=0)
+    largest = np.max([largest, *(np.abs(mirror.inputs[t : t + 6, t : t + 6]) @ largest for mirror in images)], axis=0)
+    return np.append(ranges[:, 0], -largest), np.append(ranges[:, 1], largest)

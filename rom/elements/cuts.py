@@ -10,7 +10,7 @@ from rom.snapshots.grid import SHARE
 END = 1.0  # length of rubber in a clamp or plate piece, over the side: nearer, the section cannot warp freely [-]
 LONGEST = 1.1  # length of an interior element over the side [-]
 
-MOST_PAIRS = 40  # interior elements of one finger: samples of a state beyond these repeat each other
+MOST_PAIRS = 12  # interior elements of one finger: samples of a state beyond these repeat each other
 
 Pair = tuple[int, int]  # positions of the proximal and the distal body; the plate follows the last cross-section
 

@@ -60,6 +60,8 @@ class Elements:
         for kind, law in self.laws.items():
             group, outline = file.create_group(kind), self.outlines[kind]
             group.attrs["lengths"] = law.lengths
+            checked_file.dataset(group, "tension_map", law.tension_map, "-")
+            checked_file.dataset(group, "tensions", law.tensions, "N")
             _write(group, law.polynomial, UNITS)
             group = group.create_group("outline")
             group.attrs["half"], group.attrs["error"] = outline.half, outline.error
@@ -72,9 +74,14 @@ class Elements:
         for kind in file:
             group, outline = file[kind], file[kind]["outline"]
             shortest, longest = map(float, group.attrs["lengths"])
-            laws[kind] = ElementLaw(polynomial=_read(group), lengths=(shortest, longest))
+            tension_map, tensions = (group[name][:].astype(float) for name in ("tension_map", "tensions"))
+            laws[kind] = ElementLaw(
+                tension_map=tension_map, tensions=tensions, polynomial=_read(group), lengths=(shortest, longest)
+            )
             half, error = (float(outline.attrs[name]) for name in ("half", "error"))
-            outlines[kind] = OutlineLaw(polynomial=_read(outline), half=half, error=error)
+            outlines[kind] = OutlineLaw(
+                tension_map=tension_map, tensions=tensions, polynomial=_read(outline), half=half, error=error
+            )
         scene, provenance = (json.loads(file.attrs[name]) for name in ("scene", "provenance"))
         force = float(file.attrs["force"])
         return cls(laws=laws, outlines=outlines, scene=scene, force=force, provenance=provenance)

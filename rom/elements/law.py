@@ -1,7 +1,11 @@
-"""The law of an element: what it does under tensions and the wrench that it transmits."""
+"""The law of an element: what it does under tensions and the wrench that it transmits.
+
+A law is of any length within its range; at one length it is an element's map.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,18 +20,61 @@ POSE = 6  # first values of a law: place [m], Rodrigues vector [-]
 
 @brief
 @dataclass(frozen=True, kw_only=True)
+class ElementMap:
+    """(t tensions [N], wrench through the distal section [N, N m]) -> values, as of an element of one length.
+
+    Attributes:
+        tension_map: the first m inputs of the polynomial are tension_map @ tensions, shape (m, t).
+        tensions: lowest and highest, shape (2, t) [N].
+        polynomial: of m + 6 inputs.
+    """
+
+    tension_map: np.ndarray
+    tensions: np.ndarray
+    polynomial: Polynomial
+
+    def value(self, inputs: np.ndarray) -> np.ndarray:
+        """Values, shape (n, values), at tensions and wrenches, shape (n, t + 6)."""
+        return self.polynomial.value(combined(inputs, self.tension_map))
+
+    def value_and_gradient(self, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values, shape (n, values), and derivatives by tensions and wrench, shape (n, values, t + 6)."""
+        values, gradient = self.polynomial.value_and_gradient(combined(inputs, self.tension_map))
+        return values, combined(gradient, self.tension_map.T)
+
+    def only(self, tensions: Sequence[int]) -> ElementMap:
+        """The map by some of its tensions, shape (k,), which may repeat each other, where all others are 0 N."""
+        kept = list(tensions)
+        return replace(self, tension_map=self.tension_map[:, kept], tensions=self.tensions[:, kept])
+
+
+def combined(inputs: np.ndarray, tension_map: np.ndarray) -> np.ndarray:
+    """Inputs with tension_map @ tensions in place of the tensions, shapes (..., t + more), (..., m + more).
+
+    Derivatives by the combinations become those by the tensions by the transposed map.
+    """
+    t = tension_map.shape[1]
+    return np.concatenate([inputs[..., :t] @ tension_map.T, inputs[..., t:]], axis=-1)
+
+
+@brief
+@dataclass(frozen=True, kw_only=True)
 class ElementLaw:
-    """A polynomial of tensions [N] and the wrench through the distal section, in that section's frame [N, N m].
+    """A polynomial of combinations of tensions [N] and the wrench through the distal section, in its frame [N, N m].
 
     Its values are the pose of the proximal section seen from the distal one, place [m] and Rodrigues vector [-], then
     how much shorter every tendon has become in the element [m]. A law of several lengths has the length as its last
     input [m], and its values are per length.
 
     Attributes:
+        tension_map: orthogonal; the first t inputs of the polynomial are tension_map @ tensions, shape (t, t).
+        tensions: lowest and highest, shape (2, t) [N].
         polynomial: of t + 6 inputs, or t + 7; of 6 + t values.
         lengths: shortest and longest at rest that were trained [m]; equal in a law of one length.
     """
 
+    tension_map: np.ndarray
+    tensions: np.ndarray
     polynomial: Polynomial
     lengths: tuple[float, float]
 
@@ -36,8 +83,8 @@ class ElementLaw:
         """Whether it is a law of several lengths."""
         return self.lengths[0] < self.lengths[1]
 
-    def of_length(self, length: float) -> Polynomial:
-        """The polynomial of an element of a length at rest [m], by tensions and wrench.
+    def of_length(self, length: float) -> ElementMap:
+        """The map of an element of a length at rest [m].
 
         Below the shortest length the values per length stay: they are those of a section.
 
@@ -50,13 +97,14 @@ class ElementLaw:
             bound = f"from 0 to {longest:.6g}" if self.has_lengths else f"{longest:.6g}"
             raise ModelError(f"length must be {bound} m, got {length:.6g}")
         if not self.has_lengths:
-            return law
+            return ElementMap(tension_map=self.tension_map, tensions=self.tensions, polynomial=law)
         angle = np.arccos(np.clip(2 * (length - shortest) / (longest - shortest) - 1, -1.0, 1.0))
         shares = length * np.cos(law.powers[:, -1] * angle)
         powers, which = np.unique(law.powers[:, :-1], axis=0, return_inverse=True)
         coefficients = np.zeros((len(powers), law.coefficients.shape[1]))
         np.add.at(coefficients, which.ravel(), shares[:, None] * law.coefficients)
-        return replace(law, lower=law.lower[:-1], upper=law.upper[:-1], powers=powers, coefficients=coefficients)
+        own = replace(law, lower=law.lower[:-1], upper=law.upper[:-1], powers=powers, coefficients=coefficients)
+        return ElementMap(tension_map=self.tension_map, tensions=self.tensions, polynomial=own)
 
     def scaled(self, size: float, modulus: float) -> ElementLaw:
         """The law of an element `size` times as large, of rubber `modulus` times as stiff: exact by similarity.
@@ -74,4 +122,5 @@ class ElementLaw:
         scaled = replace(
             law, lower=law.lower * inputs, upper=law.upper * inputs, coefficients=law.coefficients * values
         )
-        return ElementLaw(polynomial=scaled, lengths=(self.lengths[0] * size, self.lengths[1] * size))
+        lengths = self.lengths[0] * size, self.lengths[1] * size
+        return replace(self, tensions=self.tensions * force, polynomial=scaled, lengths=lengths)

@@ -22,7 +22,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.elements import rotation_vectors
-from rom.fit.chebyshev import Polynomial
+from rom.elements.law import ElementMap
 
 ROUNDING = 1e-12  # relative, of the largest trained force
 
@@ -58,13 +58,13 @@ class Marched:
         return -np.einsum("nji,nj->ni", self.rotation, self.place), np.swapaxes(self.rotation, 1, 2)
 
 
-def march(elements: Sequence[Polynomial], tensions: np.ndarray, wrenches: np.ndarray) -> Marched:
+def march(elements: Sequence[ElementMap], tensions: np.ndarray, wrenches: np.ndarray) -> Marched:
     """March from the plate to the clamp.
 
     Beyond its box an element goes on linearly by its wrench, and stays by the tensions.
 
     Args:
-        elements: from the plate to the clamp: of t + 6 variables; pose, 6 values [m, -], and others.
+        elements: from the plate to the clamp; their values are a pose, 6 of them [m, -], and others.
         tensions: shape (n, t) [N].
         wrenches: on the plate in its own frame, shape (n, 6) [N, N m].
     """
@@ -74,7 +74,7 @@ def march(elements: Sequence[Polynomial], tensions: np.ndarray, wrenches: np.nda
     change[:, :, t:] = np.eye(6)
     carried, inside, places, turns = [], [], [], []
     for element in elements:
-        held = np.clip(tensions, element.lower[:t], element.upper[:t])
+        held = np.clip(tensions, *element.tensions)
         carried.append(wrench)
         places.append(place)
         turns.append(rotation)
@@ -108,9 +108,9 @@ def march(elements: Sequence[Polynomial], tensions: np.ndarray, wrenches: np.nda
     )
 
 
-def wrench_inside(element: Polynomial, wrenches: np.ndarray) -> np.ndarray:
+def wrench_inside(element: ElementMap, wrenches: np.ndarray) -> np.ndarray:
     """Whether wrenches, shape (n, 6), lie in an element's box, and their forces are none larger than was trained."""
-    lower, upper = element.lower[-6:], element.upper[-6:]
+    lower, upper = element.polynomial.lower[-6:], element.polynomial.upper[-6:]
     size = np.linalg.norm(wrenches[:, :3], axis=1)
     within = ((lower <= wrenches) & (wrenches <= upper)).all(axis=1)
     return np.asarray(within & (size <= upper[:3].max() * (1 + ROUNDING)))

@@ -12,18 +12,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rom.brief import brief
+from rom.elements.candidates import box, weights_of
 from rom.elements.index_set import index_set
+from rom.elements.law import combined
 from rom.elements.regression import NormalEquations
 from rom.elements.samples import Samples, own_samples
 from rom.elements.section_states import SectionStates
-from rom.elements.symmetry import mirrors, together
+from rom.elements.symmetry import Mirror, mirrors
+from rom.elements.tension_map import TensionMap, of_scene
 from rom.fit.chebyshev import Polynomial
 from rom.snapshots.grid import SHARE, levels
 
 CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])  # y and z of corners, over half the side [-]
 NUMBERS = 3 * len(CORNERS)
-DEGREE, WEIGHTS, ALONG = 4.0, (0.8, 1.5, 1.0), 0.8  # weighted degree; weights of the inputs, and of the distance [-]
-MARGIN = 1.2  # the box is so much larger than the largest inputs: other fingers reach a little beyond these [-]
+DEGREE, ALONG = 4.0, 0.8  # weighted degree; weight of the distance's powers [-]
+MOST = 1500  # products of an outline
+STEP = 0.5  # by which the degree falls where it has more
 MOST_PAIRS = 30  # positions of one kind of element that are fitted
 
 
@@ -33,12 +37,16 @@ class OutlineLaw:
     """Corners of a cross-section by tensions, the wrench through the distal section, and the distance from that.
 
     Attributes:
+        tension_map: orthogonal; the first t inputs of the polynomial are tension_map @ tensions, shape (t, t).
+        tensions: lowest and highest, shape (2, t) [N].
         polynomial: of t + 7 inputs [N, N m, m]; of 12 values: how far the corners are from where they were at rest,
             seen from the distal section [m].
         half: of the section's side [m].
         error: of the corners in lines that were left out, 95th percentile [m].
     """
 
+    tension_map: np.ndarray
+    tensions: np.ndarray
     polynomial: Polynomial
     half: float
     error: float
@@ -55,12 +63,12 @@ class OutlineLaw:
             inputs: tensions and wrench, shape (n, t + 6) [N, N m].
             distance: at rest; beyond the largest, the law goes on linearly.
         """
-        known = np.column_stack([inputs, np.full(len(inputs), distance)])
+        known = np.column_stack([combined(inputs, self.tension_map), np.full(len(inputs), distance)])
         rest = np.column_stack([np.full(len(CORNERS), -distance), self.half * CORNERS])
         return np.asarray(rest + self.polynomial.value(known).reshape(-1, *rest.shape))
 
     def at(self, distance: float) -> Polynomial:
-        """The polynomial of tensions and wrench at a distance [m], of the corners themselves, 12 values [m]."""
+        """The polynomial of combinations of tensions and the wrench at a distance [m]: the corners, 12 values [m]."""
         law, (least, largest) = self.polynomial, self.distances
         angle = np.arccos(np.clip(2 * (distance - least) / (largest - least) - 1, -1.0, 1.0))
         shares = np.cos(law.powers[:, -1] * angle)
@@ -77,7 +85,13 @@ class OutlineLaw:
         inputs = np.full(len(law.lower), force)
         inputs[-4:-1], inputs[-1] = force * size, size
         scaled = replace(law, lower=law.lower * inputs, upper=law.upper * inputs, coefficients=law.coefficients * size)
-        return OutlineLaw(polynomial=scaled, half=self.half * size, error=self.error * size)
+        return replace(
+            self,
+            tensions=self.tensions * force,
+            polynomial=scaled,
+            half=self.half * size,
+            error=self.error * size,
+        )
 
 
 def outline_samples(states: SectionStates, section: int, distal: int) -> Samples:
@@ -101,14 +115,15 @@ def outline_samples(states: SectionStates, section: int, distal: int) -> Samples
     return own_samples(states, (section, distal), (seen - rest).reshape(n, -1), change.reshape(n, -1, p))
 
 
-def _with_images(samples: Samples, states: SectionStates) -> Samples:
-    """Samples of corners and their images: a map of the section exchanges its corners."""
-    parts = [samples]
+def _images(states: SectionStates, tension_map: TensionMap) -> list[Mirror]:
+    """The mirrors of a finger, which exchange the corners of its cross-sections."""
+    found, t = [], states.tensions
     for mirror in mirrors(states.scene):
-        exchange = (CORNERS @ mirror.section.T)[:, None] == CORNERS[None]  # where each corner goes
-        polar = mirror.inputs[states.tensions : states.tensions + 3, states.tensions : states.tensions + 3]
-        parts.append(replace(mirror, values=np.kron(exchange.all(axis=2).T.astype(float), polar)).of(samples))
-    return together(parts)
+        exchange = ((CORNERS @ mirror.section.T)[:, None] == CORNERS[None]).all(axis=2)  # where each corner goes
+        polar = mirror.inputs[t : t + 3, t : t + 3]
+        values = np.kron(exchange.T.astype(float), polar)
+        found.append(replace(mirror.combined(tension_map).with_length(), values=values))
+    return found
 
 
 def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple[int, int]]) -> OutlineLaw:
@@ -120,25 +135,44 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
         pairs: cross-sections and the bodies that they are seen from.
     """
     chosen = [pairs[k] for k in np.unique(np.linspace(0, len(pairs) - 1, MOST_PAIRS).round().astype(int))]
-    samples = [_with_images(outline_samples(states, *pair), states) for pair in chosen]
-    distances = [one.length for one in samples]
-    largest = MARGIN * np.max([np.abs(one.inputs).max(axis=0) for one in samples], axis=0)
-    t = states.tensions
-    lower, upper = np.append(-largest, min(distances)), np.append(largest, max(distances) * (1 + SHARE))
-    lower[:t], upper[:t] = states.ranges.T
-    powers = index_set(np.append(np.repeat(WEIGHTS, [t, 3, 3]), ALONG), DEGREE)
-    powers = powers[powers[:, -1] < len(levels(np.array(distances))[0])]
-    equations = NormalEquations(lower, upper, powers, int(fold.max()) + 1, NUMBERS)
-    for one in samples:
-        inputs = np.column_stack([one.inputs, np.full(len(one.inputs), one.length)])
-        equations.add(inputs, one.values, one.jacobians, np.tile(fold, len(inputs) // len(fold)))
-    every, off = np.arange(len(powers)), []
+    samples = [outline_samples(states, *pair) for pair in chosen]
+    tension_map, tensions = of_scene(states.scene), states.ranges.T
+    images = _images(states, tension_map)
+    equations = _equations(samples, tension_map, tensions, images, int(fold.max()) + 1)
+    inputs = [_along(one, tension_map.matrix) for one in samples]
+    for one, known in zip(samples, inputs, strict=True):
+        equations.add(known, one.values, combined(one.jacobians, tension_map.matrix), fold)
+    equations.add_images(images)
+    every, off = np.arange(len(equations.powers)), []
     for k in range(equations.folds):
-        left_out = equations.fit(every, without=k)
-        for one in samples:
-            own = np.flatnonzero(fold == k)  # the samples themselves come before their images
-            inputs = np.column_stack([one.inputs[own], np.full(len(own), one.length)])
-            off.append(np.linalg.norm((left_out.value(inputs) - one.values[own]).reshape(-1, 3), axis=1))
-    half = states.scene["geometry"]["side"] / 2
-    error = float(np.quantile(np.concatenate(off), 0.95))
-    return OutlineLaw(polynomial=equations.fit(every), half=half, error=error)
+        left_out, own = equations.fit(every, without=k), fold == k
+        for one, known in zip(samples, inputs, strict=True):
+            off.append(np.linalg.norm((left_out.value(known[own]) - one.values[own]).reshape(-1, 3), axis=1))
+    return OutlineLaw(
+        tension_map=tension_map.matrix,
+        tensions=tensions,
+        polynomial=equations.fit(every),
+        half=states.scene["geometry"]["side"] / 2,
+        error=float(np.quantile(np.concatenate(off), 0.95)),
+    )
+
+
+def _along(samples: Samples, tension_map: np.ndarray) -> np.ndarray:
+    """Inputs of an outline's polynomial, shape (n, t + 7)."""
+    return np.column_stack([combined(samples.inputs, tension_map), np.full(len(samples.inputs), samples.length)])
+
+
+def _equations(
+    samples: Sequence[Samples], tension_map: TensionMap, tensions: np.ndarray, images: Sequence[Mirror], folds: int
+) -> NormalEquations:
+    """Those of the highest degree, up to DEGREE, with MOST products at most."""
+    distances, degree = [one.length for one in samples], DEGREE
+    lower, upper = box(samples, tension_map.matrix, tensions, images)
+    lower, upper = np.append(lower, min(distances)), np.append(upper, max(distances) * (1 + SHARE))
+    weights, several = np.append(weights_of(tension_map), ALONG), len(levels(np.array(distances))[0])
+    while True:
+        powers = index_set(weights, degree)
+        powers = powers[powers[:, -1] < several]
+        if len(powers) <= MOST:
+            return NormalEquations(lower, upper, powers, folds, NUMBERS)
+        degree -= STEP

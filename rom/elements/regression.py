@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from rom.elements.symmetry import Mirror
 from rom.fit.chebyshev import Polynomial, products
 
 DERIVATIVES = 0.3  # weight of a derivative by an input scaled to [-1, 1], beside a value [-]
@@ -59,6 +60,27 @@ class NormalEquations:
         self.rows[fold] += len(rows)
         self._gram[fold] += rows.T @ rows
         self._right[fold] += rows.T @ values
+
+    def add_images(self, mirrors: Sequence[Mirror]) -> None:
+        """Add the images of all samples by mirrors of the inputs, under which the box and the products are the same.
+
+        A mirror makes of the input x_i the input s_i x_j, so of a product with powers a the product with the same
+        powers of the permuted inputs, times prod_i s_i^a_i. The normal equations of the images are therefore those of
+        the samples with rows and columns permuted and changed in sign.
+        """
+        images = [(*self._permutation(mirror.inputs), mirror.values) for mirror in mirrors]
+        for k in range(self.folds):
+            gram, right = self._gram[k].copy(), self._right[k].copy()
+            for place, sign, values in images:
+                self._gram[k] += sign[:, None] * gram[np.ix_(place, place)] * sign
+                self._right[k] += sign[:, None] * right[place] @ values.T
+        self.rows *= 1 + len(images)
+
+    def _permutation(self, mirror: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Which product every product becomes, and its sign, shapes (k,)."""
+        position = {tuple(row): k for k, row in enumerate(self.powers.tolist())}
+        place = [position[tuple(row)] for row in (self.powers @ np.abs(mirror).astype(int)).tolist()]
+        return np.array(place), np.prod(mirror.sum(axis=1) ** self.powers, axis=1)
 
     def fit(self, chosen: np.ndarray, without: int | None = None) -> Polynomial:
         """The polynomial of some of the products.

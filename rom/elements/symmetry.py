@@ -1,4 +1,4 @@
-"""Mirrors and turns of the section that map a finger onto itself: every sample of an element is several.
+"""Mirrors and turns of the section that map a finger onto itself: every sample of an element has images.
 
 Of a map S of space that keeps the axis, with det S = -1 for a mirror, forces and places go with S, and moments and
 turns, which are axial vectors, with det(S) S.
@@ -6,7 +6,6 @@ turns, which are axial vectors, with det(S) S.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -15,7 +14,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from rom.brief import brief
-from rom.elements.samples import Samples
+from rom.elements.tension_map import TensionMap
 from rom.snapshots.grid import SHARE
 
 
@@ -24,9 +23,11 @@ from rom.snapshots.grid import SHARE
 class Mirror:
     """A map of an element onto itself: x -> inputs @ x of tensions and wrench, y -> values @ y of what it does.
 
+    Both are signed permutations.
+
     Attributes:
-        inputs: orthogonal, shape (t + 6, t + 6).
-        values: orthogonal, shape (6 + t, 6 + t).
+        inputs: shape (t + 6, t + 6).
+        values: shape (6 + t, 6 + t).
         section: the map of the section that it is, y and z, shape (2, 2).
     """
 
@@ -34,14 +35,15 @@ class Mirror:
     values: np.ndarray
     section: np.ndarray
 
-    def of(self, samples: Samples) -> Samples:
-        """The samples' images."""
-        return replace(
-            samples,
-            inputs=samples.inputs @ self.inputs.T,
-            values=samples.values @ self.values.T,
-            jacobians=self.values @ samples.jacobians @ self.inputs.T,
-        )
+    def combined(self, tension_map: TensionMap) -> Mirror:
+        """The same, by combinations of the tensions: a signed permutation of these, as a `TensionMap` has them."""
+        t, matrix = len(tension_map.orders), tension_map.matrix
+        exchange = np.rint(matrix @ self.inputs[:t, :t] @ matrix.T)
+        return replace(self, inputs=block_diag(exchange, self.inputs[t:, t:]))
+
+    def with_length(self) -> Mirror:
+        """The same, where the length is one more input."""
+        return replace(self, inputs=block_diag(self.inputs, 1.0))
 
 
 def mirrors(scene: dict[str, Any]) -> list[Mirror]:
@@ -69,19 +71,3 @@ def _of_section(S: np.ndarray, tendons: list[dict[str, Any]]) -> Mirror | None:
     polar = block_diag(1.0, S)
     axial = np.linalg.det(S) * polar
     return Mirror(inputs=block_diag(exchange, polar, axial), values=block_diag(polar, axial, exchange), section=S)
-
-
-def with_images(samples: Samples, scene: dict[str, Any]) -> Samples:
-    """Samples of an element and their images, those of a state in its line."""
-    return together([samples, *(mirror.of(samples) for mirror in mirrors(scene))])
-
-
-def together(parts: Sequence[Samples]) -> Samples:
-    """Samples of elements of one length as those of one element."""
-    return replace(
-        parts[0],
-        inputs=np.concatenate([part.inputs for part in parts]),
-        values=np.concatenate([part.values for part in parts]),
-        jacobians=np.concatenate([part.jacobians for part in parts]),
-        lines=np.concatenate([part.lines for part in parts]),
-    )

@@ -13,23 +13,21 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
-from rom.elements.candidates import Candidates, candidates
+from rom.elements.candidates import STEP, Candidates, candidates
 from rom.elements.contact_error import relative_force_errors
 from rom.elements.cuts import cut, outline_pairs
 from rom.elements.elements import Elements
+from rom.elements.law import ElementMap
 from rom.elements.march import march
 from rom.elements.outline import train_outline
 from rom.elements.pieces import Piece, pieces
 from rom.elements.samples import element_samples
 from rom.elements.section_states import SectionStates
-from rom.elements.symmetry import with_images
 from rom.error_statistics import quantiles
-from rom.fit.chebyshev import Polynomial
 from rom.snapshots.snapshot_set import SnapshotError
 from rom.terminal import Progress, quiet
 
-WEIGHTS = 0.8, 1.5, 1.0  # of the powers of tensions, force and moment: measured, forces matter least [-]
-LOWEST, STEP, HIGHEST = 2.0, 0.5, 5.0  # weighted degrees that are tried [-]
+LOWEST, HIGHEST = 2.0, 5.0  # weighted degrees that are tried [-]
 FOLDS = 8  # groups of lines that are left out together, at most
 FEWEST = 4  # lines
 SHARE = 0.9  # quantile of the predicted states' errors by which degrees are compared [-]
@@ -50,7 +48,7 @@ class Training:
     states: SectionStates
     fold: np.ndarray
     kinds: dict[str, Candidates]
-    _laws: dict[tuple[str, float, int], Polynomial] = field(default_factory=dict, repr=False)
+    _laws: dict[tuple[str, float, int], ElementMap] = field(default_factory=dict, repr=False)
 
     @cached_property
     def pieces(self) -> list[Piece]:
@@ -69,7 +67,7 @@ class Training:
             places[own], turned[own] = marched.plate
         return places, turned
 
-    def _law(self, piece: Piece, degree: float, without: int) -> Polynomial:
+    def _law(self, piece: Piece, degree: float, without: int) -> ElementMap:
         key = piece.kind, degree, without
         if key not in self._laws:
             self._laws[key] = self.kinds[piece.kind].law(degree, without).of_length(piece.length)
@@ -90,11 +88,10 @@ def prepare(states: SectionStates) -> Training:
     if len(lines) < FEWEST:
         raise SnapshotError(f"lines with an answer must be at least {FEWEST} to train elements, got {len(lines)}")
     fold_of = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
-    weights = np.repeat(WEIGHTS, [states.tensions, 3, 3])
     kinds = {}
     for kind, pairs in cut(states.at, states.scene["geometry"]["side"]).items():
-        samples = [with_images(element_samples(states, *pair), states.scene) for pair in pairs]
-        kinds[kind] = candidates(samples, fold_of, states.ranges, weights, HIGHEST)
+        samples = [element_samples(states, *pair) for pair in pairs]
+        kinds[kind] = candidates(samples, fold_of, states.scene, HIGHEST)
     return Training(states=states, fold=np.array([fold_of[int(line)] for line in states.lines]), kinds=kinds)
 
 
@@ -136,24 +133,31 @@ def train(states: SectionStates, provenance: dict[str, Any], progress: Progress 
 
 
 def best_degrees(training: Training) -> dict[str, float]:
-    """The degrees with the best prediction: each kind's grows in turn as long as that makes the prediction better."""
-    degrees = dict.fromkeys(training.kinds, LOWEST)
-    best, grows = training.score(degrees), list(training.kinds)
-    while grows:
-        tried = {kind: degrees | {kind: degrees[kind] + STEP} for kind in grows}
-        grows = [kind for kind in grows if _possible(training.kinds[kind], tried[kind][kind])]
-        scores = {kind: training.score(tried[kind]) for kind in grows}
-        if not scores:
-            break
-        kind = min(scores, key=scores.__getitem__)
-        together = {kind: degrees[kind] + STEP * (kind in grows) for kind in degrees}
-        shared = training.score(together)
-        step = together if shared < scores[kind] else tried[kind]
-        if min(shared, scores[kind]) > BETTER * best:
-            break
-        best, degrees = min(shared, scores[kind]), step
+    """The degrees with the best prediction: one for all kinds, then each as much higher or lower as serves.
+
+    A kind's degree grows as long as that makes the prediction better, and falls as long as that costs next to nothing.
+    """
+    highest = {kind: _highest(one) for kind, one in training.kinds.items()}
+    steps = int((HIGHEST - LOWEST) / STEP) + 1
+    shared = [{kind: min(LOWEST + STEP * k, top) for kind, top in highest.items()} for k in range(steps)]
+    scores = [training.score(degrees) for degrees in shared]
+    best, degrees = min(scores), shared[int(np.argmin(scores))]
+    for kind, top in highest.items():
+        while degrees[kind] < top and (score := training.score(_changed(degrees, kind, STEP))) < BETTER * best:
+            best, degrees = score, _changed(degrees, kind, STEP)
+    for kind in highest:
+        while degrees[kind] > LOWEST and training.score(_changed(degrees, kind, -STEP)) < best / BETTER:
+            degrees = _changed(degrees, kind, -STEP)
     return degrees
 
 
-def _possible(one: Candidates, degree: float) -> bool:
-    return degree <= HIGHEST and one.supports(degree)
+def _changed(degrees: dict[str, float], kind: str, step: float) -> dict[str, float]:
+    return degrees | {kind: degrees[kind] + step}
+
+
+def _highest(one: Candidates) -> float:
+    """The highest degree that is tried of a kind."""
+    degree = LOWEST
+    while degree + STEP <= HIGHEST and one.supports(degree + STEP):
+        degree += STEP
+    return degree

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rom.checked_file import require
+from rom.elements.law import ElementMap
 from rom.fit.chebyshev import Polynomial
 from rom.rod.wrench_products import padded
 
@@ -28,13 +29,15 @@ def check_rod(segment: Segment) -> None:
     """
     elements = segment.elements
     require(1 <= len(elements) <= MOST_ELEMENTS, f"elements must be from 1 to {MOST_ELEMENTS}", len(elements))
-    first, t = elements[0], len(elements[0].lower) - WRENCH
-    require(1 <= t <= MOST_TENSIONS, f"tensions must be from 1 to {MOST_TENSIONS}", t)
+    first, box = elements[0].polynomial, elements[0].tensions
+    t = _tension_map(elements[0])
     laws, most = {id(one): one for one in elements}, 0
-    for k, one in enumerate(laws.values()):
+    for k, element in enumerate(laws.values()):
+        one = element.polynomial
         _polynomial(f"powers of law {k}", one, t, ELEMENT)
         _ends(one, t)
-        _alike("tensions of all elements", [one.lower[:t], one.upper[:t]], [first.lower[:t], first.upper[:t]])
+        own = [*element.tensions, *element.tension_map, one.lower[:t], one.upper[:t]]
+        _alike("tensions of all elements", own, [*box, *elements[0].tension_map, first.lower[:t], first.upper[:t]])
         _, _, counts = padded(one.powers[:, t:])
         most = max(most, sum(counts) * len(np.unique(one.powers[:, :t], axis=0)))
     size = len(laws) * most
@@ -47,14 +50,27 @@ def check_rod(segment: Segment) -> None:
         _outlines(segment.outlines, elements, float(segment.half_lengths[0]))
 
 
+def _tension_map(element: ElementMap) -> int:
+    """Number of combinations of the tensions that polynomials are of."""
+    combinations, count = element.tension_map.shape if element.tension_map.ndim == 2 else (0, 0)
+    for name, number in (("tensions", count), ("combinations of tensions", combinations)):
+        require(1 <= number <= MOST_TENSIONS, f"{name} must be from 1 to {MOST_TENSIONS}", number)
+    require(bool(np.isfinite(element.tension_map).all()), "tension_map must be finite", "others")
+    box = element.tensions
+    ordered = box.shape == (2, count) and bool(np.isfinite(box).all() and (box[0] < box[1]).all())
+    require(ordered, "tensions must have finite lowest ones below the highest", box.tolist())
+    return combinations
+
+
 def _alike(name: str, one: list[np.ndarray], other: list[np.ndarray]) -> None:
     require(bool(np.array_equal(one, other)), f"{name} must have one box", [*map(np.ndarray.tolist, one)])
 
 
-def _outlines(outlines: Sequence[Outline], elements: Sequence[Polynomial], begins: float) -> None:
+def _outlines(outlines: Sequence[Outline], elements: Sequence[ElementMap], begins: float) -> None:
     """Of the rubber's surface."""
     require(len(outlines) == len(elements), f"outlines must be {len(elements)}, as the elements", len(outlines))
-    t, of = len(elements[0].lower) - WRENCH, {id(one): outline for one, outline in zip(elements, outlines, strict=True)}
+    first, t = elements[0].polynomial, len(elements[0].tension_map)
+    of = {id(one): outline for one, outline in zip(elements, outlines, strict=True)}
     shared = all(of[id(one)] is outline for one, outline in zip(elements, outlines, strict=True))
     require(shared, "outlines must be shared by elements that share a law", "others")
     for k, one in enumerate({id(one): one for one in outlines}.values()):
@@ -65,7 +81,7 @@ def _outlines(outlines: Sequence[Outline], elements: Sequence[Polynomial], begin
         _alike(
             "tensions of elements and outlines",
             [own.lower[:t], own.upper[:t]],
-            [elements[0].lower[:t], elements[0].upper[:t]],
+            [first.lower[:t], first.upper[:t]],
         )
         single = np.abs(own.coefficients).max() <= np.finfo(np.float32).max
         require(bool(single), f"coefficients of outline {k} must be finite in single precision", "others")

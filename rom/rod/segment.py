@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.elements.elements import Elements
-from rom.elements.law import POSE
+from rom.elements.law import POSE, ElementMap
 from rom.elements.pieces import Piece
-from rom.fit.chebyshev import Polynomial
 from rom.native import PickledByFields
 from rom.rod import native
 
@@ -35,7 +34,7 @@ class Segment(PickledByFields):
         length: from the clamp to the plate's centre at rest [m].
     """
 
-    elements: Sequence[Polynomial]
+    elements: Sequence[ElementMap]
     outlines: Sequence[native.Outline]
     names: Sequence[str]
     trained: Sequence[int]
@@ -59,7 +58,7 @@ class Segment(PickledByFields):
         Raises:
             ModelError: a segment beyond what compiled code holds.
         """
-        poses = {id(one): replace(one, coefficients=one.coefficients[:, :POSE]) for one in self.elements}
+        poses = {id(one): _pose_of(one) for one in self.elements}
         return native.struct(
             native.Segment(
                 elements=[poses[id(one)] for one in self.elements],
@@ -95,14 +94,13 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         names: of the tensions that pass the segment.
         trained: which of the elements' tendons each of these is.
     """
-    laws = {one: only(elements.laws[one.kind].of_length(one.length), trained) for one in set(pieces)}
+    laws = {one: elements.laws[one.kind].of_length(one.length).only(trained) for one in set(pieces)}
     geometry, size = elements.scene["geometry"], elements.size
     half = size * np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
     outlines = {}
     for k, one in enumerate(pieces):
         if one not in outlines:
-            own = native.outline_of(elements.outlines[one.kind], one, 0.0 if k else half[0])
-            outlines[one] = replace(own, polynomial=only(own.polynomial, trained))
+            outlines[one] = native.outline_of(elements.outlines[one.kind], one, 0.0 if k else half[0])
     return Segment(
         elements=[laws[one] for one in pieces],
         outlines=[outlines[one] for one in pieces],
@@ -113,24 +111,7 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     )
 
 
-def only(law: Polynomial, tensions: Sequence[int]) -> Polynomial:
-    """A law by some of its tensions, shape (t,), where the others are 0 N.
-
-    Raises:
-        ModelError: a tension that is left out was never 0 N in the training.
-    """
-    count = len(law.lower) - 6
-    others = [k for k in range(count) if k not in tensions]
-    if not others and list(tensions) == list(range(count)):
-        return law
-    shares = np.ones(len(law.powers))
-    for k in others:
-        if not law.lower[k] <= 0 <= law.upper[k]:
-            raise ModelError(f"tension {k + 1} must have been trained from 0 N to be left out, got {law.lower[k]:g} N")
-        at = -1 - 2 * law.lower[k] / (law.upper[k] - law.lower[k])
-        shares *= np.cos(law.powers[:, k] * np.arccos(at))
-    kept = [*tensions, *range(count, count + 6)]
-    powers, which = np.unique(law.powers[:, kept], axis=0, return_inverse=True)
-    coefficients = np.zeros((len(powers), law.coefficients.shape[1]))
-    np.add.at(coefficients, which.ravel(), shares[:, None] * law.coefficients)
-    return Polynomial(lower=law.lower[kept], upper=law.upper[kept], powers=powers, coefficients=coefficients)
+def _pose_of(element: ElementMap) -> ElementMap:
+    """An element without the shortenings of its tendons."""
+    polynomial = element.polynomial
+    return replace(element, polynomial=replace(polynomial, coefficients=polynomial.coefficients[:, :POSE]))

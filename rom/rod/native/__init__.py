@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rom.brief import brief
+from rom.elements.law import ElementMap
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
 from rom.rod import limits
@@ -28,15 +29,16 @@ class Segment:
     """A segment: a rod of elements, and the plate at its end.
 
     Attributes:
-        elements: from the plate to the clamp, of every one the law by tensions and the wrench that its distal section
-            carries, in that one's frame, t + 6 variables [N, N m]: place of its proximal section seen from there [m]
-            and Gibbs vector of that rotation [-], 6 values. Elements that share a law are one and the same object.
+        elements: from the plate to the clamp, of every one the map of tensions and the wrench that its distal section
+            carries, in that one's frame [N, N m]: place of its proximal section seen from there [m] and Rodrigues
+            vector of that rotation [-], 6 values. Elements that share a law are one and the same object; all have one
+            map of the tensions to what their polynomials are of.
         half_lengths: of the plate along its own axes, shape (3,) [m].
         corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
         outlines: of every element, shared as its law is; None if nothing is known of the rubber's surface.
     """
 
-    elements: Sequence[Polynomial]
+    elements: Sequence[ElementMap]
     half_lengths: np.ndarray
     corners: Polynomial | None = None
     outlines: Sequence[Outline] | None = None
@@ -61,26 +63,32 @@ def struct(segment: Segment) -> Any:
         ModelError: a segment beyond what compiled code holds.
     """
     limits.check_rod(segment)
-    plate, t, corners = segment.elements[0], len(segment.elements[0].lower) - 6, segment.corners
-    corner_powers, corner_coefficients = np.zeros((0, t + 6), int), np.zeros((0, CORNERS))
+    plate, corners = segment.elements[0], segment.corners
+    tension_map = plate.tension_map
+    combinations, t = tension_map.shape
+    corner_powers, corner_coefficients = np.zeros((0, combinations + 6), int), np.zeros((0, CORNERS))
     if corners is not None:
         order = sorted(range(len(corners.powers)), key=lambda k: by_degree(corners.powers[k].tolist()))
         corner_powers, corner_coefficients = corners.powers[order], corners.coefficients[order]
     laws = list({id(one): one for one in segment.elements}.values())
     law_of = [next(k for k, one in enumerate(laws) if one is element) for element in segment.elements]
     outlines = [] if segment.outlines is None else [segment.outlines[law_of.index(k)] for k in range(len(laws))]
-    powers = [corner_powers, *(one.powers for one in laws), *(one.polynomial.powers for one in outlines)]
-    monomials = tension_monomials(t, powers)
+    powers = [corner_powers, *(one.polynomial.powers for one in laws), *(one.polynomial.powers for one in outlines)]
+    monomials = tension_monomials(combinations, powers)
     bent = free_numbers(monomials, corner_powers, corner_coefficients)
-    structs = [SEGMENT.struct("fingerfem_law", **law(one, monomials)) for one in laws]
+    structs = [SEGMENT.struct("fingerfem_law", **law(one.polynomial, monomials)) for one in laws]
     rubber = {} if segment.outlines is None else places_between(stations_of(segment.outlines, segment.half_lengths[0]))
     rubber_structs = [SEGMENT.struct("fingerfem_outline", **outline(one.polynomial, monomials)) for one in outlines]
     return SEGMENT.struct(
         "fingerfem_segment",
         tensions=t,
+        combinations=combinations,
         monomials=len(monomials),
-        lower=plate.lower,
-        upper=plate.upper,
+        lower=np.append(plate.tensions[0], plate.polynomial.lower[combinations:]),
+        upper=np.append(plate.tensions[1], plate.polynomial.upper[combinations:]),
+        tension_map=tension_map,
+        combined_lower=plate.polynomial.lower[:combinations],
+        combined_upper=plate.polynomial.upper[:combinations],
         most_powers=monomials.max(axis=0),
         tension_powers=monomials,
         elements=len(segment.elements),

@@ -23,8 +23,8 @@ class Outline:
     """Corners of an element's stations, seen from its distal section or from its plate's centre.
 
     Attributes:
-        polynomial: by tensions and the wrench that the distal section carries, t + 6 variables [N, N m]: 12 values of
-            every station [m].
+        polynomial: by combinations of tensions, as its element's, and the wrench that the distal section carries
+            [N, N m]: 12 values of every station [m].
         distances: of the stations from the distal section at rest, from the clamp's side to the plate's, shape
             (stations,) [m].
         length: of the element at rest [m].

@@ -61,10 +61,12 @@ typedef struct {
 
 /* A segment: a rod of elements in series, from its plate to its clamp, of which several may share a law. */
 typedef struct {
-    int32_t tensions, monomials;
+    int32_t tensions, combinations, monomials;
     const double *lower, *upper;         /* (tensions + 6): the box of tensions and of the plate's wrench [N, N m] */
-    const int32_t *most_powers;          /* (tensions): highest of every tension */
-    const int32_t *tension_powers;       /* (monomials, tensions) */
+    const double *tension_map;           /* (combinations, tensions) [-]: times the tensions, what polynomials are of */
+    const double *combined_lower, *combined_upper; /* (combinations) [N]: scaled to [-1, 1] */
+    const int32_t *most_powers;          /* (combinations): highest of every one */
+    const int32_t *tension_powers;       /* (monomials, combinations) */
     int32_t elements, laws;
     const fingerfem_law *const *law;     /* (laws) */
     const int32_t *law_of;               /* (elements), from the plate to the clamp */

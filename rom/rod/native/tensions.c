@@ -10,32 +10,63 @@ int tensions_all_clamped(const fingerfem_segment *segment, const double *tension
     return inside;
 }
 
-/* Products, (monomials), of a value of each tension's table, (tensions, TENSIONS_POWERS). */
-__attribute__((always_inline)) static inline void products(int t, int monomials, const int32_t *powers, const double *const *tables,
+/* Products, (monomials), of a value of each combination's table, (combinations, TENSIONS_POWERS). */
+__attribute__((always_inline)) static inline void products(int c, int monomials, const int32_t *powers, const double *const *tables,
                                                            double *found)
 {
-    for (int m = 0; m < monomials; m++, powers += t) {
+    for (int m = 0; m < monomials; m++, powers += c) {
         double product = tables[0][powers[0]];
 #pragma GCC unroll 2
-        for (int k = 1; k < t; k++) product *= tables[k][powers[k]];
+        for (int k = 1; k < c; k++) product *= tables[k][powers[k]];
         found[m] = product;
     }
 }
 
+/* The same, added. */
+static void add_products(int c, int monomials, const int32_t *powers, const double *const *tables, double *found)
+{
+    for (int m = 0; m < monomials; m++, powers += c) {
+        double product = tables[0][powers[0]];
+        for (int k = 1; k < c; k++) product *= tables[k][powers[k]];
+        found[m] += product;
+    }
+}
+
+/* Combination k of the tensions, as it is scaled to [-1, 1]. */
+static double combined(const fingerfem_segment *segment, int k, const double *tensions)
+{
+    const double *row = segment->tension_map + segment->tensions * k;
+    double sum = 0.0;
+    for (int j = 0; j < segment->tensions; j++) sum += row[j] * tensions[j];
+    return 2.0 * (sum - segment->combined_lower[k]) / (segment->combined_upper[k] - segment->combined_lower[k]) - 1.0;
+}
+
 void tensions_monomials(const fingerfem_segment *segment, const double *tensions, double *found)
 {
-    const int t = segment->tensions, all = segment->monomials;
-    double values[TENSIONS_MOST][TENSIONS_POWERS], slopes[TENSIONS_MOST][TENSIONS_POWERS];
+    const int t = segment->tensions, c = segment->combinations, all = segment->monomials;
+    double values[TENSIONS_MOST][TENSIONS_POWERS], slopes[TENSIONS_MOST][TENSIONS_POWERS], by_tension[TENSIONS_MOST][TENSIONS_POWERS];
     const double *tables[TENSIONS_MOST];
-    for (int k = 0; k < t; k++) {
-        const double scale = 2.0 / (segment->upper[k] - segment->lower[k]);
-        tensions_chebyshev(scale * (tensions[k] - segment->lower[k]) - 1.0, segment->most_powers[k], values[k], slopes[k]);
-        for (int j = 0; j <= segment->most_powers[k]; j++) slopes[k][j] *= scale;
+    for (int k = 0; k < c; k++) {
+        tensions_chebyshev(combined(segment, k, tensions), segment->most_powers[k], values[k], slopes[k]);
+        tables[k] = values[k];
     }
-    for (int j = 0; j <= t; j++) { /* the products, then their derivatives by the tensions */
-        for (int k = 0; k < t; k++) tables[k] = k == j - 1 ? slopes[k] : values[k];
-        if (t == 2) products(2, all, segment->tension_powers, tables, found + all * j);
-        else products(t, all, segment->tension_powers, tables, found + all * j);
+    if (c == 2) products(2, all, segment->tension_powers, tables, found);
+    else products(c, all, segment->tension_powers, tables, found);
+    for (int j = 0; j < t; j++) { /* derivatives by a tension: sums over the combinations that it is part of */
+        double *sum = found + all * (1 + j);
+        int first = 1;
+        for (int k = 0; k < c; k++) {
+            const double scale = 2.0 * segment->tension_map[t * k + j] / (segment->combined_upper[k] - segment->combined_lower[k]);
+            if (scale == 0.0) continue;
+            for (int i = 0; i <= segment->most_powers[k]; i++) by_tension[k][i] = scale * slopes[k][i];
+            tables[k] = by_tension[k];
+            if (first && c == 2) products(2, all, segment->tension_powers, tables, sum);
+            else if (first) products(c, all, segment->tension_powers, tables, sum);
+            else add_products(c, all, segment->tension_powers, tables, sum);
+            tables[k] = values[k];
+            first = 0;
+        }
+        if (first) memset(sum, 0, (size_t)all * sizeof *sum);
     }
 }
 

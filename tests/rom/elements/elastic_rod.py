@@ -18,7 +18,8 @@ HALF = np.array([PLATE, SIDE, SIDE]) / 2
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * HALF  # of the plate
 AXIAL, BENDING, TORSION = YOUNG * SIDE**2, YOUNG * SIDE**4 / 12, YOUNG / 3 * 0.141 * SIDE**4
 MOST_TENSION, MOST_FORCE, MOST_MOMENT = 40.0, 2.0, 0.06
-OFFSETS = np.array([[0.0, OFFSET, 0.0], [0.0, 0.0, OFFSET]])
+TWO = np.array([[OFFSET, 0.0], [0.0, OFFSET]])  # (y, z) of the tendons [m]
+FOUR = np.concatenate([TWO, -TWO])
 SQUARE = np.array([[0.0, y, z] for y in (-1, 1) for z in (-1, 1)]) * SIDE / 2  # corners of a section, in its frame
 STEP = 0.001  # between cross-sections [m]
 TWICE = 2  # steps of the method of Runge and Kutta from one to the next
@@ -32,18 +33,18 @@ class Seen(NamedTuple):
     shortenings: np.ndarray  # of the tendons between the plate and the section [m]
 
 
-def scene(length: float = LENGTH, **changes: Any) -> dict[str, Any]:
-    """A scene of the rod, as plain data."""
+def scene(length: float = LENGTH, offsets: np.ndarray = TWO) -> dict[str, Any]:
+    """A scene of the rod with tendons at offsets (y, z), shape (t, 2) [m], as plain data."""
     return {
         "name": "elastic rod",
         "geometry": {"side": SIDE, "segments": [length], "plate": PLATE, "channel": None},
         "material": {"law": "neo-hookean", "C1": YOUNG / 5.2, "D1": 2.4 / YOUNG},
         "tendons": [
-            {"name": name, "offset": offset, "path": "channel", "segment": 1, "tension": [0.0, MOST_TENSION]}
-            for name, offset in (("F1", [OFFSET, 0.0]), ("F2", [0.0, OFFSET]))
+            {"name": f"F{k + 1}", "offset": offset, "path": "channel", "segment": 1, "tension": [0.0, MOST_TENSION]}
+            for k, offset in enumerate(offsets.tolist())
         ],
         "load": {"force": MOST_FORCE, "moment": MOST_MOMENT},
-    } | changes
+    }
 
 
 def in_series(*lengths: float) -> dict[str, Any]:
@@ -53,11 +54,11 @@ def in_series(*lengths: float) -> dict[str, Any]:
     return one | {"geometry": one["geometry"] | {"segments": list(lengths)}, "tendons": tendons}
 
 
-def seen_from_plate(inputs: np.ndarray, length: float) -> Seen:
-    """The rod's cross-sections under tensions and a wrench on the plate, shape (n, 8) [N, N m]."""
-    pulled, force, moment = inputs[:, :2], inputs[:, 2:5], inputs[:, 5:]
-    axis = np.array([1.0, 0.0, 0.0])
-    tendon_force, tendon_moment = -pulled.sum(axis=1)[:, None] * axis, pulled @ np.cross(OFFSETS, -axis)
+def seen_from_plate(inputs: np.ndarray, length: float, offsets: np.ndarray = TWO) -> Seen:
+    """The rod's cross-sections under tensions and a wrench on the plate, shape (n, t + 6) [N, N m]."""
+    pulled, force, moment = np.split(inputs, [len(offsets), len(offsets) + 3], axis=1)
+    axis, arms = np.array([1.0, 0.0, 0.0]), np.insert(offsets, 0, 0.0, axis=1)
+    tendon_force, tendon_moment = -pulled.sum(axis=1)[:, None] * axis, pulled @ np.cross(arms, -axis)
 
     def slope(place: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         inner = np.einsum("nji,nj->ni", turned, force) + tendon_force
@@ -65,11 +66,11 @@ def seen_from_plate(inputs: np.ndarray, length: float) -> Seen:
         curved = carried / [TORSION, BENDING, BENDING]
         spin = np.cross(curved[:, None], np.eye(3)).transpose(0, 2, 1)  # [k]x
         strain = inner[:, :1] / AXIAL
-        shorter = -(strain + np.cross(curved[:, None], OFFSETS)[:, :, 0])
+        shorter = -(strain + np.cross(curved[:, None], arms)[:, :, 0])
         return -(1 + strain) * turned[:, :, 0], -turned @ spin, shorter
 
     n, count = len(inputs), round((length - PLATE) / STEP)
-    at = np.tile([-PLATE / 2, 0.0, 0.0], (n, 1)), np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 2))
+    at = np.tile([-PLATE / 2, 0.0, 0.0], (n, 1)), np.tile(np.eye(3), (n, 1, 1)), np.zeros_like(pulled)
     found = [at]
     for _ in range(count):
         for _ in range(TWICE):
@@ -85,15 +86,15 @@ def seen_from_plate(inputs: np.ndarray, length: float) -> Seen:
     return Seen(*(np.stack(part) for part in zip(*found, strict=True)))
 
 
-def in_space(inputs: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def in_space(inputs: np.ndarray, length: float, offsets: np.ndarray = TWO) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The sections from the clamp on, then the plate's centre: places, rotations, and shortenings from the clamp.
 
-    Shapes (n, m + 1, 3), (n, m + 1, 3, 3) and (n, m + 1, 2).
+    Shapes (n, m + 1, 3), (n, m + 1, 3, 3) and (n, m + 1, t).
     """
-    seen = seen_from_plate(inputs, length)
+    seen = seen_from_plate(inputs, length, offsets)
     places = np.concatenate([np.zeros((1, len(inputs), 3)), seen.places])
     turned = np.concatenate([np.tile(np.eye(3), (1, len(inputs), 1, 1)), seen.rotations])
-    shorter = np.concatenate([np.zeros((1, len(inputs), 2)), seen.shortenings])
+    shorter = np.concatenate([np.zeros((1, len(inputs), len(offsets))), seen.shortenings])
     clamp, frame = places[-1], turned[-1]
     places = np.einsum("nji,mnj->nmi", frame, places - clamp)[:, ::-1]
     return (
@@ -124,24 +125,24 @@ def placed(finger: Rod, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.
     return centres, rotations, inside
 
 
-def pressed(count: int, seed: int) -> np.ndarray:
-    """Inputs of free states and pressed ones, four a line, of all signs of force and moment, shape (5 count, 8)."""
+def pressed(count: int, seed: int, offsets: np.ndarray = TWO) -> np.ndarray:
+    """Inputs of free states and pressed ones, four a line, of all signs of force and moment, shape (5 count, t + 6)."""
     random = np.random.default_rng(seed)
-    tensions = np.repeat(MOST_TENSION * (1 - np.cos(np.pi * random.random((count, 2)))) / 2, 5, axis=0)
+    tensions = np.repeat(MOST_TENSION * (1 - np.cos(np.pi * random.random((count, len(offsets))))) / 2, 5, axis=0)
     wrenches = random.uniform(-1, 1, (5 * count, 6)) * np.repeat([MOST_FORCE / 2, MOST_MOMENT / 2], 3)
     wrenches[::5] = 0.0
     return np.concatenate([tensions, wrenches], axis=1)
 
 
-def states(count: int, seed: int, length: float = LENGTH) -> SectionStates:
+def states(count: int, seed: int, length: float = LENGTH, offsets: np.ndarray = TWO) -> SectionStates:
     """States of the rod with their derivatives by differences, as a set would hold them."""
-    inputs = pressed(count, seed)
-    places, turned, shorter = in_space(inputs, length)
+    inputs = pressed(count, seed, offsets)
+    places, turned, shorter = in_space(inputs, length, offsets)
     motions, shorter_changes = [], []
-    for a, h in enumerate(np.repeat([1e-3, 1e-4, 1e-6], [2, 3, 3])):
-        one = np.zeros(8)
+    for a, h in enumerate(np.repeat([1e-3, 1e-4, 1e-6], [len(offsets), 3, 3])):
+        one = np.zeros(inputs.shape[1])
         one[a] = h
-        after, before = in_space(inputs + one, length), in_space(inputs - one, length)
+        after, before = in_space(inputs + one, length, offsets), in_space(inputs - one, length, offsets)
         move, spin, change = ((late - early) / (2 * h) for late, early in zip(after, before, strict=True))
         skew = np.swapaxes(turned, -1, -2) @ spin
         turn = np.stack([skew[..., 2, 1], skew[..., 0, 2], skew[..., 1, 0]], axis=-1)
@@ -150,7 +151,7 @@ def states(count: int, seed: int, length: float = LENGTH) -> SectionStates:
     motion, shorter_change = np.stack(motions, axis=-1), np.stack(shorter_changes, axis=-1)
     m = places.shape[1] - 1
     return SectionStates(
-        scene=scene(length),
+        scene=scene(length, offsets),
         inputs=inputs,
         lines=np.repeat(np.arange(count), 5),
         at=np.arange(m) * STEP,
@@ -159,5 +160,5 @@ def states(count: int, seed: int, length: float = LENGTH) -> SectionStates:
         shortenings=shorter[:, :m],
         shortening_changes=shorter_change[:, :m],
         corners=np.zeros((len(inputs), m, 4, 3)),
-        corner_changes=np.zeros((len(inputs), m, 4, 3, 8)),
+        corner_changes=np.zeros((len(inputs), m, 4, 3, inputs.shape[1])),
     )

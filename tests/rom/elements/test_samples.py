@@ -8,8 +8,9 @@ import pytest
 from rom.elements import rotation_vectors
 from rom.elements.samples import element_samples
 from rom.elements.section_states import Bodies
-from rom.elements.symmetry import mirrors, with_images
+from rom.elements.symmetry import mirrors
 from tests.rom.elements import elastic_rod
+from tests.rom.elements.images import image
 
 PAIRS = {"clamp piece": (0, 10), "interior element": (15, 23), "plate piece": (39, 50), "whole": (0, 50)}
 
@@ -65,19 +66,19 @@ def test_a_rigid_motion_of_the_finger_changes_no_sample(rod_states):
         np.testing.assert_allclose(one.jacobians, other.jacobians, atol=1e-11)
 
 
-def test_the_image_of_a_sample_is_the_sample_of_the_mirrored_finger():
-    """The rod is symmetric about y = z: an image is another of its states, with the tendons exchanged."""
-    assert len(mirrors(elastic_rod.scene())) == 1
-    states = elastic_rod.states(4, 3)
-    samples = with_images(element_samples(states, 20, 28), states.scene)
-    n = len(states.inputs)
-    image = samples.inputs[n:]
-    np.testing.assert_array_equal(image[:, :2], states.inputs[:, 1::-1])
-    arm = np.array([elastic_rod.PLATE / 2, 0, 0])
-    at_face = image.copy()
-    at_face[:, 5:] -= np.cross(arm, at_face[:, 2:5])
-    seen = elastic_rod.seen_from_plate(at_face, samples.length + elastic_rod.PLATE)
-    np.testing.assert_allclose(samples.values[n:, :3], seen.places[-1] + arm, atol=1e-11)
-    np.testing.assert_allclose(rotation_vectors.matrices(samples.values[n:, 3:6]), seen.rotations[-1], atol=1e-9)
-    np.testing.assert_allclose(samples.values[n:, 6:], seen.shortenings[-1], atol=1e-11)
-    assert set(samples.lines[n:]) == set(states.lines)
+@pytest.mark.parametrize("offsets, count", [(elastic_rod.TWO, 1), (elastic_rod.FOUR, 7)], ids=["two", "four"])
+def test_the_image_of_a_sample_is_the_sample_of_the_mirrored_finger(offsets, count):
+    """Two tendons are symmetric about y = z, four about all axes of the square: an image is another of their states."""
+    states = elastic_rod.states(2, 3, offsets=offsets)
+    samples, found = element_samples(states, 20, 28), mirrors(states.scene)
+    assert len(found) == count
+    arm, t = np.array([elastic_rod.PLATE / 2, 0, 0]), len(offsets)
+    for mirror in found:
+        mirrored = image(mirror, samples)
+        np.testing.assert_array_equal(np.sort(mirrored.inputs[:, :t]), np.sort(states.inputs[:, :t]))
+        at_face = mirrored.inputs.copy()
+        at_face[:, t + 3 :] -= np.cross(arm, at_face[:, t : t + 3])
+        seen = elastic_rod.seen_from_plate(at_face, samples.length + elastic_rod.PLATE, offsets)
+        np.testing.assert_allclose(mirrored.values[:, :3], seen.places[-1] + arm, atol=1e-11)
+        np.testing.assert_allclose(rotation_vectors.matrices(mirrored.values[:, 3:6]), seen.rotations[-1], atol=1e-9)
+        np.testing.assert_allclose(mirrored.values[:, 6:], seen.shortenings[-1], atol=1e-11)

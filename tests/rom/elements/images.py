@@ -1,0 +1,16 @@
+"""Samples of an element as a mirror makes them of others."""
+
+from dataclasses import replace
+
+from rom.elements.samples import Samples
+from rom.elements.symmetry import Mirror
+
+
+def image(mirror: Mirror, samples: Samples) -> Samples:
+    """The images of samples, in the samples' lines."""
+    return replace(
+        samples,
+        inputs=samples.inputs @ mirror.inputs.T,
+        values=samples.values @ mirror.values.T,
+        jacobians=mirror.values @ samples.jacobians @ mirror.inputs.T,
+    )
