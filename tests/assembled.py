@@ -1,32 +1,34 @@
-"""The bundled segment in other units: the same polynomial map, exact by similarity of sizes and forces."""
+"""Fingers of the bundled one's elements: in other units, exact by similarity of sizes and forces, and of segments."""
 
-from dataclasses import replace
+from rom import Rod, TouchedSegment
+from rom.rod.objects import facing_plane
+from rom.rod.scene_of_rod import MODULI
 
-import numpy as np
 
-
-def scaled(segment, length=1.0, modulus=1.0):
-    """A segment `length` times as large, of rubber `modulus` times as stiff: forces go with the modulus and an area."""
-    force = modulus * length**2
-    box = np.array([force] * (segment.tensions + 3) + [force * length] * 3)
-
-    def polynomial(one, factors):
-        return one and replace(
-            one, lower=one.lower * box, upper=one.upper * box, coefficients=one.coefficients * factors
-        )
-
-    geometry = segment.scene["geometry"]
+def scaled(rod: Rod, length: float = 1.0, modulus: float = 1.0) -> Rod:
+    """A finger `length` times as large, of rubber `modulus` times as stiff: forces go with the modulus and an area."""
+    force, geometry = modulus * length**2, rod.scene["geometry"]
     sizes = {name: geometry[name] * length for name in ("side", "plate")}
     sizes["segments"] = [length * one for one in geometry["segments"]]
-    parameters = zip(segment.parameters, box, strict=True)
-    return replace(
-        segment,
-        parameters=[one | {end: float(one[end] * factor) for end in ("lower", "upper")} for one, factor in parameters],
-        pose=polynomial(segment.pose, np.array([length] * 3 + [1.0] * 4)),
-        corners=polynomial(segment.corners, length),
-        skin=polynomial(segment.skin, length),
-        skin_error=segment.skin_error * length,
-        displacements=None,
-        shortenings=None,
-        scene=segment.scene | {"geometry": geometry | sizes},
-    )
+    material = {
+        name: value * modulus ** MODULI[name] if name in MODULI else value
+        for name, value in rod.scene["material"].items()
+    }
+    tendons = [
+        tendon | {"offset": [length * one for one in tendon["offset"]], "tension": [force * one for one in tendon["tension"]]}
+        for tendon in rod.scene["tendons"]
+    ]
+    return rod.assembled(rod.scene | {"geometry": geometry | sizes, "material": material, "tendons": tendons})
+
+
+def in_series(rod: Rod, count: int) -> Rod:
+    """A finger of so many segments, each as long as the whole finger; all its tendons go to the tip."""
+    geometry = rod.scene["geometry"]
+    tendons = [tendon | {"segment": count} for tendon in rod.scene["tendons"]]
+    segments = {"segments": [sum(geometry["segments"])] * count}
+    return rod.assembled(rod.scene | {"geometry": geometry | segments, "tendons": tendons})
+
+
+def two_segments() -> TouchedSegment:
+    """The bundled finger, twice, before a plane: some points have no equilibrium."""
+    return TouchedSegment(rod=in_series(TouchedSegment.load().rod, 2), obstacle=facing_plane(0.01, (0.0, 0.1)))
