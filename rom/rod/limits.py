@@ -64,7 +64,8 @@ def _tension_map(element: ElementMap) -> int:
 
 
 def _alike(name: str, one: list[np.ndarray], other: list[np.ndarray]) -> None:
-    require(bool(np.array_equal(one, other)), f"{name} must have one box", [*map(np.ndarray.tolist, one)])
+    alike = len(one) == len(other) and all(map(np.array_equal, one, other))
+    require(alike, f"{name} must have one box", [*map(np.ndarray.tolist, one)])
 
 
 def _outlines(outlines: Sequence[Outline], elements: Sequence[ElementMap], begins: float) -> None:
