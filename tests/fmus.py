@@ -12,25 +12,18 @@ from typing import Any
 
 import fmpy
 import pytest
+from assembled import two_segments
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 
 from rom import Surrogate, TouchedSegment
 from rom.export.fmu import write
-from rom.rod.objects import facing_plane
-from rom.rod.rod import Chain
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
 BOTH = pytest.mark.parametrize("version", [2, 3])
 
 
-def two_segments() -> TouchedSegment:
-    """The bundled finger, twice: some points have no equilibrium."""
-    one = TouchedSegment.load().rod.segments[0]
-    return TouchedSegment(segment=Chain([one, one]), obstacle=facing_plane(0.01, (0.0, 0.1)))
-
-
-MODELS = {"map": TouchedSegment.load, "surrogate": Surrogate.load, "two_segments": two_segments}
+MODELS = {"rod": TouchedSegment.load, "surrogate": Surrogate.load, "two_segments": two_segments}
 
 
 class Maker:

@@ -11,6 +11,8 @@ from rom.checked_file import ModelError
 from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE
 from rom.snapshots.grid import SHARE
 
+MOST_ELEMENTS = 64  # of a segment, as in rom/rod/native/segment.h
+
 
 class Piece(NamedTuple):
     """An element of a segment: its kind, and its length at rest [m]."""
@@ -50,6 +52,12 @@ def pieces(lengths: Mapping[str, tuple[float, float]], length: float) -> list[Pi
         raise ModelError(
             f"segment must be {ends:.6g} m long from clamp to plate's centre, as there is no interior element, "
             f"got {length:.6g}; train elements on a longer finger"
+        )
+    most = ends + (MOST_ELEMENTS - 2) * lengths[INTERIOR][1] if INTERIOR in lengths else ends
+    if length > most + slack:
+        raise ModelError(
+            f"segment must be at most {most:.6g} m long from clamp to plate's centre, of {MOST_ELEMENTS} elements, "
+            f"got {length:.6g}"
         )
     count = max(int(np.ceil(rest / lengths[INTERIOR][1] - SHARE)), 1) if rest > slack else 0
     interior = [Piece(INTERIOR, rest / max(count, 1))] * count

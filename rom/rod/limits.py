@@ -9,13 +9,14 @@ import numpy as np
 
 from rom.checked_file import require
 from rom.elements.law import ElementMap
+from rom.elements.pieces import MOST_ELEMENTS
 from rom.fit.chebyshev import Polynomial
 from rom.rod.wrench_products import padded
 
 if TYPE_CHECKING:
     from rom.rod.native import Outline, Segment
 
-MOST_TENSIONS, MOST_POWER, MOST_ELEMENTS = 8, 31, 64  # as in native/segment.h
+MOST_TENSIONS, MOST_POWER = 8, 31  # as in native/segment.h
 MOST_PRODUCTS = 1 << 20  # of a polynomial: with these, places in memory are counted in 32 bits
 MOST_STATIONS = 16  # of an element's outline; one side long it has two
 WRENCH, ELEMENT, CORNERS, STATION = 6, 6, 24, 12  # numbers of a wrench, an element's pose, a plate's corners, a station

@@ -73,10 +73,15 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
 def _geometry(table: dict[str, Any]) -> dict[str, Any]:
     sizes = {name: float(table[name]) for name in ("side", "plate")}
     channel = table.get("channel")
-    return sizes | {
+    found = sizes | {
         "segments": [float(one) for one in table["segments"]],
         "channel": None if channel is None else float(channel),
     }
+    for name, value in found.items():
+        lengths = [] if value is None else np.ravel(value)
+        if not all(0 < one < np.inf for one in lengths):
+            raise ModelError(f"geometry.{name} must be finite and above 0 m, got {value}")
+    return found
 
 
 def _tendon(table: dict[str, Any]) -> dict[str, Any]:
@@ -107,6 +112,16 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     if len(set(names)) < len(names):
         raise ModelError(f"tendons must have names of their own, got {', '.join(names)}")
     tendons = [_tendon_of(trained["tendons"], one, size, modulus, count) for one in scene["tendons"]]
+    for k, which in enumerate(tendons):
+        if which in tendons[:k]:
+            first = names[tendons.index(which)]
+            raise ModelError(
+                f"tendons.{names[k]}.offset must differ from that of {first}, as both pass the first segment, where "
+                f"the elements have one tendon there, got {scene['tendons'][k]['offset']}; train elements on both"
+            )
+    last = max((one["segment"] for one in scene["tendons"]), default=0)
+    if last < count:
+        raise ModelError(f"tendons must pass all segments, one at least of segment {count}, got {last}")
     return Similarity(size, modulus, tendons)
 
 
@@ -123,7 +138,12 @@ def _modulus(trained: Mapping[str, Any], material: Mapping[str, Any]) -> float:
     if missing := [name for name in constants if name not in material]:
         raise ModelError(f"material.{missing[0]} must be given, got none")
     first = next(name for name in constants if MODULI.get(name) == 1)
+    for name in constants:
+        if not isinstance(material[name], (int, float)) or not np.isfinite(material[name]):
+            raise ModelError(f"material.{name} must be a finite number, got {material[name]!r}")
     modulus = material[first] / trained[first]
+    if not 0 < modulus < np.inf:
+        raise ModelError(f"material.{first} must be above 0, got {material[first]:g}")
     for name in constants:
         wanted = trained[name] * modulus ** MODULI.get(name, 0)
         _equal(f"material.{name} (with {first} = {material[first]:g})", material[name], wanted)

@@ -14,7 +14,7 @@ from rom.segment.segment_map import SegmentMap
 import control
 import rom
 from control import Finger, Gripper, Limits, SimulatedPlant
-from rom import BackedSegment, Chain, Surrogate, TouchedSegment
+from rom import BackedSegment, Rod, Surrogate, TouchedSegment
 from rom.brief import brief
 from rom.rod.objects import box
 from rom.rod.touched_segment import SHIPPED
@@ -26,8 +26,8 @@ MANY = (
     "list[",
     "dict[",
     "Mapping",
-    "SegmentMap",
-    "Chain",
+    "Rod",
+    "Elements",
     "Surrogate",
     "Polynomial",
 )
@@ -65,13 +65,13 @@ def line(thing: object) -> str:
 
 
 def test_a_model_names_its_scene_and_its_parameters_in_one_line(surrogate):
-    segment, touched = SegmentMap.load(SHIPPED), TouchedSegment.load()
-    models = [surrogate, Surrogate.load(), segment, touched, Chain([segment])]
+    rod, touched = Rod.load(SHIPPED), TouchedSegment.load()
+    models = [surrogate, Surrogate.load(), rod, touched]
     for model in models:
         text = line(model)
         assert repr(model.scene["name"]) in text and "F1 0 to 100 N" in text
     assert "d 0.001 to 0.031 m" in line(Surrogate.load())
-    assert line(segment.pose) and line(Surrogate.load().free) and line(Surrogate.load().errors)
+    assert line(rod.elements) and line(rod.segments[0]) and line(rod.segments[0].elements[0]) and line(Surrogate.load().free) and line(Surrogate.load().errors)
 
 
 def test_answers_motions_and_grasps_are_one_line_at_one_point_and_at_many(surrogate):

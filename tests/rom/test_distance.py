@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from assembled import two_segments
 
-from rom import BackedSegment, Chain, Plane, Sphere, Surrogate, TouchedSegment
+from rom import BackedSegment, Plane, Sphere, Surrogate, TouchedSegment
 from rom.export.model import MODEL, struct
 from rom.native import pointer
-from rom.rod.objects import facing_plane
 
 TENSIONS = [30.0, 0.0]
 
@@ -19,22 +19,17 @@ def backed() -> BackedSegment:
     return BackedSegment(touched=touched, surrogate=replace(surrogate, scene=same))
 
 
-def chain() -> TouchedSegment:
-    one = TouchedSegment.load().rod.segments[0]
-    return TouchedSegment(segment=Chain([one, one]), obstacle=facing_plane(0.01, (0.0, 0.1)))
-
-
 def before_a_ball() -> TouchedSegment:
     ball = Sphere(centre=(0.045, 0.02, 0.0), radius=0.005, direction=(0.0, 1.0, 0.0), distances=(-0.01, 0.03))
-    return TouchedSegment(segment=TouchedSegment.load().segment, obstacle=ball)
+    return TouchedSegment(rod=TouchedSegment.load().rod, obstacle=ball)
 
 
 MODELS = {
     "surrogate": Surrogate.load,
-    "map": TouchedSegment.load,
-    "chain": chain,
-    "map before a ball": before_a_ball,
-    "map with a surrogate": backed,
+    "rod": TouchedSegment.load,
+    "two segments": two_segments,
+    "rod before a ball": before_a_ball,
+    "rod with a surrogate": backed,
 }
 
 
@@ -52,7 +47,7 @@ def test_only_distances_of_the_parameter_and_infinity_are_inside(name):
     assert many.inside.tolist() == [True, False, True]
 
 
-@pytest.mark.parametrize("name", ["surrogate", "map", "chain", "map before a ball"])
+@pytest.mark.parametrize("name", ["surrogate", "rod", "two segments", "rod before a ball"])
 def test_c_alone_marks_the_same_distances(name):
     """What an FMU and the page in a browser compute."""
     model = MODELS[name]()
@@ -73,9 +68,8 @@ def test_c_alone_marks_the_same_distances(name):
 
 def test_without_an_obstacle_nothing_is_touched_wherever_it_may_stand():
     """At infinity no contact is solved for, also where the object may not be as far as the finger reaches."""
-    segment = TouchedSegment.load().segment
     near = Plane(centre=(0.0, 0.005, 0.0), direction=(0, 1, 0), normal=(0, -1, 0), distances=(0.0, 0.002))
-    model = TouchedSegment(segment=segment, obstacle=near)
+    model = TouchedSegment(rod=TouchedSegment.load().rod, obstacle=near)
     free = model.evaluate([60.0, 0.0, np.inf])
     assert free.touch_distance > 0.01 and free.contact_force == 0 and free.inside
     assert np.array_equal(free.tip, TouchedSegment.load().evaluate([60.0, 0.0, np.inf]).tip)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rom.segment.segment_map import SegmentMap
 
-from rom import Surrogate, TouchedSegment
+from rom import Rod, Surrogate, TouchedSegment
 from rom.rod.touched_segment import SHIPPED
 from rom.table import Table, number, parameters, print_tables, quantities, row
 
@@ -45,13 +44,13 @@ def test_units_in_brackets_are_no_markup_for_rich(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    "model", [Surrogate.load(), TouchedSegment.load(), SegmentMap.load(SHIPPED)], ids=lambda m: type(m).__name__
+    "model", [Surrogate.load(), TouchedSegment.load(), Rod.load(SHIPPED)], ids=lambda m: type(m).__name__
 )
 def test_models_and_their_answers_show_tables_in_a_notebook(model):
     page = model._repr_html_()
     assert page.count("<table>") >= 2 and "contact force" in page
     assert all(f"<td>{one['name']}</td>" in page for one in model.parameters)
-    if isinstance(model, SegmentMap):
+    if isinstance(model, Rod):
         return
     answer = model.evaluate([30.0, 5.0, 0.010])
     html = answer._repr_html_()

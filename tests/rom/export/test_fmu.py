@@ -32,7 +32,7 @@ QUANTITIES = "tip", "contact_force", "touch_distance"
 TOLD = ["tip_x", "tip_y", "tip_z", "contact_force", "touch_distance", *(f"{name}_error" for name in QUANTITIES)]
 LARGEST = sys.float_info.max
 OLDEST = 2, 31  # glibc of Debian 11
-EACH = pytest.mark.parametrize("name", ["map", "surrogate"])
+EACH = pytest.mark.parametrize("name", ["rod", "surrogate"])
 
 
 def some_points(model, count: int) -> np.ndarray:
@@ -66,7 +66,7 @@ def test_fmpy_finds_nothing_to_complain_of(made, name, version, controller):
     assert units["d"] == "m" and units["F1"] == units["contact_force"] == "N"
 
 
-COUNTS = {"map": 10_000, "surrogate": 10_000, "two_segments": 1000}
+COUNTS = {"rod": 10_000, "surrogate": 10_000, "two_segments": 1000}
 
 
 @BOTH
@@ -85,8 +85,9 @@ def test_its_numbers_are_python_s_also_outside(made, name, version):
     known = np.isfinite(errors).all(axis=1)  # elsewhere what is left is where the solve gave up
     assert np.array_equal(known, found[:, 9] != 1)
     assert (found[~known, 5:7] == LARGEST).all()
-    assert np.abs(found[:, :5] - want)[known].max() < 1e-12
-    assert np.abs(found[:, 5:8] - errors)[known].max() < 1e-12
+    rounding = np.array([1e-11, 1e-11, 1e-11, 1e-9, 1e-11])  # m, N: it is compiled for any processor
+    assert (np.abs(found[:, :5] - want)[known].max(axis=0) < rounding).all()
+    assert (np.abs(found[:, 5:8] - errors)[known].max(axis=0) < rounding[2:]).all()
     assert known.sum() > 0.9 * count and (known & ~expected.inside).sum() > 0.1 * count
     assert (name == "two_segments") == (not known.all())
 
@@ -111,7 +112,7 @@ def test_derivatives_are_python_s_and_those_of_differences(made, name, version):
 
 @BOTH
 def test_where_a_derivative_is_asked_for_of_nothing_it_is_refused(made, version):
-    with driven(made("map", version)) as fmu:
+    with driven(made("rod", version)) as fmu:
         errors = [fmu.references[name] for name in TOLD[5:8]]  # discrete: they jump
         for unknowns, knowns in (([1], fmu.inputs), ([101], [101]), ([999], [1]), ([101], [0]), (errors, fmu.inputs)):
             with pytest.raises(FMICallException):
@@ -121,7 +122,7 @@ def test_where_a_derivative_is_asked_for_of_nothing_it_is_refused(made, version)
 @BOTH
 @pytest.mark.parametrize("controller", [False, True])
 def test_the_library_runs_with_the_c_library_of_debian_11(made, version, controller):
-    library = made("map", version, controller).library.read_bytes()
+    library = made("rod", version, controller).library.read_bytes()
     needed = {tuple(map(int, one)) for one in re.findall(rb"GLIBC_(\d+)\.(\d+)", library)}
     assert needed and max(needed) <= OLDEST and b"GLIBC_PRIVATE" not in library
 
@@ -131,7 +132,7 @@ def test_instances_do_not_disturb_each_other(made, version):
     model = TouchedSegment.load()
     points = inner_points(model, 400)
     expected = model.evaluate(points).contact_force
-    with driven(made("map", version)) as one, driven(made("map", version)) as other:
+    with driven(made("rod", version)) as one, driven(made("rod", version)) as other:
         one.ask(points[0], "tip_x")
         other.ask(points[1], "tip_x")
         assert one.numbers("contact_force") == pytest.approx([expected[0]], abs=1e-12)
@@ -168,7 +169,7 @@ def test_it_follows_an_input_in_a_simulation(made, name, version):
 @pytest.mark.skipif(shutil.which("readelf") is None or shutil.which("nm") is None, reason="needs binutils")
 @pytest.mark.parametrize("controller", [False, True])
 def test_the_library_needs_no_other_and_shows_nothing_but_the_standard(made, version, controller):
-    fmu = made("map", version, controller)
+    fmu = made("rod", version, controller)
     needed = subprocess.run(["readelf", "-d", fmu.library], capture_output=True, text=True, check=True).stdout
     assert set(re.findall(r"NEEDED.*\[(\w+)", needed)) <= {"libc", "libm"}
     shown = subprocess.run(["nm", "-D", "--defined-only", fmu.library], capture_output=True, text=True, check=True)
@@ -224,8 +225,8 @@ def test_steps_that_are_none_are_refused(made, version):
 @BOTH
 def test_another_s_token_and_variables_that_are_none_are_refused(made, version):
     with pytest.raises(Exception, match="instantiate"):
-        Driven(made("map", version), token="{another}")
-    with driven(made("map", version)) as fmu:
+        Driven(made("rod", version), token="{another}")
+    with driven(made("rod", version)) as fmu:
         for references in ([101], [0], [50], [999]):
             with pytest.raises(FMICallException, match="error"):
                 fmu.set_numbers(references, [1.0])
@@ -237,7 +238,7 @@ def test_another_s_token_and_variables_that_are_none_are_refused(made, version):
 @BOTH
 def test_reset_and_start_values_begin_anew(made, version):
     model = TouchedSegment.load()
-    with driven(made("map", version), F1=40.0, d=0.01) as fmu:
+    with driven(made("rod", version), F1=40.0, d=0.01) as fmu:
         assert fmu.numbers("contact_force") == [pytest.approx(float(model.evaluate([40.0, 0.0, 0.01]).contact_force))]
         fmu.own.reset()
         assert fmu.numbers("F1", "F2", "d", "contact_force") == [0.0, 0.0, model.limits[1][-1], 0.0]
@@ -268,7 +269,7 @@ def test_the_controller_holds_forces(made, name, version):
 @BOTH
 def test_the_controller_says_what_it_cannot_hold(made, version):
     model = TouchedSegment.load()
-    with driven(made("map", version, controller=True), start_F1=20.0, start_F2=5.0) as fmu:
+    with driven(made("rod", version, controller=True), start_F1=20.0, start_F2=5.0) as fmu:
         assert fmu.ask([np.nan, 0.01], "F1", "F2") == [20.0, 5.0] and fmu.status == 4
         held = fmu.ask([2.0, 0.01], "F1", "F2")
         fmu.step(0.0, 0.1)
@@ -298,7 +299,7 @@ def test_the_controller_follows_a_moving_plane_in_a_simulation(made, version):
         dtype=[("time", float), ("contact_force", float), ("d", float)],
     )
     found = simulate_fmu(
-        str(made("map", version, controller=True).path),
+        str(made("rod", version, controller=True).path),
         input=signal,
         stop_time=1.0,
         output_interval=0.01,

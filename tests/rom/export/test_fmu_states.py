@@ -32,7 +32,7 @@ def began(fmu: Driven, controller: bool) -> None:
 @KINDS
 def test_a_state_that_was_kept_comes_back(made, version, controller):
     names, (_, second) = OUTPUTS[controller], POINTS[controller]
-    with driven(made("map", version, controller)) as fmu:
+    with driven(made("rod", version, controller)) as fmu:
         began(fmu, controller)
         kept = fmu.own.getFMUState()
         packed = fmu.own.serializeFMUState(kept)
@@ -50,11 +50,11 @@ def test_a_state_that_was_kept_comes_back(made, version, controller):
 @KINDS
 def test_a_state_continues_in_a_new_instance_with_its_time_and_its_end(made, version, controller):
     names, (_, second) = OUTPUTS[controller], POINTS[controller]
-    with driven(made("map", version, controller)) as fmu:
+    with driven(made("rod", version, controller)) as fmu:
         began(fmu, controller)
         packed = fmu.own.serializeFMUState(fmu.own.getFMUState())
         expected = fmu.ask(second, *names)
-    new = Driven(made("map", version, controller))
+    new = Driven(made("rod", version, controller))
     new.own.setFMUState(new.own.deserializeFMUState(packed))
     assert new.ask(second, *names) == expected
     with pytest.raises(FMICallException):
@@ -78,7 +78,7 @@ def refused(fmu: Driven, packed: bytes, reason: str, capsys) -> None:
 @KINDS
 def test_bytes_that_are_no_state_are_refused(made, version, controller, capsys):
     random = np.random.default_rng(0)
-    with driven(made("map", version, controller), logs=True) as fmu:
+    with driven(made("rod", version, controller), logs=True) as fmu:
         began(fmu, controller)
         packed = fmu.own.serializeFMUState(fmu.own.getFMUState())
         for _ in range(20):
@@ -97,11 +97,11 @@ def test_bytes_that_are_no_state_are_refused(made, version, controller, capsys):
 @BOTH
 def test_states_of_other_fmus_are_refused(made, version, capsys):
     others = {
-        ("map", version, True): "the same kind",
+        ("rod", version, True): "the same kind",
         ("surrogate", version, False): "model hash or version of FMI",
-        ("map", 5 - version, False): "model hash or version of FMI",
+        ("rod", 5 - version, False): "model hash or version of FMI",
     }
-    with driven(made("map", version), logs=True) as fmu:
+    with driven(made("rod", version), logs=True) as fmu:
         began(fmu, controller=False)
         own = fmu.own.serializeFMUState(fmu.own.getFMUState())
         for key, reason in others.items():
@@ -119,7 +119,7 @@ def test_states_of_other_fmus_are_refused(made, version, capsys):
 @BOTH
 def test_two_controllers_in_one_process_keep_their_own_steps_and_a_reset_is_a_new_beginning(made, version):
     names, (first, second) = OUTPUTS[True], POINTS[True]
-    with driven(made("map", version, True)) as one, driven(made("map", version, True), start_F1=30.0) as other:
+    with driven(made("rod", version, True)) as one, driven(made("rod", version, True), start_F1=30.0) as other:
         fresh = one.ask(first, *names)
         far = other.ask([6.0, 0.005], *names)
         one.step(0.0, 0.1)
@@ -137,7 +137,7 @@ def test_two_controllers_in_one_process_keep_their_own_steps_and_a_reset_is_a_ne
 
 @BOTH
 def test_a_controller_that_declares_no_derivatives_refuses_them(made, version):
-    fmu = made("map", version, controller=True)
+    fmu = made("rod", version, controller=True)
     assert not fmu.about.coSimulation.providesDirectionalDerivative
     with driven(fmu) as one:
         one.ask([1.0, 0.015], "F1")
@@ -163,11 +163,11 @@ def test_numbers_that_are_no_variables_are_refused(made, version, controller):
 
 @BOTH
 def test_what_is_fixed_cannot_be_set_after_initialisation_nor_anything_after_the_end(made, version):
-    with driven(made("map", version, True), start_F1=20.0) as fmu:
+    with driven(made("rod", version, True), start_F1=20.0) as fmu:
         with pytest.raises(FMICallException):
             fmu.set_numbers([fmu.references["start_F1"]], [10.0])
         assert fmu.numbers("start_F1") == [20.0]
-    ended = Driven(made("map", version))
+    ended = Driven(made("rod", version))
     ended.begin()
     ended.own.terminate()
     with pytest.raises(FMICallException):
@@ -190,7 +190,7 @@ UNDECLARED = {
 
 @BOTH
 def test_functions_of_capabilities_that_are_not_declared_return_an_error(made, version):
-    with driven(made("map", version)) as fmu:
+    with driven(made("rod", version)) as fmu:
         for name in UNDECLARED[version]:
             function = getattr(fmu.own.dll, name)
             given = [0.0] if name == "fmi3SetTime" else NOTHING
@@ -206,7 +206,7 @@ def test_functions_of_capabilities_that_are_not_declared_return_an_error(made, v
 
 
 def test_events_and_intermediate_variables_which_are_not_declared_are_refused(made):
-    about = made("map", 3)
+    about = made("rod", 3)
     for given in ({"eventModeUsed": True}, {"requiredIntermediateVariables": [101]}):
         with pytest.raises(Exception, match="Failed to instantiate"):
             Driven(about, **given)

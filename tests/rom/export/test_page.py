@@ -10,14 +10,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from assembled import two_segments
 
 from rom import Surrogate, TouchedSegment
 from rom.export.model import MODEL, struct
 from rom.export.page import write
 from rom.native import pointer
 from rom.rod.native.told import sections
-from rom.rod.objects import facing_plane
-from rom.rod.rod import Chain
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="needs selenium (the environment has it)")
 pytestmark = pytest.mark.skipif(shutil.which("chromedriver") is None, reason="needs Chromium and its driver")
@@ -56,14 +55,8 @@ def emulated(driver, method: str, **parameters) -> None:
     chromium(driver, f"Emulation.{method}", **parameters)
 
 
-def two_segments() -> TouchedSegment:
-    """The finger that comes along, twice: the second one's tendons pass the first."""
-    one = TouchedSegment.load().rod.segments[0]
-    return TouchedSegment(segment=Chain([one, one]), obstacle=facing_plane(0.01, (0.0, 0.1)))
-
-
 MODELS = {
-    "map": TouchedSegment.load,
+    "rod": TouchedSegment.load,
     "two segments": two_segments,
     "surrogate": Surrogate.load,
 }
@@ -107,7 +100,7 @@ def opened(driver, tmp_path_factory, trained):
 
 @pytest.fixture
 def page(opened):
-    return opened("map", TouchedSegment.load())
+    return opened("rod", TouchedSegment.load())
 
 
 def asked(driver, points: np.ndarray) -> np.ndarray:
@@ -143,7 +136,7 @@ def test_its_numbers_are_python_s_also_outside(opened, name):
     assert 0 < expected.inside.sum() < len(points)
 
 
-@pytest.mark.parametrize("name", ["map", "two segments", "a field"])
+@pytest.mark.parametrize("name", ["rod", "two segments", "a field"])
 def test_the_shape_is_python_s(opened, trained, name):
     model = Surrogate.load(trained / "finger.h5") if name == "a field" else MODELS[name]()
     shown = opened(name, model)

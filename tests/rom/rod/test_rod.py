@@ -81,6 +81,20 @@ WRONG = {
     "Poisson's ratio": ("material.D1", 1e-9, r"material.D1 \(with C1 = .*\) must be .*, got 1e-09"),
     "offset": ("tendons.0.offset", [0.003, 0.0], "tendons.F1.offset must be that of a tendon of the elements, one of"),
     "tension": ("tendons.1.tension", [0.0, 90.0], r"tendons.F2.tension must lie in 0 to 40 N, .* got \[0.0, 90.0\]"),
+    "one place twice": (
+        "tendons.1.offset",
+        [0.004, 0.0],
+        r"tendons.F2.offset must differ from that of F1, as both pass the first segment, .* got \[0.004, 0.0\]",
+    ),
+    "a segment without tendon": (
+        "geometry.segments",
+        [0.050, 0.050],
+        "tendons must pass all segments, one at least of segment 2, got 1",
+    ),
+    "a length that is none": ("geometry.plate", float("nan"), "geometry.plate must be finite and above 0 m, got nan"),
+    "a modulus that is none": ("material.C1", "soft", "material.C1 must be a finite number, got 'soft'"),
+    "a negative modulus": ("material.C1", -1.0, "material.C1 must be above 0, got -1"),
+    "far too long": ("geometry.segments", [1e6], "geometry.segments.0: segment must be at most .* m long"),
     "plate of a tendon": ("tendons.1.segment", 2, "tendons.F2.segment must be from 1 to 1, got 2"),
     "one name twice": ("tendons.1.name", "F1", "tendons must have names of their own, got F1, F1"),
 }
