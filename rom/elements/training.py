@@ -31,6 +31,7 @@ LOWEST, HIGHEST = 2.0, 5.0  # weighted degrees that are tried [-]
 FOLDS = 8  # groups of lines that are left out together, at most
 FEWEST = 4  # lines
 SHARE = 0.9  # quantile of the predicted states' errors by which degrees are compared [-]
+FORCE, PLACE = 1e-3, 1e-4  # errors that count alike: of a contact force, and of a place over the finger's length [-]
 BETTER = 0.97  # by which factor more products must make the error smaller [-]
 
 
@@ -74,8 +75,13 @@ class Training:
         return self._laws[key]
 
     def score(self, degrees: dict[str, float]) -> float:
-        """Relative error of contact forces of states that were left out, SHARE of them [-]."""
-        return float(np.nanquantile(relative_force_errors(self.states, *self.left_out(degrees)), SHARE))
+        """Error of left-out states, SHARE of them: of contact forces over FORCE, and of the free place over PLACE [-]."""
+        places, turned = self.left_out(degrees)
+        force = float(np.nanquantile(relative_force_errors(self.states, places, turned), SHARE))
+        free = self.states.forces == 0
+        off = np.linalg.norm(places - self.states.plate.places, axis=1)[free]
+        place = float(np.quantile(off, SHARE)) if off.size else 0.0
+        return force / FORCE + place / (PLACE * self.states.length)
 
 
 def prepare(states: SectionStates) -> Training:
