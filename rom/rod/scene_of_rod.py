@@ -64,6 +64,8 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
             "material": dict(scene["material"]),
             "tendons": [_tendon(one) for one in scene["tendons"]],
         }
+    except ModelError:
+        raise
     except (KeyError, TypeError, ValueError) as error:
         raise ModelError(
             f"scene must have geometry and tendons as docs/reference/scene.md says, got {error!r}"
