@@ -15,6 +15,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.file_kinds import uses_of
 
 NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
 MOST_SEGMENTS = 8
@@ -41,7 +42,7 @@ def read_scene(path: str | Path) -> dict[str, Any]:
         with Path(path).open("rb") as stream:
             scene = tomllib.load(stream)
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ModelError(f"{path}: must be a scene in TOML, got {error}") from None
+        raise ModelError(f"{path}: must be a scene in TOML, got {error}{uses_of(path)}") from None
     try:
         return of_tables(scene)
     except ModelError as error:
