@@ -9,7 +9,6 @@ from pkgutil import walk_packages
 
 import numpy as np
 import pytest
-from rom.segment.segment_map import SegmentMap
 
 import control
 import rom
