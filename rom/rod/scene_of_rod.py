@@ -78,7 +78,7 @@ def _geometry(table: dict[str, Any]) -> dict[str, Any]:
         "channel": None if channel is None else float(channel),
     }
     for name, value in found.items():
-        lengths = [] if value is None else np.ravel(value)
+        lengths: list[float] = [] if value is None else np.ravel(value).tolist()
         if not all(0 < one < np.inf for one in lengths):
             raise ModelError(f"geometry.{name} must be finite and above 0 m, got {value}")
     return found

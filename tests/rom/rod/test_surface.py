@@ -111,7 +111,9 @@ def test_a_finger_of_another_size_is_noticed_as_early_by_its_size(finger):
 def a_segment(outlines: list) -> native.Segment:
     """A rod of two elements of one law."""
     element = laws.law(2, 0, degree=1)
-    return native.Segment(elements=[element] * 2, half_lengths=np.array([0.0005, 0.005, 0.005]), outlines=outlines)
+    return native.Segment(
+        elements=laws.as_maps([element] * 2), half_lengths=np.array([0.0005, 0.005, 0.005]), outlines=outlines
+    )
 
 
 def an_outline(stations: int = 2, **changes) -> native.Outline:
