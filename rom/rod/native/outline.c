@@ -4,6 +4,17 @@
 enum { W = FINGERFEM_WRENCH, EIGHT = 8, MOST_ROWS = 6 /* eights of a sum that registers hold */ };
 typedef float singles __attribute__((vector_size(32), aligned(4)));
 
+int outline_work(const fingerfem_segment *segment)
+{
+    int products = 0, numbers = 0;
+    for (int k = 0; k < segment->laws && segment->stations; k++) {
+        const fingerfem_outline *own = segment->outline[k];
+        products = own->products > products ? own->products : products;
+        numbers = own->numbers > numbers ? own->numbers : numbers;
+    }
+    return OUTLINE_STATION * segment->stations + numbers + products;
+}
+
 /* Products of the wrench's Chebyshev polynomials, (products); linear beyond the box. */
 static void wrench_products(const fingerfem_outline *outline, const double *wrench, double *products)
 {
