@@ -64,7 +64,7 @@ def _tension_map(element: ElementMap) -> int:
 
 
 def _alike(name: str, one: list[np.ndarray], other: list[np.ndarray]) -> None:
-    require(bool(np.array_equal(one, other)), f"{name} must have one box", [*map(np.ndarray.tolist, one)])
+    require(all(map(np.array_equal, one, other)), f"{name} must have one box", [*map(np.ndarray.tolist, one)])
 
 
 def _outlines(outlines: Sequence[Outline], elements: Sequence[ElementMap], begins: float) -> None:
