@@ -15,11 +15,30 @@ from rom.rod.wrench_products import padded
 
 if TYPE_CHECKING:
     from rom.rod.native import Outline, Segment
+    from rom.rod.rod import Rod
 
 MOST_TENSIONS, MOST_POWER = 8, 31  # as in native/segment.h
 MOST_PRODUCTS = 1 << 20  # of a polynomial: with these, places in memory are counted in 32 bits
+FACTORS = "finer_mesh_factors must be finite and above 0"
 MOST_STATIONS = 16  # of an element's outline; one side long it has two
 WRENCH, ELEMENT, CORNERS, STATION = 6, 6, 24, 12  # numbers of a wrench, an element's pose, a plate's corners, a station
+
+
+def check(rod: Rod) -> None:
+    """Refuse a finger that compiled code cannot read, also one whose errors are no numbers.
+
+    Raises:
+        ModelError: one line that names what and its limit.
+    """
+    for one in rod.segments:
+        check_rod(one.condensed)
+    for name in ("force_error", "place_error", "place_error_by_force", "skin_error"):
+        value = getattr(rod, name)
+        require(0 <= value < np.inf, f"{name} must be finite and at least 0", value)
+    factors = rod.finer_mesh_factors
+    usable = isinstance(factors, dict) and all(isinstance(one, (int, float)) for one in factors.values())
+    require(usable and all(0 < one < np.inf for one in factors.values()), FACTORS, factors)
+    require(isinstance(rod.accuracy, dict), "accuracy must be a table", rod.accuracy)
 
 
 def check_rod(segment: Segment) -> None:
@@ -64,7 +83,8 @@ def _tension_map(element: ElementMap) -> int:
 
 
 def _alike(name: str, one: list[np.ndarray], other: list[np.ndarray]) -> None:
-    require(all(map(np.array_equal, one, other)), f"{name} must have one box", [*map(np.ndarray.tolist, one)])
+    alike = len(one) == len(other) and all(map(np.array_equal, one, other))
+    require(alike, f"{name} must have one box", [*map(np.ndarray.tolist, one)])
 
 
 def _outlines(outlines: Sequence[Outline], elements: Sequence[ElementMap], begins: float) -> None:

@@ -17,9 +17,11 @@ from rom import checked_file
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.elements.elements import Elements
+from rom.elements.limits import check as check_elements
 from rom.elements.pieces import Piece, pieces
 from rom.native import PickledByFields
 from rom.rod import native, shape
+from rom.rod.limits import check as check_rod
 from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
 from rom.snapshots.grid import SHARE
@@ -323,4 +325,9 @@ class Rod(PickledByFields):
     @classmethod
     def _read(cls, file: h5py.File) -> Rod:
         plain = {name: json.loads(file.attrs[name]) for name in PLAIN}
-        return cls(elements=Elements.read(file["elements"]), **plain)
+        plain["scene"] = plain["scene"] | of_tables(plain["scene"])
+        elements = Elements.read(file["elements"])
+        check_elements(elements)
+        found = cls(elements=elements, **plain)
+        check_rod(found)
+        return found

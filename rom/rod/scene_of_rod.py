@@ -15,6 +15,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.file_kinds import uses_of
 
 NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
 MOST_SEGMENTS = 8
@@ -41,7 +42,7 @@ def read_scene(path: str | Path) -> dict[str, Any]:
         with Path(path).open("rb") as stream:
             scene = tomllib.load(stream)
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ModelError(f"{path}: must be a scene in TOML, got {error}") from None
+        raise ModelError(f"{path}: must be a scene in TOML, got {error}{uses_of(path)}") from None
     try:
         return of_tables(scene)
     except ModelError as error:
@@ -64,6 +65,8 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
             "material": dict(scene["material"]),
             "tendons": [_tendon(one) for one in scene["tendons"]],
         }
+    except ModelError:
+        raise
     except (KeyError, TypeError, ValueError) as error:
         raise ModelError(
             f"scene must have geometry and tendons as docs/reference/scene.md says, got {error!r}"
@@ -112,17 +115,13 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     if len(set(names)) < len(names):
         raise ModelError(f"tendons must have names of their own, got {', '.join(names)}")
     tendons = [_tendon_of(trained["tendons"], one, size, modulus, count) for one in scene["tendons"]]
-    for k, which in enumerate(tendons):
-        if which in tendons[:k]:
-            first = names[tendons.index(which)]
-            raise ModelError(
-                f"tendons.{names[k]}.offset must differ from that of {first}, as both pass the first segment, where "
-                f"the elements have one tendon there, got {scene['tendons'][k]['offset']}; train elements on both"
-            )
     last = max((one["segment"] for one in scene["tendons"]), default=0)
     if last < count:
         raise ModelError(f"tendons must pass all segments, one at least of segment {count}, got {last}")
-    return Similarity(size, modulus, tendons)
+    found = Similarity(size, modulus, tendons)
+    for segment in range(1, count + 1):
+        _check_sums(trained["tendons"], scene["tendons"], found, segment)
+    return found
 
 
 def _ratio(geometry: Mapping[str, Any], name: str) -> float:
@@ -153,6 +152,25 @@ def _modulus(trained: Mapping[str, Any], material: Mapping[str, Any]) -> float:
 def _equal(name: str, value: float, wanted: float) -> None:
     if abs(value - wanted) > NEAR * max(abs(value), abs(wanted)):
         raise ModelError(f"{name} must be {wanted:.6g}, as the elements were trained with, got {value:.6g}")
+
+
+def _check_sums(
+    trained: list[dict[str, Any]], tendons: list[dict[str, Any]], found: Similarity, segment: int
+) -> None:
+    """Tendons that pass a segment at one place pull there together; where none does, the tension is 0 N."""
+    for k, one in enumerate(trained):
+        own = [each for each, which in zip(tendons, found.tendons, strict=True) if which == k]
+        passing = [each for each in own if each["segment"] >= segment]
+        least, most = (sum(each["tension"][end] for each in passing) for end in (0, 1))
+        lowest, highest = (end * found.modulus * found.size**2 for end in one["tension"])
+        slack = NEAR * highest
+        if not (lowest - slack <= least and most <= highest + slack):
+            names = " and ".join(each["name"] for each in passing) or "no tendon"
+            offset = [round(found.size * part, 9) for part in one["offset"]]
+            raise ModelError(
+                f"tensions at offset {offset} in segment {segment} must lie in {lowest:.6g} to {highest:.6g} N, where "
+                f"the elements were trained, got {least:.6g} to {most:.6g} N of {names}"
+            )
 
 
 def _tendon_of(trained: list[dict[str, Any]], one: dict[str, Any], size: float, modulus: float, segments: int) -> int:

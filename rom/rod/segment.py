@@ -58,13 +58,16 @@ class Segment(PickledByFields):
         Raises:
             ModelError: a segment beyond what compiled code holds.
         """
+        return native.struct(self.condensed)
+
+    @property
+    def condensed(self) -> native.Segment:
+        """What of it is compiled: the poses of its elements, without the shortenings of tendons."""
         poses = {id(one): _pose_of(one) for one in self.elements}
-        return native.struct(
-            native.Segment(
-                elements=[poses[id(one)] for one in self.elements],
-                half_lengths=self.half_lengths,
-                outlines=self.outlines,
-            )
+        return native.Segment(
+            elements=[poses[id(one)] for one in self.elements],
+            half_lengths=self.half_lengths,
+            outlines=self.outlines,
         )
 
     def place(self, inputs: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:

@@ -18,7 +18,6 @@ from typing import Any
 
 import h5py
 import numpy as np
-from rom.segment import chain
 
 from control import Finger, problems
 from rom import Hull, Sphere, Surrogate, TouchedSegment
@@ -26,12 +25,14 @@ from rom.checked_file import BLOCK, ModelError, kind_of
 from rom.export.c_header import header
 from rom.export.model import MODEL, struct
 from rom.native import pointer
+from rom.rod import rod
 from rom.rod.inverse_map import InverseMap
 from rom.rod.native import rubber_boxes
 from rom.rod.native.told import sections
 
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 1e-300, 255, 65535, 2**31, -(2**31))
 POINTS = 30
+WRENCHES = 6 * MODEL.functions.FINGERFEM_MOST_PLATES
 SMALL = 200  # points of an atlas: its size matters to no access
 
 
@@ -60,7 +61,7 @@ def write(source: Path, target: Path, random: np.random.Generator) -> str:
             change(file, random)
     changed = target.read_bytes()
     if random.random() < 0.03:  # of another kind
-        kinds = (b"fingerfem chain", b"fingerfem surrogate", b"fingerfem segment map", b"fingerfem")
+        kinds = (b"fingerfem rod", b"fingerfem surrogate", b"fingerfem segment map", b"fingerfem")
         line = line.replace(line.split(b",")[0], kinds[random.integers(len(kinds))])
         made.append("kind")
     target.write_bytes(with_checksum(changed, line))
@@ -188,7 +189,7 @@ CHANGES = (size, axes, numbers, numbers, dtype, scale, another, without, attribu
 
 
 def read(file: Path) -> Surrogate | TouchedSegment:
-    return TouchedSegment.load(file) if kind_of(file) in chain.KINDS else Surrogate.load(file)
+    return TouchedSegment.load(file) if kind_of(file) == rod.KIND else Surrogate.load(file)
 
 
 def asked(model: Surrogate | TouchedSegment, random: np.random.Generator) -> None:
@@ -204,11 +205,11 @@ def asked(model: Surrogate | TouchedSegment, random: np.random.Generator) -> Non
     memory = np.empty(MODEL.functions.fingerfem_model_memory(own))
     corners = np.empty((max(own.sections, 1), 4, 3))
     for point in points[:6]:
-        out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty((6, len(point))), np.zeros(18)
+        out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty((6, len(point))), np.zeros(WRENCHES)
         MODEL.functions.fingerfem_model_tell(own, *map(pointer, (point.copy(), memory, wrench, out, errors, jacobian)))
         MODEL.functions.fingerfem_model_sections(own, *map(pointer, (point.copy(), wrench, memory, corners)))
     if isinstance(model, TouchedSegment):
-        asked_of_a_map(model, points)
+        asked_of_a_rod(model, points)
     else:
         header(model)
         model.regime(points[3])
@@ -217,24 +218,24 @@ def asked(model: Surrogate | TouchedSegment, random: np.random.Generator) -> Non
     asked_of_a_finger(model, points)
 
 
-def asked_of_a_map(model: TouchedSegment, points: np.ndarray) -> None:
+def asked_of_a_rod(model: TouchedSegment, points: np.ndarray) -> None:
     model.answers(points, by_object=True)
     model.contact_forces(points[3])
     first = model.rod.segments[0]
     sections(model.rod.struct, points[4, :-1], np.zeros((len(model.rod.segments), 6)))
     inputs = np.append(points[4, :-1], np.zeros(6))
-    placed = first.place(inputs)
+    centre, rotation, _, _ = first.place(inputs)
     begins = np.array([[0.0, y, z] for y in (-1, 1) for z in (-1, 1)])
-    rubber_boxes(first.struct, inputs, begins, placed.centre, placed.rotation, 24)
-    if len(model.rod.segments) == 1 and first.displacements is not None:
-        model.displacement(points[4])
+    rubber_boxes(first.struct, inputs, begins, centre, rotation, 24)
+    model.displacement(points[4])
+    model.shortening(points[4])
     inverse = InverseMap(first)
-    inverse.find(points[4, :-1], placed.centre + 1e-4, [1.0, 0.0, 0.0, 0.0])
+    inverse.find(points[4, :-1], centre + 1e-4, [1.0, 0.0, 0.0, 0.0])
     inverse.spring()
-    where: dict[str, Any] = {"centre": tuple(placed.centre + 0.01), "direction": (0.3, 1.0, 0.2)}
+    where: dict[str, Any] = {"centre": tuple(centre + 0.01), "direction": (0.3, 1.0, 0.2)}
     corners = 0.004 * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     for one in (Sphere(radius=0.005, **where), Hull(vertices=[tuple(row) for row in corners], **where)):
-        TouchedSegment(segment=model.segment, obstacle=one).evaluate(points[:4])
+        TouchedSegment(rod=model.rod, obstacle=one).evaluate(points[:4])
 
 
 def asked_of_a_finger(model: Surrogate | TouchedSegment, points: np.ndarray) -> None:

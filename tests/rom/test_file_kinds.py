@@ -10,19 +10,19 @@ from terminal import ROOT
 from typer.testing import CliRunner
 
 from control.__main__ import app as control
-from rom import Chain, Surrogate
+from rom import Surrogate
 from rom.__main__ import app as rom
 from rom.export.c_header import export
 from rom.export.fmu.archive import pack
 from rom.export.page import write as write_page
 from rom.file_kinds import (
-    CHAIN,
     FMU,
     HEADER,
     HELD_OUT_SET,
+    OLD,
     PAGE,
+    ROD,
     SCENE,
-    SEGMENT_MAP,
     SURROGATE,
     TRAINING_SET,
     Kind,
@@ -37,7 +37,8 @@ COMMANDS = {
     "rom info": ["info", "{}"],
     "rom check": ["check", "{}", "HELDOUT"],
     "rom check SET/": ["check", "MODEL", "{}"],
-    "rom chain": ["chain", "{}", "-o", "OUT/chain.h5"],
+    "rom assemble": ["assemble", "SCENE", "{}", "-o", "OUT/assembled.h5"],
+    "rom assemble SCENE": ["assemble", "{}", "FINGER", "-o", "OUT/assembled.h5"],
     "rom export .h": ["export", "{}", "OUT/finger.h"],
     "rom export .fmu": ["export", "{}", "OUT/finger.fmu"],
     "rom page .html": ["page", "{}", "-o", "OUT/finger.html"],
@@ -55,22 +56,23 @@ SLOW = (
     "rom check SET/",
     "control campaign",
 )  # whose success other tests have
-KINDS = (SURROGATE, SEGMENT_MAP, CHAIN, TRAINING_SET, HELD_OUT_SET, SCENE, FMU, HEADER, PAGE)
+KINDS = (SURROGATE, ROD, OLD, TRAINING_SET, HELD_OUT_SET, SCENE, FMU, HEADER, PAGE)
 
 
 @pytest.fixture(scope="module")
 def files(trained, tmp_path_factory) -> dict[str, Path]:
     """One file of every kind."""
     folder, surrogate = tmp_path_factory.mktemp("files"), Surrogate.load()
-    Chain.load(SHIPPED).save(folder / "chain.h5")
+    shutil.copy(SHIPPED, folder / "finger.h5")
+    (folder / "old.h5").write_bytes(b"fingerfem segment map, format 3, sha256 0\n")
     export(surrogate, folder / "finger.h")
     pack({"modelDescription.xml": b"<fmiModelDescription/>"}, folder / "finger.fmu")
     write_page(surrogate, folder / "finger.html")
     shutil.copy(ROOT / "scenes" / "draft.toml", folder / "draft.toml")
     found = {
         SURROGATE: trained / "finger.h5",
-        SEGMENT_MAP: SHIPPED,
-        CHAIN: folder / "chain.h5",
+        ROD: folder / "finger.h5",
+        OLD: folder / "old.h5",
         TRAINING_SET: trained / "training",
         HELD_OUT_SET: trained / "heldout",
         SCENE: folder / "draft.toml",
@@ -82,9 +84,11 @@ def files(trained, tmp_path_factory) -> dict[str, Path]:
 
 
 def accepts(kind: Kind, command: str) -> bool:
-    """Whether the table says that a command takes a kind; a set is the second word of `rom check`."""
+    """Whether the table says that a command takes a kind; a set is the second word of `rom check`, a scene the first of two."""
     if command in ("rom check", "rom check SET/"):
         return (kind in (TRAINING_SET, HELD_OUT_SET)) == (command == "rom check SET/") and "rom check" in kind.uses
+    if command in ("rom assemble", "rom assemble SCENE"):
+        return (kind is SCENE) == (command == "rom assemble SCENE") and "rom assemble" in kind.uses
     return command in kind.uses
 
 
@@ -106,6 +110,7 @@ def test_a_command_takes_a_file_or_says_what_takes_it(files, trained, tmp_path, 
     if command in SLOW and accepts(kind, command):
         return
     named = {"HELDOUT": files["a held-out set"], "MODEL": files["a surrogate"], "TRAINING": files["a training set"]}
+    named |= {"SCENE": files["a scene"], "FINGER": files["a finger of rod elements"]}
     words = [
         str(named.get(word, word.replace("{}", str(files[kind.name])).replace("OUT/", f"{tmp_path}/")))
         for word in COMMANDS[command]
@@ -116,6 +121,14 @@ def test_a_command_takes_a_file_or_says_what_takes_it(files, trained, tmp_path, 
     else:
         assert isinstance(done.exception, ValueError) and "\n" not in str(done.exception)
         assert str(done.exception).endswith(uses_of(files[kind.name])), done.exception
+
+
+@pytest.mark.parametrize("command", ["rom info", "control hold", "rom page .html"])
+def test_an_old_file_is_refused_with_how_to_make_it_anew(files, tmp_path, command):
+    words = [word.replace("{}", str(files[OLD.name])).replace("OUT/", f"{tmp_path}/") for word in COMMANDS[command]]
+    done = CliRunner().invoke(PROGRAMS[command.split()[0]], words)
+    assert isinstance(done.exception, ValueError) and "\n" not in str(done.exception)
+    assert str(done.exception).endswith("then rom build SET/ -o FINGER.h5")
 
 
 def test_an_export_of_another_ending_names_those_that_there_are(files, tmp_path):

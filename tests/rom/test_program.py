@@ -75,7 +75,7 @@ def limited(*words: object) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize(
     "words",
     [
-        ["rom", "chain", "rom/finger.h5", "-o", "{}/finger.h5"],
+        ["rom", "assemble", "scenes/draft.toml", "rom/finger.h5", "-o", "{}/finger.h5"],
         ["rom", "page", "rom/finger.h5", "-o", "{}/finger.html"],
         ["rom", "export", "rom/plane.h5", "{}/finger.h"],
     ],

@@ -1,5 +1,7 @@
 """Fingers assembled from the elements of one: other lengths, sizes, moduli, segments, tendons; and what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -37,6 +39,26 @@ def test_two_segments_are_one_after_the_other_and_the_first_transmits_the_second
     centre, frame = elastic_rod.plate(tensions, carried, 0.040)
     np.testing.assert_allclose(found.centres, [centre, centre + frame @ arm], atol=1e-6)
     np.testing.assert_allclose(found.rotations, [frame, frame @ turned], atol=3e-5)
+
+
+def test_tendons_at_one_place_pull_by_the_sum_of_their_tensions(finger):
+    """One ends at the first of two plates, the other at the second."""
+    scene = elastic_rod.in_series(0.040, 0.060)
+    first, beside = scene["tendons"]
+    ends = [first | {"name": f"G{k}", "segment": k, "tension": [0.0, 20.0]} for k in (1, 2)]
+    found = finger.assembled(scene | {"tendons": [*ends, beside]}).place([11.0, 5.0, 3.0])
+    base, frame = elastic_rod.plate(np.array([16.0, 3.0]), np.zeros(6), 0.040)
+    tip, _ = elastic_rod.plate(np.array([5.0, 3.0]), np.zeros(6), 0.060)
+    np.testing.assert_allclose(found.centres[0], base, atol=1e-6)
+    np.testing.assert_allclose(found.centres[1], base + frame @ (tip + [elastic_rod.PLATE / 2, 0, 0]), atol=1e-6)
+
+
+def test_a_tendon_that_is_left_out_must_have_been_trained_from_0_newton(finger):
+    trained = elastic_rod.scene()
+    trained["tendons"][1]["tension"] = [5.0, elastic_rod.MOST_TENSION]
+    own = replace(finger, elements=replace(finger.elements, scene=trained), scene=trained)
+    with pytest.raises(ModelError, match=r"segment 1 must lie in 5 to 40 N, .*, got 0 to 0 N of no tendon"):
+        own.assembled(trained | {"tendons": trained["tendons"][:1]})
 
 
 @pytest.mark.parametrize("size", [0.3, 2.0, 6.0])
@@ -84,7 +106,7 @@ WRONG = {
     "one place twice": (
         "tendons.1.offset",
         [0.004, 0.0],
-        r"tendons.F2.offset must differ from that of F1, as both pass the first segment, .* got \[0.004, 0.0\]",
+        r"tensions at offset \[0.004, 0.0\] in segment 1 must lie in 0 to 40 N, .*, got 0 to 80 N of F1 and F2",
     ),
     "a segment without tendon": (
         "geometry.segments",

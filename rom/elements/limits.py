@@ -1,0 +1,79 @@
+"""What is relied on in elements that are read from a file: refused by name and rule."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rom.checked_file import require
+from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE, Elements
+from rom.elements.law import POSE, ElementLaw
+from rom.elements.outline import NUMBERS, OutlineLaw
+from rom.fit.chebyshev import Polynomial
+
+KINDS = ({CLAMP, PLATE}, {CLAMP, INTERIOR, PLATE}, {WHOLE})
+WRENCH = 6
+# What of the prediction of lines that were left out is shown and used.
+LEFT_OUT = (("contact_force", "median"), ("contact_force", "p95"), ("place_m", "p95"), ("free_place_m", "p95"))
+
+
+def check(elements: Elements) -> None:
+    """Refuse elements of the wrong shapes, or with numbers that cannot be.
+
+    Raises:
+        ModelError: one line that names what and its rule.
+    """
+    t = elements.tensions
+    require(set(elements.laws) in KINDS, "elements must be clamp, plate and interior, or whole", sorted(elements.laws))
+    require(0 < elements.force < np.inf, "force must be finite and above 0 N", elements.force)
+    for kind, law in elements.laws.items():
+        _law(kind, law, t)
+        _outline(f"outline of {kind}", elements.outlines[kind], t)
+    _left_out(elements.provenance)
+
+
+def _law(kind: str, law: ElementLaw, t: int) -> None:
+    shortest, longest = law.lengths
+    require(0 < shortest <= longest < np.inf, f"lengths of {kind} must be finite and above 0 m", law.lengths)
+    require(kind == INTERIOR or not law.has_lengths, f"lengths of {kind} must be equal", law.lengths)
+    _tensions(kind, law.tension_map, law.tensions, t)
+    _polynomial(kind, law.polynomial, t + WRENCH + law.has_lengths, POSE + t)
+
+
+def _outline(name: str, law: OutlineLaw, t: int) -> None:
+    require(0 < law.half < np.inf, f"half of {name} must be finite and above 0 m", law.half)
+    require(0 <= law.error < np.inf, f"error of {name} must be finite and at least 0 m", law.error)
+    _polynomial(name, law.polynomial, t + WRENCH + 1, NUMBERS)
+    constant = bool((~law.polynomial.powers[:, :-1].any(axis=1)).any())
+    require(constant, f"powers of {name} must have a product of the distance alone", "none")
+
+
+def _tensions(name: str, tension_map: np.ndarray, tensions: np.ndarray, t: int) -> None:
+    require(tension_map.shape == (t, t), f"tension_map of {name} must have shape {t, t}", tension_map.shape)
+    require(bool(np.isfinite(tension_map).all()), f"tension_map of {name} must be finite", "others")
+    ordered = tensions.shape == (2, t) and bool(np.isfinite(tensions).all() and (tensions[0] < tensions[1]).all())
+    require(ordered, f"tensions of {name} must have finite lowest ones below the highest", tensions.tolist())
+
+
+def _polynomial(name: str, polynomial: Polynomial, inputs: int, values: int) -> None:
+    lower, upper, powers = polynomial.lower, polynomial.upper, polynomial.powers
+    require(lower.shape == upper.shape == (inputs,), f"box of {name} must have shape {2, inputs}", lower.shape)
+    ordered = bool(np.isfinite([lower, upper]).all() and (lower < upper).all())
+    require(ordered, f"box of {name} must have finite lower ends below its upper ends", [*lower, *upper])
+    known = powers.ndim == 2 and powers.shape[1] == inputs and len(powers) > 0
+    require(known, f"powers of {name} must have shape (products, {inputs})", powers.shape)
+    require(bool((powers >= 0).all()), f"powers of {name} must be at least 0", int(powers.min()))
+    shape = len(powers), values
+    coefficients = polynomial.coefficients
+    require(coefficients.shape == shape, f"coefficients of {name} must have shape {shape}", coefficients.shape)
+    require(bool(np.isfinite(coefficients).all()), f"coefficients of {name} must be finite", "others")
+
+
+def _left_out(provenance: Any) -> None:
+    for quantity, share in LEFT_OUT:
+        known = provenance.get("left_out", {}) if isinstance(provenance, dict) else {}
+        of = known.get(quantity, {}) if isinstance(known, dict) else {}
+        value = of.get(share) if isinstance(of, dict) else None
+        usable = isinstance(value, (int, float)) and 0 <= value < np.inf
+        require(usable, f"left_out of provenance must have the {share} of {quantity}, finite and at least 0", value)
