@@ -50,7 +50,7 @@ out/tests/finger.h5:
 readme: demo
 	docker/run python3 studies/readme.py out/demo
 
-# rom/finger.h5, the bundled finger: rod elements trained on MINUTES core-seconds of states, each of which begins at the same one on a
+# rom/finger.h5, the bundled finger: rod elements, trained in some 100 core-seconds; every state begins at the same one on a
 # coarse mesh. Its estimates are scaled on 60 states of a finer mesh and measured on 60 others, most of the time; it resumes.
 SNAPSHOTS = docker/run mpirun -n 2 python3 -m fingerfem snapshots
 model:

@@ -15,7 +15,8 @@ def scaled(rod: Rod, length: float = 1.0, modulus: float = 1.0) -> Rod:
         for name, value in rod.scene["material"].items()
     }
     tendons = [
-        tendon | {"offset": [length * one for one in tendon["offset"]], "tension": [force * one for one in tendon["tension"]]}
+        tendon
+        | {"offset": [length * one for one in tendon["offset"]], "tension": [force * one for one in tendon["tension"]]}
         for tendon in rod.scene["tendons"]
     ]
     return rod.assembled(rod.scene | {"geometry": geometry | sizes, "material": material, "tendons": tendons})

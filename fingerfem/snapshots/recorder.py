@@ -21,7 +21,6 @@ from rom.snapshots import schema
 from rom.snapshots.sections import CrossSections
 
 logger = logging.getLogger(__name__)
-TURNED_OVER = 0.05  # cosine of half the angle that a plate has turned by, below which it is no state to train on [-]
 
 
 class ContactState(NamedTuple):
@@ -108,8 +107,6 @@ class Recorder:
             self._note_failure(parameters, "the equilibrium is not stable")
         elif model.passes_through_itself():
             self._note_failure(parameters, "the finger passes through itself")
-        elif self._turned_over():
-            self._note_failure(parameters, "a plate has turned by some 180 degrees, where its quaternion jumps")
         else:
             self.displacements.append(model.problem.displacement.copy())
             self.reaches.append(model.problem.reach())
@@ -124,11 +121,6 @@ class Recorder:
                     "last_good": np.full_like(parameters, np.nan),
                 }
             )
-
-    def _turned_over(self) -> bool:
-        problem = self._model.problem
-        poses = [] if problem.plates is None else problem.plates.poses(problem.displacement)
-        return any(at.quaternion[0] < TURNED_OVER for at in poses)
 
     def take(self, row: dict[str, Any], displacement: np.ndarray | None) -> None:
         """Note a state that another set has solved.

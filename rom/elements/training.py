@@ -75,7 +75,7 @@ class Training:
         return self._laws[key]
 
     def score(self, degrees: dict[str, float]) -> float:
-        """Error of left-out states, SHARE of them: of contact forces over FORCE, and of the free place over PLACE [-]."""
+        """Error of left-out states, SHARE of them: of contact forces over FORCE, of the free place over PLACE [-]."""
         places, turned = self.left_out(degrees)
         force = float(np.nanquantile(relative_force_errors(self.states, places, turned), SHARE))
         free = self.states.forces == 0

@@ -81,7 +81,7 @@ def _geometry(table: dict[str, Any]) -> dict[str, Any]:
         "channel": None if channel is None else float(channel),
     }
     for name, value in found.items():
-        lengths = [] if value is None else np.ravel(value)
+        lengths: list[float] = [] if value is None else np.ravel(value).tolist()
         if not all(0 < one < np.inf for one in lengths):
             raise ModelError(f"geometry.{name} must be finite and above 0 m, got {value}")
     return found
@@ -154,9 +154,7 @@ def _equal(name: str, value: float, wanted: float) -> None:
         raise ModelError(f"{name} must be {wanted:.6g}, as the elements were trained with, got {value:.6g}")
 
 
-def _check_sums(
-    trained: list[dict[str, Any]], tendons: list[dict[str, Any]], found: Similarity, segment: int
-) -> None:
+def _check_sums(trained: list[dict[str, Any]], tendons: list[dict[str, Any]], found: Similarity, segment: int) -> None:
     """Tendons that pass a segment at one place pull there together; where none does, the tension is 0 N."""
     for k, one in enumerate(trained):
         own = [each for each, which in zip(tendons, found.tendons, strict=True) if which == k]

@@ -1,1 +1,1 @@
-"""Whether what the finger that comes along says of its error is true: docs/coverage.md."""
+"""Estimated errors of the bundled finger against true ones: docs/coverage.md."""

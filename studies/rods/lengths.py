@@ -14,16 +14,16 @@ from studies.runner import Run
 LENGTHS = 0.025, 0.04, 0.08, 0.12  # of one segment [m]
 TWO = (0.06, 0.035), (1, 2)  # lengths of two segments [m]; the plates that the tendons end at
 MOST = 5.0, 0.2  # force on a plate [N], and its moment about the clamp [N m]; long fingers are pressed less
-STATES = 10
+STATES = 6
 SIZE, MODULUS = 1.7, 0.4  # of a similar finger, over the trained one's [-]
 
 
 def finger_of(trained: Rod, lengths: tuple[float, ...], plates: tuple[int, ...] | None = None) -> tuple[Rod, Table]:
-    """A finger of other segments, and its full-order scene with cells as long as the trained ones."""
+    """A finger of other segments, and its full-order scene with cells about as long as the trained ones."""
     table: Table = {key: deepcopy(trained.elements.scene[key]) for key in ("geometry", "material", "tendons", "mesh")}
     cell = table["geometry"]["segments"][0] / table["mesh"]["cells"][0]
     table["geometry"]["segments"] = list(lengths)
-    table["mesh"]["cells"][0] = round(max(lengths) / cell)
+    table["mesh"]["cells"][0] = round(sum(lengths) / len(lengths) / cell)
     for tendon, plate in zip(table["tendons"], plates or [1] * len(table["tendons"]), strict=True):
         tendon["segment"] = plate
     table |= {"name": "assembled", "load": {"force": MOST[0]}}

@@ -68,7 +68,8 @@ def _finger(axes, finger: Rod, tensions: np.ndarray, wrenches: np.ndarray, angle
     placed, side = finger.place(tensions, wrenches), 2 * finger.half_lengths[1]
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * finger.half_lengths
     plate = placed.centres[-1] + corners @ placed.rotations[-1].T
-    rubber = (finger.edges + finger.displacement(tensions, wrenches)).reshape(-1, 4, 3)
+    edges = (finger.edges + finger.displacement(tensions, wrenches)).reshape(-1, 4, 3)
+    rubber = np.concatenate([edges[:-1], plate[None, :4]])
 
     def world(points: np.ndarray) -> np.ndarray:
         x, y, z = np.moveaxis(points, -1, 0)

@@ -70,7 +70,13 @@ def test_a_model_names_its_scene_and_its_parameters_in_one_line(surrogate):
         text = line(model)
         assert repr(model.scene["name"]) in text and "F1 0 to 100 N" in text
     assert "d 0.001 to 0.031 m" in line(Surrogate.load())
-    assert line(rod.elements) and line(rod.segments[0]) and line(rod.segments[0].elements[0]) and line(Surrogate.load().free) and line(Surrogate.load().errors)
+    assert (
+        line(rod.elements)
+        and line(rod.segments[0])
+        and line(rod.segments[0].elements[0])
+        and line(Surrogate.load().free)
+        and line(Surrogate.load().errors)
+    )
 
 
 def test_answers_motions_and_grasps_are_one_line_at_one_point_and_at_many(surrogate):

@@ -77,8 +77,11 @@ def struct(segment: Segment) -> Any:
     monomials = tension_monomials(combinations, powers)
     bent = free_numbers(monomials, corner_powers, corner_coefficients)
     structs = [SEGMENT.struct("fingerfem_law", **law(one.polynomial, monomials)) for one in laws]
-    rubber = {} if segment.outlines is None else places_between(stations_of(segment.outlines, segment.half_lengths[0]))
-    rubber_structs = [SEGMENT.struct("fingerfem_outline", **outline(one.polynomial, monomials)) for one in outlines]
+    rubber = {}
+    if segment.outlines is not None:
+        corners_of = [SEGMENT.struct("fingerfem_outline", **outline(one.polynomial, monomials)) for one in outlines]
+        rubber = places_between(stations_of(segment.outlines, segment.half_lengths[0]))
+        rubber["outline"] = SEGMENT.pointers("fingerfem_outline", corners_of)
     return SEGMENT.struct(
         "fingerfem_segment",
         tensions=t,
@@ -95,7 +98,6 @@ def struct(segment: Segment) -> Any:
         laws=len(laws),
         law=SEGMENT.pointers("fingerfem_law", structs),
         law_of=law_of,
-        outline=SEGMENT.pointers("fingerfem_outline", rubber_structs),
         **rubber,
         half_lengths=segment.half_lengths.tolist(),
         corner_monomials=len(bent),

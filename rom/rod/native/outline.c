@@ -5,19 +5,40 @@ enum { W = FINGERFEM_WRENCH, EIGHT = 8, MOST_ROWS = 6 /* eights of a sum that re
 typedef double eight __attribute__((vector_size(64), aligned(8), may_alias)); /* among plain numbers */
 typedef float singles __attribute__((vector_size(32), aligned(4), may_alias));
 
-/* Products of the wrench's Chebyshev polynomials, (products). */
+int outline_work(const fingerfem_segment *segment)
+{
+    int products = 0, numbers = 0;
+    for (int k = 0; k < segment->laws && segment->stations; k++) {
+        const fingerfem_outline *own = segment->outline[k];
+        products = own->products > products ? own->products : products;
+        numbers = own->numbers > numbers ? own->numbers : numbers;
+    }
+    return OUTLINE_STATION * segment->stations + numbers + products;
+}
+
+/* Products of the wrench's Chebyshev polynomials, (products); linear beyond the box. */
 static void wrench_products(const fingerfem_outline *outline, const double *wrench, double *products)
 {
-    double values[W][TENSIONS_POWERS], slopes[TENSIONS_POWERS];
+    double values[W][TENSIONS_POWERS], slopes[W][TENSIONS_POWERS], beyond[W];
     const int32_t *powers = outline->wrench_powers;
+    int inside = 1;
     for (int i = 0; i < W; i++) {
-        const double lower = outline->lower[i], upper = outline->upper[i];
-        const double held = wrench[i] > lower ? wrench[i] < upper ? wrench[i] : upper : lower; /* NaN is the lowest */
-        tensions_chebyshev(2.0 * (held - lower) / (upper - lower) - 1.0, outline->most_power, values[i], slopes);
+        const double lower = outline->lower[i], upper = outline->upper[i], scale = 2.0 / (upper - lower);
+        const double held = wrench[i] < lower ? lower : wrench[i] > upper ? upper : wrench[i];
+        tensions_chebyshev(scale * (held - lower) - 1.0, outline->most_power, values[i], slopes[i]);
+        beyond[i] = scale * (wrench[i] - held);
+        inside &= beyond[i] == 0.0;
     }
     for (int k = 0; k < outline->products; k++, powers += W)
         products[k] = values[0][powers[0]] * values[1][powers[1]] * values[2][powers[2]] *
                       (values[3][powers[3]] * values[4][powers[4]] * values[5][powers[5]]);
+    powers = outline->wrench_powers;
+    for (int k = 0; k < outline->products && !inside; k++, powers += W)
+        for (int i = 0; i < W; i++) {
+            double change = beyond[i];
+            for (int j = 0; j < W; j++) change *= j == i ? slopes[j][powers[j]] : values[j][powers[j]];
+            products[k] += change;
+        }
 }
 
 /* Some eights of the corners' numbers, from number `first` on. */

@@ -6,9 +6,12 @@
 
 enum { OUTLINE_CORNERS = 4, OUTLINE_STATION = 3 * OUTLINE_CORNERS /* numbers of a station */ };
 
-/* Corners of the stations, (numbers), from the monomials of the tensions and a wrench, (6), which is clamped to the trained
- * box; `work` holds the products of the wrench. Coefficients are single, sums double: else the same point would differ by
- * some nanometres from processor to processor. */
+/* Numbers of memory for the corners of all stations of a segment, and for an outline's own and its products. */
+int outline_work(const fingerfem_segment *segment);
+
+/* Corners of the stations, (numbers), from the monomials of the tensions and a wrench, (6), beyond whose trained box they
+ * go on linearly; `work` holds the products of the wrench. Coefficients are single, sums double: else the same point would
+ * differ by some nanometres from processor to processor. */
 void outline_under(const fingerfem_outline *outline, const double *monomials, const double *wrench, double *work, double *corners);
 
 /* The same without a wrench; with the monomials' derivatives by a tension, the derivatives. */

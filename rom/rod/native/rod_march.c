@@ -38,16 +38,7 @@ int rod_memory(const fingerfem_segment *segment)
     return POSE + segment->laws * law + segment->elements * element + (1 + segment->tensions) * segment->monomials;
 }
 
-int rod_work(const fingerfem_segment *segment)
-{
-    int products = 0, numbers = 0;
-    for (int k = 0; k < segment->laws && segment->stations; k++) {
-        const fingerfem_outline *own = segment->outline[k];
-        products = own->products > products ? own->products : products;
-        numbers = own->numbers > numbers ? own->numbers : numbers;
-    }
-    return OUTLINE_STATION * segment->stations + numbers + products;
-}
+int rod_work(const fingerfem_segment *segment) { return outline_work(segment); }
 
 int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_memory(segment) + rod_work(segment); }
 

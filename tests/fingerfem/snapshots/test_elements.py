@@ -26,7 +26,7 @@ def scene_text(segments: list[float], lines: int = 20, tension: float = 60.0) ->
         ("segments = [0.050]", f"segments = {segments}"),
         ("force = 5.0", f"force = {FORCE}\nmoment = 0.1"),
         ("cells = [20, 5]", f"cells = [{cells}, 5]"),
-        ("lines = 80", f"lines = {lines}"),
+        ("lines = 24", f"lines = {lines}"),
         ("tension = [0.0, 100.0]", f"tension = [0.0, {tension}]"),
     ):
         assert before in text

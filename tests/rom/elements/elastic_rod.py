@@ -118,8 +118,9 @@ def plate(tensions: np.ndarray, wrench: np.ndarray, length: float = LENGTH) -> t
 
 
 def placed(finger: Rod, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Centre and rotation of a one-segment finger's plate at n states, and whether they are inside; inputs (n, 8)."""
-    found = [finger.place(one[:2], one[None, 2:]) for one in inputs]
+    """Centre and rotation of a one-segment finger's plate at inputs, shape (n, t + 6), and whether they are inside."""
+    t = len(finger.names)
+    found = [finger.place(one[:t], one[None, t:]) for one in inputs]
     parts = zip(*((one.centres[0], one.rotations[0], np.array(one.inside)) for one in found), strict=True)
     centres, rotations, inside = map(np.stack, parts)
     return centres, rotations, inside

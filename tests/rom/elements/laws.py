@@ -1,7 +1,11 @@
 """Laws of elements without a file: an elastic rod's linear ones, and small smooth terms of higher degree."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from rom.elements.law import ElementMap
+from rom.elements.march import Marched, march
 from rom.fit.chebyshev import Polynomial, total_degree
 
 LENGTH, SIDE, YOUNG, OFFSET = 0.006, 0.010, 1.1e6, 0.003  # of an element [m], the section [m], rubber [Pa], tendons [m]
@@ -42,6 +46,22 @@ def law(tensions: int, seed: int, degree: int = 4) -> Polynomial:
             end = (lower + upper) / 2 + power * (upper - lower) / 2
             row += elastic(end[None])[0] - middle
     return Polynomial(lower=lower, upper=upper, powers=powers, coefficients=coefficients)
+
+
+def as_maps(elements: Sequence[Polynomial]) -> list[ElementMap]:
+    """Elements whose polynomials are of the tensions themselves; those that share a law still do."""
+    found = {}
+    for one in elements:
+        t = len(one.lower) - 6
+        found[id(one)] = ElementMap(
+            tension_map=np.eye(t), tensions=np.array([one.lower[:t], one.upper[:t]]), polynomial=one
+        )
+    return [found[id(one)] for one in elements]
+
+
+def marched(elements: Sequence[Polynomial], tensions: np.ndarray, wrenches: np.ndarray) -> Marched:
+    """The march through such elements, see `rom.elements.march`."""
+    return march(as_maps(elements), tensions, wrenches)
 
 
 def finger(tensions: int = 2) -> list[Polynomial]:

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from rom.elements.march import march
 from rom.elements.rotation_vectors import matrices as rotations
 from rom.fit.chebyshev import Polynomial
 from tests.rom.elements import laws
@@ -16,7 +15,7 @@ def turned_by(turns: np.ndarray) -> np.ndarray:
 
 def plate(elements, tensions, wrenches):
     """Centre and rotation of the plate seen from the clamp."""
-    found = march(elements, tensions, wrenches)
+    found = laws.marched(elements, tensions, wrenches)
     rotation = found.rotation.transpose(0, 2, 1)
     return -np.einsum("nij,nj->ni", rotation, found.place), rotation
 
@@ -24,7 +23,7 @@ def plate(elements, tensions, wrenches):
 def test_one_element_alone_is_its_law():
     tensions, wrenches = laws.inputs(2, 20, 0)
     element = laws.law(2, 0)
-    found = march([element], tensions, wrenches)
+    found = laws.marched([element], tensions, wrenches)
     value = element.value(np.hstack([tensions, wrenches]))
     assert np.array_equal(found.place, value[:, :3]) and np.array_equal(found.wrenches[:, 0], wrenches)
     g = value[:, 3:]
@@ -40,7 +39,7 @@ def test_elements_of_one_curvature_make_a_circular_arc():
     lower, upper = laws.box(1)
     value = np.array([[*chord, 0.0, 0.0, np.tan(angle / 2)]])
     element = Polynomial(lower=lower, upper=upper, powers=np.zeros((1, 7), int), coefficients=value)
-    found = march([element] * count, np.zeros((1, 1)), np.zeros((1, 6)))
+    found = laws.marched([element] * count, np.zeros((1, 1)), np.zeros((1, 6)))
     whole = count * angle
     assert found.place[0] == pytest.approx(-radius * np.array([np.sin(whole), 1 - np.cos(whole), 0.0]), abs=1e-15)
     turned = [[np.cos(whole), -np.sin(whole), 0], [np.sin(whole), np.cos(whole), 0], [0, 0, 1]]
@@ -50,9 +49,9 @@ def test_elements_of_one_curvature_make_a_circular_arc():
 def test_every_section_carries_the_wrench_of_the_plate():
     """In the plate's frame forces are one, and moments about the plate's centre."""
     elements, (tensions, wrenches) = laws.finger(), laws.inputs(2, 20, 1)
-    found = march(elements, tensions, wrenches)
+    found = laws.marched(elements, tensions, wrenches)
     for k in range(1, len(elements)):
-        section = march(elements[:k], tensions, wrenches)
+        section = laws.marched(elements[:k], tensions, wrenches)
         force, moment = (
             np.einsum("nij,nj->ni", section.rotation, part) for part in np.split(found.wrenches[:, k], 2, 1)
         )
@@ -62,7 +61,7 @@ def test_every_section_carries_the_wrench_of_the_plate():
 
 def test_motions_are_differences_of_the_plates_poses():
     elements, (tensions, wrenches) = laws.finger(), laws.inputs(2, 20, 2)
-    motion, (_, rotation) = march(elements, tensions, wrenches).motion, plate(elements, tensions, wrenches)
+    motion, (_, rotation) = laws.marched(elements, tensions, wrenches).motion, plate(elements, tensions, wrenches)
     steps = 1e-5 * (laws.box(2)[1] - laws.box(2)[0])
     for k, h in enumerate(steps):
         way = h * np.eye(8)[k]
@@ -80,12 +79,15 @@ def test_beyond_its_box_an_element_goes_on_linearly_by_the_wrench_and_stays_by_t
     element, (tensions, wrenches) = laws.law(2, 0), laws.inputs(2, 1, 3)
     wrenches[0, 4] = laws.MOST_MOMENT
     beyond = wrenches + [[0, 0, 0, 0, more, 0] for more in (0.01, 0.02)]
-    edge, far = march([element], tensions, wrenches), march([element], np.repeat(tensions, 2, axis=0), beyond)
+    edge, far = (
+        laws.marched([element], tensions, wrenches),
+        laws.marched([element], np.repeat(tensions, 2, axis=0), beyond),
+    )
     assert edge.inside.all() and not far.inside.any()
     steps = far.place - edge.place
     assert 2 * steps[0] == pytest.approx(steps[1], abs=1e-16) and np.abs(steps[0]).max() > 1e-5
     for end, more in ((0.0, -3.0), (laws.MOST_TENSION, 5.0)):
-        there, past = (march([element], np.array([[pull, 4.0]]), 0 * wrenches) for pull in (end, end + more))
+        there, past = (laws.marched([element], np.array([[pull, 4.0]]), 0 * wrenches) for pull in (end, end + more))
         assert there.inside.all() and not past.inside.any()
         assert np.array_equal(there.place, past.place) and np.array_equal(there.motion[..., 1:], past.motion[..., 1:])
         assert np.any(there.motion[..., 0]) and not np.any(past.motion[..., 0])
@@ -94,7 +96,7 @@ def test_beyond_its_box_an_element_goes_on_linearly_by_the_wrench_and_stays_by_t
 def test_each_element_is_inside_where_its_own_wrench_is():
     """A force that bends the base beyond its box leaves the elements before inside."""
     elements, force = laws.finger(), np.array([[0.0, 0.9 * laws.MOST_FORCE, 0.0, 0.0, 0.0, 0.0]])
-    found = march(elements, np.zeros((1, 2)), force)
+    found = laws.marched(elements, np.zeros((1, 2)), force)
     moments = np.abs(found.wrenches[0, :, 3:]).max(axis=1)
     assert (found.inside[0] == (moments <= laws.MOST_MOMENT)).all()
     assert found.inside[0, 0] and not found.inside[0, -1]
@@ -102,7 +104,7 @@ def test_each_element_is_inside_where_its_own_wrench_is():
 
 def test_a_force_larger_than_any_that_was_trained_is_outside_though_its_components_are_not():
     wrench = 0.9 * laws.MOST_FORCE * np.array([[1.0, 1.0, 0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]])
-    assert march([laws.law(2, 0)], np.zeros((2, 2)), wrench).inside.tolist() == [[False], [True]]
+    assert laws.marched([laws.law(2, 0)], np.zeros((2, 2)), wrench).inside.tolist() == [[False], [True]]
 
 
 def test_gibbs_vectors_are_turns_by_twice_the_angle_of_their_tangent():

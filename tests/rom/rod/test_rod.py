@@ -50,7 +50,9 @@ def test_tendons_at_one_place_pull_by_the_sum_of_their_tensions(finger):
     base, frame = elastic_rod.plate(np.array([16.0, 3.0]), np.zeros(6), 0.040)
     tip, _ = elastic_rod.plate(np.array([5.0, 3.0]), np.zeros(6), 0.060)
     np.testing.assert_allclose(found.centres[0], base, atol=1e-6)
-    np.testing.assert_allclose(found.centres[1], base + frame @ (tip + [elastic_rod.PLATE / 2, 0, 0]), atol=1e-6)
+    np.testing.assert_allclose(
+        found.centres[1], base + frame @ (tip + np.array([elastic_rod.PLATE / 2, 0, 0])), atol=1e-6
+    )
 
 
 def test_a_tendon_that_is_left_out_must_have_been_trained_from_0_newton(finger):

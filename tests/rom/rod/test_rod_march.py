@@ -8,7 +8,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom.checked_file import ModelError
-from rom.elements.march import march
 from rom.fit.chebyshev import total_degree
 from rom.native import SEGMENT
 from rom.rod import limits, native
@@ -22,7 +21,7 @@ CORNERS = HALF * np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in 
 
 
 def segment(elements, **more) -> native.Segment:
-    return native.Segment(elements=elements, half_lengths=HALF, **more)
+    return native.Segment(elements=laws.as_maps(elements), half_lengths=HALF, **more)
 
 
 def compiled(elements, **more):
@@ -31,7 +30,7 @@ def compiled(elements, **more):
 
 def placed(elements, tensions, wrenches):
     """Centres, rotations and motions of the plate by NumPy, and whether all is inside."""
-    found = march(elements, tensions, wrenches)
+    found = laws.marched(elements, tensions, wrenches)
     rotations = found.rotation.transpose(0, 2, 1)
     centres = -np.einsum("nij,nj->ni", rotations, found.place)
     return list(zip(centres, rotations, found.motion, found.inside.all(axis=1), strict=True))
@@ -61,7 +60,7 @@ def test_beyond_its_boxes_too():
     pulled, wrenches = laws.inputs(2, 40, 6, share=1.6)
     pulled = 1.5 * pulled - 0.25 * laws.MOST_TENSION
     elements = laws.finger()
-    inside = march(elements, pulled, wrenches).inside
+    inside = laws.marched(elements, pulled, wrenches).inside
     assert inside.any(axis=0).all() and (~inside).any(axis=0).all()
     same(elements, pulled, wrenches)
 

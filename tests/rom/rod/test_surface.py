@@ -51,21 +51,27 @@ def test_sections_of_two_segments_stand_one_on_the_other(finger):
 
 
 def test_compiled_corners_are_those_of_the_laws():
-    """At the stations by the laws in NumPy, to the single precision of coefficients; between them by the weights."""
+    """At the stations by the laws in NumPy, to the single precision of coefficients; between them by the weights.
+
+    Beyond the trained wrenches too.
+    """
     rod, random = TouchedSegment.load().rod, np.random.default_rng(2)
     (own,) = rod.segments
     stations = stations_of(own.outlines, rod.half_lengths[0])
     assert (np.diff(stations) > 0).all() and stations[[0, -1]] == pytest.approx([0.0, own.length - PLATE / 2])
     known = places_between(stations)
-    for _ in range(10):
+    beyond = 0
+    for share in np.repeat([1.0, 10.0], 10):
         tensions = 80 * random.random(2)
-        wrench = random.uniform(-1, 1, (1, 6)) * np.repeat([2.0, 0.02], 3)
+        wrench = share * random.uniform(-1, 1, (1, 6)) * np.repeat([2.0, 0.05], 3)
+        beyond += not rod.place(tensions, wrench).inside
         at_rest = np.array([[x, *corner] for x in stations[1:-1] for corner in SQUARE[:, 1:]])
         inner = points_in_space(rod, placed(rod, tensions, wrench), at_rest).reshape(-1, 4, 3)
         found = sections(rod.struct, tensions, wrench)[0]
         corners = np.concatenate([found[:1], inner, found[-2:-1]])
         near = corners[known["first"][:, None] + np.arange(known["near"])]
         assert found[:-1] == pytest.approx(np.einsum("pk,pkij->pij", known["between"], near), abs=2e-9)
+    assert 3 < beyond < 17
 
 
 def test_places_interpolate_cubics_exactly_wherever_the_stations_are():
@@ -111,7 +117,9 @@ def test_a_finger_of_another_size_is_noticed_as_early_by_its_size(finger):
 def a_segment(outlines: list) -> native.Segment:
     """A rod of two elements of one law."""
     element = laws.law(2, 0, degree=1)
-    return native.Segment(elements=[element] * 2, half_lengths=np.array([0.0005, 0.005, 0.005]), outlines=outlines)
+    return native.Segment(
+        elements=laws.as_maps([element] * 2), half_lengths=np.array([0.0005, 0.005, 0.005]), outlines=outlines
+    )
 
 
 def an_outline(stations: int = 2, **changes) -> native.Outline:
