@@ -1,12 +1,12 @@
-"""The trained fingers that come with the repository: a segment's map, and a surrogate of the paper's plane."""
+"""The trained fingers that come with the repository: a rod of elements, and a surrogate of the paper's plane."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
-from rom.segment import touched_segment
 
 from rom import Surrogate, TouchedSegment
+from rom.rod import touched_segment
 from rom.surrogate import SHIPPED
 
 MAKEFILE = Path(__file__).resolve().parents[2] / "Makefile"
@@ -29,15 +29,21 @@ def test_they_are_small_enough_to_track_and_made_by_a_command(file, name):
     assert f"-o rom/{file.name}" in text[text.index(f"\n{name}:\n") :].split("\n\n")[0]
 
 
-def test_the_map_is_as_good_as_its_mesh_and_knows_what_a_finer_one_shows(finger):
-    made, measured = finger.segment.provenance, finger.segment.accuracy
-    assert finger.scene["mesh"]["cells"] == [24, 6] and made["coarse"]["mesh"]["order"] == 1
-    assert made["mesh_error"]["cells"] == [32, 7] and made["mesh_error"]["states"] == 60
-    assert measured["contact_force"]["median"] < 0.003 and measured["contact_force"]["p95"] < 0.02
-    assert measured["touch"]["wrong"] == 0
+def test_the_finger_is_better_than_its_mesh_and_was_measured_on_held_out_states(finger):
+    left_out, measured = finger.rod.elements.provenance["left_out"], finger.rod.accuracy
+    assert finger.scene["mesh"]["cells"] == [24, 6] and finger.scene["mesh"]["order"] == 2
+    assert left_out["contact_force"]["p95"] < 0.02 and left_out["free_place_m"]["p95"] < 5e-5
+    assert measured["contact_force"]["median"] < 0.005 and measured["contact_force"]["p95"] < 0.02
     answer = finger.evaluate([50.0, 20.0, 0.010])
     for quantity, error in answer.error.items():
         assert error == sum(part[quantity] for part in answer.error_parts.values()) > 0
+
+
+def test_the_finger_is_made_of_clamp_interior_elements_and_plate(finger):
+    (own,) = finger.rod.pieces
+    assert [one.kind for one in own[:: len(own) - 1]] == ["plate", "clamp"]
+    assert len(own) > 2 and {one.kind for one in own[1:-1]} == {"interior"}
+    assert sum(one.length for one in own) == pytest.approx(finger.rod.rest[0])
 
 
 def test_the_surrogate_of_the_plane_agrees_with_it_within_both_estimates(finger, plane):
