@@ -110,7 +110,8 @@ class Sources:
             )
             parts += [_renamed(one, names) for one in file.own]
         root = Declaration(text=renamed(needed, shared), names=frozenset())
-        return "".join(_internal(one) for one in _reached(root, parts))
+        found = [_internal(one) for one in _reached(root, parts)]
+        return "".join(one if one.startswith("\n") else f"\n{one}" for one in found)
 
 
 def _renamed(one: Declaration, names: Mapping[str, str]) -> Declaration:

@@ -30,28 +30,29 @@ def definitions(struct: Any, prefix: str = "part_", aligned: bool = False) -> tu
 
 @dataclass(kw_only=True)
 class _Parts:
-    """Definitions as they are made: owners of memory and names of what is defined, both by address."""
+    """Definitions as they are made: owners of memory, by address; names of what is defined, by that and by contents."""
 
     owners: dict[int, Any]
     prefix: str
     aligned: bool
     names: dict[int, str] = field(default_factory=dict)
+    alike: dict[str, str] = field(default_factory=dict)
     lines: list[str] = field(default_factory=list)
 
     def define(self, at: int) -> str:
-        """The name of what lies at an address here; what it points to is defined before it."""
+        """The name of what lies at an address here; what it points to is defined before it, and nothing twice."""
         if at not in self.names:
             owner = self.owners[at]
             kind = SEGMENT.ffi.typeof(owner)
             single, of = kind.kind == "pointer", kind.item
             values = [self._value(of, one) for one in ([owner[0]] if single else owner)] or ["0"]
-            name = self.names[at] = f"{self.prefix}{len(self.names)}"
-            declared = f"{of.item.cname} *const" if of.kind == "pointer" else of.cname
-            rows = [", ".join(values[k : k + PER_LINE]) for k in range(0, len(values), PER_LINE)]
-            aligned = f"{ALIGNED} " if self.aligned and of.kind == "primitive" else ""
-            self.lines.append(
-                f"{aligned}static const {declared} {name}[{len(values)}] = {{\n" + ",\n".join(rows) + "};\n"
-            )
+            kind_name = f"{of.item.cname} *const" if of.kind == "pointer" else of.cname
+            rows = ",\n".join(", ".join(values[k : k + PER_LINE]) for k in range(0, len(values), PER_LINE))
+            contents = f"[{len(values)}] = {{\n{rows}}};\n"
+            self.names[at] = self.alike.setdefault(f"{kind_name} {contents}", f"{self.prefix}{len(self.alike)}")
+            if len(self.lines) < len(self.alike):
+                aligned = f"{ALIGNED} " if self.aligned and of.kind == "primitive" else ""
+                self.lines.append(f"{aligned}static const {kind_name} {self.names[at]}{contents}")
         return self.names[at]
 
     def _value(self, kind: Any, value: Any) -> str:

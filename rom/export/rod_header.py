@@ -22,19 +22,21 @@ from rom.rod.touched_segment import TouchedSegment
 NATIVE = Path(__file__).parent / "native"
 PUBLIC = "fingerfem_object", "FINGERFEM_PLANE"  # by these: the type of objects, and the enum of shapes
 EXAMPLE, DEEP = 0.3, 2 / 3  # of the leading tension's range, and of the touch distance there: a point in contact [-]
-STACK, STACK_OF_PLATES = 28, 6  # [kB]: of one plate, and of the plates' number squared, see test_c_header_rod
+# The stack that gcc takes, times 1.25 or so, which tests measure: by the plates and their square, for matrices of all
+# wrenches, and by the powers of a polynomial [kB].
+STACK, BY_PLATE, BY_PLATES, BY_POWER = 13.0, 6.0, 4.2, 0.35
 
 
 def rod_header(model: TouchedSegment, name: str) -> str:
     """The text of a header whose names begin with `name`, a C identifier."""
     chain = model.touching.chain
-    memory = SEGMENT.functions.fingerfem_chain_memory(chain)
+    memory, limits = SEGMENT.functions.fingerfem_chain_memory(chain), _limits(model)
     types, sources = Sources.of(SEGMENT.units).taken_out(PUBLIC)
     objects = _template("rod_objects.h.in").replace("@TYPES@\n", types)
     lines, touching = definitions(model.touching, f"{name}__part_", aligned=True)
     texts = _about(model) | {
         "FINGERPRINT": str(model.rod.elements.provenance.get("fingerprint", "unknown")),
-        "STACK": str(STACK + STACK_OF_PLATES * (chain.plates**2 - 1)),
+        "STACK": f"{_stack(limits):.0f}",
         "TENSIONS": str(chain.tensions),
         "PLATES": str(chain.plates),
         "MEMORY": str(memory),
@@ -49,7 +51,7 @@ def rod_header(model: TouchedSegment, name: str) -> str:
     needed, shared = "".join(lines) + wrapper, sources.shared(f"{name}__")
     code = sources.text(needed, f"{name}__")
     texts |= {
-        "SOURCES": _limited(code, _limits(model)),
+        "SOURCES": _limited(code, limits),
         "NUMBERS": renamed("".join(lines), shared),
         "WRAPPER": renamed(wrapper, shared),
     }
@@ -90,6 +92,12 @@ def _limits(model: TouchedSegment) -> dict[str, int]:
         powers += [one.most_power] if "most_power" in fields else []
         powers += list(known[address(one.most_powers)]) if "most_powers" in fields else []
     return {"FINGERFEM_MOST_PLATES": model.touching.chain.plates, "FINGERFEM_MOST_POWER": max(powers)}
+
+
+def _stack(limits: Mapping[str, int]) -> float:
+    """The most that a call needs [kB]."""
+    plates, power = limits["FINGERFEM_MOST_PLATES"], limits["FINGERFEM_MOST_POWER"]
+    return STACK + BY_PLATE * plates + BY_PLATES * plates**2 + BY_POWER * (power + 1)
 
 
 def _limited(code: str, limits: Mapping[str, int]) -> str:
