@@ -88,8 +88,10 @@ def declared(code: list[str]) -> set[str]:
         names |= {one for before, one in zip([",", *inner], inner, strict=False) if before == ","}
     if "(" in flat and flat[0] != "typedef":
         return names | {flat[flat.index("(") - 1]}
-    end = min(flat.index(one) for one in ("[", "=", ";") if one in flat)
-    return names | ({flat[end - 1]} - {"}"})
+    for one in " ".join(flat[:-1]).split(" , "):
+        before = re.split(r" [\[=]", one)[0].split()
+        names |= {before[-1]} - {"}"}
+    return names
 
 
 def renamed(text: str, names: Mapping[str, str]) -> str:

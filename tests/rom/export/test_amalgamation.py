@@ -44,7 +44,7 @@ ONE = """/* Sizes. */
 #define FACTOR 2
 #endif
 enum { SECOND = 1 };
-static const double table[MOST] = {1.0, NEAR, 3.0};
+static const double table[MOST] = {1.0, NEAR, 3.0}, step = 5.0;
 
 /* "turn" of this file. */
 __attribute__((always_inline)) static inline double turn(const part *one) { return one->turn * FACTOR; }
@@ -53,7 +53,7 @@ double size_of(const part *one)
 {
     double sum = 0.0;
     for (int k = 0; k < MOST; k++) sum += one->size[k] * table[k];
-    return sum + turn(one) * SECOND;
+    return sum + turn(one) / step * SECOND;
 }
 
 double unused(const part *one, void (*ask)(void))
@@ -69,8 +69,9 @@ enum { SECOND = 2 };
 typedef struct {
     double last;
 } corner;
+static const double step = 1.0;
 
-static double turn(corner one) { return one.last * SECOND; }
+static double turn(corner one) { return one.last * SECOND * step; }
 
 double area_of(const part *one) { return NEAR * size_of(one) + turn((corner){.last = one->turn}); }
 """
@@ -107,7 +108,7 @@ def test_two_files_with_the_same_names_become_one_that_computes_the_same(sources
     line = [str(COMPILER), "-std=c11", "-Wall", "-Wextra", "-Werror", "-o", "all", "all.c"]
     done = subprocess.run(line, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0 and done.stderr == "", done.stderr
-    size = 1.0 + 2.0 * 1e-3 + 3.0 * 3.0 + 5.0 * 2
+    size = 1.0 + 2.0 * 1e-3 + 3.0 * 3.0 + 5.0 * 2 / 5.0
     printed = subprocess.run([tmp_path / "all"], capture_output=True, text=True).stdout
     assert float(printed) == pytest.approx(10.0 * size + 5.0 * 2, rel=1e-13)
 
