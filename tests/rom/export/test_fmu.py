@@ -17,7 +17,7 @@ import pytest
 from rom import Surrogate, TouchedSegment
 from rom.checked_file import ModelError
 from rom.export.fmu import archive, write
-from rom.export.fmu.numbers import literal
+from rom.export.numbers import literal
 from rom.export.fmu.variables import model_interface
 
 fmpy = pytest.importorskip("fmpy", reason="needs FMPy (make test installs it)")
