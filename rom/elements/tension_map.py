@@ -14,10 +14,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rom.brief import brief
+
 RESULTANTS = 1  # highest order of the moments that are resultants
 DEPENDENT = 1e-6  # part of a moment below which it is one of lower moments [-]
 
 
+@brief
 class TensionMap(NamedTuple):
     """Variables of a polynomial in place of t tensions.
 

@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from assembled import in_series
 
 import control
 import rom
 from control import Finger, Gripper, Limits
-from rom import BackedSegment, Chain, SegmentMap, Surrogate, TouchedSegment
+from rom import BackedSegment, Rod, Surrogate, TouchedSegment
 from rom.rod.inverse_map import InverseMap
 
 POINT = [50.0, 20.0, 0.012]
@@ -19,8 +20,8 @@ HULL = {"vertices": [(x, y, z) for x in (0, 0.01) for y in (0, 0.01) for z in (0
 WHERE = {"centre": (0.0, 0.01, 0.0), "direction": (0.0, 1.0, 0.0)}
 
 
-def segment() -> SegmentMap:
-    return TouchedSegment.load().rod.segments[0]
+def rod() -> Rod:
+    return TouchedSegment.load().rod
 
 
 def backed() -> BackedSegment:
@@ -47,11 +48,10 @@ def pulled(plant) -> list:
 CLASSES = {
     "Answer": (lambda: Surrogate.load().evaluate(POINT), lambda one: [one.tip, one.contact_force]),
     "BackedSegment": (backed, answered),
-    "Chain": (lambda: Chain([segment(), segment()]), lambda one: [one.place([20.0, 0.0]).centres]),
     "Cylinder": (lambda: rom.Cylinder(radius=0.01, **WHERE), lambda one: [one.numbers()["axis"]]),
     "Hull": (lambda: rom.Hull(**HULL, **WHERE), lambda one: [one.numbers()["heights"]]),
     "Plane": (lambda: rom.Plane(normal=(0.0, -1.0, 0.0), **WHERE), lambda one: [one.numbers()["axis"]]),
-    "SegmentMap": (segment, lambda one: [one.struct.groups, one.place([20.0, 0, 0, -1, 0, 0, 0, 0]).centre]),
+    "Rod": (lambda: in_series(rod(), 2), lambda one: [one.struct.plates, one.place([20.0, 0.0]).centres]),
     "Sphere": (lambda: rom.Sphere(radius=0.01, **WHERE), lambda one: [one.numbers()["radius"]]),
     "Surrogate": (Surrogate.load, answered),
     "TouchedSegment": (TouchedSegment.load, answered),
@@ -87,7 +87,7 @@ CLASSES = {
         lambda one: [one.step(0.0).copy() for _ in range(3)] + [one.step(0.3).copy() for _ in range(3)],
     ),
     "InverseMap": (
-        lambda: InverseMap(segment()),
+        lambda: InverseMap(rod().segments[0]),
         lambda one: [one.find([20.0, 0], [0.047, 0.012, 0], [0.97, 0, 0, 0.24]) and one.wrench.copy(), *one.spring()],
     ),
 }

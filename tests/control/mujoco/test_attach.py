@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from assembled import in_series
 
 mujoco = pytest.importorskip("mujoco")
 
 from control.mujoco import Simulation, attach, attach_gripper  # noqa: E402
-from rom import Chain, TouchedSegment  # noqa: E402
+from rom import TouchedSegment  # noqa: E402
 
 HAND = """
 <mujoco>
@@ -30,70 +31,70 @@ ARM = """
 
 
 @pytest.fixture(scope="module")
-def segment():
-    return TouchedSegment.load().segment
+def rod():
+    return TouchedSegment.load().rod
 
 
 def hand(compiler=""):
     return mujoco.MjSpec.from_string(HAND.format(compiler=compiler))
 
 
-def rests(simulation, finger, chain, tensions):
-    """Whether a finger's plates rest where its maps have them."""
+def rests(simulation, finger, rod, tensions):
+    """Whether a finger's plates rest where its elements have them."""
     clamp = simulation.data.body(finger.clamp)
     centres = [simulation.data.body(plate).xpos - clamp.xpos for plate in finger.plates]
     found = np.array(centres) @ clamp.xmat.reshape(3, 3)
-    return np.abs(found - chain.place(tensions).centres).max() < 1e-6
+    return np.abs(found - rod.place(tensions).centres).max() < 1e-6
 
 
-def test_two_grippers_stand_in_one_model_by_their_names(segment):
+def test_two_grippers_stand_in_one_model_by_their_names(rod):
     spec = hand()
-    fingers = [*attach_gripper(spec, segment, "palm", name="left")]
-    fingers += attach_gripper(spec, segment, "other palm", name="right")
+    fingers = [*attach_gripper(spec, rod, "palm", name="left")]
+    fingers += attach_gripper(spec, rod, "other palm", name="right")
     assert [one.name for one in fingers] == [f"{side} {k}" for side in ("left", "right") for k in range(3)]
     simulation = Simulation(spec.compile(), fingers)
     tensions = np.random.default_rng(0).uniform(0.0, 20.0, (6, 2))
     for k, one in enumerate(tensions):
         simulation.pull(k, one)
     simulation.advance(0.5)
-    assert all(rests(simulation, *each) for each in zip(fingers, [Chain([segment])] * 6, tensions, strict=True))
+    assert all(rests(simulation, *each) for each in zip(fingers, [rod] * 6, tensions, strict=True))
 
 
 @pytest.mark.parametrize(
     ("name", "taken"), [("finger", "finger clamp"), ("back", "back plate 0"), ("back", "back plate 0 turn")]
 )
-def test_a_name_that_the_model_has_already_is_refused(segment, name, taken):
+def test_a_name_that_the_model_has_already_is_refused(rod, name, taken):
     spec = hand()
     if name == "finger":
-        attach(spec, segment, "palm")
+        attach(spec, rod, "palm")
     elif taken.endswith("turn"):
         spec.body("palm").add_joint(name=taken)
     else:
         spec.body("palm").add_geom(name=taken, size=[0.01, 0.0, 0.0])
     bodies = len(spec.bodies)
     with pytest.raises(ValueError, match=f"must be free in the model, got '{name}' where '{taken}' exists"):
-        attach(spec, segment, "other palm", name=name)
+        attach(spec, rod, "other palm", name=name)
     assert len(spec.bodies) == bodies
 
 
-def test_hands_with_prefix_and_suffix_stand_on_an_arm(segment):
-    chain, arm, fingers = Chain([segment, segment]), mujoco.MjSpec.from_string(ARM), []
+def test_hands_with_prefix_and_suffix_stand_on_an_arm(rod):
+    both, arm, fingers = in_series(rod, 2), mujoco.MjSpec.from_string(ARM), []
     for affix, site in (({"prefix": "left/"}, "flange"), ({"prefix": "right/", "suffix": " too"}, "other flange")):
         own = hand()
-        fingers += [one.renamed(**affix) for one in attach_gripper(own, chain, "palm", fingers=2)]
+        fingers += [one.renamed(**affix) for one in attach_gripper(own, both, "palm", fingers=2)]
         arm.attach(own, site=arm.site(site), **affix)
     simulation = Simulation(arm.compile(), fingers)
     tensions = np.random.default_rng(1).uniform(0.0, 15.0, (4, 2))
     for k, one in enumerate(tensions):
         simulation.pull(k, one)
     simulation.advance(1.0)
-    assert all(rests(simulation, finger, chain, one) for finger, one in zip(fingers, tensions, strict=True))
+    assert all(rests(simulation, finger, both, one) for finger, one in zip(fingers, tensions, strict=True))
     assert [one.name for one in fingers][::2] == ["left/finger 0", "right/finger 0 too"]
 
 
-def test_a_hand_whose_names_have_changed_is_refused_with_the_call_that_renames_it(segment):
+def test_a_hand_whose_names_have_changed_is_refused_with_the_call_that_renames_it(rod):
     own, arm = hand(), mujoco.MjSpec.from_string(ARM)
-    fingers = attach_gripper(own, segment, "palm")
+    fingers = attach_gripper(own, rod, "palm")
     arm.attach(own, prefix="left/", site=arm.site("flange"))
     model = arm.compile()
     with pytest.raises(ValueError, match=r"'finger 0 clamp'.*use Attached\.renamed\(prefix='left/', suffix=''\)"):
@@ -114,8 +115,8 @@ def test_a_hand_whose_names_have_changed_is_refused_with_the_call_that_renames_i
         ('boundmass="0.01"', "mass of 'finger clamp' must be"),
     ],
 )
-def test_a_compiler_that_changes_the_finger_is_refused(segment, compiler, wrong):
+def test_a_compiler_that_changes_the_finger_is_refused(rod, compiler, wrong):
     spec = hand(compiler)
-    finger = attach(spec, segment, "palm")
+    finger = attach(spec, rod, "palm")
     with pytest.raises(ValueError, match=f"{wrong}.*compile it without fusestatic, discardvisual, settotalmass"):
         Simulation(spec.compile(), [finger])

@@ -50,13 +50,13 @@ def test_what_follows_in_a_moment_is_friction_and_weight_and_not_along_the_norma
 
 
 def test_closed_loops_do_no_work(model):
-    assert physics.pose_loop(model.segment)["share"] < 1e-3
-    assert physics.tension_loop(model.segment, seconds=10.0)["share"] < 1e-3
+    assert physics.pose_loop(model.rod)["share"] < 1e-3
+    assert physics.tension_loop(model.rod, seconds=10.0)["share"] < 1e-3
 
 
 @pytest.mark.parametrize("friction", [0.3, 0.6])
 def test_a_plate_slides_at_the_angle_of_friction(model, friction):
-    found = physics.sliding(model.segment, friction)
+    found = physics.sliding(model.rod, friction)
     assert found["sliding_median"] == pytest.approx(found["angle"], rel=0.03)
     assert found["largest"] <= found["angle"] * (1 + 1e-6)
     assert found["creep"] < 0.25 * physics.DRAG

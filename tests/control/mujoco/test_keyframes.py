@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from assembled import in_series
 
 mujoco = pytest.importorskip("mujoco")
 
 from control.mujoco import Simulation, attach, attach_gripper  # noqa: E402
-from rom import Chain, TouchedSegment  # noqa: E402
+from rom import TouchedSegment  # noqa: E402
 
 SCENE = """
 <mujoco>
@@ -30,8 +31,8 @@ VELOCITIES = {"first": [1], "ball": [2, 3, 4], "slide": [5], "cup": [6, 7, 8, 9,
 
 
 @pytest.fixture(scope="module")
-def segment():
-    return TouchedSegment.load().segment
+def rod():
+    return TouchedSegment.load().rod
 
 
 def assert_home(simulation):
@@ -46,37 +47,37 @@ def assert_home(simulation):
 
 
 @pytest.mark.parametrize("body", ["world", "link", "wrist", "tool", "cup"])
-def test_coordinates_of_a_keyframe_stay_with_their_joints(segment, body):
+def test_coordinates_of_a_keyframe_stay_with_their_joints(rod, body):
     spec = mujoco.MjSpec.from_string(SCENE)
-    fingers = [attach(spec, Chain([segment, segment]), body), *attach_gripper(spec, segment, "link", name="more")]
+    fingers = [attach(spec, in_series(rod, 2), body), *attach_gripper(spec, rod, "link", name="more")]
     simulation = Simulation(spec.compile(), fingers)
     assert_home(simulation)
     simulation.reset("still")
     assert simulation.data.ctrl[0] == 0.5 and simulation.data.joint("first").qpos == 0.0
 
 
-def test_keyframes_of_an_arm_stay_when_a_hand_is_attached_to_it(segment):
+def test_keyframes_of_an_arm_stay_when_a_hand_is_attached_to_it(rod):
     spec = mujoco.MjSpec.from_string(SCENE)
     hand = mujoco.MjSpec.from_string('<mujoco><worldbody><body name="tool"/></worldbody></mujoco>')
-    fingers = [one.renamed(prefix="hand/") for one in attach_gripper(hand, segment, "tool")]
+    fingers = [one.renamed(prefix="hand/") for one in attach_gripper(hand, rod, "tool")]
     spec.attach(hand, prefix="hand/", frame=spec.body("wrist").add_frame())
-    fingers.append(attach(spec, segment, "cup"))
+    fingers.append(attach(spec, rod, "cup"))
     assert_home(Simulation(spec.compile(), fingers))
 
 
-def test_a_keyframe_of_another_size_is_refused_by_name(segment):
+def test_a_keyframe_of_another_size_is_refused_by_name(rod):
     for name, numbers in (("qpos", 13), ("qvel", 11)):
         spec = mujoco.MjSpec.from_string(SCENE)
         setattr(spec.keys[0], name, np.zeros(numbers - 1))
         with pytest.raises(
             ValueError, match=f"{name} of keyframe 'home' must have {numbers} numbers, got {numbers - 1}"
         ):
-            attach(spec, segment, "link")
+            attach(spec, rod, "link")
 
 
-def test_a_keyframe_that_is_none_is_refused_by_name(segment):
+def test_a_keyframe_that_is_none_is_refused_by_name(rod):
     spec = mujoco.MjSpec.from_string(SCENE)
-    finger = attach(spec, segment, "link")
+    finger = attach(spec, rod, "link")
     simulation = Simulation(spec.compile(), [finger])
     with pytest.raises(ValueError, match=r"keyframe must be one of \['home', 'still'\], got 'start'"):
         simulation.reset("start")

@@ -4,13 +4,13 @@ from itertools import product
 
 import numpy as np
 import pytest
-from scaled import scaled
+from assembled import in_series, scaled
 from scipy.spatial.transform import Rotation
 
 mujoco = pytest.importorskip("mujoco")
 
 from control.mujoco import Simulation, attach  # noqa: E402
-from rom import Chain, TouchedSegment  # noqa: E402
+from rom import TouchedSegment  # noqa: E402
 
 WALL = 0.010  # [m], from the finger
 TENSIONS = np.array([30.0, 5.0])
@@ -35,7 +35,7 @@ def model():
 def sagged(model):
     """Where the plate of the bundled finger rests under its weight, shape (3,) [m]."""
     spec = scene(1.0, gravity=(0, 0, -9.81))
-    finger = attach(spec, model.segment, "palm")
+    finger = attach(spec, model.rod, "palm")
     simulation = Simulation(spec.compile(), [finger])
     simulation.pull(0, TENSIONS)
     simulation.advance(0.6)
@@ -51,10 +51,10 @@ def scene(wall, step=1e-3, gravity=(0, 0, 0), quaternion=(1, 0, 0, 0), friction=
 @pytest.mark.parametrize(("modulus", "mass"), [*product([1e-3, 1.0, 1e3], repeat=2), (10.0, 0.1), (0.1, 10.0)])
 @pytest.mark.parametrize("touches", [False, True])
 def test_modulus_and_mass_do_not_matter_over_six_decades(model, sagged, modulus, mass, touches):
-    segment, slow = scaled(model.segment, modulus=modulus), np.sqrt(mass / modulus)
+    rod, slow = scaled(model.rod, modulus=modulus), np.sqrt(mass / modulus)
     gravity = -9.81 * modulus / mass * (not touches)
     spec = scene(0.005 + WALL if touches else 1.0, step=1e-3 * max(slow / 3, 1.0), gravity=(0, 0, gravity))
-    finger = attach(spec, segment, "palm", density=1100.0 * mass, relaxation=0.005 * slow)
+    finger = attach(spec, rod, "palm", density=1100.0 * mass, relaxation=0.005 * slow)
     simulation = Simulation(spec.compile(), [finger], rate=500.0 * modulus / max(slow, 1.0))
     simulation.pull(0, TENSIONS * modulus)
     simulation.advance(0.6 * max(slow, 1.0))
@@ -68,9 +68,9 @@ def test_modulus_and_mass_do_not_matter_over_six_decades(model, sagged, modulus,
 
 @pytest.mark.parametrize("length", [0.1, 10.0])
 def test_a_finger_of_5_mm_and_one_of_half_a_metre_press_alike(model, length):
-    segment = scaled(model.segment, length=length)
+    rod = scaled(model.rod, length=length)
     spec = scene((0.005 + WALL) * length)
-    finger = attach(spec, segment, "palm", relaxation=0.005 * length)
+    finger = attach(spec, rod, "palm", relaxation=0.005 * length)
     simulation = Simulation(spec.compile(), [finger], rate=500.0 * length**2 / max(length, 1.0))
     simulation.pull(0, TENSIONS * length**2)
     simulation.advance(0.6 * max(length, 1.0))
@@ -81,8 +81,8 @@ def test_a_finger_of_5_mm_and_one_of_half_a_metre_press_alike(model, length):
 @pytest.mark.parametrize("count", [1, 8, 24])
 def test_the_number_of_fingers_does_not_matter(model, count):
     spec, random = scene(1.0), np.random.default_rng(count)
-    chain = Chain([model.segment] * 2)
-    parts = [model.segment if k % 4 else chain for k in range(count)]
+    both = in_series(model.rod, 2)
+    parts = [model.rod if k % 4 else both for k in range(count)]
     fingers = [
         attach(spec, part, "palm", position=(0.0, 0.0, 0.05 * k), name=f"finger {k}") for k, part in enumerate(parts)
     ]
@@ -97,11 +97,11 @@ def test_the_number_of_fingers_does_not_matter(model, count):
         np.testing.assert_allclose(centres, finger.rod.place(one).centres, atol=1e-6)
 
 
-def rested(segment, quaternion, wall, friction, count):
+def rested(rod, quaternion, wall, friction, count):
     """Coordinates, contact force and wrenches of a finger whose base and gravity are rotated."""
     turned = Rotation.from_quat(np.asarray(quaternion)[[1, 2, 3, 0]]).as_matrix()
     spec = scene(wall, gravity=turned @ [1.0, -5.0, 8.0], quaternion=quaternion, friction=friction)
-    finger = attach(spec, Chain([segment] * count), "palm", position=(0.01, 0.0, 0.02))
+    finger = attach(spec, in_series(rod, count), "palm", position=(0.01, 0.0, 0.02))
     simulation = Simulation(spec.compile(), [finger])
     simulation.pull(0, TENSIONS)
     simulation.advance(0.4)
@@ -112,10 +112,10 @@ def rested(segment, quaternion, wall, friction, count):
     ("wall", "friction", "count"), [(1.0, 0.0, 1), (1.0, 0.0, 2), (0.005 + WALL, 0.0, 1), (0.005 + WALL, 0.6, 1)]
 )
 def test_the_orientation_of_the_base_does_not_matter(model, wall, friction, count):
-    expected = rested(model.segment, (1, 0, 0, 0), wall, friction, count)
+    expected = rested(model.rod, (1, 0, 0, 0), wall, friction, count)
     assert (expected[1][0] > 1) == (wall < 1)
     quarter = [(np.sqrt(0.5), 0, 0, np.sqrt(0.5)), (0, 0, 1, 0)]
     for quaternion in [*quarter, *np.random.default_rng(0).normal(size=(4, 4))]:
-        found = rested(model.segment, quaternion / np.linalg.norm(quaternion), wall, friction, count)
+        found = rested(model.rod, quaternion / np.linalg.norm(quaternion), wall, friction, count)
         for one, other in zip(found, expected, strict=True):
             np.testing.assert_allclose(one, other, rtol=0, atol=1e-10)

@@ -9,20 +9,15 @@ from scipy.spatial.transform import Rotation
 from control import Finger
 from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment
 from rom.export.model import MODEL, struct
-from rom.native import SEGMENT, pointer
-from rom.rod import native
+from rom.native import pointer
 from rom.rod.rod import Rod
 from tests.rom.elements import elastic_rod
 from tests.rom.elements.elastic_rod import PLATE, SQUARE, corners_at
+from tests.rom.rod.plates import touch_of_plates
 
 POINTS = 4000
 STEP = 1e-4  # [N]
 NEAR = 3e-6  # how near the assembled surface is to the elastic rod's [m]
-
-
-@pytest.fixture(scope="module")
-def finger(rod_states, rod_elements) -> Rod:
-    return Rod(elements=rod_elements, scene=rod_states.scene)
 
 
 @pytest.fixture(scope="module")
@@ -34,16 +29,6 @@ def shipped() -> TouchedSegment:
 def points(shipped) -> np.ndarray:
     lower, upper = shipped.limits
     return lower + (upper - lower) * np.random.default_rng(0).random((POINTS, len(lower)))
-
-
-def touch_of_plates_alone(model: TouchedSegment, point: np.ndarray) -> float:
-    """The touch distance where the rubber touches nothing [m]."""
-    t, n = len(model.names) - 1, len(model.rod.segments)
-    wrench, out, jacobian, inside = np.zeros(6 * n), np.empty(5), np.empty((5, t + 1)), np.empty(1, np.int32)
-    given = [*map(pointer, (wrench, out, jacobian)), pointer(inside, "int32_t[]")]
-    memory = native.memory_of(model.rod.struct)
-    SEGMENT.functions.fingerfem_press(model.touching, pointer(np.array(point, float)), memory, *given)
-    return float(out[4])
 
 
 def test_the_rubber_s_gap_is_the_elastic_rod_s(finger):
@@ -93,7 +78,7 @@ def test_rubber_that_touches_is_noticed_and_marked(finger):
 
 def test_every_answer_has_one_touch_distance(shipped, points):
     answers, outputs = shipped.evaluate(points), shipped.outputs(points)
-    alone = np.array([touch_of_plates_alone(shipped, point) for point in points])
+    alone = np.array([touch_of_plates(shipped, point) for point in points])
     rubber_first = outputs[:, 4] > alone
     assert 0.01 < rubber_first.mean() < 0.1 and (outputs[:, 4] >= alone).all()
     assert np.array_equal(answers.touch_distance, outputs[:, 4])
@@ -132,7 +117,7 @@ def test_c_alone_has_the_same_touch_distance_and_derivative(shipped, points):
 def test_reach_stays_clear_of_the_plane_with_the_rubber_too(shipped, points):
     finger, free = Finger(shipped), points.copy()
     free[:, -1] = np.inf
-    reaches, alone = shipped.outputs(free), np.array([touch_of_plates_alone(shipped, point) for point in free])
+    reaches, alone = shipped.outputs(free), np.array([touch_of_plates(shipped, point) for point in free])
     some = np.flatnonzero((reaches[:, 4] > alone + 1e-6) & (reaches[:, 4] > 2e-5))
     assert len(some) > 40
     for i in some:
@@ -174,7 +159,7 @@ def test_at_the_touch_distance_the_rubber_has_no_gap_and_before_it_has_one(finge
     for _ in range(60):
         model, tensions = in_the_way(finger, random, shape)
         free = np.array([*tensions, np.inf])
-        touch, alone = model.outputs(free)[0, 4], touch_of_plates_alone(model, free)
+        touch, alone = model.outputs(free)[0, 4], touch_of_plates(model, free)
         assert touch >= alone
         if not (touch > alone and np.isfinite(touch) and abs(touch) < 0.05):
             continue
