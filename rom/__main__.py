@@ -236,10 +236,12 @@ def export_model(
 ) -> None:
     """Write a model for those without Python: a C99 header, FINGER.h, or an FMU for co-simulation, FINGER.fmu.
 
-    A header has values and gradients of a separated surrogate, without allocation; its name begins every name in it.
+    A header has values and gradients of a model, without allocation; its name begins every name in it.
     An FMU has C sources and a library for Linux in it.
     """
     check_folder(output)
+    if kind_of(model) == rod.KIND and tolerance:
+        raise ValueError(f"tolerance must be left out for a finger of elements, got {tolerance:g}")
     if output.suffix.lower() != ".fmu":
         from rom.export.c_header import export
 
@@ -247,14 +249,14 @@ def export_model(
             raise ValueError(f"output must be named .h or .fmu, got {output}; rom page writes .html")
         if controller or fmi != 3:
             raise ValueError(f"output must be named .fmu for --fmi and --controller, got {output}")
-        export(Surrogate.load(model, tolerance=tolerance), output)
+        rods = kind_of(model) == rod.KIND
+        export(TouchedSegment.load(model) if rods else Surrogate.load(model, tolerance=tolerance), output)
+        say(f"{output}: {output.stat().st_size / 1e6:.1f} MB; its first lines describe it")
         return
     from rom.export.fmu import write
 
     if kind_of(model) != rod.KIND:
         write(Surrogate.load(model, tolerance=tolerance), output, fmi, controller)
-    elif tolerance:
-        raise ValueError(f"tolerance must be left out for a finger of elements, got {tolerance:g}")
     else:
         write(TouchedSegment.load(model), output, fmi, controller)
     say(f"{output}: FMI {fmi}.0 for co-simulation, {output.stat().st_size / 1e6:.1f} MB")

@@ -30,7 +30,10 @@ SURROGATE = Kind(
 )
 ROD = Kind(
     "a finger of rod elements",
-    ("rom info", "rom assemble", "rom check", "rom export .fmu", "rom page .html", *_CONTROL, "fingerfem certify"),
+    (
+        *("rom info", "rom assemble", "rom check", "rom export .h", "rom export .fmu", "rom page .html"),
+        *(*_CONTROL, "fingerfem certify"),
+    ),
 )
 AGAIN = "none any more: solve its scene again by fingerfem snapshots SCENE.toml SET/, then rom build SET/ -o FINGER.h5"
 OLD = Kind("a segment map of an earlier version", (AGAIN,))

@@ -19,7 +19,7 @@ from rom.snapshots.grid import levels
 
 # Weights of powers, measured [-]: of combinations of tensions by the order of their moment, and of higher ones; of a
 # wrench's force and moment.
-BY_ORDER, HIGHER, WRENCH = (0.8, 0.8, 1.0), 2.0, (2.0, 1.0)
+BY_ORDER, HIGHER, WRENCH = (0.8, 0.8, 1.25), 2.0, (2.0, 1.0)
 MOST = 3000  # products of a regression: bounds memory and time
 STEP = 0.5  # between weighted degrees that are tried [-]
 ROWS = 1.5  # rows a fit has at least for every coefficient [-]
@@ -90,8 +90,10 @@ def candidates(
     while len(powers := _products(weights, highest, most_lengths)) > MOST:
         highest -= STEP
     equations = NormalEquations(lower, upper, powers, max(fold_of.values()) + 1, samples[0].values.shape[1])
-    for one in samples:
-        _add(equations, one, tension_map.matrix, np.array([fold_of[line] for line in one.lines.tolist()]))
+    rows = [_rows(one, tension_map.matrix, several) for one in samples]
+    fold = np.array([fold_of[line] for one in samples for line in one.lines.tolist()])
+    inputs, values, jacobians = (np.concatenate(part) for part in zip(*rows, strict=True))
+    equations.add(inputs, values, jacobians, fold)
     equations.add_images(images)
     return Candidates(
         equations=equations,
@@ -103,14 +105,13 @@ def candidates(
     )
 
 
-def _add(equations: NormalEquations, samples: Samples, tension_map: np.ndarray, fold: np.ndarray) -> None:
-    """Add samples of one length to equations, by combinations of tensions; per length where that is an input."""
+def _rows(samples: Samples, tension_map: np.ndarray, by_length: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Inputs, values and derivatives of samples by combinations of tensions; per length where that is an input."""
     inputs, jacobians = (combined(part, tension_map) for part in (samples.inputs, samples.jacobians))
-    size = 1.0
-    if len(equations.lower) > inputs.shape[1]:
-        size = samples.length
-        inputs = np.column_stack([inputs, np.full(len(inputs), size)])
-    equations.add(inputs, samples.values / size, jacobians / size, fold)
+    if not by_length:
+        return inputs, samples.values, jacobians
+    inputs = np.column_stack([inputs, np.full(len(inputs), samples.length)])
+    return inputs, samples.values / samples.length, jacobians / samples.length
 
 
 def _products(weights: np.ndarray, degree: float, most_lengths: int | None) -> np.ndarray:

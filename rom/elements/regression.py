@@ -17,7 +17,7 @@ from rom.fit.chebyshev import Polynomial, products
 
 DERIVATIVES = 0.3  # weight of a derivative by an input scaled to [-1, 1], beside a value [-]
 RIDGE = 1e-13  # of the normal equations' largest entry: round-off of a double's sums [-]
-ROWS = 2000  # rows of values that are worked on at once: bounds the memory
+ROWS = 4000  # rows of values and derivatives that are worked on at once: bounds the memory
 
 
 class NormalEquations:
@@ -49,30 +49,33 @@ class NormalEquations:
         half = (self.upper - self.lower) / 2
         for k in range(self.folds):
             own = np.flatnonzero(fold == k)
-            for part in np.array_split(own, len(own) // ROWS + 1):
+            axes = range(jacobians.shape[2])
+            for part in np.array_split(own, len(own) * (1 + len(axes)) // ROWS + 1):
                 scaled = (inputs[part] - self.lower) / half - 1
-                self._add(k, products(scaled, self.powers), values[part])
-                for a in range(jacobians.shape[2]):
-                    rows = DERIVATIVES * products(scaled, self.powers, a)
-                    self._add(k, rows, DERIVATIVES * half[a] * jacobians[part, :, a])
-
-    def _add(self, fold: int, rows: np.ndarray, values: np.ndarray) -> None:
-        self.rows[fold] += len(rows)
-        self._gram[fold] += rows.T @ rows
-        self._right[fold] += rows.T @ values
+                slopes = [DERIVATIVES * products(scaled, self.powers, a) for a in axes]
+                wanted = [DERIVATIVES * half[a] * jacobians[part, :, a] for a in axes]
+                rows = np.concatenate([products(scaled, self.powers), *slopes])
+                self.rows[k] += len(rows)
+                self._gram[k] += rows.T @ rows
+                self._right[k] += rows.T @ np.concatenate([values[part], *wanted])
 
     def add_images(self, mirrors: Sequence[Mirror]) -> None:
         """Add the images of all samples by mirrors of the inputs, under which the box and the products are the same.
 
         A mirror makes of the input x_i the input s_i x_j, so of a product with powers a the product with the same
         powers of the permuted inputs, times prod_i s_i^a_i. The normal equations of the images are therefore those of
-        the samples with rows and columns permuted and changed in sign.
+        the samples with rows and columns permuted and changed in sign. Mirrors that differ in signs alone are summed
+        first.
         """
         images = [(*self._permutation(mirror.inputs), mirror.values) for mirror in mirrors]
+        signs: dict[tuple[int, ...], list[np.ndarray]] = {}
+        for place, sign, _ in images:
+            signs.setdefault(tuple(place), []).append(sign)
         for k in range(self.folds):
             gram, right = self._gram[k].copy(), self._right[k].copy()
+            for permuted, alike in signs.items():
+                self._gram[k] += np.transpose(alike) @ np.array(alike) * gram[np.ix_(permuted, permuted)]
             for place, sign, values in images:
-                self._gram[k] += sign[:, None] * gram[np.ix_(place, place)] * sign
                 self._right[k] += sign[:, None] * right[place] @ values.T
         self.rows *= 1 + len(images)
 

@@ -96,8 +96,9 @@ def points_in_space(rod: Rod, elements: list[list[Placed]], points: np.ndarray) 
         points: at rest; those in a plate move with it.
     """
     found, half, ahead = np.empty_like(points), rod.half_lengths[1], rod.half_lengths[0]
-    for x in np.unique(points[:, 0]):
-        own = points[:, 0] == x
+    along = np.minimum(points[:, 0], elements[-1][0].at + ahead)  # round-off beyond the tip is the tip
+    for x in np.unique(along):
+        own = along == x
         one = next(
             one for segment in elements for one in reversed(segment) if x <= one.at + ahead * (one is segment[0])
         )

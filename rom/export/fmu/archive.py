@@ -15,9 +15,9 @@ from typing import Any
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.export.fmu import description
-from rom.export.fmu.numbers import definitions, literal
 from rom.export.fmu.variables import OUTPUTS, Interface, Variable, controller_interface, model_interface
 from rom.export.model import MODEL, errors_of
+from rom.export.numbers import definitions, literal
 from rom.native import FLAGS, compiler
 from rom.rod.touched_segment import TouchedSegment
 from rom.surrogate import Surrogate

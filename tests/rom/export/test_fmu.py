@@ -17,8 +17,8 @@ import pytest
 from rom import Surrogate, TouchedSegment
 from rom.checked_file import ModelError
 from rom.export.fmu import archive, write
-from rom.export.fmu.numbers import literal
 from rom.export.fmu.variables import model_interface
+from rom.export.numbers import literal
 
 fmpy = pytest.importorskip("fmpy", reason="needs FMPy (make test installs it)")
 from fmpy.fmi1 import FMICallException  # noqa: E402
