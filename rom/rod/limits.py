@@ -9,6 +9,7 @@ import numpy as np
 
 from rom.checked_file import require
 from rom.elements.law import ElementMap
+from rom.elements.march import march
 from rom.elements.pieces import MOST_ELEMENTS
 from rom.fit.chebyshev import Polynomial
 from rom.rod.wrench_products import padded
@@ -16,9 +17,11 @@ from rom.rod.wrench_products import padded
 if TYPE_CHECKING:
     from rom.rod.native import Outline, Segment
     from rom.rod.rod import Rod
+    from rom.rod.segment import Segment as RodSegment
 
 MOST_TENSIONS, MOST_POWER = 8, 31  # as in native/segment.h
 MOST_PRODUCTS = 1 << 20  # of a polynomial: with these, places in memory are counted in 32 bits
+FARTHEST = 2.0  # a plate that nothing touches, from its clamp, over its segment's length [-]
 FACTORS = "finer_mesh_factors must be finite and above 0"
 MOST_STATIONS = 16  # of an element's outline; one side long it has two
 WRENCH, ELEMENT, CORNERS, STATION = 6, 6, 24, 12  # numbers of a wrench, an element's pose, a plate's corners, a station
@@ -30,8 +33,12 @@ def check(rod: Rod) -> None:
     Raises:
         ModelError: one line that names what and its limit.
     """
-    for one in rod.segments:
+    for k, one in enumerate(rod.segments):
         check_rod(one.condensed)
+        with np.errstate(all="ignore"):
+            away = np.linalg.norm(_ends_of_free_plate(one), axis=1)
+        near = bool((away < FARTHEST * one.length).all())  # not where it is nan
+        require(near, f"free plate {k + 1} must be within {FARTHEST:g} lengths of its clamp", away.tolist())
     for name in ("force_error", "place_error", "place_error_by_force", "skin_error"):
         value = getattr(rod, name)
         require(0 <= value < np.inf, f"{name} must be finite and at least 0", value)
@@ -39,6 +46,12 @@ def check(rod: Rod) -> None:
     usable = isinstance(factors, dict) and all(isinstance(one, (int, float)) for one in factors.values())
     require(usable and all(0 < one < np.inf for one in factors.values()), FACTORS, factors)
     require(isinstance(rod.accuracy, dict), "accuracy must be a table", rod.accuracy)
+
+
+def _ends_of_free_plate(segment: RodSegment) -> np.ndarray:
+    """Where the plate is without a wrench at no tensions and at the largest, seen from the clamp, shape (2, 3) [m]."""
+    lowest, highest = segment.elements[0].tensions
+    return march(segment.elements, np.array([lowest, highest]), np.zeros((2, WRENCH))).plate[0]
 
 
 def check_rod(segment: Segment) -> None:

@@ -232,7 +232,7 @@ def asked_of_a_rod(model: TouchedSegment, points: np.ndarray) -> None:
     inverse = InverseMap(first)
     inverse.find(points[4, :-1], centre + 1e-4, [1.0, 0.0, 0.0, 0.0])
     inverse.spring()
-    where: dict[str, Any] = {"centre": tuple(centre + 0.01), "direction": (0.3, 1.0, 0.2)}
+    where: dict[str, Any] = {"centre": tuple(np.nan_to_num(centre) + 0.01), "direction": (0.3, 1.0, 0.2)}
     corners = 0.004 * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     for one in (Sphere(radius=0.005, **where), Hull(vertices=[tuple(row) for row in corners], **where)):
         TouchedSegment(rod=model.rod, obstacle=one).evaluate(points[:4])

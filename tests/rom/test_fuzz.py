@@ -157,6 +157,10 @@ def not_a_number(file) -> None:
     file["elements/clamp/coefficients"][0, 0] = np.nan
 
 
+def far_away(file) -> None:
+    file["elements/clamp/coefficients"][...] = 1e200 * file["elements/clamp/coefficients"][()].astype(float)
+
+
 def swapped_map(file) -> None:
     file["elements/clamp/tension_map"][...] = [[0.0, 1.0], [1.0, 0.0]]
 
@@ -195,6 +199,7 @@ REFUSED = {
     "nine tendons": (ninth_tendon, "tensions must be from 1 to 8, got 9"),
     "a power of 32": (power, "powers of law 0 must be from 0 to 31, got 0 to 32"),
     "NaN": (not_a_number, "coefficients of clamp must be finite"),
+    "a plate far away": (far_away, "free plate 1 must be within 2 lengths of its clamp, got "),
     "another map of tensions": (swapped_map, "tensions of all elements must have one box, got "),
     "no interior element": (without_interior, "geometry.segments.0: segment must be "),
     "elements of no kind": (unknown_kind, "elements must be clamp, plate and interior, or whole, got "),
