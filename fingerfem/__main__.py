@@ -82,7 +82,9 @@ def solve(
 
 @app.command()
 def certify(
-    model_file: Annotated[Path, typer.Argument(metavar="MODEL.h5", help="A surrogate with displacements, or a finger of elements.")],
+    model_file: Annotated[
+        Path, typer.Argument(metavar="MODEL.h5", help="A surrogate with displacements, or a finger of elements.")
+    ],
     loads: Annotated[list[str] | None, typer.Argument(help="F1=50 F2=0 [N], d=0.005 [m] (or no plane).")] = None,
     as_json: AsJson = False,
 ) -> None:
