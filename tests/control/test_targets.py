@@ -8,7 +8,7 @@ from rom import Surrogate, TouchedSegment
 
 COUNT = 1000  # of targets that can be met, and of others
 TOLERANCE = 1e-4  # [m]
-MODELS = {"map": TouchedSegment.load, "surrogate": Surrogate.load}
+MODELS = {"rod": TouchedSegment.load, "surrogate": Surrogate.load}
 
 
 @pytest.fixture(params=MODELS, scope="module")

@@ -210,7 +210,7 @@ REFUSED = {
     ),
     "a factor that is none": (
         attribute("/", "finer_mesh_factors", lambda plain: plain.update(tip=-1.0)),
-        "finer_mesh_factors must be finite and above 0, got {'tip': -1.0}",
+        "finer_mesh_factors must be finite and above 0, got {'tip': -1.0",
     ),
     "a length that is none": (
         attribute("/", "scene", lambda plain: plain["geometry"].update(plate=-1.0)),

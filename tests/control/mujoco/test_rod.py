@@ -1,4 +1,4 @@
-"""Weight and inertia of the rubber in MuJoCo: a beam's sag, the map's own static answer, bases that accelerate."""
+"""Weight and inertia of the rubber in MuJoCo: a beam's sag, the rod's own static answer, bases that accelerate."""
 
 from dataclasses import replace
 
@@ -107,9 +107,7 @@ def test_in_any_orientation_plates_rest_where_the_rod_has_them_under_their_weigh
 @pytest.mark.parametrize("length", [0.005, 0.02, 0.03, 0.2])
 def test_a_finger_of_any_slenderness_has_an_inertia_that_mujoco_takes(rod, length):
     elements, rubber = rod.elements, length - rod.half_lengths[0]
-    whole = replace(
-        elements.laws["clamp"], lengths=(rubber, rubber)
-    )  # an element shorter than a clamp and a plate piece
+    whole = replace(elements.laws["clamp"], lengths=(rubber, rubber))  # shorter than a clamp and a plate piece
     one = replace(elements, laws={"whole": whole}, outlines={"whole": elements.outlines["clamp"]})
     scene = rod.scene | {"geometry": rod.scene["geometry"] | {"segments": [length]}}
     short = in_series(Rod(elements=one, scene=scene), 2)

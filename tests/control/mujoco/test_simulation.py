@@ -66,7 +66,7 @@ def rested(simulation, tensions, seconds=0.5):
 
 
 @pytest.mark.parametrize("tensions", [(20.0, 0.0), (30.0, 0.0), (40.0, 10.0)])
-def test_a_finger_at_rest_presses_as_its_map_says(rod, tensions):
+def test_a_finger_at_rest_presses_as_its_rod_says(rod, tensions):
     model = TouchedSegment.load()
     expected = float(model.evaluate([*tensions, WALL]).contact_force)
     assert expected > 0.1
@@ -75,7 +75,7 @@ def test_a_finger_at_rest_presses_as_its_map_says(rod, tensions):
     assert not simulation.left.any() and not simulation.lost.any()
 
 
-def test_without_contact_and_gravity_a_plate_rests_where_the_map_has_it(rod):
+def test_without_contact_and_gravity_a_plate_rests_where_the_rod_has_it(rod):
     simulation = before_a_wall(rod, wall=1.0)
     assert rested(simulation, (25.0, 15.0)) == 0.0
     expected = rod.place([25.0, 15.0]).centres[0]
@@ -137,7 +137,7 @@ def test_a_finger_that_sticks_and_slides_feels_what_coulomb_s_law_says(rod, fric
 
 
 def test_a_finger_rings_as_heavy_and_as_stiff_as_it_is(rod):
-    """Released from a push, a plate rings at a frequency of its mass matrix and the map's stiffness."""
+    """Released from a push, a plate rings at a frequency of its mass matrix and the rod's stiffness."""
     spec = mujoco.MjSpec.from_string(SCENE.format(step=2e-5, gravity=0.0, euler="0 0 0", wall=1.0, friction=0))
     finger = attach(spec, rod, "palm", relaxation=0.0)
     simulation = Simulation(spec.compile(), [finger])
@@ -195,7 +195,7 @@ def test_a_push_beyond_what_was_trained_is_marked(rod):
         ("beside the plate's back", 0.0005, True),
     ],
 )
-def test_rubber_that_comes_near_is_noticed_as_by_the_map(rod, centre, radius, touches):
+def test_rubber_that_comes_near_is_noticed_as_by_the_rod(rod, centre, radius, touches):
     if isinstance(centre, str):  # 1.5 mm behind the plate's middle the rubber is no station's
         placed = rod.place([20.0, 5.0])
         centre = tuple(placed.centres[0] + placed.rotations[0] @ [-0.0015, 0.0053, 0.0])
@@ -226,7 +226,7 @@ def test_two_segments_rest_where_their_elements_have_them(rod):
 
 
 def test_a_plate_led_around_a_closed_loop_gets_no_work_from_its_rubber(rod):
-    """At tensions that stay: rubber and tendons have a potential, which the map was not told."""
+    """At tensions that stay: rubber and tendons have a potential, which elements were not told."""
     inverse, angles = InverseMap(rod.segments[0]), np.linspace(0, 2 * np.pi, 2001)
     work = exchanged = 0.0
     before = None

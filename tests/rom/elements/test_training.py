@@ -11,7 +11,6 @@ from rom.elements.regression import NormalEquations
 from rom.elements.samples import element_samples
 from rom.elements.section_states import Bodies
 from rom.elements.symmetry import mirrors
-from rom.rod.rod import Rod
 from rom.snapshots.snapshot_set import SnapshotError
 from tests.rom.elements import elastic_rod
 from tests.rom.elements.images import image
@@ -37,13 +36,11 @@ def test_a_finger_shorter_than_two_end_pieces_is_one_element():
     assert cut(np.arange(19) * 0.001, 0.010) == {"whole": [(0, 19)]}
 
 
-def test_lines_left_out_are_predicted_as_well_as_held_out_states(rod_states, rod_elements, prepared):
+def test_lines_left_out_are_predicted_as_well_as_held_out_states(finger, rod_elements, prepared):
     """Left out or held out, the finger is predicted alike; and far better than its elements' lowest degree does."""
     held_out = elastic_rod.states(10, 77)
     left_out = rod_elements.provenance["left_out"]["place_m"]
-    finger = Rod(elements=rod_elements, scene=rod_states.scene)
-    found, _, _ = elastic_rod.placed(finger, held_out.inputs)
-    off = np.linalg.norm(found - held_out.plate.places, axis=1)
+    off = np.linalg.norm(elastic_rod.placed(finger, held_out.inputs)[0] - held_out.plate.places, axis=1)
     assert np.median(off) < 2 * left_out["median"] and np.quantile(off, 0.95) < 2 * left_out["p95"]
     lowest = prepared.score(dict.fromkeys(prepared.kinds, training.LOWEST))
     assert prepared.score(rod_elements.provenance["degrees"]) < 1e-2 * lowest

@@ -107,7 +107,7 @@ def test_derivatives_are_python_s_and_those_of_differences(made, name, version):
             assert np.abs((found - known) / sizes).max() < 1e-9
             ahead, behind = (np.array(fmu.ask(point + share * seed, *names)) for share in (1e-5, -1e-5))
             off.append(np.abs(((ahead - behind) / 2e-5 - found) / sizes).max())
-        assert np.median(off) < 1e-5 and max(off) < 2e-3  # the map's own are as good as that
+        assert np.median(off) < 1e-5 and max(off) < 2e-3  # the rod's own are as good as that
 
 
 @BOTH

@@ -35,7 +35,7 @@ def test_it_finds_the_wrench_that_made_a_pose(segment):
         np.testing.assert_allclose(inverse.wrench, inputs[2:], atol=1e-7)
 
 
-def test_its_stiffness_is_that_of_the_map(segment):
+def test_its_stiffness_is_that_of_the_segment(segment):
     random, inverse = np.random.default_rng(23), InverseMap(segment)
     inputs = random_inputs(segment, random, 2.0)
     placed = segment.place(inputs)

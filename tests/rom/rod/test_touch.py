@@ -297,7 +297,7 @@ def test_a_ball_on_a_face_of_the_rubber_is_noticed(finger):
 
 
 def test_a_ball_on_the_rubber_right_before_the_plate_is_noticed(finger):
-    """Nearer to the plate than any point of the rubber that the map knows, and not on the plate."""
+    """Nearer to the plate than any station of the rubber, and not on the plate."""
     plate, radius = finger.rest[0] - rod.HALF[0], 3e-3
     for gap, inside in ((2e-4, True), (-2e-4, False)):
         centre = (plate - 1.3e-3, rod.SIDE / 2 + radius + gap, 0.001)
@@ -319,7 +319,7 @@ def test_an_object_in_the_clamp_is_noticed(finger):
 
 def test_a_finger_that_ends_at_a_kink_has_converged_if_it_holds_the_force(finger):
     """A ball rolls from the plate's face over its edge: the force has a kink there, and steps along it end."""
-    for height in np.linspace(0.0495, 0.055, 11):
+    for height in np.linspace(0.0495, 0.055, 6):
         ball = Sphere(centre=(height, 0.021, 0.0), radius=0.012, direction=(0, 1, 0), distances=(-0.01, 0.02))
         model = TouchedSegment(rod=finger, obstacle=ball)
         held = Finger(model).hold(0.5, 0.0)

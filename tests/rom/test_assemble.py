@@ -1,0 +1,76 @@
+"""rom assemble: the finger of a scene from the elements of another, which the other commands take."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from terminal import ROOT
+
+from rom import Rod
+
+DRAFT = (ROOT / "scenes" / "draft.toml").read_text()
+
+
+def ran(program: str, *words: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-m", program, *map(str, words)], cwd=ROOT, capture_output=True, text=True)
+
+
+def scene(folder, *changes: tuple[str, str]):
+    """The draft finger's scene with lines replaced."""
+    text = DRAFT
+    for before, after in changes:
+        assert before in text
+        text = text.replace(before, after)
+    (folder / "scene.toml").write_text(text)
+    return folder / "scene.toml"
+
+
+TWO = ("segments = [0.050]", "segments = [0.040, 0.060]"), ("segment = 1", "segment = 2")
+
+
+def test_two_segments_are_assembled_and_hold_a_force(tmp_path):
+    file = tmp_path / "two.h5"
+    done = ran("rom", "assemble", scene(tmp_path, *TWO), "rom/finger.h5", "-o", file, "--json")
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    lengths = [sum(one["length_m"] for one in own) for own in told["segments"]]
+    assert lengths == pytest.approx([0.0395, 0.0595]) and told["size"] == told["modulus"] == 1.0
+    assert Rod.load(file).scene["geometry"]["segments"] == [0.040, 0.060]
+    told = json.loads(ran("rom", "info", file, "--json").stdout)
+    assert len(told["segments"]) == 2 and told["accuracy"].startswith("not measured")
+    held = ran("control", "hold", file, "--distance", "0.01", "--contact-force", "0.05", "--json")
+    assert json.loads(held.stdout)["status"] == "converged"
+
+
+def test_a_softer_and_larger_finger_is_the_bundled_one_at_its_scale(tmp_path):
+    """Twice as large, of a tenth of the modulus: forces are 0.4 times as large."""
+    numbers = ("side = 0.010", "side = 0.020"), ("segments = [0.050]", "segments = [0.100]"), ("0.001 ", "0.002 ")
+    material = ("C1 = 1.9e6", "C1 = 1.9e5"), ("D1 = 2.43e-7", "D1 = 2.43e-6")
+    tendons = ("0.004, 0.0]", "0.008, 0.0]"), ("0.0, 0.004]", "0.0, 0.008]"), ("[0.0, 100.0]", "[0.0, 40.0]")
+    file, known = tmp_path / "large.h5", Rod.load(ROOT / "rom" / "finger.h5")
+    done = ran("rom", "assemble", scene(tmp_path, *numbers, *material, *tendons), "rom/finger.h5", "-o", file)
+    assert done.returncode == 0, done.stderr
+    large, small = Rod.load(file).place([16.0, 4.0]), known.place([40.0, 10.0])
+    np.testing.assert_allclose(large.centres, 2 * small.centres, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ([("segments = [0.050]", "segments = [0.015]")], "geometry.segments.0: segment must be at least 0.02"),
+        ([("side = 0.010", "side = 0.0")], "geometry.side must be finite and above 0 m, got 0.0"),
+        ([TWO[0]], "tendons must pass all segments, one at least of segment 2, got 1"),
+        ([("[geometry]", "[nothing]")], "geometry must be given, got None"),
+    ],
+)
+def test_a_scene_that_the_elements_cannot_make_is_refused_in_one_line(tmp_path, changes, message):
+    done = ran("rom", "assemble", scene(tmp_path, *changes), "rom/finger.h5", "-o", tmp_path / "finger.h5")
+    (line,) = done.stderr.splitlines()
+    assert done.returncode == 2 and message in line and not (tmp_path / "finger.h5").exists()
+
+
+def test_a_folder_that_there_is_not_is_refused(tmp_path):
+    done = ran("rom", "assemble", "scenes/draft.toml", "rom/finger.h5", "-o", tmp_path / "none" / "finger.h5")
+    assert done.returncode == 2 and "output must be in a folder that exists" in done.stderr
