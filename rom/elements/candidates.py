@@ -100,7 +100,7 @@ def candidates(
         tension_map=tension_map.matrix,
         tensions=tensions,
         weights=weights,
-        lengths=(min(lengths), max(lengths)),
+        lengths=(min(lengths), max(lengths)) if several else (lengths[0], lengths[0]),
         highest=highest,
     )
 

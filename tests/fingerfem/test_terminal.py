@@ -99,7 +99,7 @@ def test_ctrl_c_ends_mpirun_without_noise_and_the_next_completes_the_set(scene, 
 
 
 def test_ctrl_c_ends_the_demo_in_one_line(tmp_path):
-    seen = shown([sys.executable, "studies/demo.py", str(tmp_path), "--quick"], interrupt_at=" [1-9]/24 ")
+    seen = shown([sys.executable, "studies/demo.py", str(tmp_path), "--quick"], interrupt_at=" [1-9]/12 ")
     seen.assert_interrupted(f"demo: stopped by Ctrl-C: {KEPT}")
 
 

@@ -55,6 +55,7 @@ ADDED: dict[str, tuple[str, Any]] = {
     "obstacle.stiffness": ("plane", 1000.0),
     "obstacle.pad.width": ("pad", 0.006),
     "load.friction_angle": ("load", 0.4),
+    "load.moment": ("load", 0.05),
     "load.reach": ("load", 0.02),
     "mesh.order": ("smallest", 2),
     "mesh.symmetry": ("smallest", False),

@@ -17,15 +17,15 @@ from rom.rod.rod import Rod
 from rom.snapshots.plan import Plan
 from rom.snapshots.snapshot_set import SnapshotSet, read_description, read_task
 
-UNTIL = "0.01 %"
+UNTIL = "0.07 %"
 
 
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory):
-    """The demo's finger on few cells, pressed less hard."""
-    text = (ROOT / "scenes" / "demo" / "fine.toml").read_text().replace("15.0", "4.0")
+    """The demo's finger on few cells, of which whole ones make its elements."""
+    text = (ROOT / "scenes" / "demo" / "fine.toml").read_text()
     file = tmp_path_factory.mktemp("scene") / "pressed.toml"
-    file.write_text(text.split("[mesh]")[0] + "[mesh]\ncells = [10, 5]\n[sampling]\nlines = 20\n")
+    file.write_text(text.split("[mesh]")[0] + "[mesh]\ncells = [11, 5]\n[sampling]\nlines = 20\n")
     return file
 
 
@@ -33,14 +33,14 @@ def scene(tmp_path_factory):
 def grown(scene, tmp_path_factory):
     folder = tmp_path_factory.mktemp("sets") / "grown"
     result = run(2, scene, folder, "--until", UNTIL)
-    assert result["estimated_error"] <= 1e-4 and not result["missing"]
+    assert result["estimated_error"] <= 7e-4 and not result["missing"]
     return folder
 
 
 def test_lines_are_added_in_their_order_until_the_expected_error_is_small_enough(grown):
     plan = Plan(grown, read_description(grown))
     assert len(plan.rounds) > 1 and not plan.rounds[-1].lines and not plan.rounds[-1].finest
-    assert all(one.lines and one.error > 1e-4 for one in plan.rounds[:-1])
+    assert all(one.lines and one.error > 7e-4 for one in plan.rounds[:-1])
     assert list(plan.lines) == [f"pressed-{k}" for k in range(len(plan.lines))]
 
 
@@ -70,8 +70,8 @@ def test_it_is_the_same_set_whoever_solves_it_and_a_smaller_error_goes_on(scene,
     assert [one.error for one in ours.rounds] == pytest.approx([one.error for one in theirs.rounds])
     for task in ours.lines:
         assert_same_task(read_task(folder, task), read_task(grown, task))
-    further = run(2, scene, folder, "--until", "3e-5")
-    assert further["estimated_error"] <= 3e-5 and further["tasks"] > len(theirs.lines)
+    further = run(2, scene, folder, "--until", "5.2e-4")
+    assert further["estimated_error"] <= 5.2e-4 and further["tasks"] > len(theirs.lines)
     assert run(2, scene, folder, "--until", UNTIL)["this_rank"]["lines"] == 0
 
 

