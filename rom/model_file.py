@@ -20,6 +20,7 @@ from rom.separation.separated_form import Separated
 KIND, FORMAT = "fingerfem surrogate", 4
 HERMITE = "hermite"  # one-dimensional functions; cubic splines of older files are stored as these
 PLAIN = ("parameters", "scene", "accuracy", "provenance")
+PAIRED = ("contact_force", "pad_pressure")  # shares of a mesh's error that are two numbers
 
 
 def save(model: Components, path: Path) -> None:
@@ -119,8 +120,13 @@ def _read_mesh_error(error: h5py.Group) -> MeshError | None:
     if "mesh" not in error.attrs:
         return None
     shares: dict[str, Any] = json.loads(error.attrs["mesh"])
-    shares |= {name: tuple(one) for name, one in shares.items() if isinstance(one, list)}
-    return MeshError(**shares)
+    pairs: dict[str, Any] = {name: _pair(shares.pop(name)) for name in PAIRED if name in shares}
+    return MeshError(**pairs | {name: float(one) for name, one in shares.items()})
+
+
+def _pair(found: Any) -> tuple[float, float]:
+    first, second = found
+    return float(first), float(second)
 
 
 def _read(file: h5py.File) -> dict[str, Any]:

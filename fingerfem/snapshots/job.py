@@ -165,3 +165,8 @@ class Job:
             logging.warning("%s", work.stopped)
         elif self.request.refines and rounds and rounds[-1].finest:
             logging.warning("all states that may be added leave an estimated error of %.1e", found["estimated_error"])
+        elif self.request.refines and rounds and rounds[-1].stalled:
+            logging.warning(
+                "an estimated error of %.1e is left: more states do not make it smaller, a finer mesh may",
+                found["estimated_error"],
+            )

@@ -6,6 +6,8 @@ smooth in both, and a polynomial of the whole box learns from every state.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from rom.elements.contact_error import relative_force_errors
@@ -14,7 +16,15 @@ from rom.elements.training import best_degrees, prepare
 from rom.snapshots.plan import Round
 from rom.snapshots.snapshot_set import SnapshotSet
 
+STALE = 4  # rounds that must make the error smaller
+SMALLER = 0.9  # by this factor at least, beside the smallest before [-]
 GROWTH = 1.35  # how many times as many lines a set has after a round: ranks wait for each other between rounds [-]
+
+
+def has_stalled(errors: Sequence[float]) -> bool:
+    """Whether the last of all rounds' errors are hardly smaller than the smallest before [-]."""
+    before, last = errors[:-STALE], errors[-STALE:]
+    return bool(before) and min(last) > SMALLER * min(before)
 
 
 def next_round(snapshots: SnapshotSet, tolerance: float) -> Round:
@@ -28,6 +38,8 @@ def next_round(snapshots: SnapshotSet, tolerance: float) -> Round:
     training = prepare(states)
     predicted = training.left_out(best_degrees(training))
     error = float(np.nanquantile(relative_force_errors(states, *predicted), 0.95))
+    if error > tolerance and has_stalled([*(one.error for one in snapshots.plan.rounds), error]):
+        return Round(error=error, threshold=0.0, lines={}, stalled=True)
     more = range(lines, min(int(np.ceil(GROWTH * lines)), len(description.wrenches)))
     if error <= tolerance or not more:
         return Round(error=error, threshold=0.0, lines={}, finest=error > tolerance)

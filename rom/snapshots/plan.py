@@ -25,12 +25,14 @@ class Round:
         threshold: indicator above which lines were taken [-]; 0 if there is none.
         lines: by the names of their tasks.
         finest: whether the grid has nothing left to refine.
+        stalled: whether more states no longer make the error smaller.
     """
 
     error: float
     threshold: float
     lines: dict[str, Line]
     finest: bool = False
+    stalled: bool = False
 
 
 class PlanError(ValueError):
@@ -91,7 +93,7 @@ class Plan:
     def ended(self, error: float) -> bool:
         """Whether no round is to follow for a relative error [-]."""
         last = self.rounds[-1] if self.rounds else None
-        return last is not None and not last.lines and (last.finest or last.error <= error)
+        return last is not None and not last.lines and (last.finest or last.stalled or last.error <= error)
 
     def missing(self) -> list[str]:
         """Tasks without a file."""
