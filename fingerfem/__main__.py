@@ -180,6 +180,7 @@ def snapshots(
         near=near,
     )
     job = Job(request=request, world=world, ranks_per_finger=ranks_per_finger)
+    signal.signal(signal.SIGCONT, lambda *_: None)  # comes before SIGTERM: fingerfem.snapshots.ledger
     if ranks_per_finger == 1:
         signal.signal(signal.SIGTERM, _terminated)
         interruptible(KEPT.format("Ctrl-C"))

@@ -21,7 +21,9 @@ from rom.snapshots.plan import Plan
 from rom.snapshots.snapshot_set import Description, SnapshotError, read_task, task_file
 
 DEATHS = 3  # of processes at one task, after which nobody tries it again
-ASKED = (chr(signal.SIGINT), chr(signal.SIGTERM))  # what follows the note of a process that was asked to end
+# What follows the note of a process that was asked to end. mpirun and scancel send SIGCONT before SIGTERM, which METIS
+# catches for itself while CHOLMOD orders unknowns: its handler leaves Python's none to see.
+ASKED = tuple(map(chr, (signal.SIGINT, signal.SIGTERM, signal.SIGCONT)))
 QUARANTINED = "quarantined"  # how the reason of such states begins
 
 

@@ -109,9 +109,9 @@ def test_a_busy_process_that_is_asked_to_end_and_then_killed_is_no_death(tmp_pat
 def test_ctrl_c_at_any_moment_is_hardly_ever_a_death_however_long_a_factorisation_takes(tmp_path, options):
     """On the finer mesh compiled code runs for longer than mpirun waits between asking and killing.
 
-    On a busy machine a rank may be given both signals at once, of which the kernel obeys SIGKILL: seen once in 40.
+    METIS, which orders unknowns for a good part of that time, takes SIGTERM for itself; SIGCONT comes before.
     """
-    deaths = 0
+    deaths, killed = 0, 0
     line = command(2, ROOT / "scenes" / "finer.toml", tmp_path / "set", *options)
     for moment in range(10):
         job = subprocess.Popen(
@@ -126,8 +126,9 @@ def test_ctrl_c_at_any_moment_is_hardly_ever_a_death_however_long_a_factorisatio
         assert job.returncode != 0 and "Traceback" not in said
         notes = [file.name for file in (tmp_path / "set" / "attempts").iterdir()]
         deaths += sum(ledger.deaths(tmp_path / "set", task) for task in notes)
+        killed += len(notes)
         shutil.rmtree(tmp_path / "set" / "attempts")
-    assert deaths < ledger.DEATHS  # of 20 ranks; a line is set aside after so many
+    assert killed and deaths <= 1, (deaths, killed)  # a note that is just begun has no signal's number yet
 
 
 def test_three_deaths_at_one_line_quarantine_it_and_what_needs_it_and_retry_solves_them(scene, undisturbed, tmp_path):
