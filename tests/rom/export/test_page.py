@@ -165,7 +165,7 @@ def test_c_alone_tells_what_python_tells_of_a_surrogate(surrogate, trained):
             out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty(36), np.zeros(18)
             memory = np.empty(MODEL.functions.fingerfem_model_memory(own))
             given = map(pointer, (point, memory, wrench, out, errors, jacobian))
-            status = MODEL.functions.fingerfem_model_tell(own, *given)
+            status = MODEL.functions.fingerfem_model_tell(own, *given, MODEL.ffi.NULL)
             assert (status == 0) == expected.inside[i]
             assert errors[1] == pytest.approx(expected.error["contact_force"][i], rel=1e-9, abs=1e-12)
             assert out[3] == pytest.approx(expected.contact_force[i], rel=1e-9, abs=1e-12)
