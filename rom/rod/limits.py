@@ -104,9 +104,8 @@ def _alike(name: str, one: list[np.ndarray], other: list[np.ndarray]) -> None:
 
 def _shortenings(shortenings: Sequence[Polynomial], elements: Sequence[ElementMap]) -> None:
     """Of the tendons: compiled code evaluates them with the products of the elements' laws."""
-    require(
-        len(shortenings) == len(elements), f"shortenings must be {len(elements)}, as the elements", len(shortenings)
-    )
+    count = len(elements)
+    require(len(shortenings) == count, f"shortenings must be {count}, as the elements", len(shortenings))
     t, combinations = elements[0].tension_map.shape[1], len(elements[0].tension_map)
     for k, (one, element) in enumerate({id(e): (s, e) for s, e in zip(shortenings, elements, strict=True)}.values()):
         _polynomial(f"powers of shortenings {k}", one, combinations, t)

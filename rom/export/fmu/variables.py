@@ -113,14 +113,13 @@ def model_interface(model: Surrogate | TouchedSegment) -> Interface:
 
 def _reported(model: TouchedSegment) -> list[Variable]:
     """The tip's orientation and the tendons' shortenings."""
-    tendons, quaternion = (
-        model.names[:-1],
-        "of the tip plate's unit quaternion, w >= 0: its sign changes at half a turn",
-    )
-    rows = [(f"orientation_{axis}", "", f"{axis} {quaternion}") for axis in "wxyz"]
+    tendons, about = model.names[:-1], "of the tip plate's unit quaternion, w >= 0: its sign changes at half a turn"
+    rows = [(f"orientation_{axis}", "", f"{axis} {about}") for axis in "wxyz"]
     rows += [(f"shortening_{name}", "m", f"how much shorter {name} is from clamp to plate") for name in tendons]
-    errors = [("orientation_error", "rad", "estimated error of the orientation, an angle")]
-    errors += [("shortening_error", "m", "estimated error of every shortening")]
+    errors = [
+        ("orientation_error", "rad", "estimated error of the orientation, an angle"),
+        ("shortening_error", "m", "estimated error of every shortening"),
+    ]
     found = [_output(*row, REPORT + k) for k, row in enumerate(rows)]
     return found + [
         _output(name, unit, f"{text}; {UNKNOWN}", REPORT_ERRORS + k, discrete=True)

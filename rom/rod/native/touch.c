@@ -170,7 +170,7 @@ static void leave_free(const contact_problem *problem, contact_state *state)
 
 /* A report, and what it is computed from: zeros where an input changes nothing. */
 typedef struct {
-    const fingerfem_report *report;
+    const fingerfem_report *wanted;
     reported_change changes[TENSIONS_MOST + 1];
 } reported;
 
@@ -219,12 +219,12 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
                             more ? more->changes : NULL) &&
         evaluations > 0)
         evaluations = -evaluations;
-    if (more) reported_rows(&problem, &state, !touches, more->changes, more->report);
+    if (more) reported_rows(&problem, &state, !touches, more->changes, more->wanted);
     *inside &= evaluations > 0 && (!touches || response_stable(&problem, &state));
     for (int k = 0; k < t; k++)
         if (held[k] != point[k]) {
             for (int i = 0; i < FINGERFEM_ROWS; i++) jacobian[p * i + k] = 0.0;
-            for (int i = 0; more && i < FINGERFEM_QUATERNION + t; i++) more->report->jacobian[p * i + k] = 0.0;
+            for (int i = 0; more && i < FINGERFEM_QUATERNION + t; i++) more->wanted->jacobian[p * i + k] = 0.0;
         }
     memcpy(wrench, state.wrench, size);
     return evaluations;
@@ -268,7 +268,7 @@ int fingerfem_tell(const fingerfem_touching *touching, const double *point, doub
     const fingerfem_chain *chain = touching->chain;
     int rubber;
     reported more;
-    more.report = report;
+    more.wanted = report;
     if (report) memset(more.changes, 0, sizeof more.changes);
     const int evaluations =
         touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, &rubber, report ? &more : NULL);

@@ -6,7 +6,6 @@ from assembled import in_series, scaled, two_segments
 
 from rom import TouchedSegment
 from rom.elements import rotation_vectors
-from rom.elements.law import POSE
 from rom.elements.march import march
 from rom.rod.native import reports
 from rom.rod.objects import Sphere, facing_plane
@@ -99,10 +98,8 @@ def marched_shortenings(model: TouchedSegment, tensions: np.ndarray, wrenches: n
         segment = rod.segments[k]
         pulled = np.array([tensions[rod.names.index(name)] for name in segment.names])
         marched = march(segment.elements, pulled[None], (wrenches[k] + beyond)[None])
-        for j, element in enumerate(segment.elements):
-            values = element.value(np.concatenate([pulled, marched.wrenches[0, j]])[None])[0]
-            for name, which in zip(segment.names, segment.trained, strict=True):
-                found[rod.names.index(name)] += values[POSE + which]
+        for name, which in zip(segment.names, segment.trained, strict=True):
+            found[rod.names.index(name)] += marched.shortenings[0, which]
         beyond = marched.base[0].copy()
         beyond[3:] += np.cross([ahead, 0.0, 0.0], beyond[:3])
     assert plates.inside
