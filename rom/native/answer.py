@@ -86,8 +86,12 @@ class Answer:
             found |= {"shortenings_m": by_name, "shortening_error_m": float(self.shortening_error)}
         return found | {"inside": bool(self.inside)}
 
-    def tables(self) -> list[Table | str]:
-        """For people; of many points the first ones, without the tip."""
+    def tables(self, tendons: Sequence[str] = ()) -> list[Table | str]:
+        """For people; of many points the first ones, without the tip.
+
+        Args:
+            tendons: their names; numbers if omitted.
+        """
         found = {"contact_force": (self.contact_force, "N"), "touch_distance": (self.touch_distance, "m")}
         if self.pad_pressure is not None:
             found["pad_pressure"] = self.pad_pressure, "Pa"
@@ -99,8 +103,9 @@ class Answer:
             off = self.orientation_error / 2  # a turn by an angle changes the quaternion by half as much
             rows += [row(f"tip orientation {c}", q, "-", off) for c, q in zip("wxyz", self.orientation, strict=True)]
         if self.shortenings is not None:
-            off = self.shortening_error
-            rows += [row(f"shortening {k}", one, "m", off) for k, one in enumerate(self.shortenings, 1)]
+            names = tendons or range(1, 1 + len(self.shortenings))
+            each = zip(names, self.shortenings, strict=True)
+            rows += [row(f"shortening {name}", one, "m", self.shortening_error) for name, one in each]
         rows += [row(*one) for one in named.values() if not np.isnan(one[1])]
         return [quantities(rows), INSIDE if self.inside else OUTSIDE]
 
