@@ -8,7 +8,6 @@ if __name__ == "__main__":
     begin()
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -63,8 +62,7 @@ def reach(
     if not np.isfinite(point).all() or math.isnan(distance):
         raise ValueError(f"point and distance must be numbers, got {point}, {distance:g}")
     known = model_of(model)
-    motion = Finger(known).reach(point, distance)
-    show(motion.as_json(), motion_parts(known, motion), as_json, 0 if motion.converged else NOTHING_USABLE)
+    show_motion(known, Finger(known).reach(point, distance), as_json)
 
 
 @app.command()
@@ -88,16 +86,16 @@ def hold(
     for name, value, unit in (("contact_force", contact_force, "N"), ("pad_pressure", pad_pressure, "Pa")):
         if value is not None and not 0 < value < math.inf:
             raise ValueError(f"{name} must be above 0 {unit}, got {value:g}")
-    motion = Finger(known).hold(contact_force, distance, pad_pressure=pad_pressure)
-    show(motion.as_json(), motion_parts(known, motion), as_json, 0 if motion.converged else NOTHING_USABLE)
+    show_motion(known, Finger(known).hold(contact_force, distance, pad_pressure=pad_pressure), as_json)
 
 
-def motion_parts(model: Model, motion: Motion) -> list[Table | str]:
-    """An answer for people: tensions, and what the model says of them; the tip on the side that is pulled."""
+def show_motion(model: Model, motion: Motion, as_json: bool) -> None:
+    """Tensions, and the model's answer there; the tip on the side that is pulled."""
     names = [one["name"] for one in model.parameters[: len(motion.tensions)]]
     at = motion.tensions if not model.has_obstacle else np.append(motion.tensions, motion.distance)
-    answer = model.evaluate(at)
-    return motion.tables(names, replace(answer, tip=answer.tip * [1, *motion.sides]))
+    answer = model.evaluate(at).mirrored(motion.sides)
+    numbers = motion.as_json() | {"answer": answer.as_json(names)}
+    show(numbers, motion.tables(names, answer), as_json, 0 if motion.converged else NOTHING_USABLE)
 
 
 @app.command()

@@ -87,7 +87,7 @@ class Motion:
         if self.reason:
             said.append(self.reason)
         if answer is not None:
-            table, inside = answer.tables()
+            table, inside = answer.tables(names)
             said += [table, inside]
         return said + [f"tendons pull on the other side along {axis}" for axis in self.mirrored]
 

@@ -16,6 +16,7 @@ from rom.brief import brief
 from rom.terminal import fitted, printable
 
 SHOWN = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}  # see `shown`
+ABSOLUTE = {"_m": (1e6, "µm"), "_rad": (1e3, "mrad")}  # of errors that are not relative, by the end of their name
 ZERO = 1e-10  # of what is shown: below that a value is round-off
 NO_ERROR = ""
 NOT_MEASURED = "accuracy not measured: build with --held-out"
@@ -160,9 +161,10 @@ def accuracy(report: Mapping[str, Any], title: str = "") -> list[Table]:
     known = {name: one for name, one in report.items() if isinstance(one, dict) and "median" in one}
     rows = []
     for name, one in known.items():
-        absolute = name.endswith("_m")
-        errors = (f"{1e6 * one[key]:.3g} µm" if absolute else percent(one[key]) for key in ("median", "p95", "max"))
+        unit = next((end for end in ABSOLUTE if name.endswith(end)), "")
+        factor, read = ABSOLUTE.get(unit, (1.0, ""))
+        errors = (f"{factor * one[key]:.3g} {read}" if unit else percent(one[key]) for key in ("median", "p95", "max"))
         covered = percent(one["coverage"]) if "coverage" in one else ""
-        rows.append([name.removesuffix("_m").replace("_", " "), str(one["count"]), *errors, covered])
+        rows.append([name.removesuffix(unit).replace("_", " "), str(one["count"]), *errors, covered])
     header = ["relative error", "states", "median", "95 %", "largest", "within estimate"]
     return [Table(title=title, header=header, rows=rows)] if rows else []

@@ -36,8 +36,8 @@ def next_round(snapshots: SnapshotSet, tolerance: float) -> Round:
     lines, description = len(snapshots.plan.lines), snapshots.description
     states = read_section_states(snapshots)
     training = prepare(states)
-    predicted = training.left_out(best_degrees(training))
-    error = float(np.nanquantile(relative_force_errors(states, *predicted), 0.95))
+    places, turned, _ = training.left_out(best_degrees(training))
+    error = float(np.nanquantile(relative_force_errors(states, places, turned), 0.95))
     if error > tolerance and has_stalled([*(one.error for one in snapshots.plan.rounds), error]):
         return Round(error=error, threshold=0.0, lines={}, stalled=True)
     more = range(lines, min(int(np.ceil(GROWTH * lines)), len(description.wrenches)))

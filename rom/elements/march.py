@@ -22,7 +22,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.elements import rotation_vectors
-from rom.elements.law import ElementMap
+from rom.elements.law import POSE, ElementMap
 
 ROUNDING = 1e-12  # relative, of the largest trained force
 
@@ -41,6 +41,7 @@ class Marched:
             rotations of their frames, shape (n, elements, 3, 3) [-].
         wrenches: carried through these sections, in their frames, shape (n, elements, 6) [N, N m].
         base: the wrench on the clamp, in its frame about its centre, shape (n, 6) [N, N m].
+        shortenings: sums over all elements of their values besides the pose, shape (n, values - 6) [m].
         inside: whether tensions and these lie in the element's trained box, shape (n, elements).
     """
 
@@ -50,6 +51,7 @@ class Marched:
     sections: tuple[np.ndarray, np.ndarray]
     wrenches: np.ndarray
     base: np.ndarray
+    shortenings: np.ndarray
     inside: np.ndarray
 
     @property
@@ -73,6 +75,7 @@ def march(elements: Sequence[ElementMap], tensions: np.ndarray, wrenches: np.nda
     move, turn, change = np.zeros((n, 3, t + 6)), np.zeros((n, 3, t + 6)), np.zeros((n, 6, t + 6))
     change[:, :, t:] = np.eye(6)
     carried, inside, places, turns = [], [], [], []
+    shortenings = np.zeros((n, elements[0].polynomial.coefficients.shape[1] - POSE))
     for element in elements:
         held = np.clip(tensions, *element.tensions)
         carried.append(wrench)
@@ -80,6 +83,7 @@ def march(elements: Sequence[ElementMap], tensions: np.ndarray, wrenches: np.nda
         turns.append(rotation)
         inside.append((held == tensions).all(axis=1) & wrench_inside(element, wrench))
         value, gradient = element.value_and_gradient(np.hstack([held, wrench]))
+        shortenings += value[:, POSE:]
         by_state = gradient[:, :, t:] @ change
         by_state[:, :, :t] += gradient[:, :, :t] * (held == tensions)[:, None]
         q, g, dq, dg = value[:, :3], value[:, 3:6], by_state[:, :3], by_state[:, 3:6]
@@ -104,6 +108,7 @@ def march(elements: Sequence[ElementMap], tensions: np.ndarray, wrenches: np.nda
         sections=(np.stack(places, axis=1), np.stack(turns, axis=1)),
         wrenches=np.stack(carried, axis=1),
         base=wrench,
+        shortenings=shortenings,
         inside=np.stack(inside, axis=1),
     )
 

@@ -41,3 +41,9 @@ def turns(vectors: np.ndarray, changes: np.ndarray) -> np.ndarray:
     """The turns on the left, shape (n, 3, k) [rad], that change Rodrigues vectors, shape (n, 3), by (n, 3, k)."""
     scale = 2.0 / (1.0 + np.sum(vectors * vectors, axis=1))[:, None, None]
     return np.asarray(scale * (changes + np.cross(vectors[:, :, None], changes, axis=1)))
+
+
+def angles(rotations: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Angles between frames, shapes (n, 3, 3), (n,) [rad]: |R - S| = 2 sqrt(2) sin(angle / 2)."""
+    apart = np.linalg.norm(rotations - others, axis=(-2, -1)) / np.sqrt(8.0)
+    return np.asarray(2.0 * np.arcsin(np.clip(apart, 0.0, 1.0)))

@@ -21,6 +21,7 @@ from rom.elements.law import ElementMap
 from rom.elements.march import march
 from rom.elements.outline import train_outline
 from rom.elements.pieces import Piece, pieces
+from rom.elements.rotation_vectors import angles
 from rom.elements.samples import element_samples
 from rom.elements.section_states import SectionStates
 from rom.error_statistics import quantiles
@@ -57,16 +58,20 @@ class Training:
         lengths = {kind: one.lengths for kind, one in self.kinds.items()}
         return pieces(lengths, self.states.length)
 
-    def left_out(self, degrees: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
-        """The plate's places and rotations, every state predicted by a finger of the other folds, (n, 3), (n, 3, 3)."""
+    def left_out(self, degrees: dict[str, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The plate's places, rotations and the tendons' shortenings, every state predicted by the other folds.
+
+        Shapes (n, 3) [m], (n, 3, 3) [-] and (n, t) [m].
+        """
         t, n = self.states.tensions, len(self.fold)
-        places, turned = np.zeros((n, 3)), np.zeros((n, 3, 3))
+        places, turned, shorter = np.zeros((n, 3)), np.zeros((n, 3, 3)), np.zeros((n, t))
         for k in range(self.fold.max() + 1):
             own = self.fold == k
             laws = [self._law(piece, degrees[piece.kind], k) for piece in self.pieces]
             marched = march(laws, self.states.inputs[own, :t], self.states.inputs[own, t:])
             places[own], turned[own] = marched.plate
-        return places, turned
+            shorter[own] = marched.shortenings
+        return places, turned, shorter
 
     def _law(self, piece: Piece, degree: float, without: int) -> ElementMap:
         key = piece.kind, degree, without
@@ -76,7 +81,7 @@ class Training:
 
     def score(self, degrees: dict[str, float]) -> float:
         """Error of left-out states, SHARE of them: of contact forces over FORCE, of the free place over PLACE [-]."""
-        places, turned = self.left_out(degrees)
+        places, turned, _ = self.left_out(degrees)
         force = float(np.nanquantile(relative_force_errors(self.states, places, turned), SHARE))
         free = self.states.forces == 0
         off = np.linalg.norm(places - self.states.plate.places, axis=1)[free]
@@ -116,7 +121,7 @@ def train(states: SectionStates, provenance: dict[str, Any], progress: Progress 
     training = prepare(states)
     progress("fitting elements", 1, 2)
     degrees = best_degrees(training)
-    places, turned = training.left_out(degrees)
+    places, turned, shorter = training.left_out(degrees)
     laws = {kind: one.law(degrees[kind]) for kind, one in training.kinds.items()}
     outlines = outline_pairs(states.at, states.scene["geometry"]["side"])
     off = np.linalg.norm(places - states.plate.places, axis=1)
@@ -133,6 +138,8 @@ def train(states: SectionStates, provenance: dict[str, Any], progress: Progress 
                 "contact_force": quantiles(relative_force_errors(states, places, turned)),
                 "place_m": quantiles(off),
                 "free_place_m": quantiles(off[states.forces == 0]),
+                "turn_rad": quantiles(angles(turned, states.plate.rotations)),
+                "shortening_m": quantiles(np.abs(shorter - states.shortenings[:, -1]).max(axis=1)),
             },
         },
     )

@@ -53,6 +53,7 @@ def about(model: Surrogate | TouchedSegment) -> dict[str, Any]:
         "parameters": model.parameters,
         "has_obstacle": model.has_obstacle,
         "has_pad": model.has_pad,
+        "reports": isinstance(model, TouchedSegment),  # the tip's orientation and the tendons' shortenings
         "lead": model.lead,
         "most_force": most_force(model),
         "rest": [sum(geometry["segments"]) - geometry["plate"] / 2, 0.0, 0.0],

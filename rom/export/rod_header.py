@@ -24,7 +24,7 @@ PUBLIC = "fingerfem_object", "FINGERFEM_PLANE"  # by these: the type of objects,
 EXAMPLE, DEEP = 0.3, 2 / 3  # of the leading tension's range, and of the touch distance there: a point in contact [-]
 # The stack that gcc takes, times 1.25 or so, which tests measure: by the plates and their square, for matrices of all
 # wrenches, and by the powers of a polynomial [kB].
-STACK, BY_PLATE, BY_PLATES, BY_POWER = 16.0, 6.0, 4.2, 0.35
+STACK, BY_PLATE, BY_PLATES, BY_POWER = 17.0, 9.0, 4.2, 0.35
 
 
 def rod_header(model: TouchedSegment, name: str) -> str:

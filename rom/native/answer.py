@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -36,6 +36,12 @@ class Answer:
             what its mesh errs by, and `error` is the surrogate's alone.
         inside: whether the point lies in the trained box; d = inf is no plane, and inside. Outside, the answer is that
             of the nearest point inside, and nothing says how far it is from the truth.
+        orientation: of the tip plate's frame, as a unit quaternion w, x, y, z with w >= 0, shape (4,) or (n, 4) [-];
+            its sign changes where the tip has turned by half a turn. None of a surrogate, which does not have it.
+        orientation_error: estimated, an angle [rad], shape () or (n,).
+        shortenings: how much shorter every tendon is between the clamp and its plate, shape (t,) or (n, t) [m]: how
+            far a position-driven motor has pulled it in. None of a surrogate.
+        shortening_error: estimated, of each [m], shape () or (n,).
     """
 
     tip: np.ndarray
@@ -45,9 +51,47 @@ class Answer:
     error: Mapping[str, Any]
     inside: Any
     error_parts: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    orientation: np.ndarray | None = None
+    orientation_error: Any = None
+    shortenings: np.ndarray | None = None
+    shortening_error: Any = None
 
-    def tables(self) -> list[Table | str]:
-        """For people; of many points the first ones, without the tip."""
+    def mirrored(self, sides: Sequence[int]) -> Answer:
+        """The same of the finger's mirror image: along y and z, 1 as it is, -1 the other side."""
+        y, z = sides
+        turned = None if self.orientation is None else self.orientation * [1, y * z, z, y]
+        return replace(self, tip=self.tip * [1, y, z], orientation=turned)
+
+    def as_json(self, tendons: Sequence[str]) -> dict[str, Any]:
+        """Plain numbers at one point, units in names; what the model does not have is left out.
+
+        Args:
+            tendons: their names.
+        """
+        found: dict[str, Any] = {"tip_m": self.tip.tolist(), "tip_error_m": float(self.error["tip"])}
+        for name, unit, value in (
+            ("contact_force", "N", self.contact_force),
+            ("touch_distance", "m", self.touch_distance),
+            ("pad_pressure", "Pa", self.pad_pressure),
+        ):
+            if value is not None and name in self.error:
+                found |= {f"{name}_{unit}": float(value), f"{name}_error_{unit}": float(self.error[name])}
+        if self.orientation is not None:
+            found |= {
+                "orientation_wxyz": self.orientation.tolist(),
+                "orientation_error_rad": float(self.orientation_error),
+            }
+        if self.shortenings is not None:
+            by_name = dict(zip(tendons, self.shortenings.tolist(), strict=True))
+            found |= {"shortenings_m": by_name, "shortening_error_m": float(self.shortening_error)}
+        return found | {"inside": bool(self.inside)}
+
+    def tables(self, tendons: Sequence[str] = ()) -> list[Table | str]:
+        """For people; of many points the first ones, without the tip.
+
+        Args:
+            tendons: their names; numbers if omitted.
+        """
         found = {"contact_force": (self.contact_force, "N"), "touch_distance": (self.touch_distance, "m")}
         if self.pad_pressure is not None:
             found["pad_pressure"] = self.pad_pressure, "Pa"
@@ -55,6 +99,13 @@ class Answer:
         if np.ndim(self.tip) > 1:
             return self._many(list(named.values()))
         rows = components("tip", self.tip, "m", self.error["tip"])
+        if self.orientation is not None:
+            off = self.orientation_error / 2  # a turn by an angle changes the quaternion by half as much
+            rows += [row(f"tip orientation {c}", q, "-", off) for c, q in zip("wxyz", self.orientation, strict=True)]
+        if self.shortenings is not None:
+            names = tendons or range(1, 1 + len(self.shortenings))
+            each = zip(names, self.shortenings, strict=True)
+            rows += [row(f"shortening {name}", one, "m", self.shortening_error) for name, one in each]
         rows += [row(*one) for one in named.values() if not np.isnan(one[1])]
         return [quantities(rows), INSIDE if self.inside else OUTSIDE]
 

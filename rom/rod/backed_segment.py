@@ -24,6 +24,8 @@ if TYPE_CHECKING:  # segments are below the surrogate, which is only asked
     from rom.surrogate import Surrogate
 
 VALUES = "tip", "contact_force", "touch_distance", "inside"  # of an answer
+# Of an answer, what a surrogate does not have: nan, with an infinite error.
+ONLY_TOUCHED = "orientation", "orientation_error", "shortenings", "shortening_error"
 SAME = ("geometry", "material", "mesh")  # parts of a scene that both were trained with
 
 
@@ -106,6 +108,9 @@ class BackedSegment(PickledByFields):
         values: dict[str, Any] = {name: getattr(found, name) for name in VALUES}
         for name, value in values.items():
             value[unknown] = getattr(behind, name)
+        for name in ONLY_TOUCHED:
+            values[name] = getattr(found, name)
+            values[name][unknown] = np.inf if name.endswith("error") else np.nan
         parts: dict[str, dict[str, Any]] = {}
         for of in dict.fromkeys([*found.error_parts, *behind.error_parts]):
             # A part that one of the two does not have is 0 of its error.

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from rom.elements.contact_error import relative_force_errors
+from rom.elements.rotation_vectors import angles
 from rom.elements.section_states import read_section_states
 from rom.error_statistics import quantiles
 from rom.rod.rod import Rod
@@ -20,8 +21,8 @@ def check_pressed(rod: Rod, held_out: SnapshotSet) -> dict[str, Any]:
     """Compare a finger with held-out or its training states, of any mesh.
 
     Returns:
-        numbers of states; errors of the plate's place [m], of contact forces [-] and of shortenings [m]; the share of
-        states within what was trained, and of contact forces within what is expected.
+        numbers of states; errors of the plate's place [m] and turn [rad], of contact forces [-] and of shortenings
+        [m]; the share of states within what was trained, and of contact forces within what is expected.
 
     Raises:
         SnapshotError: a set of another finger, or without a load.
@@ -44,6 +45,7 @@ def check_pressed(rod: Rod, held_out: SnapshotSet) -> dict[str, Any]:
         "inside": float(np.mean([one.inside for one in plates])),
         "place_m": quantiles(np.linalg.norm(centres - states.plate.places, axis=1)),
         "contact_force": quantiles(errors),
+        "turn_rad": quantiles(angles(rotations, states.plate.rotations)),
         "channel_shortening_m": quantiles(np.abs(shorter).ravel()),
         "covered": float(np.mean(errors[known] <= rod.force_error)) if known.any() else np.nan,
     }

@@ -39,7 +39,7 @@ def check(rod: Rod) -> None:
             away = np.linalg.norm(_ends_of_free_plate(one), axis=1)
         near = bool((away < FARTHEST * one.length).all())  # not where it is nan
         require(near, f"free plate {k + 1} must be within {FARTHEST:g} lengths of its clamp", away.tolist())
-    for name in ("force_error", "place_error", "place_error_by_force", "skin_error"):
+    for name in ("force_error", "place_error", "place_error_by_force", "skin_error", "turn_error", "shortening_error"):
         value = getattr(rod, name)
         require(0 <= value < np.inf, f"{name} must be finite and at least 0", value)
     factors = rod.finer_mesh_factors
@@ -79,6 +79,8 @@ def check_rod(segment: Segment) -> None:
         corners = segment.corners
         _polynomial("corner_powers", corners, t, CORNERS)
         _alike("corners and the plate's element", [corners.lower, corners.upper], [first.lower, first.upper])
+    if segment.shortenings is not None:
+        _shortenings(segment.shortenings, elements)
     if segment.outlines is not None:
         _outlines(segment.outlines, elements, float(segment.half_lengths[0]))
 
@@ -98,6 +100,17 @@ def _tension_map(element: ElementMap) -> int:
 def _alike(name: str, one: list[np.ndarray], other: list[np.ndarray]) -> None:
     alike = len(one) == len(other) and all(map(np.array_equal, one, other))
     require(alike, f"{name} must have one box", [*map(np.ndarray.tolist, one)])
+
+
+def _shortenings(shortenings: Sequence[Polynomial], elements: Sequence[ElementMap]) -> None:
+    """Of the tendons: compiled code evaluates them with the products of the elements' laws."""
+    count = len(elements)
+    require(len(shortenings) == count, f"shortenings must be {count}, as the elements", len(shortenings))
+    t, combinations = elements[0].tension_map.shape[1], len(elements[0].tension_map)
+    for k, (one, element) in enumerate({id(e): (s, e) for s, e in zip(shortenings, elements, strict=True)}.values()):
+        _polynomial(f"powers of shortenings {k}", one, combinations, t)
+        alike = np.array_equal(one.powers, element.polynomial.powers)
+        require(alike, f"shortenings {k} must have the powers of their law", "others")
 
 
 def _outlines(outlines: Sequence[Outline], elements: Sequence[ElementMap], begins: float) -> None:

@@ -22,6 +22,7 @@ from rom.elements.pieces import Piece, pieces
 from rom.native import PickledByFields
 from rom.rod import native, shape
 from rom.rod.limits import check as check_rod
+from rom.rod.native import reports
 from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
 from rom.snapshots.grid import SHARE
@@ -165,9 +166,39 @@ class Rod(PickledByFields):
     @property
     def _lever(self) -> float:
         """The finger's length over the trained one's, squared, as errors of turns add up, at this size [-]."""
-        size = self.similarity.size
-        ratio = sum(self.scene["geometry"]["segments"]) / (size * sum(self.elements.scene["geometry"]["segments"]))
-        return float(size * max(ratio, 1.0) ** 2)
+        return float(self.similarity.size * max(self._longer, 1.0) ** 2)
+
+    @property
+    def _trained_length(self) -> float:
+        """Of the finger that the elements were trained on [m]."""
+        return float(sum(self.elements.scene["geometry"]["segments"]))
+
+    @property
+    def _longer(self) -> float:
+        """The finger's length over the trained one's at its size [-]."""
+        return float(sum(self.scene["geometry"]["segments"]) / (self.similarity.size * self._trained_length))
+
+    @property
+    def turn_error(self) -> float:
+        """Of the tip plate's orientation, likewise [rad]; where training did not measure it, see `_turned`."""
+        left_out = self.elements.provenance["left_out"]
+        return float(left_out["turn_rad"]["p95"] if "turn_rad" in left_out else self._turned) * max(self._longer, 1.0)
+
+    @property
+    def shortening_error(self) -> float:
+        """Of tendon shortenings, likewise [m]; where it was not measured, the turn's at the outermost tendon."""
+        left_out, offsets = self.elements.provenance["left_out"], [one["offset"] for one in self.scene["tendons"]]
+        if "shortening_m" in left_out:
+            return float(left_out["shortening_m"]["p95"]) * self.similarity.size * max(self._longer, 1.0)
+        return float(np.abs(offsets).sum(axis=1).max()) * self.turn_error
+
+    @property
+    def _turned(self) -> float:
+        """The turn of a trained finger's tip by an error of its curvature that moves the tip by its place error [rad].
+
+        A change of curvature over the whole length L turns the tip by a and moves it by a L / 2.
+        """
+        return 2 * float(self.elements.provenance["left_out"]["place_m"]["p95"]) / self._trained_length
 
     @property
     def skin_error(self) -> float:
@@ -197,6 +228,8 @@ class Rod(PickledByFields):
             "force_error_by_place": force * self.place_error,
             "touch_error": touch * self.place_error,
             "touch_error_of_skin": touch * self.skin_error,
+            "turn_error": tip * self.turn_error,
+            "shortening_error": tip * self.shortening_error,
         }
         return native.chain_struct([one.struct for one in self.segments], own, self.rest, self.skin_error, errors)
 
@@ -210,6 +243,10 @@ class Rod(PickledByFields):
         Raises:
             ModelError: the wrong number of tensions or wrenches.
         """
+        return Plates(*native.place_chain(self.struct, *self._inputs(tensions, wrenches)))
+
+    def _inputs(self, tensions: ArrayLike, wrenches: ArrayLike | None) -> tuple[np.ndarray, np.ndarray]:
+        """Both as arrays, see `place`."""
         t, n = len(self.names), len(self.segments)
         pulled = np.array(tensions, float)
         pressed = np.zeros((n, 6)) if wrenches is None else np.array(wrenches, float)
@@ -218,11 +255,11 @@ class Rod(PickledByFields):
                 f"inputs must be {t} tensions and wrenches of shape ({n}, 6), "
                 f"got shapes {pulled.shape} and {pressed.shape}"
             )
-        return Plates(*native.place_chain(self.struct, pulled, pressed))
+        return pulled, pressed
 
     def shortening(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
         """How much shorter the tendons have become between clamp and plate, arguments of `place`; shape (t,) [m]."""
-        return shape.shortenings(self, self._placed(tensions, wrenches))
+        return reports.shortenings(self.struct, *self._inputs(tensions, wrenches))[0]
 
     def displacement(
         self, tensions: ArrayLike, wrenches: ArrayLike | None = None, points: ArrayLike | None = None
@@ -238,12 +275,27 @@ class Rod(PickledByFields):
             ModelError: the wrong number of tensions or wrenches, or a point that is none of the finger.
         """
         at_rest = self.edges if points is None else np.asarray(points, float)
-        length, half = sum(self.scene["geometry"]["segments"]), self.half_lengths[1]
-        outside = np.abs(at_rest - [length / 2, 0.0, 0.0]) > np.array([length / 2, half, half]) * (1 + SHARE)
-        if at_rest.ndim != 2 or at_rest.shape[1] != 3 or outside.any():
-            raise ModelError(f"points must lie in the finger at rest, shape (points, 3), got {at_rest.tolist()[:1]}")
-        found = shape.points_in_space(self, self._placed(tensions, wrenches), at_rest)
-        return np.asarray(found - at_rest)
+        return shape.displacements(self, shape.placed(self, *self._inputs(tensions, wrenches)), at_rest)
+
+    def sections(
+        self, tensions: ArrayLike, wrenches: ArrayLike | None = None, at: ArrayLike | None = None
+    ) -> shape.Sections:
+        """The poses of cross-sections: the shape of the finger's axis.
+
+        Args:
+            tensions: shape (t,) [N].
+            wrenches: on the plates in their own frames, shape (n, 6) [N, N m]; none if omitted.
+            at: positions along the finger at rest, from the clamp to the tip, shape (m,) [m]; by default every half
+                side, as `edges`.
+
+        Raises:
+            ModelError: the wrong number of tensions or wrenches, or a position that is none of the finger.
+
+        Example:
+            >>> Rod.load("finger.h5").sections([30.0, 0.0], at=[0.02, 0.04]).rotations  # doctest: +SKIP
+        """
+        known = np.unique(self.edges[:, 0]) if at is None else np.atleast_1d(np.asarray(at, float))
+        return shape.sections(self, shape.placed(self, *self._inputs(tensions, wrenches)), known)
 
     @property
     def edges(self) -> np.ndarray:
@@ -252,10 +304,6 @@ class Rod(PickledByFields):
         length = sum(self.scene["geometry"]["segments"])
         along = np.linspace(0.0, length, round(length / half) + 1)
         return np.array([[x, y, z] for x in along for y in (-half, half) for z in (-half, half)])
-
-    def _placed(self, tensions: ArrayLike, wrenches: ArrayLike | None) -> list[list[shape.Placed]]:
-        pressed = np.zeros((len(self.segments), 6)) if wrenches is None else np.asarray(wrenches, float)
-        return shape.placed(self, np.asarray(tensions, float), pressed)
 
     def assembled(self, scene: str | Path | Mapping[str, Any]) -> Rod:
         """The finger of another scene, of these elements.

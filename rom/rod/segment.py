@@ -15,6 +15,7 @@ from rom.checked_file import ModelError
 from rom.elements.elements import Elements
 from rom.elements.law import POSE, ElementMap
 from rom.elements.pieces import Piece
+from rom.fit.chebyshev import Polynomial
 from rom.native import PickledByFields
 from rom.rod import native
 
@@ -62,12 +63,14 @@ class Segment(PickledByFields):
 
     @property
     def condensed(self) -> native.Segment:
-        """What of it is compiled: the poses of its elements, without the shortenings of tendons."""
+        """What of it is compiled: its elements by pose and by the shortenings of its tendons."""
         poses = {id(one): _pose_of(one) for one in self.elements}
+        shortenings = {id(one): _values(one, [POSE + k for k in self.trained]) for one in self.elements}
         return native.Segment(
             elements=[poses[id(one)] for one in self.elements],
             half_lengths=self.half_lengths,
             outlines=self.outlines,
+            shortenings=[shortenings[id(one)] for one in self.elements],
         )
 
     def place(self, inputs: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
@@ -116,5 +119,10 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
 
 def _pose_of(element: ElementMap) -> ElementMap:
     """An element without the shortenings of its tendons."""
+    return replace(element, polynomial=_values(element, range(POSE)))
+
+
+def _values(element: ElementMap, columns: Sequence[int]) -> Polynomial:
+    """The polynomial of some of an element's values."""
     polynomial = element.polynomial
-    return replace(element, polynomial=replace(polynomial, coefficients=polynomial.coefficients[:, :POSE]))
+    return replace(polynomial, coefficients=polynomial.coefficients[:, list(columns)])

@@ -1,16 +1,18 @@
-"""The shape of a finger: where its material points are, and how much shorter its tendons have become."""
+"""The shape of a finger: where its cross-sections and material points are."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from rom.brief import brief
-from rom.elements.law import POSE
-from rom.elements.march import march
+from rom.checked_file import ModelError
+from rom.elements import rotation_vectors
 from rom.elements.outline import CORNERS
+from rom.rod.native import reports
+from rom.snapshots.grid import SHARE
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod
@@ -25,93 +27,160 @@ class Placed:
         kind: of it.
         at: position of its distal section along the finger at rest, or of its plate's centre [m].
         length: from there to its proximal section at rest [m].
+        half: of its plate, in which sections do not deform [m]; 0 of others.
         place: of the distal section in space, shape (3,) [m].
         rotation: of its frame, shape (3, 3) [-].
+        proximal: place and rotation of the proximal section in space, likewise.
         inputs: the trained tensions, then the wrench that it transmits, shape (t + 6,) [N, N m].
-        values: of its law.
     """
 
     kind: str
     at: float
     length: float
+    half: float
     place: np.ndarray
     rotation: np.ndarray
+    proximal: tuple[np.ndarray, np.ndarray]
     inputs: np.ndarray
-    values: np.ndarray
 
 
-def placed(rod: Rod, tensions: np.ndarray, wrenches: np.ndarray) -> list[list[Placed]]:
-    """The elements of every segment, each from its plate to its clamp.
+def placed(rod: Rod, tensions: np.ndarray, wrenches: np.ndarray) -> list[Placed]:
+    """The elements of a finger from clamp to tip.
 
     Args:
         rod: the finger.
         tensions: shape (t,) [N].
         wrenches: on the plates in their own frames, shape (plates, 6) [N, N m].
     """
-    plates, found = rod.place(tensions, wrenches), []
-    ends = np.cumsum(rod.scene["geometry"]["segments"]) - rod.half_lengths[0]
-    beyond, ahead = np.zeros(6), rod.half_lengths[0]
-    for k in reversed(range(len(rod.segments))):
-        segment = rod.segments[k]
-        pulled = np.array([tensions[rod.names.index(name)] for name in segment.names])
-        marched = march(segment.elements, pulled[None], (wrenches[k] + beyond)[None])
-        at, own = ends[k], []
-        for j, (kind, length) in enumerate(rod.pieces[k]):
-            inputs = np.concatenate([pulled, marched.wrenches[0, j]])
-            trained = np.zeros(rod.elements.tensions)
-            np.add.at(trained, segment.trained, pulled)
-            own.append(
+    at, half = 0.0, rod.half_lengths[0]
+    before, found = (np.zeros(3), np.eye(3)), list[Placed]()
+    for k, sections in enumerate(reports.elements(rod.struct, tensions, wrenches)):
+        segment, trained = rod.segments[k], np.zeros(rod.elements.tensions)
+        np.add.at(trained, segment.trained, [tensions[rod.names.index(name)] for name in segment.names])
+        whole = list(zip(rod.pieces[k], *sections, strict=True))
+        for (kind, length), place, rotation, wrench in whole[::-1]:
+            at += length
+            found.append(
                 Placed(
                     kind=kind,
                     at=at,
                     length=length,
-                    place=plates.centres[k] + plates.rotations[k] @ marched.sections[0][0, j],
-                    rotation=plates.rotations[k] @ marched.sections[1][0, j],
-                    inputs=np.concatenate([trained, marched.wrenches[0, j]]),
-                    values=segment.elements[j].value(inputs[None])[0],
+                    half=half if wrench is whole[0][-1] else 0.0,
+                    place=place,
+                    rotation=rotation,
+                    proximal=before,
+                    inputs=np.concatenate([trained, wrench]),
                 )
             )
-            at -= length
-        found.append(own)
-        beyond = marched.base[0].copy()
-        beyond[3:] += np.cross([ahead, 0.0, 0.0], beyond[:3])  # about the centre of the plate that clamps it
-    return found[::-1]
-
-
-def shortenings(rod: Rod, elements: list[list[Placed]]) -> np.ndarray:
-    """How much shorter every tendon has become between the clamp and its plate, shape (t,) [m]."""
-    found = np.zeros(len(rod.names))
-    for i, tendon in enumerate(rod.scene["tendons"]):
-        column = POSE + rod.similarity.tendons[i]
-        found[i] = sum(one.values[column] for segment in elements[: tendon["segment"]] for one in segment)
+            before = place, rotation
+        at += half
+        before = place + half * rotation[:, 0], rotation
     return found
 
 
-def points_in_space(rod: Rod, elements: list[list[Placed]], points: np.ndarray) -> np.ndarray:
-    """Where material points are, shapes (n, 3) [m]: bilinear between the corners of their cross-sections.
+def displacements(rod: Rod, elements: list[Placed], points: np.ndarray) -> np.ndarray:
+    """Displacements of material points at rest, shapes (n, 3) [m]: bilinear between their cross-sections' corners.
+
+    Points in a plate move with it.
 
     Args:
         rod: the finger.
         elements: where they are.
-        points: at rest; those in a plate move with it.
+        points: at rest.
+
+    Raises:
+        ModelError: a point that is none of the finger.
     """
-    found, half, ahead = np.empty_like(points), rod.half_lengths[1], rod.half_lengths[0]
-    along = np.minimum(points[:, 0], elements[-1][0].at + ahead)  # round-off beyond the tip is the tip
-    for x in np.unique(along):
-        own = along == x
-        one = next(
-            one for segment in elements for one in reversed(segment) if x <= one.at + ahead * (one is segment[0])
-        )
-        distance = one.at - x
-        if one is _its_segment(elements, one)[0] and distance <= ahead:
+    half, length = rod.half_lengths[1], sum(rod.scene["geometry"]["segments"])
+    if points.ndim != 2 or points.shape[1] != 3 or _outside(points, length, half):
+        raise ModelError(f"points must lie in the finger at rest, shape (points, 3), got {points.tolist()[:1]}")
+    found = np.empty_like(points)
+    for x in np.unique(points[:, 0]):
+        own, one = points[:, 0] == x, _at(elements, x)
+        if one.at - x <= one.half:
             seen = points[own] - [one.at, 0.0, 0.0]
         else:
-            corners = rod.own.outlines[one.kind].corners(one.inputs[None], distance)[0]
             shares = np.prod(1 + CORNERS * points[own, None, 1:] / half, axis=2) / 4
-            seen = shares @ corners
+            seen = shares @ _corners(rod, one, one.at - x)
         found[own] = one.place + seen @ one.rotation.T
-    return found
+    return found - points
 
 
-def _its_segment(elements: list[list[Placed]], one: Placed) -> list[Placed]:
-    return next(segment for segment in elements if any(one is other for other in segment))
+@brief
+class Sections(NamedTuple):
+    """Poses of m cross-sections.
+
+    Attributes:
+        at: their positions along the finger at rest, shape (m,) [m].
+        centres: mean positions in space, shape (m, 3) [m].
+        rotations: of their frames, shape (m, 3, 3) [-]: columns are the directions of x, y and z at rest.
+    """
+
+    at: np.ndarray
+    centres: np.ndarray
+    rotations: np.ndarray
+
+
+def sections(rod: Rod, elements: list[Placed], at: np.ndarray) -> Sections:
+    """Poses of cross-sections at positions, shape (m,) [m].
+
+    A section's corners have a best rigid fit. By how much that differs from the element's law at its two ends, where
+    sections warp alike, is taken off linearly between these.
+
+    Raises:
+        ModelError: a position that is none of the finger.
+    """
+    length = sum(rod.scene["geometry"]["segments"])
+    if at.ndim != 1 or _outside(at[:, None], length):
+        raise ModelError(f"at must lie between clamp and tip, 0 to {length:g} m, got {at.tolist()[:1]}")
+    centres, turned = np.empty((len(at), 3)), np.empty((len(at), 3, 3))
+    for k, x in enumerate(at):
+        one = _at(elements, x)
+        if one.at - x <= one.half:
+            seen, relative = np.array([x - one.at, 0.0, 0.0]), np.eye(3)
+        else:
+            seen, relative = _seen(rod, one, one.at - x)
+        centres[k], turned[k] = one.place + one.rotation @ seen, one.rotation @ relative
+    return Sections(at, centres, turned)
+
+
+def _seen(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarray]:
+    """A section's centre and rotation, seen from the distal section of its element, at a distance from that [m]."""
+    centre, turned = one.proximal
+    ends = [
+        (one.half, np.array([-one.half, 0.0, 0.0]), np.eye(3)),
+        (one.length, one.rotation.T @ (centre - one.place), one.rotation.T @ turned),
+    ]
+    share = (distance - one.half) / (one.length - one.half)
+    place, rotation = _fit(rod, one, distance)
+    turn = np.zeros(3)
+    for weight, (end, own_place, own_rotation) in zip((1 - share, share), ends, strict=True):
+        fitted_place, fitted_rotation = _fit(rod, one, end)
+        place = place + weight * (own_place - fitted_place)
+        turn += weight * rotation_vectors.vectors(fitted_rotation.T @ own_rotation)
+    return place, rotation @ rotation_vectors.matrices(turn)
+
+
+def _fit(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarray]:
+    """The rigid motion that fits a section's corners best, seen from its element's distal section (Kabsch 1976)."""
+    corners = _corners(rod, one, distance)
+    centre = corners.mean(axis=0)
+    left, _, right = np.linalg.svd(np.insert(CORNERS, 0, 0.0, axis=1).T @ (corners - centre))
+    sign = np.linalg.det(left @ right)
+    return centre, right.T @ np.diag([1.0, 1.0, sign]) @ left.T
+
+
+def _corners(rod: Rod, one: Placed, distance: float) -> np.ndarray:
+    """Corners of a section at a distance from its element's distal section [m], seen from that; shape (4, 3) [m]."""
+    return rod.own.outlines[one.kind].corners(one.inputs[None], distance)[0]
+
+
+def _outside(points: np.ndarray, length: float, half: float = 0.0) -> bool:
+    """Whether some points or positions at rest, shape (n, 3) or (n, 1) [m], are none of the finger's."""
+    box = np.array([length / 2, half, half])[: points.shape[1]]
+    return not (np.abs(points - [length / 2, 0.0, 0.0][: points.shape[1]]) <= box * (1 + SHARE)).all()
+
+
+def _at(elements: list[Placed], x: float) -> Placed:
+    """The element that a position is in [m]; round-off beyond the tip is the tip."""
+    return next((one for one in elements if x <= one.at + one.half), elements[-1])

@@ -17,9 +17,12 @@ from rom.native import PickledByFields
 from rom.native.answer import Answer
 from rom.rod import native
 from rom.rod.native import SEGMENT, Touched
+from rom.rod.native.reports import QUATERNION
 from rom.rod.native.told import tells
 from rom.rod.objects import Object, facing_plane
+from rom.rod.report import Report
 from rom.rod.rod import Rod
+from rom.rod.shape import Sections
 from rom.table import Table, as_html, parameters
 
 QUANTITIES = "tip", "contact_force", "touch_distance"  # of which errors are estimated
@@ -169,7 +172,7 @@ class TouchedSegment(PickledByFields):
         return found
 
     def evaluate(self, parameters: ArrayLike) -> Answer:
-        """Tip, contact force and the distance at which the free finger touches, at tensions [N] and d [m].
+        """Tip, its orientation, contact force, touch distance and tendon shortenings at tensions [N] and d [m].
 
         Args:
             parameters: shape (p,) or (n, p).
@@ -180,10 +183,10 @@ class TouchedSegment(PickledByFields):
         Raises:
             ModelError: the wrong number of parameters.
         """
-        out, errors, inside = tells(self.touching, self._points(parameters))
+        out, errors, inside, (rows, _, off) = tells(self.touching, self._points(parameters))
         parts = self._parts(dict(zip(QUANTITIES, errors.T, strict=True)))
         if np.ndim(parameters) == 1:
-            out, inside = out[0], inside[0]
+            out, inside, rows, off = out[0], inside[0], rows[0], off[0]
             parts = {of: {name: error[0] for name, error in errors.items()} for of, errors in parts.items()}
         return Answer(
             tip=out[..., :3],
@@ -193,7 +196,26 @@ class TouchedSegment(PickledByFields):
             error={name: sum(errors[name] for errors in parts.values()) for name in QUANTITIES},
             error_parts=parts,
             inside=inside,
+            orientation=rows[..., :QUATERNION],
+            orientation_error=off[..., 0],
+            shortenings=rows[..., QUATERNION:],
+            shortening_error=off[..., 1],
         )
+
+    def report(self, parameters: ArrayLike) -> Report:
+        """Tip orientation and tendon shortenings, with their derivatives by tensions [N] and d [m].
+
+        Args:
+            parameters: shape (p,) or (n, p).
+
+        Raises:
+            ModelError: the wrong number of parameters.
+
+        Example:
+            >>> TouchedSegment.load().report([30.0, 0.0, 0.010]).shortening_jacobian
+        """
+        found = Report.of(tells(self.touching, self._points(parameters)))
+        return Report(*(one[0] for one in found)) if np.ndim(parameters) == 1 else found
 
     def _parts(self, errors: dict[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
         """Estimated errors [m, N, m], taken apart: the surrogate's, and its mesh's if states on a finer one told."""
@@ -242,6 +264,15 @@ class TouchedSegment(PickledByFields):
         """
         tensions, wrenches = self._loads(parameters)
         return self.rod.displacement(tensions, wrenches, points)
+
+    def sections(self, parameters: ArrayLike, at: ArrayLike | None = None) -> Sections:
+        """Poses of cross-sections at one point of the parameters, shape (p,), pressed or free; see `Rod.sections`.
+
+        Args:
+            parameters: tensions [N] and d [m].
+            at: positions along the finger at rest, shape (m,) [m].
+        """
+        return self.rod.sections(*self._loads(parameters), at)
 
     def shortening(self, parameters: ArrayLike) -> np.ndarray:
         """How much shorter the tendons have become at one point, shape (p,); shape (t,) [m]."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from control import Finger, Gripper, SimulatedPlant
-from rom import TouchedSegment
+from rom import Surrogate, TouchedSegment
 
 NAN = float("nan")
 
@@ -99,3 +99,41 @@ def test_the_command_prints_the_reason():
     assert done.returncode == 3 and json.loads(done.stdout)["reason"].startswith("contact_force 500 N at distance")
     shown = subprocess.run(words, capture_output=True, text=True)
     assert shown.returncode == 3 and "contact_force 500 N at distance" in " ".join(shown.stdout.split())
+
+
+def shown_by(*words: str) -> dict:
+    """The JSON object that a command prints."""
+    done = subprocess.run([sys.executable, "-m", "control", *words, "--json"], capture_output=True, text=True)
+    return json.loads(done.stdout)
+
+
+def test_hold_and_reach_have_the_model_s_answer_with_units_in_names():
+    model = TouchedSegment.load()
+    held = shown_by("hold", "--distance", "0.01")
+    names = {"tip_m", "tip_error_m", "orientation_wxyz", "orientation_error_rad", "shortenings_m", "shortening_error_m"}
+    names |= {"contact_force_N", "contact_force_error_N", "touch_distance_m", "touch_distance_error_m", "inside"}
+    assert set(held["answer"]) == names
+    expected = model.evaluate([*held["tensions"], 0.01])
+    assert held["answer"]["orientation_wxyz"] == expected.orientation.tolist()
+    assert held["answer"]["shortenings_m"] == dict(zip(["F1", "F2"], expected.shortenings, strict=True))
+    assert held["answer"]["contact_force_N"] == pytest.approx(1.0, abs=1e-5)
+
+
+def test_the_answer_of_a_reach_on_the_other_side_is_the_mirror_image():
+    model = TouchedSegment.load()
+    tip = model.rod.rest + model.evaluate([20.0, 10.0, np.inf]).tip
+    one, other = (shown_by("reach", "rom/finger.h5", *(str(x) for x in tip * side)) for side in ([1, 1, 1], [1, 1, -1]))
+    assert one["sides"] == [1, 1] and other["sides"] == [1, -1]
+    w, x, y, z = one["answer"]["orientation_wxyz"]
+    assert other["answer"]["orientation_wxyz"] == pytest.approx([w, -x, -y, z], abs=1e-6)
+    assert other["answer"]["tip_m"] == pytest.approx(np.array(one["answer"]["tip_m"]) * [1, 1, -1], abs=1e-6)
+    assert other["answer"]["shortenings_m"] == pytest.approx(one["answer"]["shortenings_m"], abs=1e-6)
+
+
+def test_a_surrogate_s_answer_has_no_orientation_and_no_shortenings():
+    answer = Surrogate.load().evaluate([30.0, 5.0, 0.01])
+    assert answer.orientation is answer.shortenings is None
+    assert set(answer.as_json(["F1", "F2"])) == {
+        *("tip_m", "tip_error_m", "contact_force_N", "contact_force_error_N"),
+        *("touch_distance_m", "touch_distance_error_m", "inside"),
+    }

@@ -28,6 +28,7 @@ from rom.native import pointer
 from rom.rod import rod
 from rom.rod.inverse_map import InverseMap
 from rom.rod.native import rubber_boxes
+from rom.rod.native.reports import Reports
 from rom.rod.native.told import sections
 
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 1e-300, 255, 65535, 2**31, -(2**31))
@@ -206,7 +207,9 @@ def asked(model: Surrogate | TouchedSegment, random: np.random.Generator) -> Non
     corners = np.empty((max(own.sections, 1), 4, 3))
     for point in points[:6]:
         out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty((6, len(point))), np.zeros(WRENCHES)
-        MODEL.functions.fingerfem_model_tell(own, *map(pointer, (point.copy(), memory, wrench, out, errors, jacobian)))
+        report = Reports.empty(1, len(point) - 1)
+        given = map(pointer, (point.copy(), memory, wrench, out, errors, jacobian))
+        MODEL.functions.fingerfem_model_tell(own, *given, report.struct)
         MODEL.functions.fingerfem_model_sections(own, *map(pointer, (point.copy(), wrench, memory, corners)))
     if isinstance(model, TouchedSegment):
         asked_of_a_rod(model, points)

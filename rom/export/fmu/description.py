@@ -12,6 +12,7 @@ UNITS = {
     "N": {"kg": "1", "m": "1", "s": "-2"},
     "Pa": {"kg": "1", "m": "-1", "s": "-2"},
     "s": {"s": "1"},
+    "rad": {"rad": "1"},
 }
 STATUS_TYPE = "Status"
 TOOL = "fingerfem"

@@ -10,6 +10,7 @@ from rom.rod.touched_segment import TouchedSegment
 from rom.surrogate import Surrogate
 
 INPUTS, OUTPUTS, FLAG, STATUS = 1, 101, 201, 202  # value references, as in native/fmu.h
+REPORT, REPORT_ERRORS = OUTPUTS + 10, OUTPUTS + 22  # of a model of elements, as in native/fmu_model.c
 RESIDUAL, FORCE_ERROR = OUTPUTS + 8, OUTPUTS + 9  # of a controller, as in native/fmu_controller.c
 MOST_INPUTS, MOST_TENSIONS = 10, 8  # likewise
 HELD = 1.0  # [N]: the contact force that a controller begins with
@@ -94,6 +95,8 @@ def model_interface(model: Surrogate | TouchedSegment) -> Interface:
         _output(name, unit, f"{text}; {UNKNOWN}", OUTPUTS + 6 + k, discrete=True)
         for k, (name, unit, text) in ((k, row) for k, row in enumerate(errors) if row)
     ]
+    if isinstance(model, TouchedSegment):
+        outputs += _reported(model)
     return Interface(
         title=f"{model.scene['name']}: a rubber finger, and what it touches",
         unit="fmu_model.c",
@@ -106,6 +109,22 @@ def model_interface(model: Surrogate | TouchedSegment) -> Interface:
         ],
         differentiable=True,
     )
+
+
+def _reported(model: TouchedSegment) -> list[Variable]:
+    """The tip's orientation and the tendons' shortenings."""
+    tendons, about = model.names[:-1], "of the tip plate's unit quaternion, w >= 0: its sign changes at half a turn"
+    rows = [(f"orientation_{axis}", "", f"{axis} {about}") for axis in "wxyz"]
+    rows += [(f"shortening_{name}", "m", f"how much shorter {name} is from clamp to plate") for name in tendons]
+    errors = [
+        ("orientation_error", "rad", "estimated error of the orientation, an angle"),
+        ("shortening_error", "m", "estimated error of every shortening"),
+    ]
+    found = [_output(*row, REPORT + k) for k, row in enumerate(rows)]
+    return found + [
+        _output(name, unit, f"{text}; {UNKNOWN}", REPORT_ERRORS + k, discrete=True)
+        for k, (name, unit, text) in enumerate(errors)
+    ]
 
 
 def controller_interface(model: Surrogate | TouchedSegment) -> Interface:

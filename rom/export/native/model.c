@@ -16,11 +16,11 @@ int32_t fingerfem_model_memory(const fingerfem_model *model)
 }
 
 static int tell_touching(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
-                         double *errors, double *jacobian)
+                         double *errors, double *jacobian, const fingerfem_report *report)
 {
     int32_t inside;
     double gap;
-    const int evaluations = fingerfem_tell(touching, point, memory, wrench, out, jacobian, errors, &inside, &gap);
+    const int evaluations = fingerfem_tell(touching, point, memory, wrench, out, jacobian, errors, &inside, &gap, report);
     if (evaluations <= 0) return FINGERFEM_NO_EQUILIBRIUM;
     if (gap < touching->chain->skin_error) return FINGERFEM_RUBBER_TOUCHES;
     return inside ? FINGERFEM_INSIDE : FINGERFEM_BEYOND;
@@ -57,10 +57,10 @@ static void surrogate_errors(const fingerfem_kernel *kernel, const fingerfem_err
 }
 
 int fingerfem_model_tell(const fingerfem_model *model, const double *point, double *memory, double *wrench, double *out,
-                         double *errors, double *jacobian)
+                         double *errors, double *jacobian, const fingerfem_report *report)
 {
     out[FINGERFEM_PAD] = errors[3] = NAN;
-    if (model->touching) return tell_touching(model->touching, point, memory, wrench, out, errors, jacobian);
+    if (model->touching) return tell_touching(model->touching, point, memory, wrench, out, errors, jacobian, report);
     const int inside = fingerfem_answer(model->kernel, point, memory, out, jacobian);
     surrogate_errors(model->kernel, model->errors, point, out, memory, errors);
     return inside ? FINGERFEM_INSIDE : FINGERFEM_BEYOND;

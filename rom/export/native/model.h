@@ -40,9 +40,10 @@ int32_t fingerfem_model_memory(const fingerfem_model *model);
 
 /* All that is told at a point, (parameters): out, (FINGERFEM_MOST_ROWS), see kernel.h, its estimated errors of tip, contact
  * force, touch distance and pad pressure, (FINGERFEM_MOST_ERRORS), and derivatives, (rows, parameters). What is not known
- * is NaN. Returns whether it is to be relied on. The wrench, (6 plates), is where the solve begins and ends. */
+ * is NaN. Returns whether it is to be relied on. The wrench, (6 plates), is where the solve begins and ends. The report is
+ * computed unless it is NULL; a surrogate has none, and leaves it. */
 int fingerfem_model_tell(const fingerfem_model *model, const double *point, double *memory, double *wrench, double *out,
-                         double *errors, double *jacobian);
+                         double *errors, double *jacobian, const fingerfem_report *report);
 
 /* The surface at a point that was told, by its wrench: (sections, 4, 3) [m]. */
 int fingerfem_model_sections(const fingerfem_model *model, const double *point, const double *wrench, double *memory,

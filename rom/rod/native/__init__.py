@@ -13,7 +13,15 @@ from rom.elements.law import ElementMap
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
 from rom.rod import limits
-from rom.rod.native.arrangement import by_degree, free_numbers, law, outline, places_between, tension_monomials
+from rom.rod.native.arrangement import (
+    by_degree,
+    free_numbers,
+    in_sixes,
+    law,
+    outline,
+    places_between,
+    tension_monomials,
+)
 from rom.rod.native.outlines import Outline, outline_of, stations_of
 
 MOST_CONTACTS, CORNERS = 12, 24  # as in segment.h
@@ -36,12 +44,15 @@ class Segment:
         half_lengths: of the plate along its own axes, shape (3,) [m].
         corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
         outlines: of every element, shared as its law is; None if nothing is known of the rubber's surface.
+        shortenings: of every element, shared as its law is: how much shorter the segment's tendons are in it, in the
+            order of its tensions [m], with the powers of its law; None if they are not known.
     """
 
     elements: Sequence[ElementMap]
     half_lengths: np.ndarray
     corners: Polynomial | None = None
     outlines: Sequence[Outline] | None = None
+    shortenings: Sequence[Polynomial] | None = None
 
 
 def pointer(array: np.ndarray, kind: str = "double[]") -> Any:
@@ -72,16 +83,21 @@ def struct(segment: Segment) -> Any:
         corner_powers, corner_coefficients = corners.powers[order], corners.coefficients[order]
     laws = list({id(one): one for one in segment.elements}.values())
     law_of = [next(k for k, one in enumerate(laws) if one is element) for element in segment.elements]
-    outlines = [] if segment.outlines is None else [segment.outlines[law_of.index(k)] for k in range(len(laws))]
+    first = [law_of.index(k) for k in range(len(laws))]
+    outlines = [] if segment.outlines is None else [segment.outlines[k] for k in first]
     powers = [corner_powers, *(one.polynomial.powers for one in laws), *(one.polynomial.powers for one in outlines)]
     monomials = tension_monomials(combinations, powers)
     bent = free_numbers(monomials, corner_powers, corner_coefficients)
     structs = [SEGMENT.struct("fingerfem_law", **law(one.polynomial, monomials)) for one in laws]
-    rubber = {}
+    known: dict[str, Any] = {}  # of the rubber's surface and the tendons
     if segment.outlines is not None:
         corners_of = [SEGMENT.struct("fingerfem_outline", **outline(one.polynomial, monomials)) for one in outlines]
-        rubber = places_between(stations_of(segment.outlines, segment.half_lengths[0]))
-        rubber["outline"] = SEGMENT.pointers("fingerfem_outline", corners_of)
+        known = places_between(stations_of(segment.outlines, segment.half_lengths[0]))
+        known["outline"] = SEGMENT.pointers("fingerfem_outline", corners_of)
+    if segment.shortenings is not None:
+        sixes = [six for k in first for six in in_sixes(segment.shortenings[k])]
+        tendons = [SEGMENT.struct("fingerfem_law", **law(one, monomials)) for one in sixes]
+        known |= {"sixes": len(sixes) // len(laws), "shortening": SEGMENT.pointers("fingerfem_law", tendons)}
     return SEGMENT.struct(
         "fingerfem_segment",
         tensions=t,
@@ -98,7 +114,7 @@ def struct(segment: Segment) -> Any:
         laws=len(laws),
         law=SEGMENT.pointers("fingerfem_law", structs),
         law_of=law_of,
-        **rubber,
+        **known,
         half_lengths=segment.half_lengths.tolist(),
         corner_monomials=len(bent),
         corner_coefficients=bent,

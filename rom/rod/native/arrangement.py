@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from rom.fit.chebyshev import Polynomial
 from rom.rod.wrench_products import padded
 
-BLOCK, POSE = 4, 8  # as in segment.h
+BLOCK, POSE, SIX = 4, 8, 6  # as in segment.h; values of a law
 EIGHT, STATION = 8, 12  # likewise: numbers of an outline fill eights; numbers of one of its stations
 PLACES, NEAREST = 5, 4  # cross-sections of the rubber for every station; stations that interpolate one
 
@@ -113,6 +114,12 @@ def law(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
         "coefficients": np.concatenate([block.ravel() for block in blocks]),
         "free_coefficients": free,
     }
+
+
+def in_sixes(polynomial: Polynomial) -> list[Polynomial]:
+    """Values by six, of which the last are filled with zeros: as a law has them."""
+    values = np.pad(polynomial.coefficients, [(0, 0), (0, -polynomial.coefficients.shape[1] % SIX)])
+    return [replace(polynomial, coefficients=values[:, k : k + SIX]) for k in range(0, values.shape[1], SIX)]
 
 
 def outline(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:

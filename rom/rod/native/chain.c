@@ -58,6 +58,35 @@ static void locate(const fingerfem_chain *chain, int k, chain_plate *plate)
     if (k) plate->arm[0] += chain->segments[k]->half_lengths[0];
 }
 
+/* How what a plate passes on changes, (6), in place, as its motion relative to the one before, (6), and what it transmits do;
+ * force and moment are what it passes on, about its own centre. */
+static inline void pass_change(const chain_plate *plate, const double *force, const double *moment, const double *motion,
+                               double *change)
+{
+    double moved[3], spun[3], by_force[3], by_moment[3], one[3], two[3], three[3];
+    turned(plate->relative, motion, moved);
+    turned(plate->relative, motion + 3, spun);
+    turned(plate->relative, change, by_force);
+    turned(plate->relative, change + 3, by_moment);
+    cross(spun, force, one);
+    for (int i = 0; i < 3; i++) by_force[i] += one[i];
+    cross(spun, moment, one);
+    cross(moved, force, two);
+    cross(plate->arm, by_force, three);
+    for (int i = 0; i < 3; i++) {
+        change[i] = by_force[i];
+        change[3 + i] = by_moment[i] + one[i] + two[i] + three[i];
+    }
+}
+
+void chain_pass_change(const chain_plate *plate, const double *motion, double *change)
+{
+    double force[3], moment[3];
+    turned(plate->relative, plate->borne, force);
+    turned(plate->relative, plate->borne + 3, moment);
+    pass_change(plate, force, moment, motion, change);
+}
+
 /* What a plate passes on to the one before, and how that changes by inputs first ... last - 1, (6) and (6, inputs); in
  * place. */
 static void pass_on(const chain_plate *plate, int first, int last, double *borne, double (*by)[CHAIN_INPUTS])
@@ -66,26 +95,13 @@ static void pass_on(const chain_plate *plate, int first, int last, double *borne
     turned(plate->relative, borne, force);
     turned(plate->relative, borne + 3, moment);
     for (int c = first; c < last; c++) {
-        double v[3], t[3], moved[3], spun[3], column[W], by_force[3], by_moment[3], one[3], two[3], three[3];
-        for (int i = 0; i < 3; i++) {
-            v[i] = plate->motion[i][c];
-            t[i] = plate->motion[3 + i][c];
+        double motion[W], column[W];
+        for (int i = 0; i < W; i++) {
+            motion[i] = plate->motion[i][c];
             column[i] = by[i][c];
-            column[3 + i] = by[3 + i][c];
         }
-        turned(plate->relative, v, moved);
-        turned(plate->relative, t, spun);
-        turned(plate->relative, column, by_force);
-        turned(plate->relative, column + 3, by_moment);
-        cross(spun, force, one);
-        for (int i = 0; i < 3; i++) by_force[i] += one[i];
-        cross(spun, moment, one);
-        cross(moved, force, two);
-        cross(plate->arm, by_force, three);
-        for (int i = 0; i < 3; i++) {
-            by[i][c] = by_force[i];
-            by[3 + i][c] = by_moment[i] + one[i] + two[i] + three[i];
-        }
+        pass_change(plate, force, moment, motion, column);
+        for (int i = 0; i < W; i++) by[i][c] = column[i];
     }
     cross(plate->arm, force, found);
     for (int i = 0; i < 3; i++) {
@@ -191,6 +207,18 @@ void chain_by_tensions(const chain_rods *map, chain_state *state)
     compose(chain, w, inputs, state);
 }
 
+int chain_placed(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory, double *held,
+                 chain_rods *map, chain_state *state)
+{
+    int inside = tensions_all_clamped(chain->segments[0], tensions, held);
+    chain_set_tensions(chain, held, memory, map);
+    chain_contract(map);
+    chain_under(map, wrenches, state);
+    chain_by_tensions(map, state);
+    for (int k = 0; k < chain->plates; k++) inside &= state->plates[k].end.inside;
+    return inside;
+}
+
 int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
                           double *centres, double *rotations, double *motions)
 {
@@ -198,14 +226,9 @@ int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, 
     double held[TENSIONS_MOST];
     chain_rods map;
     chain_state state;
-    int inside = tensions_all_clamped(chain->segments[0], tensions, held);
-    chain_set_tensions(chain, held, memory, &map);
-    chain_contract(&map);
-    chain_under(&map, wrenches, &state);
-    chain_by_tensions(&map, &state);
+    const int inside = chain_placed(chain, tensions, wrenches, memory, held, &map, &state);
     for (int k = 0; k < n; k++) {
         const chain_plate *plate = state.plates + k;
-        inside &= plate->end.inside;
         memcpy(centres + 3 * k, plate->centre, sizeof plate->centre);
         memcpy(rotations + 9 * k, plate->rotation, sizeof plate->rotation);
         for (int i = 0; i < W; i++)

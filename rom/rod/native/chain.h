@@ -41,4 +41,12 @@ void chain_free(const chain_rods *map, chain_state *state);
 
 /* The plates' motions by the tensions too, under the wrenches that they were placed under last. */
 void chain_by_tensions(const chain_rods *map, chain_state *state);
+
+/* All of it at tensions, which are clamped to their box as `held`, and wrenches; returns 1 if all inputs are inside. */
+int chain_placed(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory, double *held,
+                 chain_rods *map, chain_state *state);
+
+/* How what a plate passes on to the one before changes, (6), in place, from how what it transmits does, as its motion relative
+ * to that one changes, R^T dc and R^T dtheta, (6). */
+void chain_pass_change(const chain_plate *plate, const double *motion, double *change);
 #endif

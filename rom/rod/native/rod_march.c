@@ -9,14 +9,9 @@
  *
  * where dq and dg are the element's, by the tensions, and by the wrench that changes as its section moves. They are rows of
  * numbers, one for every input, in parts. */
-#include "rod_march.h"
+#include "rod_changes.h"
 
-enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
-
-/* How a section moves and turns with a part of the inputs, in the plate's frame. */
-typedef struct {
-    wide move[3], turn[3];
-} motion;
+enum { POSE = ROD_POSE, W = ROD_WRENCH };
 
 static const fingerfem_law *law_of(const rod_state *rod, int k) { return rod->segment->law[rod->segment->law_of[k]]; }
 
@@ -38,7 +33,11 @@ int rod_memory(const fingerfem_segment *segment)
     return POSE + segment->laws * law + segment->elements * element + (1 + segment->tensions) * segment->monomials;
 }
 
-int rod_work(const fingerfem_segment *segment) { return outline_work(segment); }
+int rod_work(const fingerfem_segment *segment)
+{
+    const int outlines = outline_work(segment), shortenings = segment->sixes * most(segment, element_contracted);
+    return outlines > shortenings ? outlines : shortenings;
+}
 
 int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_memory(segment) + rod_work(segment); }
 
@@ -88,53 +87,12 @@ static void advance(rod_element *element, double *place, double *rotation)
     memcpy(rotation, next, sizeof next);
 }
 
-/* The motion of an element's proximal section, from that of its distal one and from changes of its pose, (6). */
-static inline void move_on(const rod_element *element, const wide *change, motion *moved)
-{
-    const double *a = element->arm;
-    wide turn[3];
-    memcpy(turn, moved->turn, sizeof turn);
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; i++) {
-        const double *Q = element->rotation + 3 * i, *G = element->turning + 3 * i;
-        moved->turn[i] += G[0] * change[3] + G[1] * change[4] + G[2] * change[5];
-        moved->move[i] += Q[0] * change[0] + Q[1] * change[1] + Q[2] * change[2];
-    }
-    moved->move[0] += turn[1] * a[2] - turn[2] * a[1];
-    moved->move[1] += turn[2] * a[0] - turn[0] * a[2];
-    moved->move[2] += turn[0] * a[1] - turn[1] * a[0];
-}
-
-/* A part of the row of an input that changes itself. */
-static inline wide unit(int input, int part)
-{
-    static const double units[POSE][POSE] = {
-        {1.0}, {0.0, 1.0}, {0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 1.0},
-        {0.0, 0.0, 0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0},
-    };
-    return wide_load(units[input] + part);
-}
-
-static inline void cross(const double *a, const double *b, double *found)
-{
-    found[0] = a[1] * b[2] - a[2] * b[1];
-    found[1] = a[2] * b[0] - a[0] * b[2];
-    found[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-/* The moment of the plate's wrench about a section's centre, in the plate's frame. */
-static inline void moment_at(const double *place, const double *wrench, double *moment)
-{
-    cross(place, wrench, moment);
-    for (int i = 0; i < 3; i++) moment[i] = wrench[3 + i] - moment[i];
-}
-
 /* The plate's wrench as an element's distal section carries it, in its own frame. */
 static inline void carry(const double *wrench, rod_element *element)
 {
     const double *Q = element->rotation;
     double moment[3];
-    moment_at(element->place, wrench, moment);
+    rod_moment_at(element->place, wrench, moment);
 #pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
         element->wrench[i] = Q[i] * wrench[0] + Q[3 + i] * wrench[1] + Q[6 + i] * wrench[2];
@@ -142,43 +100,8 @@ static inline void carry(const double *wrench, rod_element *element)
     }
 }
 
-/* How that changes as the section moves, (6), and, where the inputs are the wrench's components, with these, of which it is
- * a part. */
-__attribute__((always_inline)) static inline void carry_change(const double *wrench, const rod_element *element,
-                                                               const motion *moved, int by_wrench, int part, wide *change)
-{
-    const double *Q = element->rotation, *f = wrench, *p = element->place;
-    const wide *dp = moved->move, *b = moved->turn;
-    wide force[3], moment[3];
-    double m[3];
-    moment_at(p, wrench, m);
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, l = (i + 2) % 3;
-        force[i] = b[l] * f[j] - b[j] * f[l];
-        moment[i] = (dp[l] * f[j] - dp[j] * f[l]) + (b[l] * m[j] - b[j] * m[l]);
-        if (!by_wrench) continue;
-        force[i] += unit(i, part);
-        moment[i] += unit(3 + i, part) - (p[j] * unit(l, part) - p[l] * unit(j, part));
-    }
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; i++) {
-        change[i] = Q[i] * force[0] + Q[3 + i] * force[1] + Q[6 + i] * force[2];
-        change[3 + i] = Q[i] * moment[0] + Q[3 + i] * moment[1] + Q[6 + i] * moment[2];
-    }
-}
-
-/* Add the change of an element's pose, (6), with the wrench that it carries. */
-static inline void add_by_wrench(const rod_element *element, const wide *wrench, wide *change)
-{
-#pragma GCC unroll 6
-    for (int i = 0; i < W; i++)
-#pragma GCC unroll 6
-        for (int o = 0; o < W; o++) change[o] += element->by_wrench[POSE * i + o] * wrench[i];
-}
-
 /* A part of the motion of the plate seen from the clamp, in its own frame, (6, 8), by that of the clamp seen from the plate. */
-static inline void seen_from_clamp(const double *place, const motion *clamp, double *found)
+static inline void seen_from_clamp(const double *place, const rod_moved *clamp, double *found)
 {
     const wide *b = clamp->turn;
     const double *p = place;
@@ -201,7 +124,7 @@ static inline void begin(rod_element *element, int k, rod_end *end)
 void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
 {
     const fingerfem_segment *segment = rod->segment;
-    motion moved[WIDE_SIX] = {{{{0.0}}, {{0.0}}}};
+    rod_moved moved[WIDE_SIX] = {{{{0.0}}, {{0.0}}}};
     double seen[W * POSE];
     end->inside = 1;
     for (int k = 0; k < segment->elements; k++) {
@@ -216,21 +139,13 @@ void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
 #pragma GCC unroll 3
         for (int part = 0; part < WIDE_SIX; part++) {
             wide carried[W], change[W] = {{0.0}};
-            carry_change(wrench, element, moved + part, 1, WIDE * part, carried);
-            add_by_wrench(element, carried, change);
-            move_on(element, change, moved + part);
+            rod_carry_change(wrench, element, moved + part, 1, WIDE * part, carried);
+            rod_add_by_wrench(element, carried, change);
+            rod_move_on(element, change, moved + part);
         }
     }
     for (int part = 0; part < WIDE_SIX; part++) seen_from_clamp(end->place, moved + part, seen + WIDE * part);
     for (int i = 0; i < W; i++) memcpy(end->by_wrench[i], seen + POSE * i, sizeof end->by_wrench[i]);
-}
-
-/* A part of an element's changes by the tensions, (6), from those of its pose by every one, (tensions, 8). */
-static inline void add_by_tensions(int tensions, const double *by_tensions, int part, wide *change)
-{
-    for (int j = part; j < tensions && j < part + WIDE; j++)
-#pragma GCC unroll 6
-        for (int o = 0; o < W; o++) change[o] += by_tensions[POSE * j + o] * unit(j, part);
 }
 
 void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
@@ -238,7 +153,7 @@ void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
     const fingerfem_segment *segment = rod->segment;
     const int t = segment->tensions;
     const double *wrench = rod->elements[0].wrench;
-    motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
+    rod_moved moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     double end[3], own[TENSIONS_MOST * POSE];
     for (int k = 0; k < segment->elements; k++) {
         const rod_element *element = rod->elements + k;
@@ -246,10 +161,10 @@ void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
                             rod->products + k * rod->products_stride, own);
         for (int part = 0; WIDE * part < t; part++) {
             wide carried[W], change[W] = {{0.0}};
-            add_by_tensions(t, own, WIDE * part, change);
-            carry_change(wrench, element, moved + part, 0, 0, carried);
-            add_by_wrench(element, carried, change);
-            move_on(element, change, moved + part);
+            rod_add_by_tensions(t, own, WIDE * part, change);
+            rod_carry_change(wrench, element, moved + part, 0, 0, carried);
+            rod_add_by_wrench(element, carried, change);
+            rod_move_on(element, change, moved + part);
         }
         for (int i = 0; i < 3; i++) end[i] = element->place[i] + element->arm[i];
     }
@@ -260,7 +175,7 @@ void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS
 {
     const fingerfem_segment *segment = rod->segment;
     const int t = segment->tensions;
-    motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
+    rod_moved moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     end->inside = 1; /* every box is as wide to both sides of no wrench */
     memset(end->by_wrench, 0, sizeof end->by_wrench);
     for (int k = 0; k < segment->laws; k++)
@@ -273,8 +188,8 @@ void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS
         advance(element, end->place, end->rotation);
         for (int part = 0; WIDE * part < t; part++) {
             wide change[W] = {{0.0}};
-            add_by_tensions(t, free + POSE, WIDE * part, change);
-            move_on(element, change, moved + part);
+            rod_add_by_tensions(t, free + POSE, WIDE * part, change);
+            rod_move_on(element, change, moved + part);
         }
     }
     for (int part = 0; WIDE * part < t; part++) seen_from_clamp(end->place, moved + part, by_tensions[0] + WIDE * part);
@@ -284,11 +199,11 @@ void rod_free_motion(const rod_state *rod, int section, rod_motion *moved)
 {
     const fingerfem_segment *segment = rod->segment;
     for (int part = 0; WIDE * part < segment->tensions; part++) {
-        motion own = {{{0.0}}, {{0.0}}};
+        rod_moved own = {{{0.0}}, {{0.0}}};
         for (int k = 0; k < section; k++) {
             wide change[W] = {{0.0}};
-            add_by_tensions(segment->tensions, rod->free + segment->law_of[k] * rod->free_stride + POSE, WIDE * part, change);
-            move_on(rod->elements + k, change, &own);
+            rod_add_by_tensions(segment->tensions, rod->free + segment->law_of[k] * rod->free_stride + POSE, WIDE * part, change);
+            rod_move_on(rod->elements + k, change, &own);
         }
         for (int i = 0; i < 3; i++) {
             wide_store(moved->move[i] + WIDE * part, own.move[i]);

@@ -71,6 +71,9 @@ typedef struct {
     const fingerfem_law *const *law;     /* (laws) */
     const int32_t *law_of;               /* (elements), from the plate to the clamp */
     const fingerfem_outline *const *outline; /* (laws), of the elements of each; NULL if nothing is known of the rubber */
+    int32_t sixes;                       /* laws of shortenings for every law: of six tendons each; 0: not known */
+    const fingerfem_law *const *shortening; /* (laws, sixes): how much shorter the segment's tendons, in the order of its
+                                            tensions, are in an element [m]; the same products as its law, padded with zeros */
     int32_t stations;                    /* of the whole segment: where the rubber begins, those of its elements, its plate's
                                             face; 0 if nothing is known */
     int32_t places, near;                /* cross-sections of the rubber, evenly from the first station to the last, each
@@ -116,7 +119,18 @@ typedef struct {
     double tip_error, tip_error_by_force;     /* of the tip's place, free [m], and what a contact force adds [m/N] */
     double force_error, force_error_by_place; /* of contact forces, relative [-]; times their stiffness [m] */
     double touch_error, touch_error_of_skin;  /* of the touch distance [m], and what is added where rubber touches [m] */
+    double turn_error, shortening_error;      /* of the tip's orientation [rad], and of shortenings [m] */
 } fingerfem_chain;
+
+/* Where to write what a finger reports besides an answer. Rows: the rotation of the tip plate's frame as a unit quaternion
+ * w, x, y, z with w >= 0 [-], then how much shorter every tendon is between the clamp and its plate [m], NAN where that is
+ * not known. The quaternion is continuous up to half a turn, where its sign changes. */
+enum { FINGERFEM_QUATERNION = 4, FINGERFEM_REPORT_ERRORS = 2 };
+typedef struct {
+    double *rows;     /* (FINGERFEM_QUATERNION + tensions) */
+    double *jacobian; /* (FINGERFEM_QUATERNION + tensions, tensions + 1): by tensions and d, contact included */
+    double *errors;   /* (FINGERFEM_REPORT_ERRORS): estimated, of the orientation [rad] and of shortenings [m] */
+} fingerfem_report;
 
 /* A chain that an object touches, as a model of tensions and d. */
 typedef struct {
@@ -150,6 +164,17 @@ void fingerfem_spring(const fingerfem_segment *segment, const double *quaternion
  * wrenches, (plates, 6, tensions + 6 plates); returns 1 if every segment's inputs lie in its box. */
 int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
                           double *centres, double *rotations, double *motions);
+
+/* How much shorter the tendons of a chain are between the clamp and their plates, (tensions) [m], and the derivatives by
+ * tensions and wrenches, (tensions, tensions + 6 plates). Inputs and the returned value as in `fingerfem_chain_place`. */
+int fingerfem_chain_shortenings(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
+                                double *shortenings, double *changes);
+
+/* The distal sections of all elements, segment by segment, each from its plate to its clamp: places (elements, 3) [m] and
+ * rotations, (elements, 3, 3), in space, and the wrenches that they transmit, in their own frames, (elements, 6). Inputs and
+ * the returned value as in `fingerfem_chain_place`. */
+int fingerfem_chain_elements(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
+                             double *places, double *rotations, double *transmitted);
 
 /* Answer at a point, (tensions + 1), of tensions and d: out, (FINGERFEM_ROWS), its derivatives, (FINGERFEM_ROWS,
  * tensions + 1), and, unless it is NULL, by_object, (FINGERFEM_ROWS, 6), by the object's place and by its turning
@@ -192,13 +217,15 @@ int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tension
                              double *corners);
 
 /* An answer with its errors: that of `fingerfem_touch`, which is not inside either where rubber may touch; errors,
- * (3) [m, N, m], are the estimated ones of tip, contact force and touch distance: infinite without an equilibrium. */
+ * (3) [m, N, m], are the estimated ones of tip, contact force and touch distance: infinite without an equilibrium. The
+ * report is computed unless it is NULL. */
 int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
-                   double *jacobian, double *errors, int32_t *inside, double *rubber_gap);
+                   double *jacobian, double *errors, int32_t *inside, double *rubber_gap, const fingerfem_report *report);
 
-/* The same at many points, (count, tensions + 1), each from rest: out, (count, FINGERFEM_ROWS), errors, (count, 3). */
+/* The same at many points, (count, tensions + 1), each from rest: out, (count, FINGERFEM_ROWS), errors, (count, 3); the
+ * arrays of the report have `count` as their first axis. */
 void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
-                     double *errors, int32_t *inside);
+                     double *errors, int32_t *inside, const fingerfem_report *reports);
 
 /* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, of which by_objects
  * may be NULL, wrenches,

@@ -9,6 +9,7 @@ import numpy as np
 from rom.brief import brief
 from rom.native import SEGMENT
 from rom.rod.native import ENDS, memory_of, pointer
+from rom.rod.native.reports import Reports
 
 
 @brief
@@ -19,21 +20,23 @@ class Told(NamedTuple):
         out: as in `Touched`; the touch distance is the rubber's where that touches first.
         errors: estimated, of tip, contact force and touch distance, shape (n, 3) [m, N, m].
         inside: as in `Touched`.
+        reports: what the finger reports there besides.
     """
 
     out: np.ndarray
     errors: np.ndarray
     inside: np.ndarray
+    reports: Reports
 
 
 def tells(touching: Any, points: np.ndarray) -> Told:
     """Answers and their estimated errors at tensions and d, shape (n, t + 1), each solved from rest."""
     points, n = np.ascontiguousarray(points, float), len(points)
     out, errors, inside = np.empty((n, 5)), np.empty((n, 3)), np.empty(n, np.int32)
-    memory = memory_of(touching.chain)
+    memory, reports = memory_of(touching.chain), Reports.empty(n, points.shape[1] - 1)
     given = pointer(points), memory, pointer(out), pointer(errors), pointer(inside, "int32_t[]")
-    SEGMENT.functions.fingerfem_tells(touching, n, *given)
-    return Told(out, errors, inside.astype(bool))
+    SEGMENT.functions.fingerfem_tells(touching, n, *given, reports.struct)
+    return Told(out, errors, inside.astype(bool), reports)
 
 
 def sections(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> list[np.ndarray] | None:

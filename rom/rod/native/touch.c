@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 199309L
 #include <math.h>
 #include <time.h>
+#include "reported.h"
 #include "response.h"
 #include "rubber.h"
 
@@ -26,18 +27,18 @@ static void report(const contact_problem *problem, const contact_state *state, d
     }
 }
 
-/* How these change, (4), with what moves the plates by `drift` at fixed wrenches and bends them besides, or, without
- * `bends`, moves them relative to the object. Returns 0 if nothing is known of it. */
+/* How these change, (4), and the plates and wrenches, with what moves the plates by `drift` at fixed wrenches and bends them
+ * besides, or, without `bends`, moves them relative to the object. Returns 0 if nothing is known of it. */
 static int report_change(const contact_problem *problem, const contact_state *state, const double *drift,
-                         const double *bends, double *found)
+                         const double *bends, reported_change *all, double *found)
 {
     const fingerfem_chain *chain = problem->touching->chain;
     const chain_plate *plates = state->at.chain.plates;
-    double change[CHAIN_WRENCH];
+    double *change = all->wrench;
     if (!response_follow(problem, state, drift, bends, change)) return 0;
     found[3] = 0.0;
     for (int q = 0; q < chain->plates; q++) {
-        double motion[W], e[3];
+        double *motion = all->motion + W * q, e[3];
         const double *r = plates[q].rotation;
         placed_leaving(problem, plates + q, e);
         for (int i = 0; i < W; i++) {
@@ -65,7 +66,7 @@ static void carried(const fingerfem_object *object, double d, const double *moti
 
 /* The same with such a motion of the object. */
 static int report_object(const contact_problem *problem, const contact_state *state, double d, const double *motion,
-                         double *found)
+                         reported_change *all, double *found)
 {
     double drift[CHAIN_WRENCH] = {0.0}, v[3];
     for (int q = 0; q < problem->touching->chain->plates; q++) {
@@ -75,16 +76,18 @@ static int report_object(const contact_problem *problem, const contact_state *st
         seen_by(plate, motion + 3, drift + W * q + 3);
         for (int i = 0; i < W; i++) drift[W * q + i] = -drift[W * q + i];
     }
-    return report_change(problem, state, drift, NULL, found);
+    return report_change(problem, state, drift, NULL, all, found);
 }
 
-/* Derivatives of tip and contact force by the tensions and, where it matters, by d and by the object's motion. */
+/* Derivatives of tip and contact force by the tensions and, where it matters, by d and by the object's motion; and, unless it
+ * is NULL, all changes by the former, (tensions + 1). */
 static int report_derivatives(const contact_problem *problem, const contact_state *state, double d, int d_moves,
-                              double *jacobian, double *by_object)
+                              double *jacobian, double *by_object, reported_change *changes)
 {
     const int t = problem->touching->chain->tensions, p = t + 1;
     double drift[CHAIN_WRENCH], found[4], away[W] = {0.0}, bends[FINGERFEM_MOST_CONTACTS][3 * TENSIONS_MOST];
     double along[3 * FINGERFEM_MOST_CONTACTS] = {0.0};
+    reported_change own;
     memcpy(away, problem->touching->object->direction, 3 * sizeof *away);
     for (int c = 0; c < state->at.contacts.count; c++)
         if (state->forces[c] > 0.0) placed_bend(problem, &state->at.contacts, c, bends[c]);
@@ -93,17 +96,17 @@ static int report_derivatives(const contact_problem *problem, const contact_stat
             drift[i] = state->at.chain.plates[i / W].motion[i % W][problem->size + k];
         for (int c = 0; c < state->at.contacts.count; c++)
             if (state->forces[c] > 0.0) memcpy(along + 3 * c, bends[c] + 3 * k, 3 * sizeof *along);
-        if (!report_change(problem, state, drift, along, found)) return 0;
+        if (!report_change(problem, state, drift, along, changes ? changes + k : &own, found)) return 0;
         for (int i = 0; i < 4; i++) jacobian[p * i + k] = found[i];
     }
     if (d_moves) {
-        if (!report_object(problem, state, d, away, found)) return 0;
+        if (!report_object(problem, state, d, away, changes ? changes + t : &own, found)) return 0;
         for (int i = 0; i < 4; i++) jacobian[p * i + t] = found[i];
     }
     for (int k = 0; k < W && by_object; k++) {
         double unit[W] = {0.0};
         unit[k] = 1.0;
-        if (!report_object(problem, state, d, unit, found)) return 0;
+        if (!report_object(problem, state, d, unit, &own, found)) return 0;
         for (int i = 0; i < 4; i++) by_object[W * i + k] = found[i];
     }
     return 1;
@@ -165,9 +168,16 @@ static void leave_free(const contact_problem *problem, contact_state *state)
     }
 }
 
-/* As fingerfem_touch; with the rubber, or of plates alone; `rubber` is then 1 if the rubber touches first. */
+/* A report, and what it is computed from: zeros where an input changes nothing. */
+typedef struct {
+    const fingerfem_report *wanted;
+    reported_change changes[TENSIONS_MOST + 1];
+} reported;
+
+/* As fingerfem_touch; with the rubber, or of plates alone; `rubber` is then 1 if the rubber touches first. Rows of a report
+ * are computed unless it is NULL. */
 static int touch_by(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
-                    double *jacobian, double *by_object, int32_t *inside, int *rubber)
+                    double *jacobian, double *by_object, int32_t *inside, int *rubber, reported *more)
 {
     const fingerfem_chain *chain = touching->chain;
     const fingerfem_object *object = touching->object;
@@ -205,11 +215,17 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     }
     for (int k = 0; k < chain->plates; k++) *inside &= state.at.chain.plates[k].end.inside;
     report(&problem, &state, out);
-    if (!report_derivatives(&problem, &state, d, touches && d_moves, jacobian, touches ? by_object : NULL) && evaluations > 0)
+    if (!report_derivatives(&problem, &state, d, touches && d_moves, jacobian, touches ? by_object : NULL,
+                            more ? more->changes : NULL) &&
+        evaluations > 0)
         evaluations = -evaluations;
+    if (more) reported_rows(&problem, &state, !touches, more->changes, more->wanted);
     *inside &= evaluations > 0 && (!touches || response_stable(&problem, &state));
     for (int k = 0; k < t; k++)
-        for (int i = 0; i < FINGERFEM_ROWS && held[k] != point[k]; i++) jacobian[p * i + k] = 0.0;
+        if (held[k] != point[k]) {
+            for (int i = 0; i < FINGERFEM_ROWS; i++) jacobian[p * i + k] = 0.0;
+            for (int i = 0; more && i < FINGERFEM_QUATERNION + t; i++) more->wanted->jacobian[p * i + k] = 0.0;
+        }
     memcpy(wrench, state.wrench, size);
     return evaluations;
 }
@@ -218,13 +234,13 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
                     double *jacobian, double *by_object, int32_t *inside)
 {
     int rubber;
-    return touch_by(touching, point, memory, wrench, out, jacobian, by_object, inside, &rubber);
+    return touch_by(touching, point, memory, wrench, out, jacobian, by_object, inside, &rubber, NULL);
 }
 
 int fingerfem_press(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
                     double *jacobian, int32_t *inside)
 {
-    return touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, NULL);
+    return touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, NULL, NULL);
 }
 
 void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
@@ -247,28 +263,38 @@ void fingerfem_touches(const fingerfem_touching *touching, int count, const doub
 }
 
 int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
-                   double *jacobian, double *errors, int32_t *inside, double *rubber_gap)
+                   double *jacobian, double *errors, int32_t *inside, double *rubber_gap, const fingerfem_report *report)
 {
     const fingerfem_chain *chain = touching->chain;
     int rubber;
-    const int evaluations = touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, &rubber);
+    reported more;
+    more.wanted = report;
+    if (report) memset(more.changes, 0, sizeof more.changes);
+    const int evaluations =
+        touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, &rubber, report ? &more : NULL);
     const double unknown = evaluations > 0 ? 0.0 : INFINITY;
     *rubber_gap = fingerfem_rubber_gap(touching, point, wrench, memory);
     *inside &= !(*rubber_gap < chain->skin_error);
     errors[0] = chain->tip_error + chain->tip_error_by_force * out[3] + unknown;
     errors[1] = fingerfem_touch_error(touching, out, jacobian) + unknown;
     errors[2] = chain->touch_error + (rubber ? chain->touch_error_of_skin : 0.0);
+    if (report) {
+        report->errors[0] = chain->turn_error + unknown;
+        report->errors[1] = chain->shortening_error + unknown;
+    }
     return evaluations;
 }
 
 void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
-                     double *errors, int32_t *inside)
+                     double *errors, int32_t *inside, const fingerfem_report *reports)
 {
-    const int p = touching->chain->tensions + 1;
+    const int p = touching->chain->tensions + 1, rows = FINGERFEM_QUATERNION + p - 1;
     double jacobian[FINGERFEM_ROWS * (TENSIONS_MOST + 1)], gap;
     for (int i = 0; i < count; i++) {
         double wrench[CHAIN_WRENCH] = {0.0};
+        const fingerfem_report own = {reports->rows + rows * i, reports->jacobian + rows * p * i,
+                                      reports->errors + FINGERFEM_REPORT_ERRORS * i};
         fingerfem_tell(touching, points + p * i, memory, wrench, out + FINGERFEM_ROWS * i, jacobian, errors + 3 * i, inside + i,
-                       &gap);
+                       &gap, &own);
     }
 }

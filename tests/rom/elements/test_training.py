@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rom.elements import training
+from rom.elements import rotation_vectors, training
 from rom.elements.cuts import END, LONGEST, cut
 from rom.elements.regression import NormalEquations
 from rom.elements.samples import element_samples
@@ -42,6 +42,12 @@ def test_lines_left_out_are_predicted_as_well_as_held_out_states(finger, rod_ele
     left_out = rod_elements.provenance["left_out"]["place_m"]
     off = np.linalg.norm(elastic_rod.placed(finger, held_out.inputs)[0] - held_out.plate.places, axis=1)
     assert np.median(off) < 2 * left_out["median"] and np.quantile(off, 0.95) < 2 * left_out["p95"]
+    turned = rotation_vectors.angles(elastic_rod.placed(finger, held_out.inputs)[1], held_out.plate.rotations)
+    states = zip(held_out.inputs, held_out.shortenings[:, -1], strict=True)
+    shorter = np.array([finger.shortening(row[:2], row[None, 2:]) - own for row, own in states])
+    for errors, name in ((turned, "turn_rad"), (np.abs(shorter).max(axis=1), "shortening_m")):
+        known = rod_elements.provenance["left_out"][name]
+        assert 0 < np.median(errors) < 2 * known["median"] and np.quantile(errors, 0.95) < 2 * known["p95"]
     lowest = prepared.score(dict.fromkeys(prepared.kinds, training.LOWEST))
     assert prepared.score(rod_elements.provenance["degrees"]) < 1e-2 * lowest
 

@@ -47,6 +47,24 @@ int touch(int shape, const double *numbers, const double *point, double *wrenche
     return inside;
 }
 
+/* A report as one row: orientation, shortenings, their derivatives, errors. */
+int report(const double *point, double *wrenches, double *row)
+{
+    static double memory[finger_MEMORY];
+    finger_answer answer;
+    finger_reported reported;
+    const fingerfem_object object = finger_plane();
+    const int inside = finger_report(&object, point, memory, wrenches, &answer, &reported);
+    const int rows = 4 + finger_TENSIONS;
+    memcpy(row, reported.orientation, sizeof reported.orientation);
+    memcpy(row + 4, reported.shortenings, sizeof reported.shortenings);
+    memcpy(row + rows, reported.orientation_jacobian, sizeof reported.orientation_jacobian);
+    memcpy(row + rows + 4 * (finger_TENSIONS + 1), reported.shortening_jacobian, sizeof reported.shortening_jacobian);
+    row[rows * (2 + finger_TENSIONS)] = reported.orientation_error;
+    row[rows * (2 + finger_TENSIONS) + 1] = reported.shortening_error;
+    return inside;
+}
+
 int place(const double *tensions, const double *wrenches, double *found)
 {
     static double memory[finger_MEMORY];
@@ -181,6 +199,20 @@ def test_plates_are_where_python_has_them(called):
         np.testing.assert_allclose(found, np.concatenate(parts), rtol=1e-11, atol=NUMBERS)
 
 
+def test_its_report_is_python_s_before_a_plane(called):
+    model, library = called
+    points = before(model, 12, 0.3 / len(model.rod.segments))
+    report, width = model.report(points), points.shape[1]
+    for k, point in enumerate(points):
+        row, wrenches = np.empty((3 + width) * (1 + width) + 2), np.zeros(6 * len(model.rod.segments))
+        inside = library.report(doubles(point), doubles(wrenches), doubles(row))
+        parts = [report.orientation[k], report.shortenings[k], report.orientation_jacobian[k].ravel()]
+        parts += [report.shortening_jacobian[k].ravel(), [report.orientation_error[k], report.shortening_error[k]]]
+        np.testing.assert_allclose(row, np.concatenate(parts), rtol=1e-9, atol=1e-11)
+        assert bool(inside) == report.inside[k]
+    assert (report.shortening_jacobian[:, :, -1] != 0).any()  # some are in contact
+
+
 def test_a_solve_goes_on_from_the_wrenches_of_the_last_one(called):
     model, library = called
     lower, upper = model.limits
@@ -299,7 +331,7 @@ def test_it_needs_mathematics_and_copies_of_memory_alone_and_keeps_no_state(alon
     assert undefined <= LIBRARY, undefined - LIBRARY
     assert not {name for kind, name in kinds if kind in "bBdDC"}
     shown = {name for kind, name in kinds if kind in "TR"}
-    assert shown == {f"finger_{one}" for one in ("lower", "upper", "memory", "plane", "place", "touch")}
+    assert shown == {f"finger_{one}" for one in ("lower", "upper", "memory", "plane", "place", "touch", "report")}
 
 
 STACK = """
@@ -309,6 +341,7 @@ STACK = """
 enum { SIZE = 1 << 20 };
 static double memory[finger_MEMORY], wrenches[finger_WRENCHES];
 static finger_answer answer;
+static finger_reported reported;
 __attribute__((noinline)) static int painted(int paint)
 {
     volatile unsigned char stack[SIZE];
@@ -324,7 +357,7 @@ __attribute__((noinline)) static void ask(double share)
     double point[finger_TENSIONS + 1] = {0.0};
     point[0] = share * finger_upper[0];
     memset(wrenches, 0, sizeof wrenches);
-    finger_touch(&ball, point, memory, wrenches, &answer);
+    finger_report(&ball, point, memory, wrenches, &answer, &reported);
 }
 int main(void)
 {

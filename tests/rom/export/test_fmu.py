@@ -33,6 +33,7 @@ TOLD = ["tip_x", "tip_y", "tip_z", "contact_force", "touch_distance", *(f"{name}
 LARGEST = sys.float_info.max
 OLDEST = 2, 31  # glibc of Debian 11
 EACH = pytest.mark.parametrize("name", ["rod", "surrogate"])
+ROWS = [*(f"orientation_{axis}" for axis in "wxyz"), "shortening_F1", "shortening_F2"]
 
 
 def some_points(model, count: int) -> np.ndarray:
@@ -108,6 +109,39 @@ def test_derivatives_are_python_s_and_those_of_differences(made, name, version):
             ahead, behind = (np.array(fmu.ask(point + share * seed, *names)) for share in (1e-5, -1e-5))
             off.append(np.abs(((ahead - behind) / 2e-5 - found) / sizes).max())
         assert np.median(off) < 1e-5 and max(off) < 2e-3  # the rod's own are as good as that
+
+
+@BOTH
+@pytest.mark.parametrize("name", ["rod", "two_segments"])
+def test_it_reports_orientation_and_shortenings_with_derivatives_and_errors(made, name, version):
+    model, random = MODELS[name](), np.random.default_rng(3)
+    errors = ["orientation_error", "shortening_error"]
+    with driven(made(name, version)) as fmu:
+        for point in inner_points(model, 40):
+            seed, report = random.normal(size=3) * [1.0, 1.0, 1e-3], model.report(point)
+            found, slopes = fmu.ask(point, *ROWS, *errors), fmu.derivatives(ROWS, seed)
+            assert found[:4] == pytest.approx(report.orientation, abs=1e-9)
+            assert found[4:6] == pytest.approx(report.shortenings, abs=1e-11)
+            assert found[6:] == pytest.approx([report.orientation_error, report.shortening_error])
+            expected = np.concatenate([report.orientation_jacobian @ seed, report.shortening_jacobian @ seed])
+            assert slopes[:4] == pytest.approx(expected[:4], abs=1e-7)
+            assert slopes[4:] == pytest.approx(expected[4:], abs=1e-9)
+        lost = points_without_equilibrium(model)
+        for point in lost:
+            assert fmu.ask(point, *errors) == [LARGEST, LARGEST]
+    assert (name == "two_segments") == bool(len(lost))
+
+
+def points_without_equilibrium(model) -> np.ndarray:
+    """Among some points."""
+    points = some_points(model, 1000)
+    return points[~np.isfinite(model.evaluate(points).error["tip"])]
+
+
+@BOTH
+def test_a_surrogate_does_not_declare_what_it_does_not_report(made, version):
+    names = {one.name for one in made("surrogate", version).about.modelVariables}
+    assert "tip_x" in names and not names & set(ROWS)
 
 
 @BOTH

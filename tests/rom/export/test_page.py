@@ -137,6 +137,26 @@ def test_its_numbers_are_python_s_also_outside(opened, name):
     assert 0 < expected.inside.sum() < len(points)
 
 
+@pytest.mark.parametrize("name", MODELS)
+def test_it_shows_orientation_and_shortenings_of_a_rod_alone(opened, name):
+    model, shown = MODELS[name](), opened(name, MODELS[name]())
+    assert shown.find_element("id", "reports").is_displayed() == isinstance(model, TouchedSegment)
+    if not isinstance(model, TouchedSegment):
+        return
+    point = model.limits[0] + np.array([0.3, 0.1, 0.2]) * (model.limits[1] - model.limits[0])
+    told, report = (
+        shown.execute_script("return window.fingerfem.tell(arguments[0])", point.tolist()),
+        model.report(point),
+    )
+    assert told["orientation"] == pytest.approx(report.orientation, abs=1e-9)
+    assert told["shortenings"] == pytest.approx(report.shortenings, abs=1e-11)
+    assert told["error"]["orientation"] == pytest.approx(float(report.orientation_error))
+    assert told["error"]["shortenings"] == pytest.approx(float(report.shortening_error))
+    at = shown.execute_script("return window.fingerfem.point()")
+    words = re.findall(r"F\d (-?[\d.]+)", shown.find_element("id", "shortenings").text)
+    assert [float(word) for word in words] == pytest.approx(1e3 * model.report(at).shortenings, abs=6e-4)
+
+
 @pytest.mark.parametrize("name", ["rod", "two segments", "a field"])
 def test_the_shape_is_python_s(opened, trained, name):
     model = Surrogate.load(trained / "finger.h5") if name == "a field" else MODELS[name]()
@@ -165,7 +185,7 @@ def test_c_alone_tells_what_python_tells_of_a_surrogate(surrogate, trained):
             out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty(36), np.zeros(18)
             memory = np.empty(MODEL.functions.fingerfem_model_memory(own))
             given = map(pointer, (point, memory, wrench, out, errors, jacobian))
-            status = MODEL.functions.fingerfem_model_tell(own, *given)
+            status = MODEL.functions.fingerfem_model_tell(own, *given, MODEL.ffi.NULL)
             assert (status == 0) == expected.inside[i]
             assert errors[1] == pytest.approx(expected.error["contact_force"][i], rel=1e-9, abs=1e-12)
             assert out[3] == pytest.approx(expected.contact_force[i], rel=1e-9, abs=1e-12)

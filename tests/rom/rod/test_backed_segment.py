@@ -57,3 +57,13 @@ def test_one_point_has_the_parts_that_it_has_among_many(backed, points):
 
 def test_neither_a_plane_too_far_away_nor_tensions_too_large_are_inside(backed, points):
     assert backed.evaluate(points[-4:]).inside.tolist() == [False, True, False, False]
+
+
+def test_where_the_surrogate_answers_orientation_and_shortenings_are_not_known(backed, points):
+    answer, known = backed.evaluate(points), backed.touched.evaluate(points)
+    for values, error in (("orientation", "orientation_error"), ("shortenings", "shortening_error")):
+        found = getattr(answer, values)
+        assert np.array_equal(found[known.inside], getattr(known, values)[known.inside])
+        assert np.isnan(found[~known.inside]).all() and np.isinf(getattr(answer, error)[~known.inside]).all()
+    first = backed.evaluate(points[np.argmin(known.inside)])
+    assert first.orientation.shape == (4,) and first.orientation_error == np.inf

@@ -109,7 +109,8 @@ def test_c_alone_has_the_same_touch_distance_and_derivative(shipped, points):
     expected = shipped.answers(points[:400])
     for i, point in enumerate(points[:400]):
         out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty((5, 3)), np.zeros(18)
-        functions.fingerfem_model_tell(own, *map(pointer, (point.copy(), memory, wrench, out, errors, jacobian)))
+        given = map(pointer, (point.copy(), memory, wrench, out, errors, jacobian))
+        functions.fingerfem_model_tell(own, *given, MODEL.ffi.NULL)
         assert out[4] == pytest.approx(expected.out[i, 4], abs=1e-14)
         assert jacobian[4] == pytest.approx(expected.jacobians[i, 4], abs=1e-14)
 

@@ -13,7 +13,7 @@ from rom.rod.native.arrangement import places_between
 from rom.rod.native.outlines import outline_of, stations_of
 from rom.rod.native.told import sections
 from rom.rod.rod import Rod
-from rom.rod.shape import placed, points_in_space
+from rom.rod.shape import displacements, placed
 from tests.rom.elements import elastic_rod, laws
 from tests.rom.elements.elastic_rod import PLATE, SQUARE, corners_at
 
@@ -66,7 +66,7 @@ def test_compiled_corners_are_those_of_the_laws():
         wrench = share * random.uniform(-1, 1, (1, 6)) * np.repeat([2.0, 0.05], 3)
         beyond += not rod.place(tensions, wrench).inside
         at_rest = np.array([[x, *corner] for x in stations[1:-1] for corner in SQUARE[:, 1:]])
-        inner = points_in_space(rod, placed(rod, tensions, wrench), at_rest).reshape(-1, 4, 3)
+        inner = (at_rest + displacements(rod, placed(rod, tensions, wrench), at_rest)).reshape(-1, 4, 3)
         found = sections(rod.struct, tensions, wrench)[0]
         corners = np.concatenate([found[:1], inner, found[-2:-1]])
         near = corners[known["first"][:, None] + np.arange(known["near"])]

@@ -44,6 +44,7 @@ async function start() {
       })
     : null;
   by("contact").hidden = !about.has_obstacle;
+  by("reports").hidden = !about.reports;
   const silence = () => {
     by("said").textContent = "";
     delete by("said").dataset.status;
@@ -130,6 +131,11 @@ async function start() {
     readings.tip.show(Math.hypot(...answer.tip), answer.error.tip);
     readings.pad_pressure?.show(answer.pad_pressure, answer.error.pad_pressure);
     by("tip").textContent = answer.tip.map((one) => (1000 * one).toFixed(2)).join(", ");
+    if (about.reports) {
+      const millimetres = tendons.map((one, k) => `${one.name} ${(1000 * answer.shortenings[k]).toFixed(3)}`);
+      by("orientation").textContent = `${answer.orientation.map((one) => one.toFixed(4)).join(", ")} ± ${off(answer.error.orientation)} rad`;
+      by("shortenings").textContent = `${millimetres.join(", ")} ± ${off(1000 * answer.error.shortenings)}`;
+    }
     by("status").dataset.inside = answer.inside;
     by("status").textContent = answer.inside ? "inside what was trained" : `not to be relied on: ${answer.reason}`;
     by("scene").dataset.inside = answer.inside;

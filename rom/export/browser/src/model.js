@@ -1,6 +1,7 @@
 // The model: its C, compiled to WebAssembly, and its numbers as they lie in memory (rom/export/native/model.h).
 
-const ROWS = 6, ERRORS = 4, WRENCH = 18, CORNERS = 12; // as in model.h and segment.h
+const ROWS = 6, ERRORS = 4, WRENCH = 48, CORNERS = 12, QUATERNION = 4; // as in model.h and segment.h
+const POINTER = 4; // [bytes]
 const CONVERGED = 1, OUTSIDE = 4; // as in control/native/least_squares.h
 const ALIGNED = 16, PAGE = 65536; // [bytes]
 const HOLD_TOLERANCE = 1e-6; // [N]
@@ -58,7 +59,12 @@ export class Model {
       start: this.numbers(p),
       tensions: this.numbers(p),
       told: this.numbers(3),
+      rows: this.numbers(QUATERNION + p - 1),
+      slopes: this.numbers((QUATERNION + p - 1) * p),
+      off: this.numbers(2),
+      report: 0, // NULL
     };
+    if (about.reports) this.places.report = this.pointers("rows", "slopes", "off"); // a struct fingerfem_report
   }
 
   /** Memory behind what is in use, which stays. */
@@ -74,18 +80,28 @@ export class Model {
     return this.take(8 * count);
   }
 
+  /** A struct of pointers to arrays. */
+  pointers(...names) {
+    const begin = this.take(POINTER * names.length), view = new DataView(this.code.memory.buffer);
+    names.forEach((name, k) => view.setUint32(begin + POINTER * k, this.places[name], true));
+    return begin;
+  }
+
   at(name, count) {
     return new Float64Array(this.code.memory.buffer, this.places[name], count);
   }
 
-  /** Tip [m], contact force [N], touch distance [m], pad pressure [Pa], their errors, and why not to rely on them. */
+  /** Tip [m], contact force [N], touch distance [m], pad pressure [Pa], their errors, and why not to rely on them; of a
+   * finger of elements also the tip's orientation w, x, y, z and the tendons' shortenings [m]. */
   tell(point) {
-    const { point: at, memory, wrench, out, errors, jacobian } = this.places;
+    const { point: at, memory, wrench, out, errors, jacobian, report } = this.places;
     this.at("point", point.length).set(point);
     this.at("wrench", WRENCH).fill(0);
-    const status = this.code.fingerfem_model_tell(this.struct, at, memory, wrench, out, errors, jacobian);
+    const status = this.code.fingerfem_model_tell(this.struct, at, memory, wrench, out, errors, jacobian, report);
     const [x, y, z, force, touch, pad] = this.at("out", ROWS);
     const [tipError, forceError, touchError, padError] = this.at("errors", ERRORS);
+    const rows = report ? [...this.at("rows", QUATERNION + point.length - 1)] : null;
+    const [turnError, shorteningError] = this.at("off", 2);
     return {
       inside: status === 0,
       reason: REASONS[status],
@@ -93,7 +109,12 @@ export class Model {
       contact_force: force,
       touch_distance: touch,
       pad_pressure: pad,
-      error: { tip: tipError, contact_force: forceError, touch_distance: touchError, pad_pressure: padError },
+      orientation: rows && rows.slice(0, QUATERNION),
+      shortenings: rows && rows.slice(QUATERNION),
+      error: {
+        tip: tipError, contact_force: forceError, touch_distance: touchError, pad_pressure: padError,
+        ...(rows && { orientation: turnError, shortenings: shorteningError }),
+      },
     };
   }
 

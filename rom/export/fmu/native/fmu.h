@@ -14,7 +14,7 @@
 #define FMU_EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { FMU_MOST_INPUTS = 10, FMU_MOST_OUTPUTS = 10 };
+enum { FMU_MOST_INPUTS = 10, FMU_MOST_OUTPUTS = 24 };
 
 /* Value references: numbers from these on; whether the answer is to be relied on; and the status that says why not. */
 enum { FMU_TIME = 0, FMU_INPUTS = 1, FMU_OUTPUTS = 101, FMU_FLAG = 201, FMU_STATUS = 202 };
@@ -34,7 +34,7 @@ typedef struct {
 } fmu_state;
 
 /* A state outside of an instance, as it is serialised too: whose it is, and a hash of all that comes before the hash. */
-enum { FMU_STATE_VERSION = 1, FMU_TOKEN_SIZE = 40 };
+enum { FMU_STATE_VERSION = 2, FMU_TOKEN_SIZE = 40 };
 enum { FMU_MODEL = 1, FMU_CONTROLLER = 2 };
 typedef struct {
     char format[16];             /* "fingerfem state" */

@@ -1,0 +1,15 @@
+/* What a finger reports besides an answer: the tip's orientation and the tendons' shortenings. */
+#ifndef FINGERFEM_REPORTED_H
+#define FINGERFEM_REPORTED_H
+#include "contact.h"
+
+/* How wrenches on all plates, and the plates in space, R^T dc and R^T dtheta, change with an input, contact included. */
+typedef struct {
+    double wrench[CHAIN_WRENCH], motion[CHAIN_WRENCH];
+} reported_change;
+
+/* Rows and derivatives of a report at a state that has been solved, or, if `free`, of the free finger; `changes`, (tensions +
+ * 1), by tensions and d. */
+void reported_rows(const contact_problem *problem, const contact_state *state, int free, const reported_change *changes,
+                   const fingerfem_report *report);
+#endif
