@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
+from rom.elements.calibration import error_factors, floors_of
 from rom.elements.candidates import STEP, Candidates, candidates
 from rom.elements.contact_error import relative_force_errors
 from rom.elements.cuts import cut, outline_pairs
 from rom.elements.elements import Elements
-from rom.elements.law import ElementMap
+from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.march import march
+from rom.elements.mesh_correction import correcting
 from rom.elements.outline import train_outline
 from rom.elements.pieces import Piece, pieces
 from rom.elements.samples import element_samples
@@ -28,7 +30,7 @@ from rom.snapshots.snapshot_set import SnapshotError
 from rom.terminal import Progress, quiet
 
 LOWEST, HIGHEST = 2.0, 5.0  # weighted degrees that are tried [-]
-FOLDS = 8  # groups of lines that are left out together, at most
+FOLDS = 7  # groups of lines that are left out together, at most
 FEWEST = 4  # lines
 SHARE = 0.9  # quantile of the predicted states' errors by which degrees are compared [-]
 FORCE, PLACE = 1e-3, 1e-4  # errors that count alike: of a contact force, and of a place over the finger's length [-]
@@ -68,6 +70,10 @@ class Training:
             places[own], turned[own] = marched.plate
         return places, turned
 
+    def laws(self, degrees: dict[str, float]) -> dict[str, ElementLaw]:
+        """The laws of all kinds, with their variants."""
+        return {kind: one.with_variants(degrees[kind]) for kind, one in self.kinds.items()}
+
     def _law(self, piece: Piece, degree: float, without: int) -> ElementMap:
         key = piece.kind, degree, without
         if key not in self._laws:
@@ -90,24 +96,37 @@ def prepare(states: SectionStates) -> Training:
     Raises:
         SnapshotError: too few lines to leave some out.
     """
-    lines = np.unique(states.lines)
-    if len(lines) < FEWEST:
-        raise SnapshotError(f"lines with an answer must be at least {FEWEST} to train elements, got {len(lines)}")
-    fold_of = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
+    of_line, fold = fold_of(states)
     kinds = {}
     for kind, pairs in cut(states.at, states.scene["geometry"]["side"]).items():
         samples = [element_samples(states, *pair) for pair in pairs]
-        kinds[kind] = candidates(samples, fold_of, states.scene, HIGHEST)
-    return Training(states=states, fold=np.array([fold_of[int(line)] for line in states.lines]), kinds=kinds)
+        kinds[kind] = candidates(samples, of_line, states.scene, HIGHEST)
+    return Training(states=states, fold=fold, kinds=kinds)
 
 
-def train(states: SectionStates, provenance: dict[str, Any], progress: Progress = quiet) -> Elements:
+def fold_of(states: SectionStates) -> tuple[dict[int, int], np.ndarray]:
+    """The group of lines that every line, and every state, shape (n,), is left out with.
+
+    Raises:
+        SnapshotError: too few lines.
+    """
+    lines = np.unique(states.lines)
+    if len(lines) < FEWEST:
+        raise SnapshotError(f"lines with an answer must be at least {FEWEST} to train elements, got {len(lines)}")
+    found = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
+    return found, np.array([found[int(line)] for line in states.lines])
+
+
+def train(
+    states: SectionStates, provenance: dict[str, Any], progress: Progress = quiet, finer: SectionStates | None = None
+) -> Elements:
     """The elements of a finger's states.
 
     Args:
         states: the states.
         provenance: what they are from.
         progress: is told how far it is.
+        finer: states of the same finger on a finer mesh, at the same cross-sections, which correct the elements.
 
     Raises:
         SnapshotError: too few lines to leave some out.
@@ -116,43 +135,62 @@ def train(states: SectionStates, provenance: dict[str, Any], progress: Progress 
     training = prepare(states)
     progress("fitting elements", 1, 2)
     degrees = best_degrees(training)
+    known = {"degrees": degrees}
+    if finer is not None:
+        training = corrections(training, degrees, finer)
+        degrees = best_degrees(training, 0.0)
+        known["corrections"] = degrees
     places, turned = training.left_out(degrees)
-    laws = {kind: one.law(degrees[kind]) for kind, one in training.kinds.items()}
-    outlines = outline_pairs(states.at, states.scene["geometry"]["side"])
-    off = np.linalg.norm(places - states.plate.places, axis=1)
+    laws = training.laws(degrees)
+    outlines, fold = outline_pairs(states.at, states.scene["geometry"]["side"]), fold_of(states)[1]
+    off = np.linalg.norm(places - training.states.plate.places, axis=1)
+    left_out = {
+        "contact_force": quantiles(relative_force_errors(training.states, places, turned)),
+        "place_m": quantiles(off),
+        "free_place_m": quantiles(off[training.states.forces == 0]),
+    }
     progress("fitting elements", 2, 2)
     return Elements(
         laws=laws,
-        outlines={kind: train_outline(states, training.fold, pairs) for kind, pairs in outlines.items()},
+        outlines={kind: train_outline(states, fold, pairs) for kind, pairs in outlines.items()},
         scene=states.scene,
         force=float(states.scene["load"]["force"]),
-        provenance=provenance
-        | {
-            "degrees": degrees,
-            "left_out": {
-                "contact_force": quantiles(relative_force_errors(states, places, turned)),
-                "place_m": quantiles(off),
-                "free_place_m": quantiles(off[states.forces == 0]),
-            },
-        },
+        provenance=provenance | known | {"left_out": left_out},
+        error_factors=error_factors(training, laws, (places, turned), floors_of(left_out)),
     )
 
 
-def best_degrees(training: Training) -> dict[str, float]:
+def corrections(training: Training, degrees: dict[str, float], finer: SectionStates) -> Training:
+    """The regressions of what corrects every element, see `rom.elements.mesh_correction`.
+
+    Args:
+        training: on the coarser mesh.
+        degrees: that were chosen there.
+        finer: states of the same finger on a finer mesh, with the cross-sections of the training's mesh.
+    """
+    of_line, fold = fold_of(finer)
+    kinds = {}
+    for kind, pairs in cut(finer.at, finer.scene["geometry"]["side"]).items():
+        samples = [element_samples(finer, *pair) for pair in pairs]
+        kinds[kind] = correcting(training.kinds[kind], degrees[kind], samples, of_line, finer.scene)
+    return Training(states=finer, fold=fold, kinds=kinds)
+
+
+def best_degrees(training: Training, lowest: float = LOWEST) -> dict[str, float]:
     """The degrees with the best prediction: one for all kinds, then each as much higher or lower as serves.
 
     A kind's degree grows as long as that makes the prediction better, and falls as long as that costs next to nothing.
     """
-    highest = {kind: _highest(one) for kind, one in training.kinds.items()}
-    steps = int((HIGHEST - LOWEST) / STEP) + 1
-    shared = [{kind: min(LOWEST + STEP * k, top) for kind, top in highest.items()} for k in range(steps)]
+    highest = {kind: _highest(one, lowest) for kind, one in training.kinds.items()}
+    steps = int((HIGHEST - lowest) / STEP) + 1
+    shared = [{kind: min(lowest + STEP * k, top) for kind, top in highest.items()} for k in range(steps)]
     scores = [training.score(degrees) for degrees in shared]
     best, degrees = min(scores), shared[int(np.argmin(scores))]
     for kind, top in highest.items():
         while degrees[kind] < top and (score := training.score(_changed(degrees, kind, STEP))) < BETTER * best:
             best, degrees = score, _changed(degrees, kind, STEP)
     for kind in highest:
-        while degrees[kind] > LOWEST and training.score(_changed(degrees, kind, -STEP)) < best / BETTER:
+        while degrees[kind] > lowest and training.score(_changed(degrees, kind, -STEP)) < best / BETTER:
             degrees = _changed(degrees, kind, -STEP)
     return degrees
 
@@ -161,9 +199,9 @@ def _changed(degrees: dict[str, float], kind: str, step: float) -> dict[str, flo
     return degrees | {kind: degrees[kind] + step}
 
 
-def _highest(one: Candidates) -> float:
+def _highest(one: Candidates, lowest: float) -> float:
     """The highest degree that is tried of a kind."""
-    degree = LOWEST
+    degree = lowest
     while degree + STEP <= HIGHEST and one.supports(degree + STEP):
         degree += STEP
     return degree

@@ -237,6 +237,7 @@ _SOURCES = (
     "tensions.c",
     "element.c",
     "outline.c",
+    "variants.c",
     "rod_march.c",
     "inverse.c",
     "chain.c",
@@ -248,6 +249,7 @@ _SOURCES = (
     "response.c",
     "contact.c",
     "touch.c",
+    "touch_errors.c",
     "rubber.c",
     "surface.c",
 )

@@ -62,7 +62,7 @@ class Segment(PickledByFields):
 
     @property
     def condensed(self) -> native.Segment:
-        """What of it is compiled: the poses of its elements, without the shortenings of tendons."""
+        """What of it is compiled: the poses of its elements and their variants, without the shortenings of tendons."""
         poses = {id(one): _pose_of(one) for one in self.elements}
         return native.Segment(
             elements=[poses[id(one)] for one in self.elements],

@@ -13,7 +13,15 @@ from rom.elements.law import ElementMap
 from rom.fit.chebyshev import Polynomial
 from rom.native import SEGMENT
 from rom.rod import limits
-from rom.rod.native.arrangement import by_degree, free_numbers, law, outline, places_between, tension_monomials
+from rom.rod.native.arrangement import (
+    by_degree,
+    free_numbers,
+    law,
+    outline,
+    places_between,
+    tension_monomials,
+    variants,
+)
 from rom.rod.native.outlines import Outline, outline_of, stations_of
 
 MOST_CONTACTS, CORNERS = 12, 24  # as in segment.h
@@ -74,14 +82,18 @@ def struct(segment: Segment) -> Any:
     law_of = [next(k for k, one in enumerate(laws) if one is element) for element in segment.elements]
     outlines = [] if segment.outlines is None else [segment.outlines[law_of.index(k)] for k in range(len(laws))]
     powers = [corner_powers, *(one.polynomial.powers for one in laws), *(one.polynomial.powers for one in outlines)]
-    monomials = tension_monomials(combinations, powers)
+    deviations = [one.deviations for one in laws if one.deviations is not None]
+    monomials = tension_monomials(combinations, powers + [one.powers for one in deviations])
     bent = free_numbers(monomials, corner_powers, corner_coefficients)
     structs = [SEGMENT.struct("fingerfem_law", **law(one.polynomial, monomials)) for one in laws]
-    rubber = {}
+    rubber: dict[str, Any] = {}
     if segment.outlines is not None:
         corners_of = [SEGMENT.struct("fingerfem_outline", **outline(one.polynomial, monomials)) for one in outlines]
         rubber = places_between(stations_of(segment.outlines, segment.half_lengths[0]))
         rubber["outline"] = SEGMENT.pointers("fingerfem_outline", corners_of)
+    if deviations:
+        structs_of = [SEGMENT.struct("fingerfem_variants", **variants(one, monomials)) for one in deviations]
+        rubber |= {"variants": SEGMENT.pointers("fingerfem_variants", structs_of), "deviating": structs_of[0].count}
     return SEGMENT.struct(
         "fingerfem_segment",
         tensions=t,

@@ -11,7 +11,7 @@ import numpy as np
 from rom.fit.chebyshev import Polynomial
 from rom.rod.wrench_products import padded
 
-BLOCK, POSE = 4, 8  # as in segment.h
+BLOCK, POSE, VALUES = 4, 8, 6  # as in segment.h; the numbers of a pose that are not zeros that fill its row
 EIGHT, STATION = 8, 12  # likewise: numbers of an outline fill eights; numbers of one of its stations
 PLACES, NEAREST = 5, 4  # cross-sections of the rubber for every station; stations that interpolate one
 
@@ -143,6 +143,32 @@ def outline(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
         "term_products": which.ravel()[order],
         "coefficients": coefficients,
         "free_coefficients": free,
+    }
+
+
+def variants(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
+    """The variants of an element's law as values of a struct fingerfem_variants.
+
+    Args:
+        polynomial: 6 values for each, place [m] and Gibbs vector [-], of t + 6 variables.
+        monomials: powers of the tensions, shape (monomials, t), with all of its own.
+    """
+    t, count = monomials.shape[1], polynomial.coefficients.shape[1] // VALUES
+    column = {tuple(one): k for k, one in enumerate(monomials.tolist())}
+    products, which = np.unique(polynomial.powers[:, t:], axis=0, return_inverse=True)
+    order = np.argsort(which.ravel(), kind="stable")
+    rows = polynomial.coefficients[order].reshape(-1, count, VALUES)
+    return {
+        "count": count,
+        "terms": len(order),
+        "products": len(products),
+        "most_power": int(products.max()),
+        "lower": polynomial.lower[t:],
+        "upper": polynomial.upper[t:],
+        "wrench_powers": products,
+        "starts": np.searchsorted(which.ravel()[order], np.arange(len(products) + 1)),
+        "term_monomials": [column[tuple(one)] for one in polynomial.powers[order, :t].tolist()],
+        "coefficients": np.pad(rows, [(0, 0), (0, 0), (0, POSE - VALUES)]).astype(np.float32),
     }
 
 
