@@ -63,7 +63,7 @@ class Candidates:
         if self.corrected is None:
             return found
         own, own_degree = self.corrected
-        base = own.law(own_degree, None if without is None else without % own.equations.folds)
+        base = own.law(own_degree)  # whole: the lines that correct it are not those that it was fitted to
         return replace(base, polynomial=base.polynomial.plus(found.polynomial))
 
     def with_variants(self, degree: float) -> ElementLaw:
@@ -79,9 +79,11 @@ class Candidates:
             own, own_degree = self.corrected
             base = own.with_variants(own_degree).deviations
             assert base is not None
+            few = base.coefficients.shape[1] - deviations.coefficients.shape[1]  # of fewer lines there are fewer groups
+            padded = replace(deviations, coefficients=np.pad(deviations.coefficients, [(0, 0), (0, few)]))
             correction = self.equations.fit(positions)
             remaining = replace(correction, coefficients=REMAINING * correction.coefficients[:, :POSE])
-            deviations = Polynomial.together([base.plus(deviations), remaining])
+            deviations = Polynomial.together([base.plus(padded), remaining])
         single = deviations.coefficients.astype(np.float32).astype(float)  # as a file and compiled code hold them
         return replace(self.law(degree), deviations=replace(deviations, coefficients=single))
 

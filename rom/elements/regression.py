@@ -30,11 +30,15 @@ class NormalEquations:
         powers: of the products, shape (k, p).
         folds: number of folds.
         values: number of functions m.
+
+    Attributes:
+        rows: values and derivatives of every fold, shape (folds,).
+        prior: what is added to the normal equations' diagonal, shape (k,): it draws coefficients towards 0.
     """
 
     def __init__(self, lower: np.ndarray, upper: np.ndarray, powers: np.ndarray, folds: int, values: int):
         self.lower, self.upper, self.powers, self.folds = lower, upper, powers, folds
-        self.rows = np.zeros(folds)
+        self.rows, self.prior = np.zeros(folds), np.zeros(len(powers))
         self._gram = np.zeros((folds, len(powers), len(powers)))
         self._right = np.zeros((folds, len(powers), values))
 
@@ -95,7 +99,7 @@ class NormalEquations:
         """
         gram, right = self._sums(without)
         normal = gram[np.ix_(chosen, chosen)]
-        normal[np.diag_indices_from(normal)] += RIDGE * normal.max()
+        normal[np.diag_indices_from(normal)] += RIDGE * normal.max() + self.prior[chosen]
         factor = cho_factor(normal)
         coefficients = np.ascontiguousarray(cho_solve(factor, right[chosen]))  # as a file holds them: the same sums
         return Polynomial(lower=self.lower, upper=self.upper, powers=self.powers[chosen], coefficients=coefficients)

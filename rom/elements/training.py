@@ -20,7 +20,7 @@ from rom.elements.cuts import cut, outline_pairs
 from rom.elements.elements import Elements
 from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.march import march
-from rom.elements.mesh_correction import correcting
+from rom.elements.mesh_correction import DEGREE, correcting
 from rom.elements.outline import train_outline
 from rom.elements.pieces import Piece, pieces
 from rom.elements.samples import element_samples
@@ -135,11 +135,11 @@ def train(
     training = prepare(states)
     progress("fitting elements", 1, 2)
     degrees = best_degrees(training)
-    known = {"degrees": degrees}
+    known: dict[str, Any] = {"degrees": degrees}
     if finer is not None:
         training = corrections(training, degrees, finer)
-        degrees = best_degrees(training, 0.0)
-        known["corrections"] = degrees
+        degrees = dict.fromkeys(degrees, DEGREE)
+        known["corrected_by"] = {key: finer.scene["mesh"][key] for key in ("cells", "order")}
     places, turned = training.left_out(degrees)
     laws = training.laws(degrees)
     outlines, fold = outline_pairs(states.at, states.scene["geometry"]["side"]), fold_of(states)[1]
@@ -176,21 +176,21 @@ def corrections(training: Training, degrees: dict[str, float], finer: SectionSta
     return Training(states=finer, fold=fold, kinds=kinds)
 
 
-def best_degrees(training: Training, lowest: float = LOWEST) -> dict[str, float]:
+def best_degrees(training: Training) -> dict[str, float]:
     """The degrees with the best prediction: one for all kinds, then each as much higher or lower as serves.
 
     A kind's degree grows as long as that makes the prediction better, and falls as long as that costs next to nothing.
     """
-    highest = {kind: _highest(one, lowest) for kind, one in training.kinds.items()}
-    steps = int((HIGHEST - lowest) / STEP) + 1
-    shared = [{kind: min(lowest + STEP * k, top) for kind, top in highest.items()} for k in range(steps)]
+    highest = {kind: _highest(one) for kind, one in training.kinds.items()}
+    steps = int((HIGHEST - LOWEST) / STEP) + 1
+    shared = [{kind: min(LOWEST + STEP * k, top) for kind, top in highest.items()} for k in range(steps)]
     scores = [training.score(degrees) for degrees in shared]
     best, degrees = min(scores), shared[int(np.argmin(scores))]
     for kind, top in highest.items():
         while degrees[kind] < top and (score := training.score(_changed(degrees, kind, STEP))) < BETTER * best:
             best, degrees = score, _changed(degrees, kind, STEP)
     for kind in highest:
-        while degrees[kind] > lowest and training.score(_changed(degrees, kind, -STEP)) < best / BETTER:
+        while degrees[kind] > LOWEST and training.score(_changed(degrees, kind, -STEP)) < best / BETTER:
             degrees = _changed(degrees, kind, -STEP)
     return degrees
 
@@ -199,9 +199,9 @@ def _changed(degrees: dict[str, float], kind: str, step: float) -> dict[str, flo
     return degrees | {kind: degrees[kind] + step}
 
 
-def _highest(one: Candidates, lowest: float) -> float:
+def _highest(one: Candidates) -> float:
     """The highest degree that is tried of a kind."""
-    degree = lowest
+    degree = LOWEST
     while degree + STEP <= HIGHEST and one.supports(degree + STEP):
         degree += STEP
     return degree

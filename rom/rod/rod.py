@@ -271,7 +271,7 @@ class Rod(PickledByFields):
         ]
         force, free = left_out["contact_force"], left_out["free_place_m"]
         measured = accuracy(self.accuracy)
-        finer = ", on a finer mesh than that of the training" if "corrections" in self.elements.provenance else ""
+        finer = ", on a finer mesh than that of the training" if "corrected_by" in self.elements.provenance else ""
         return [
             f"{self.scene['name']}: a rod of {sum(map(len, self.pieces))} elements, "
             f"trained on {self.elements.scene['name']}"

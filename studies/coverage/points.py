@@ -11,7 +11,8 @@ from rom.native.answer import FORCE, TOUCH
 FORCES = 0.25, 4.0  # [N], that a controller is asked to hold
 DEEPEST = 0.85  # of the way from where the plane is touched to the nearest plane [-]
 SHALLOW = 0.05  # likewise, at least
-ROUNDS, ALONG = 40, np.linspace(-0.3, 0.3, 13)  # line searches from a point; steps of each, of the box [-]
+ROUNDS, ALONG = 8, np.linspace(-0.3, 0.3, 13)  # line searches from a point; steps of each, of the box [-]
+APART = 0.05  # of the box, that points which are sought lie from each other at least [-]
 RADIUS = 0.025  # of the gripper whose fingers hold a cylinder [m]
 
 
@@ -83,7 +84,8 @@ def sought(model: TouchedSegment, count: int, random: np.random.Generator, other
             steps = point + ALONG[:, None] * (upper - lower) * line / np.linalg.norm(line)
             steps = np.clip(steps, lower, upper)
             point = steps[np.argmax(_surprise(model, other, steps))]
-        if _surprise(model, other, point[None])[0] > 0:
+        apart = [np.linalg.norm((point - one) / (upper - lower)) for one in found]
+        if min(apart, default=1.0) > APART and _surprise(model, other, point[None])[0] > 0:
             found.append(point)
     return np.array(found)
 
@@ -92,8 +94,8 @@ def _surprise(model: TouchedSegment, other: TouchedSegment, points: np.ndarray) 
     """Difference of the forces of two fingers over the estimate of the first, shape (n,); 0 where nothing is known."""
     answers, theirs = model.evaluate(points), other.answers(points)
     known = answers.inside & theirs.inside & (answers.contact_force > 0)
-    apart = np.abs(answers.contact_force - theirs.out[:, FORCE]) / answers.error["contact_force"]
-    return np.where(known, apart, 0.0)
+    estimates = np.where(known, answers.error["contact_force"], np.inf)
+    return np.where(known, np.abs(answers.contact_force - theirs.out[:, FORCE]) / estimates, 0.0)
 
 
 def _touched(model: TouchedSegment, tensions: np.ndarray, random: np.random.Generator, count: int) -> np.ndarray:
