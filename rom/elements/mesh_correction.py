@@ -1,8 +1,8 @@
 """What the mesh of the training adds to every element: its law is corrected by a few states on a finer mesh.
 
 A mesh is too stiff by some share that hardly depends on the loads. So the difference of two meshes is a polynomial of
-low degree in the products of the law, and few states determine it: each gives samples of every element. A ridge draws it
-towards none where they do not.
+low degree in the products of the law, and few states determine it: each gives samples of every element. A ridge draws
+it towards none where they do not.
 """
 
 from __future__ import annotations
