@@ -51,13 +51,13 @@ readme: demo
 	docker/run python3 studies/readme.py out/demo
 
 # rom/finger.h5, the bundled finger: rod elements, trained in some 100 core-seconds; every state begins at the same one on a
-# coarse mesh. Its estimates are scaled on 60 states of a finer mesh and measured on 60 others, most of the time; it resumes.
+# coarse mesh. 24 states of a finer mesh correct them and scale their estimated errors, 60 others measure both, most of the time; it
+# resumes.
 SNAPSHOTS = docker/run mpirun -n 2 python3 -m fingerfem snapshots
 model:
 	$(SNAPSHOTS) scenes/demo/bundled.toml out/model/coarse --coarse
 	$(SNAPSHOTS) scenes/demo/bundled.toml out/model/fine --near out/model/coarse
-	$(SNAPSHOTS) scenes/demo/plane_coarse.toml out/model/finest-coarse --random 15 --distances 4 --seed 2019
-	$(SNAPSHOTS) scenes/demo/plane_finest.toml out/model/finest --random 15 --distances 4 --seed 2019 --near out/model/finest-coarse
+	$(SNAPSHOTS) scenes/demo/bundled_finest.toml out/model/finest --points scenes/demo/bundled_finest.csv --near out/model/coarse
 	$(SNAPSHOTS) scenes/demo/plane_coarse.toml out/model/heldout-coarse --random 15 --distances 4 --seed 2020
 	$(SNAPSHOTS) scenes/demo/plane_finest.toml out/model/heldout --random 15 --distances 4 --seed 2020 --near out/model/heldout-coarse
 	docker/run python3 -m rom build out/model/fine --finer out/model/finest --held-out out/model/heldout -o rom/finger.h5

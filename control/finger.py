@@ -158,7 +158,8 @@ class Finger:
     ) -> Motion:
         mirrored = goal * np.array([1.0, *sides])
         tensions, found = problems.reach(self.known, start, change, mirrored, float(distance), rules(tolerance))
-        error = self.model.tip_error(float(np.linalg.norm(goal)))
+        point = np.append(tensions, distance) if self.model.has_obstacle else tensions
+        error = float(self.model.evaluate(point).error["tip"])
         asked = f"point {listed(goal + self.rest)} m"
         known = {"distance": distance, "error": error, "sides": sides, "unit": "m"}
         return self._motion(found.status, tensions, found, asked, **known)

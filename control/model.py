@@ -40,9 +40,6 @@ class Model(Protocol):
     def scene(self) -> dict[str, Any]:
         """The trained scene."""
 
-    def tip_error(self, way: float) -> float:
-        """Estimated error of the free tip [m] a way [m] from where it rests."""
-
     @property
     def native(self) -> dict[str, Any]:
         """Its own fields of a struct control_finger."""

@@ -7,6 +7,7 @@ from rom.program import begin
 if __name__ == "__main__":
     begin()
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -53,8 +54,12 @@ def build(
         Path | None, typer.Option(metavar="SET/", help="States of the same finger on a coarser mesh, to be corrected.")
     ] = None,
     finer: Annotated[
-        Path | None,
-        typer.Option(metavar="FINER/", help="Held-out states on a finer mesh: estimated errors then count the mesh's."),
+        list[Path] | None,
+        typer.Option(
+            metavar="FINER/",
+            help="Held-out states on a finer mesh: estimated errors then count the mesh's. Of a scene with a load, "
+            "pressed ones correct the elements; may be given several times.",
+        ),
     ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Write a model that expects errors above 100 %, or lacks its coarse set.")
@@ -69,7 +74,7 @@ def build(
         for name, value in (("tolerance", tolerance), ("terms", terms), ("coarse", coarse)):
             if value is not None:
                 raise ValueError(f"{name} must be left out for a set of a scene with a load, got {value}")
-        finger = build_rod(snapshots, held_out, finer)
+        finger = build_rod(snapshots, held_out, [SnapshotSet(one) for one in finer or []])
         check_expected(finger.expected_error, output, force)
         finger.save(output)
         show(rod_summary(finger), finger.tables(), as_json)
@@ -88,7 +93,9 @@ def build(
         tolerance = expected.get("tolerance", EnrichmentOptions().tolerance)
     options = EnrichmentOptions(tolerance=tolerance, **({} if terms is None else {"terms": terms}))
     states = None if held_out is None else held_out_of(snapshots, held_out)
-    finer_states = None if finer is None else SnapshotSet(finer)
+    if finer and len(finer) > 1:
+        raise ValueError(f"finer must be one set for a scene without a load, got {len(finer)}")
+    finer_states = SnapshotSet(finer[0]) if finer else None
     if finer_states is not None:
         check_finer(snapshots.description.scene, finer_states)
     with steps() as progress:
@@ -133,8 +140,11 @@ def held_out_of(training: SnapshotSet, folder: Path) -> SnapshotSet:
     return found
 
 
-def build_rod(snapshots: SnapshotSet, held_out: Path | None, finer: Path | None) -> Rod:
-    """The finger of a set of pressed states, measured on held-out ones, or on those of the plane, if there are any."""
+def build_rod(snapshots: SnapshotSet, held_out: Path | None, finer: Sequence[SnapshotSet]) -> Rod:
+    """The finger of a set of pressed states, measured on held-out ones, or on those of the plane, if there are any.
+
+    Of sets on a finer mesh, one of pressed states corrects its elements; those of the plane scale its estimated errors.
+    """
     from rom.elements.section_states import read_section_states
     from rom.elements.training import train
     from rom.error_model import rod_with_mesh_error
@@ -142,15 +152,20 @@ def build_rod(snapshots: SnapshotSet, held_out: Path | None, finer: Path | None)
 
     if snapshots.description.random:
         raise ValueError(f"{snapshots.path}: must be a training set{uses_of(snapshots.path)}")
-    states, others = (None if folder is None else SnapshotSet(folder) for folder in (held_out, finer))
-    if others is not None:
-        check_finer(snapshots.description.scene, others)
+    states = None if held_out is None else SnapshotSet(held_out)
+    for one in finer:
+        check_finer(snapshots.description.scene, one)
+    pressed = [one for one in finer if one.description.has_load]
+    before_plane = [one for one in finer if not one.description.has_load]
+    if len(pressed) > 1:
+        raise ValueError(f"finer must be one set of pressed states at most, got {len(pressed)}")
     sections = read_section_states(snapshots)
+    finer_sections = read_section_states(pressed[0], sections.at) if pressed else None
     with steps() as progress:
-        found = train(sections, origin(snapshots), progress)
+        found = train(sections, origin(snapshots), progress, finer_sections)
     finger = Rod(elements=found, scene=sections.scene)
-    if others is not None:
-        finger = rod_with_mesh_error(finger, others)
+    if before_plane:
+        finger = rod_with_mesh_error(finger, before_plane)
     return finger if states is None else finger.with_accuracy(check_rod(finger, states))
 
 

@@ -9,7 +9,7 @@ that at least 95 % of errors are covered. Without them the rates are taken four 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from rom.components import Errors
+from rom.elements.calibration import conformal as covered
 from rom.fit import layout
 from rom.fit.contact_response import ContactResponse
 from rom.fit.displacement import FittedDisplacement
@@ -24,7 +25,7 @@ from rom.fit.free_response import FreeResponse
 from rom.fit.mesh_error import COVERAGE, MeshError, covering, place_errors
 from rom.held_out import FELT, before_plane, check_finer, differences, points_of, split
 from rom.native import answer
-from rom.rod.rod import Rod
+from rom.rod.rod import QUANTITIES, Rod
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.snapshots.training_states import TrainingStates
 from rom.surrogate import Surrogate
@@ -188,26 +189,32 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
     )
 
 
-def rod_with_mesh_error(rod: Rod, finer: SnapshotSet) -> Rod:
+def rod_with_mesh_error(rod: Rod, finer: Sequence[SnapshotSet]) -> Rod:
     """A finger of elements whose estimated errors are scaled to what held-out states on a finer mesh show.
 
-    They stand before the plane y = side/2 + d. Every estimate times a factor is the conformal quantile: the guarantee
-    and its limits are those of `with_mesh_error`.
+    They stand before the plane y = side/2 + d. Every estimate times a factor is the conformal quantile, see
+    `rom.elements.calibration`: it holds of states drawn like these.
 
     Raises:
         SnapshotError: not such states of the finger on a finer mesh, or too few that touch.
     """
-    model = before_plane(rod, finer)
-    check_finer(rod.scene, finer)
-    answers = model.evaluate(finer.random("parameters"))
-    touched = answers.inside & (answers.contact_force > 0) & (finer.random("contact_force") > 0)
-    if touched.sum() < FEWEST:
-        raise SnapshotError(f"{finer.path}: must have {FEWEST} states that touch, or nothing tells what forces err by")
-    counted = {"tip": answers.inside, "touch_distance": answers.inside, "contact_force": touched}
-    off, estimated = differences(model, finer), answers.error_parts["surrogate"]
-    factors = {name: covering(off[name][own] / estimated[name][own]) for name, own in counted.items()}
-    elements = replace(rod.elements, provenance=rod.elements.provenance | {"mesh_error": _told(finer)})
-    return replace(rod, elements=elements, finer_mesh_factors=factors)
+    ratios: dict[str, list[np.ndarray]] = {name: [] for name in QUANTITIES}
+    for one in finer:
+        model = before_plane(rod, one)
+        check_finer(rod.scene, one)
+        answers, off = model.evaluate(one.random("parameters")), differences(model, one)
+        touched = answers.inside & (answers.contact_force > 0) & (one.random("contact_force") > 0)
+        counted = {name: touched if name == "contact_force" else answers.inside for name in QUANTITIES}
+        for name, own in counted.items():
+            ratios[name].append(off[name][own] / answers.error[name][own])
+    together = {name: np.concatenate(parts) for name, parts in ratios.items()}
+    if len(together["contact_force"]) < FEWEST:
+        raise SnapshotError(
+            f"{finer[0].path}: must have {FEWEST} states that touch, or nothing tells what forces err by"
+        )
+    factors = {name: rod.elements.error_factor(name) * covered(found) for name, found in together.items()}
+    provenance = rod.elements.provenance | {"mesh_error": [_told(one) for one in finer]}
+    return replace(rod, elements=replace(rod.elements, provenance=provenance, error_factors=factors))
 
 
 def _told(finer: SnapshotSet) -> dict[str, Any]:

@@ -96,11 +96,13 @@ def check_finer(scene: dict[str, Any], finer: SnapshotSet) -> None:
 
     Raises:
         SnapshotError: a training set, one of another finger, or of a mesh that is not finer; or, for a scene with a
-            load, not before the plane y = side/2 + d.
+            load, neither of a load nor before the plane y = side/2 + d.
     """
     if not finer.description.random:
         raise SnapshotError(f"{finer.path}: must be a held-out set (made with --random){uses_of(finer.path)}")
-    if scene.get("load") is not None:
+    if scene.get("load") is not None and finer.description.has_load:
+        _check_same_finger(scene, finer)
+    elif scene.get("load") is not None:
         _check_plane_of(scene, finer)
     else:
         mesh_transfer.check_finger(finer, scene, "the model")
@@ -142,11 +144,14 @@ def before_plane(rod: Rod, held_out: SnapshotSet) -> TouchedSegment:
 def _check_plane_of(own: dict[str, Any], held_out: SnapshotSet) -> None:
     """Refuse what are no held-out states of a finger before the plane."""
     description = held_out.description
-    scene = description.scene
     if not description.random or not description.has_obstacle:
         wanted = "must be a held-out set (made with --random) of a scene with a plane"
         raise SnapshotError(f"{held_out.path}: {wanted}{uses_of(held_out.path)}")
-    keys = ("geometry", "material", "tendons")
+    _check_same_finger(own, held_out)
+
+
+def _check_same_finger(own: dict[str, Any], held_out: SnapshotSet) -> None:
+    scene, keys = held_out.description.scene, ("geometry", "material", "tendons")
     other = difference({key: own[key] for key in keys}, {key: scene[key] for key in keys})
     if other:
         raise SnapshotError(f"{held_out.path}: must hold states of the map's finger: {other}")

@@ -79,11 +79,6 @@ class Surrogate(PickledByFields, Components):
         mesh = self.errors.mesh
         return known | ({} if mesh is None else {"mesh": np.array([*mesh.contact_force, *mesh.pad_pressure])})
 
-    def tip_error(self, way: float) -> float:
-        """Estimated error of the free tip [m] a way [m] from where it rests."""
-        mesh = self.errors.mesh
-        return float(self.errors.tip + (0.0 if mesh is None else mesh.tip * way))
-
     def outputs(self, points: np.ndarray) -> np.ndarray:
         """Tip [m], contact force [N], touch distance [m], and pad pressure [Pa] if known, shape (n, 5 or 6)."""
         return answer.answers(self.kernel, points)[0]

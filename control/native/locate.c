@@ -49,12 +49,23 @@ static void locate_by(control_problem *problem, int readings, const double *tens
         }
     }
     outcome->residual = sqrt(least / readings);
+    for (int i = 0; i < readings; i++) {
+        compare(problem, tensions + (ptrdiff_t)n * i, felt[i], outcome->distance, &residual, &slope);
+        if (!control_knows(problem, tensions + (ptrdiff_t)n * i, outcome->distance)) outcome->status = CONTROL_OUTSIDE;
+    }
+}
+
+/* What the errors of the forces make of the distance. */
+static void weigh_errors(control_problem *problem, int readings, const double *tensions, const double *felt,
+                         control_outcome *outcome)
+{
+    const int n = problem->tensions;
+    double residual, slope;
     outcome->squared_slopes = outcome->weighted_error = 0.0;
     for (int i = 0; i < readings; i++) {
         compare(problem, tensions + (ptrdiff_t)n * i, felt[i], outcome->distance, &residual, &slope);
         outcome->squared_slopes += slope * slope;
         outcome->weighted_error += fabs(slope) * control_force_error(problem);
-        if (!control_knows(problem, tensions + (ptrdiff_t)n * i, outcome->distance)) outcome->status = CONTROL_OUTSIDE;
     }
 }
 
@@ -74,6 +85,7 @@ void control_locate(const control_finger *finger, int readings, const double *te
     control_problem problem;
     control_problem_in(&problem, finger, 1, memory);
     locate(&problem, readings, tensions, felt, hint, rules, memory + control_problem_size(finger, 1), outcome);
+    weigh_errors(&problem, readings, tensions, felt, outcome);
 }
 
 void control_grip(const control_finger *finger, const double *then, double felt, const double *present, double aim,

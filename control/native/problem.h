@@ -104,12 +104,17 @@ static inline double control_mesh_error(const control_problem *problem)
     return shares[0] * out[finger->row] + shares[1] * way * fabs(problem->jacobian[p * finger->row + p - 1]);
 }
 
-/* Estimated error of the contact force [N] or pad pressure [Pa] that was asked for last, inside the box. */
-static inline double control_force_error(const control_problem *problem)
+/* Estimated error of the contact force [N] or pad pressure [Pa] that was asked for last, inside the box. A touched segment is
+ * solved once more, which takes some times as long as an answer: nothing that is iterated may ask for it. */
+static inline double control_force_error(control_problem *problem)
 {
     const control_finger *finger = problem->finger;
     double found[CONTROL_MOST_COLUMNS] = {0.0};
-    if (problem->touching) return fingerfem_touch_error(problem->touching, problem->out, problem->jacobian);
+    if (problem->touching) {
+        double errors[3];
+        fingerfem_touch_errors(problem->touching, problem->point, problem->memory, problem->wrench, errors);
+        return errors[1];
+    }
     fingerfem_contact_error(finger->kernel, finger->rates, finger->columns, finger->margin, problem->point,
                             problem->out[FINGERFEM_TOUCH], found);
     return found[finger->row == FINGERFEM_FORCE ? 1 : 3] + control_mesh_error(problem);

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from rom.brief import brief
 from rom.elements.index_set import chosen, index_set
-from rom.elements.law import ElementLaw, combined
+from rom.elements.law import POSE, ElementLaw, combined
 from rom.elements.regression import NormalEquations
 from rom.elements.samples import Samples
 from rom.elements.symmetry import Mirror, mirrors
 from rom.elements.tension_map import TensionMap, of_scene
+from rom.fit.chebyshev import Polynomial
 from rom.snapshots.grid import levels
 
 # Weights of powers, measured [-]: of combinations of tensions by the order of their moment, and of higher ones; of a
@@ -24,6 +25,8 @@ MOST = 3000  # products of a regression: bounds memory and time
 STEP = 0.5  # between weighted degrees that are tried [-]
 ROWS = 1.5  # rows a fit has at least for every coefficient [-]
 LENGTH_POWERS = 3  # highest degree in the length
+VARIANTS = 7  # fits without a group of lines, at most: their spread is the estimated error of the fit
+REMAINING = 0.5  # of what a finer mesh corrects, that is left as an error: no mesh is fine enough [-]
 MARGIN = 1.2  # the box is so much larger than the largest wrench: other fingers reach a little beyond these [-]
 
 
@@ -39,6 +42,7 @@ class Candidates:
         weights: of the powers of every input [-].
         lengths: shortest and longest [m].
         highest: weighted degree of the largest set.
+        corrected: laws that these correct, with their degree; None if they stand alone.
     """
 
     equations: NormalEquations
@@ -47,6 +51,7 @@ class Candidates:
     weights: np.ndarray
     lengths: tuple[float, float]
     highest: float
+    corrected: tuple[Candidates, float] | None = None
 
     def supports(self, degree: float) -> bool:
         """Whether all products of a degree are there, and enough rows for them."""
@@ -54,7 +59,35 @@ class Candidates:
 
     def law(self, degree: float, without: int | None = None) -> ElementLaw:
         """The law of a weighted degree, without a fold of lines."""
-        polynomial = self.equations.fit(self._positions(degree), without)
+        found = self._law(self.equations.fit(self._positions(degree), () if without is None else (without,)))
+        if self.corrected is None:
+            return found
+        own, own_degree = self.corrected
+        base = own.law(own_degree)  # whole: the lines that correct it are not those that it was fitted to
+        return replace(base, polynomial=base.polynomial.plus(found.polynomial))
+
+    def with_variants(self, degree: float) -> ElementLaw:
+        """The law of a weighted degree, and by how much those without a group of lines deviate from it.
+
+        Those of a corrected law are both left out at once; what corrects it is one more variant, times REMAINING.
+        """
+        folds = range(self.equations.folds)
+        groups = [folds[k::VARIANTS] for k in range(min(VARIANTS, len(folds)))]
+        positions = self._positions(degree)
+        deviations = self.equations.deviations(positions, groups, POSE)
+        if self.corrected is not None:
+            own, own_degree = self.corrected
+            base = own.with_variants(own_degree).deviations
+            assert base is not None
+            few = base.coefficients.shape[1] - deviations.coefficients.shape[1]  # of fewer lines there are fewer groups
+            padded = replace(deviations, coefficients=np.pad(deviations.coefficients, [(0, 0), (0, few)]))
+            correction = self.equations.fit(positions)
+            remaining = replace(correction, coefficients=REMAINING * correction.coefficients[:, :POSE])
+            deviations = Polynomial.together([base.plus(padded), remaining])
+        single = deviations.coefficients.astype(np.float32).astype(float)  # as a file and compiled code hold them
+        return replace(self.law(degree), deviations=replace(deviations, coefficients=single))
+
+    def _law(self, polynomial: Polynomial) -> ElementLaw:
         return ElementLaw(
             tension_map=self.tension_map, tensions=self.tensions, polynomial=polynomial, lengths=self.lengths
         )
@@ -90,7 +123,7 @@ def candidates(
     while len(powers := _products(weights, highest, most_lengths)) > MOST:
         highest -= STEP
     equations = NormalEquations(lower, upper, powers, max(fold_of.values()) + 1, samples[0].values.shape[1])
-    rows = [_rows(one, tension_map.matrix, several) for one in samples]
+    rows = [rows_of(one, tension_map.matrix, several) for one in samples]
     fold = np.array([fold_of[line] for one in samples for line in one.lines.tolist()])
     inputs, values, jacobians = (np.concatenate(part) for part in zip(*rows, strict=True))
     equations.add(inputs, values, jacobians, fold)
@@ -105,7 +138,7 @@ def candidates(
     )
 
 
-def _rows(samples: Samples, tension_map: np.ndarray, by_length: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def rows_of(samples: Samples, tension_map: np.ndarray, by_length: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Inputs, values and derivatives of samples by combinations of tensions; per length where that is an input."""
     inputs, jacobians = (combined(part, tension_map) for part in (samples.inputs, samples.jacobians))
     if not by_length:

@@ -33,6 +33,23 @@ def relative_force_errors(states: SectionStates, places: np.ndarray, rotations: 
         return np.asarray(np.abs(np.sum(there * off, axis=1) / (states.forces * gap_by_force(states))))
 
 
+def relative_force_changes(states: SectionStates, motions: np.ndarray) -> np.ndarray:
+    """The same, signed, of plates that move at fixed wrenches.
+
+    Args:
+        states: n of them.
+        motions: R^T dc and R^T dtheta, shape (n, 6, k) [m, rad].
+
+    Returns:
+        shape (n, k) [-]; nan of states without a force.
+    """
+    points, normals = _contacts(states)
+    opened = np.concatenate([normals, np.cross(points, normals)], axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        scale = states.forces * gap_by_force(states)
+        return np.asarray(np.einsum("ni,nik->nk", opened, motions) / scale[:, None])
+
+
 def _contacts(states: SectionStates) -> tuple[np.ndarray, np.ndarray]:
     """Where each state's plate is touched, and the normal there, shapes (n, 3) [m, -]; nan without a force."""
     t, forces = states.tensions, states.forces[:, None]

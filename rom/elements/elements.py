@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import h5py
@@ -16,6 +16,7 @@ from rom.elements.outline import OutlineLaw
 from rom.fit.chebyshev import Polynomial
 
 CLAMP, INTERIOR, PLATE, WHOLE = "clamp", "interior", "plate", "whole"  # kinds of elements
+UNCALIBRATED = 2.0  # times the variants' deviation: 95 % of a normal distribution [-]
 UNITS = "place m, Rodrigues vector -, shortening m; of interior elements per m"
 
 
@@ -31,6 +32,8 @@ class Elements:
         outlines: by kind, where the corners of its cross-sections are.
         force: largest on a plate [N].
         provenance: what they were made from, and how well they predict what they were not made from.
+        error_factors: by quantity, how many times the deviation of the laws' variants an estimated error is, so that it
+            covers what was left out [-]; UNCALIBRATED of a quantity that is missing.
         size: times how large they are, of what the scene says [-].
     """
 
@@ -39,12 +42,17 @@ class Elements:
     scene: dict[str, Any]
     force: float
     provenance: dict[str, Any]
+    error_factors: dict[str, float] = field(default_factory=dict)
     size: float = 1.0
 
     @property
     def tensions(self) -> int:
         """Number of tensions."""
         return len(self.scene["tendons"])
+
+    def error_factor(self, quantity: str) -> float:
+        """How many times the variants' deviation the estimated error of a quantity is [-]."""
+        return self.error_factors.get(quantity, UNCALIBRATED)
 
     def scaled(self, size: float, modulus: float) -> Elements:
         """The same section `size` times as large, of rubber `modulus` times as stiff."""
@@ -56,13 +64,15 @@ class Elements:
     def write(self, file: h5py.Group) -> None:
         """Write them into an open file."""
         file.attrs["scene"], file.attrs["provenance"] = json.dumps(self.scene), json.dumps(self.provenance)
-        file.attrs["force"] = self.force
+        file.attrs["force"], file.attrs["error_factors"] = self.force, json.dumps(self.error_factors)
         for kind, law in self.laws.items():
             group, outline = file.create_group(kind), self.outlines[kind]
             group.attrs["lengths"] = law.lengths
             checked_file.dataset(group, "tension_map", law.tension_map, "-")
             checked_file.dataset(group, "tensions", law.tensions, "N")
             _write(group, law.polynomial, UNITS)
+            if law.deviations is not None:
+                _write(group.create_group("variants"), law.deviations, UNITS)
             group = group.create_group("outline")
             group.attrs["half"], group.attrs["error"] = outline.half, outline.error
             _write(group, outline.polynomial, "m")
@@ -76,15 +86,19 @@ class Elements:
             shortest, longest = map(float, group.attrs["lengths"])
             tension_map, tensions = (group[name][:].astype(float) for name in ("tension_map", "tensions"))
             laws[kind] = ElementLaw(
-                tension_map=tension_map, tensions=tensions, polynomial=_read(group), lengths=(shortest, longest)
+                tension_map=tension_map,
+                tensions=tensions,
+                polynomial=_read(group),
+                lengths=(shortest, longest),
+                deviations=_read(group["variants"]) if "variants" in group else None,
             )
             half, error = (float(outline.attrs[name]) for name in ("half", "error"))
             outlines[kind] = OutlineLaw(
                 tension_map=tension_map, tensions=tensions, polynomial=_read(outline), half=half, error=error
             )
         scene, provenance = (json.loads(file.attrs[name]) for name in ("scene", "provenance"))
-        force = float(file.attrs["force"])
-        return cls(laws=laws, outlines=outlines, scene=scene, force=force, provenance=provenance)
+        force, factors = float(file.attrs["force"]), json.loads(file.attrs["error_factors"])
+        return cls(laws=laws, outlines=outlines, scene=scene, force=force, provenance=provenance, error_factors=factors)
 
 
 def _write(group: h5py.Group, polynomial: Polynomial, unit: str) -> None:

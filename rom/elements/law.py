@@ -27,11 +27,20 @@ class ElementMap:
         tension_map: the first m inputs of the polynomial are tension_map @ tensions, shape (m, t).
         tensions: lowest and highest, shape (2, t) [N].
         polynomial: of m + 6 inputs.
+        deviations: of the variants' poses, of the same inputs, 6 values each, see `ElementLaw`; None if there are none.
     """
 
     tension_map: np.ndarray
     tensions: np.ndarray
     polynomial: Polynomial
+    deviations: Polynomial | None = None
+
+    def deviation(self, inputs: np.ndarray) -> np.ndarray:
+        """Of the variants' poses, shape (n, variants, 6) [m, -]; beyond the box those of its nearest point."""
+        if self.deviations is None:
+            return np.zeros((len(inputs), 0, POSE))
+        own = np.clip(combined(inputs, self.tension_map), self.deviations.lower, self.deviations.upper)
+        return self.deviations.value(own).reshape(len(inputs), -1, POSE)
 
     def value(self, inputs: np.ndarray) -> np.ndarray:
         """Values, shape (n, values), at tensions and wrenches, shape (n, t + 6)."""
@@ -71,12 +80,15 @@ class ElementLaw:
         tensions: lowest and highest, shape (2, t) [N].
         polynomial: of t + 6 inputs, or t + 7; of 6 + t values.
         lengths: shortest and longest at rest that were trained [m]; equal in a law of one length.
+        deviations: by how much the poses of variants of the law differ from its own, 6 values for each, of the same
+            inputs. The squares of what they do to an answer add up to that of its estimated error. None: not known.
     """
 
     tension_map: np.ndarray
     tensions: np.ndarray
     polynomial: Polynomial
     lengths: tuple[float, float]
+    deviations: Polynomial | None = None
 
     @property
     def has_lengths(self) -> bool:
@@ -91,36 +103,53 @@ class ElementLaw:
         Raises:
             ModelError: a length beyond those of the law.
         """
-        law, (shortest, longest) = self.polynomial, self.lengths
+        shortest, longest = self.lengths
         slack = SHARE * longest
         if not (0 if self.has_lengths else shortest - slack) <= length <= longest + slack:
             bound = f"from 0 to {longest:.6g}" if self.has_lengths else f"{longest:.6g}"
             raise ModelError(f"length must be {bound} m, got {length:.6g}")
+        return ElementMap(
+            tension_map=self.tension_map,
+            tensions=self.tensions,
+            polynomial=self._of_length(self.polynomial, length),
+            deviations=None if self.deviations is None else self._of_length(self.deviations, length),
+        )
+
+    def _of_length(self, law: Polynomial, length: float) -> Polynomial:
+        """A polynomial of the law's inputs at one length [m]."""
         if not self.has_lengths:
-            return ElementMap(tension_map=self.tension_map, tensions=self.tensions, polynomial=law)
+            return law
+        shortest, longest = self.lengths
         angle = np.arccos(np.clip(2 * (length - shortest) / (longest - shortest) - 1, -1.0, 1.0))
         shares = length * np.cos(law.powers[:, -1] * angle)
         powers, which = np.unique(law.powers[:, :-1], axis=0, return_inverse=True)
         coefficients = np.zeros((len(powers), law.coefficients.shape[1]))
         np.add.at(coefficients, which.ravel(), shares[:, None] * law.coefficients)
-        own = replace(law, lower=law.lower[:-1], upper=law.upper[:-1], powers=powers, coefficients=coefficients)
-        return ElementMap(tension_map=self.tension_map, tensions=self.tensions, polynomial=own)
+        return replace(law, lower=law.lower[:-1], upper=law.upper[:-1], powers=powers, coefficients=coefficients)
 
     def scaled(self, size: float, modulus: float) -> ElementLaw:
         """The law of an element `size` times as large, of rubber `modulus` times as stiff: exact by similarity.
 
         Forces go with the modulus and an area, moments with another length, places and lengths with the size.
         """
-        law, force = self.polynomial, modulus * size**2
-        inputs = np.full(len(law.lower), force)
-        values = np.full(law.coefficients.shape[1], size)
+        force, count = modulus * size**2, len(self.polynomial.lower)
+        inputs = np.full(count, force)
+        values = np.full(self.polynomial.coefficients.shape[1], size)
         values[3:POSE] = 1.0
         tensions = len(values) - POSE
         inputs[tensions + 3 : tensions + 6] = force * size
         if self.has_lengths:
             inputs[-1], values = size, values / size
-        scaled = replace(
-            law, lower=law.lower * inputs, upper=law.upper * inputs, coefficients=law.coefficients * values
+
+        def scaled(law: Polynomial) -> Polynomial:
+            units = np.resize(values[:POSE], law.coefficients.shape[1]) if law is self.deviations else values
+            ends = {"lower": law.lower * inputs, "upper": law.upper * inputs}
+            return replace(law, coefficients=law.coefficients * units, **ends)
+
+        return replace(
+            self,
+            tensions=self.tensions * force,
+            polynomial=scaled(self.polynomial),
+            lengths=(self.lengths[0] * size, self.lengths[1] * size),
+            deviations=None if self.deviations is None else scaled(self.deviations),
         )
-        lengths = self.lengths[0] * size, self.lengths[1] * size
-        return replace(self, tensions=self.tensions * force, polynomial=scaled, lengths=lengths)

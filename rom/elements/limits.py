@@ -14,8 +14,9 @@ from rom.fit.chebyshev import Polynomial
 
 KINDS = ({CLAMP, PLATE}, {CLAMP, INTERIOR, PLATE}, {WHOLE})
 WRENCH = 6
+FACTORS = "error_factors must be finite and above 0"
 # What of the prediction of lines that were left out is shown and used.
-LEFT_OUT = (("contact_force", "median"), ("contact_force", "p95"), ("place_m", "p95"), ("free_place_m", "p95"))
+LEFT_OUT = (("contact_force", "median"), ("contact_force", "p95"), ("free_place_m", "median"), ("free_place_m", "p95"))
 
 
 def check(elements: Elements) -> None:
@@ -30,6 +31,11 @@ def check(elements: Elements) -> None:
     for kind, law in elements.laws.items():
         _law(kind, law, t)
         _outline(f"outline of {kind}", elements.outlines[kind], t)
+    alike = {law.deviations is None or law.deviations.coefficients.shape[1] for law in elements.laws.values()}
+    require(len(alike) == 1, "variants must be as many of all laws, or none", sorted(map(str, alike)))
+    factors = elements.error_factors
+    usable = isinstance(factors, dict) and all(isinstance(one, (int, float)) for one in factors.values())
+    require(usable and all(0 < one < np.inf for one in factors.values()), FACTORS, factors)
     _left_out(elements.provenance)
 
 
@@ -39,6 +45,10 @@ def _law(kind: str, law: ElementLaw, t: int) -> None:
     require(kind == INTERIOR or not law.has_lengths, f"lengths of {kind} must be equal", law.lengths)
     _tensions(kind, law.tension_map, law.tensions, t)
     _polynomial(kind, law.polynomial, t + WRENCH + law.has_lengths, POSE + t)
+    if law.deviations is not None:
+        values = law.deviations.coefficients.shape[-1]
+        require(values > 0 and values % POSE == 0, f"variants of {kind} must have {POSE} values each", values)
+        _polynomial(f"variants of {kind}", law.deviations, t + WRENCH + law.has_lengths, values)
 
 
 def _outline(name: str, law: OutlineLaw, t: int) -> None:

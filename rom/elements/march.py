@@ -37,6 +37,8 @@ class Marched:
         rotation: of the clamp's frame, shape (n, 3, 3) [-]; its transpose is the plate's, seen from the clamp.
         motion: of the plate, seen from the clamp: R^T dc and R^T dtheta by tensions and the wrench on the plate, shape
             (n, 6, t + 6) [m, rad per N, N m].
+        deviations: the same of the variants of the elements under these loads, of first order, shape (n, 6, variants)
+            [m, rad].
         sections: places of the distal sections of all elements seen from the plate, shape (n, elements, 3) [m], and
             rotations of their frames, shape (n, elements, 3, 3) [-].
         wrenches: carried through these sections, in their frames, shape (n, elements, 6) [N, N m].
@@ -48,6 +50,7 @@ class Marched:
     place: np.ndarray
     rotation: np.ndarray
     motion: np.ndarray
+    deviations: np.ndarray
     sections: tuple[np.ndarray, np.ndarray]
     wrenches: np.ndarray
     base: np.ndarray
@@ -72,8 +75,10 @@ def march(elements: Sequence[ElementMap], tensions: np.ndarray, wrenches: np.nda
     """
     n, t = tensions.shape
     place, rotation, wrench = np.zeros((n, 3)), np.tile(np.eye(3), (n, 1, 1)), np.array(wrenches, float)
-    move, turn, change = np.zeros((n, 3, t + 6)), np.zeros((n, 3, t + 6)), np.zeros((n, 6, t + 6))
-    change[:, :, t:] = np.eye(6)
+    variants = elements[0].deviation(np.zeros((1, t + 6))).shape[1]
+    columns = t + 6 + variants  # tensions, wrench, variants
+    move, turn, change = np.zeros((n, 3, columns)), np.zeros((n, 3, columns)), np.zeros((n, 6, columns))
+    change[:, :, t : t + 6] = np.eye(6)
     carried, inside, places, turns = [], [], [], []
     shortenings = np.zeros((n, elements[0].polynomial.coefficients.shape[1] - POSE))
     for element in elements:
@@ -82,10 +87,12 @@ def march(elements: Sequence[ElementMap], tensions: np.ndarray, wrenches: np.nda
         places.append(place)
         turns.append(rotation)
         inside.append((held == tensions).all(axis=1) & wrench_inside(element, wrench))
-        value, gradient = element.value_and_gradient(np.hstack([held, wrench]))
+        inputs = np.hstack([held, wrench])
+        value, gradient = element.value_and_gradient(inputs)
         shortenings += value[:, POSE:]
         by_state = gradient[:, :, t:] @ change
         by_state[:, :, :t] += gradient[:, :, :t] * (held == tensions)[:, None]
+        by_state[:, :6, t + 6 :] += element.deviation(inputs).transpose(0, 2, 1)
         q, g, dq, dg = value[:, :3], value[:, 3:6], by_state[:, :3], by_state[:, 3:6]
         scale, turned = 2 / (1 + np.sum(g**2, axis=1)), rotation_vectors.matrices(g)
         back, own_turn = turned.transpose(0, 2, 1), scale[:, None, None] * (dg - _cross(g, dg))
@@ -101,10 +108,12 @@ def march(elements: Sequence[ElementMap], tensions: np.ndarray, wrenches: np.nda
         change = np.concatenate([back @ by_force, back @ by_moment], axis=1)
         change += np.concatenate([_cross(wrench[:, :3], own_turn), _cross(wrench[:, 3:], own_turn)], axis=1)
     moved, plate_turn = rotation @ move, -rotation @ turn
+    motion = np.concatenate([_cross(place, plate_turn) - moved, plate_turn], axis=1)
     return Marched(
         place=place,
         rotation=rotation,
-        motion=np.concatenate([_cross(place, plate_turn) - moved, plate_turn], axis=1),
+        motion=motion[:, :, : t + 6],
+        deviations=motion[:, :, t + 6 :],
         sections=(np.stack(places, axis=1), np.stack(turns, axis=1)),
         wrenches=np.stack(carried, axis=1),
         base=wrench,

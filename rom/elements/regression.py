@@ -7,7 +7,8 @@ is one subtraction and one factorisation, and a fit of fewer products is a part 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -29,11 +30,15 @@ class NormalEquations:
         powers: of the products, shape (k, p).
         folds: number of folds.
         values: number of functions m.
+
+    Attributes:
+        rows: values and derivatives of every fold, shape (folds,).
+        prior: what is added to the normal equations' diagonal, shape (k,): it draws coefficients towards 0.
     """
 
     def __init__(self, lower: np.ndarray, upper: np.ndarray, powers: np.ndarray, folds: int, values: int):
         self.lower, self.upper, self.powers, self.folds = lower, upper, powers, folds
-        self.rows = np.zeros(folds)
+        self.rows, self.prior = np.zeros(folds), np.zeros(len(powers))
         self._gram = np.zeros((folds, len(powers), len(powers)))
         self._right = np.zeros((folds, len(powers), values))
 
@@ -85,24 +90,41 @@ class NormalEquations:
         place = [position[tuple(row)] for row in (self.powers @ np.abs(mirror).astype(int)).tolist()]
         return np.array(place), np.prod(mirror.sum(axis=1) ** self.powers, axis=1)
 
-    def fit(self, chosen: np.ndarray, without: int | None = None) -> Polynomial:
+    def fit(self, chosen: np.ndarray, without: Collection[int] = ()) -> Polynomial:
         """The polynomial of some of the products.
 
         Args:
             chosen: positions of the products, shape (j,).
-            without: a fold that is left out.
+            without: folds that are left out.
         """
-        folds = [k for k in range(self.folds) if k != without]
-        gram, right = self._sums(folds)
+        gram, right = self._sums(without)
         normal = gram[np.ix_(chosen, chosen)]
-        normal[np.diag_indices_from(normal)] += RIDGE * normal.max()
+        normal[np.diag_indices_from(normal)] += RIDGE * normal.max() + self.prior[chosen]
         factor = cho_factor(normal)
         coefficients = np.ascontiguousarray(cho_solve(factor, right[chosen]))  # as a file holds them: the same sums
         return Polynomial(lower=self.lower, upper=self.upper, powers=self.powers[chosen], coefficients=coefficients)
 
-    def _sums(self, folds: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+    def deviations(self, chosen: np.ndarray, groups: Sequence[Collection[int]], values: int) -> Polynomial:
+        """How fits without a group of folds deviate from that of all: their squares add up to its variance.
+
+        That is the jackknife's, (V - 1) / V times the sum of squares of V groups (R. G. Miller, Biometrika 61, 1974).
+
+        Args:
+            chosen: positions of the products, shape (j,).
+            groups: V of them, that make up all folds.
+            values: number of functions m, the first ones.
+
+        Returns:
+            of V m values: those of the first group first.
+        """
+        whole = self.fit(chosen)
+        share = np.sqrt((len(groups) - 1) / len(groups))
+        parts = [share * (self.fit(chosen, group).coefficients - whole.coefficients)[:, :values] for group in groups]
+        return replace(whole, coefficients=np.hstack(parts))
+
+    def _sums(self, without: Collection[int]) -> tuple[np.ndarray, np.ndarray]:
         gram, right = self._total
-        for k in set(range(self.folds)) - set(folds):
+        for k in without:
             gram, right = gram - self._gram[k], right - self._right[k]
         return gram, right
 

@@ -18,6 +18,7 @@ from rom.snapshots.rigid_motion import motions, rotations
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
 WRENCH = 6  # force [N] and moment [N m]
+NEAREST = 6  # cross-sections that one between them is interpolated by
 
 
 @brief
@@ -120,8 +121,12 @@ class SectionStates:
         return wrench, np.concatenate([force_change, moment_change], axis=1)
 
 
-def read_section_states(snapshots: SnapshotSet) -> SectionStates:
+def read_section_states(snapshots: SnapshotSet, at: np.ndarray | None = None) -> SectionStates:
     """The states of a set that have an answer.
+
+    Args:
+        snapshots: the set.
+        at: where cross-sections are wanted, between those of the mesh, shape (m,) [m]; those of the mesh if None.
 
     Raises:
         SnapshotError: it is no set of a scene with a load, or of a finger of several segments, or has no answer.
@@ -141,24 +146,51 @@ def read_section_states(snapshots: SnapshotSet) -> SectionStates:
         return np.concatenate([part[name][part["converged"]] for _, part in parts])
 
     before_plate = snapshots.body.sections <= snapshots.body.plates[-1, 0] + snapshots.body.tolerance
+    own = snapshots.body.sections[before_plate]
+    weights = np.eye(len(own)) if at is None else _between(own, at)
+
+    def sections(name: str) -> tuple[np.ndarray, np.ndarray]:
+        values, changes = (together(f"section_{name}{end}")[:, before_plate] for end in ("", "_jacobian"))
+        return np.einsum("mk,nk...->nm...", weights, values), np.einsum("mk,nk...->nm...", weights, changes)
+
+    (place, place_changes), (shorter, shorter_changes), (corners, corner_changes) = map(
+        sections, ("place", "shortening", "corners")
+    )
     return SectionStates(
         scene=description.scene,
         inputs=together("parameters"),
         lines=np.concatenate([np.full(int(part["converged"].sum()), k) for k, part in parts]),
-        at=snapshots.body.sections[before_plate],
-        sections=_in_space(
-            *(together(f"section_{name}")[:, before_plate] for name in ("place", "place_jacobian")),
-            *(together(f"section_{name}")[:, before_plate] for name in ("rotation", "rotation_jacobian")),
-        ),
+        at=own if at is None else at,
+        sections=_in_space(place, place_changes, *_unit(*sections("rotation"))),
         plate=_seen_from_plate(
             *(together(f"clamp_place{end}")[:, 0] for end in ("", "_jacobian")),
             *(together(f"plate_rotation{end}")[:, 0] for end in ("", "_jacobian")),
         ),
-        shortenings=together("section_shortening")[:, before_plate],
-        shortening_changes=together("section_shortening_jacobian")[:, before_plate],
-        corners=together("section_corners")[:, before_plate],
-        corner_changes=together("section_corners_jacobian")[:, before_plate],
+        shortenings=shorter,
+        shortening_changes=shorter_changes,
+        corners=corners,
+        corner_changes=corner_changes,
     )
+
+
+def _between(own: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Weights of cross-sections, shape (k,), by which polynomials interpolate between them, shape (m, k)."""
+    near = min(NEAREST, len(own))
+    first = np.clip(np.searchsorted(own, at) - near // 2, 0, len(own) - near)
+    rows = first[:, None] + np.arange(near)
+    found = np.zeros((len(at), len(own)))
+    for k in range(near):
+        others = np.delete(own[rows], k, axis=1)
+        shares = np.prod((at[:, None] - others) / (own[rows[:, k]][:, None] - others), axis=1)
+        found[np.arange(len(at)), rows[:, k]] = shares
+    return found
+
+
+def _unit(quaternions: np.ndarray, changes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Quaternions of unit length, shape (..., 4), and their derivatives, shape (..., 4, p)."""
+    size = np.linalg.norm(quaternions, axis=-1, keepdims=True)
+    found, changed = quaternions / size, changes / size[..., None]
+    return found, changed - found[..., None] * np.sum(found[..., None] * changed, axis=-2, keepdims=True)
 
 
 def _in_space(

@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
+from rom.elements.calibration import error_factors, floors_of
 from rom.elements.candidates import STEP, Candidates, candidates
 from rom.elements.contact_error import relative_force_errors
 from rom.elements.cuts import cut, outline_pairs
 from rom.elements.elements import Elements
-from rom.elements.law import ElementMap
+from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.march import march
+from rom.elements.mesh_correction import DEGREE, correcting
 from rom.elements.outline import train_outline
 from rom.elements.pieces import Piece, pieces
 from rom.elements.rotation_vectors import angles
@@ -29,7 +31,7 @@ from rom.snapshots.snapshot_set import SnapshotError
 from rom.terminal import Progress, quiet
 
 LOWEST, HIGHEST = 2.0, 5.0  # weighted degrees that are tried [-]
-FOLDS = 8  # groups of lines that are left out together, at most
+FOLDS = 7  # groups of lines that are left out together, at most
 FEWEST = 4  # lines
 SHARE = 0.9  # quantile of the predicted states' errors by which degrees are compared [-]
 FORCE, PLACE = 1e-3, 1e-4  # errors that count alike: of a contact force, and of a place over the finger's length [-]
@@ -73,6 +75,10 @@ class Training:
             shorter[own] = marched.shortenings
         return places, turned, shorter
 
+    def laws(self, degrees: dict[str, float]) -> dict[str, ElementLaw]:
+        """The laws of all kinds, with their variants."""
+        return {kind: one.with_variants(degrees[kind]) for kind, one in self.kinds.items()}
+
     def _law(self, piece: Piece, degree: float, without: int) -> ElementMap:
         key = piece.kind, degree, without
         if key not in self._laws:
@@ -95,24 +101,37 @@ def prepare(states: SectionStates) -> Training:
     Raises:
         SnapshotError: too few lines to leave some out.
     """
-    lines = np.unique(states.lines)
-    if len(lines) < FEWEST:
-        raise SnapshotError(f"lines with an answer must be at least {FEWEST} to train elements, got {len(lines)}")
-    fold_of = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
+    of_line, fold = fold_of(states)
     kinds = {}
     for kind, pairs in cut(states.at, states.scene["geometry"]["side"]).items():
         samples = [element_samples(states, *pair) for pair in pairs]
-        kinds[kind] = candidates(samples, fold_of, states.scene, HIGHEST)
-    return Training(states=states, fold=np.array([fold_of[int(line)] for line in states.lines]), kinds=kinds)
+        kinds[kind] = candidates(samples, of_line, states.scene, HIGHEST)
+    return Training(states=states, fold=fold, kinds=kinds)
 
 
-def train(states: SectionStates, provenance: dict[str, Any], progress: Progress = quiet) -> Elements:
+def fold_of(states: SectionStates) -> tuple[dict[int, int], np.ndarray]:
+    """The group of lines that every line, and every state, shape (n,), is left out with.
+
+    Raises:
+        SnapshotError: too few lines.
+    """
+    lines = np.unique(states.lines)
+    if len(lines) < FEWEST:
+        raise SnapshotError(f"lines with an answer must be at least {FEWEST} to train elements, got {len(lines)}")
+    found = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
+    return found, np.array([found[int(line)] for line in states.lines])
+
+
+def train(
+    states: SectionStates, provenance: dict[str, Any], progress: Progress = quiet, finer: SectionStates | None = None
+) -> Elements:
     """The elements of a finger's states.
 
     Args:
         states: the states.
         provenance: what they are from.
         progress: is told how far it is.
+        finer: states of the same finger on a finer mesh, at the same cross-sections, which correct the elements.
 
     Raises:
         SnapshotError: too few lines to leave some out.
@@ -121,28 +140,47 @@ def train(states: SectionStates, provenance: dict[str, Any], progress: Progress 
     training = prepare(states)
     progress("fitting elements", 1, 2)
     degrees = best_degrees(training)
+    known: dict[str, Any] = {"degrees": degrees}
+    if finer is not None:
+        training = corrections(training, degrees, finer)
+        degrees = dict.fromkeys(degrees, DEGREE)
+        known["corrected_by"] = {key: finer.scene["mesh"][key] for key in ("cells", "order")}
     places, turned, shorter = training.left_out(degrees)
-    laws = {kind: one.law(degrees[kind]) for kind, one in training.kinds.items()}
-    outlines = outline_pairs(states.at, states.scene["geometry"]["side"])
-    off = np.linalg.norm(places - states.plate.places, axis=1)
+    laws = training.laws(degrees)
+    outlines, fold = outline_pairs(states.at, states.scene["geometry"]["side"]), fold_of(states)[1]
+    off = np.linalg.norm(places - training.states.plate.places, axis=1)
+    left_out = {
+        "contact_force": quantiles(relative_force_errors(training.states, places, turned)),
+        "place_m": quantiles(off),
+        "free_place_m": quantiles(off[training.states.forces == 0]),
+        "turn_rad": quantiles(angles(turned, training.states.plate.rotations)),
+        "shortening_m": quantiles(np.abs(shorter - training.states.shortenings[:, -1]).max(axis=1)),
+    }
     progress("fitting elements", 2, 2)
     return Elements(
         laws=laws,
-        outlines={kind: train_outline(states, training.fold, pairs) for kind, pairs in outlines.items()},
+        outlines={kind: train_outline(states, fold, pairs) for kind, pairs in outlines.items()},
         scene=states.scene,
         force=float(states.scene["load"]["force"]),
-        provenance=provenance
-        | {
-            "degrees": degrees,
-            "left_out": {
-                "contact_force": quantiles(relative_force_errors(states, places, turned)),
-                "place_m": quantiles(off),
-                "free_place_m": quantiles(off[states.forces == 0]),
-                "turn_rad": quantiles(angles(turned, states.plate.rotations)),
-                "shortening_m": quantiles(np.abs(shorter - states.shortenings[:, -1]).max(axis=1)),
-            },
-        },
+        provenance=provenance | known | {"left_out": left_out},
+        error_factors=error_factors(training, laws, (places, turned), floors_of(left_out)),
     )
+
+
+def corrections(training: Training, degrees: dict[str, float], finer: SectionStates) -> Training:
+    """The regressions of what corrects every element, see `rom.elements.mesh_correction`.
+
+    Args:
+        training: on the coarser mesh.
+        degrees: that were chosen there.
+        finer: states of the same finger on a finer mesh, with the cross-sections of the training's mesh.
+    """
+    of_line, fold = fold_of(finer)
+    kinds = {}
+    for kind, pairs in cut(finer.at, finer.scene["geometry"]["side"]).items():
+        samples = [element_samples(finer, *pair) for pair in pairs]
+        kinds[kind] = correcting(training.kinds[kind], degrees[kind], samples, of_line, finer.scene)
+    return Training(states=finer, fold=fold, kinds=kinds)
 
 
 def best_degrees(training: Training) -> dict[str, float]:

@@ -237,6 +237,7 @@ _SOURCES = (
     "tensions.c",
     "element.c",
     "outline.c",
+    "variants.c",
     "rod_march.c",
     "inverse.c",
     "chain.c",
@@ -250,6 +251,7 @@ _SOURCES = (
     "contact.c",
     "reported.c",
     "touch.c",
+    "touch_errors.c",
     "rubber.c",
     "surface.c",
 )

@@ -18,7 +18,8 @@ from rom.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.native.answer import Answer
 from rom.rod.objects import Plane, facing_plane
-from rom.rod.touched_segment import QUANTITIES, TouchedSegment
+from rom.rod.rod import QUANTITIES
+from rom.rod.touched_segment import TouchedSegment
 
 if TYPE_CHECKING:  # segments are below the surrogate, which is only asked
     from rom.surrogate import Surrogate
@@ -78,10 +79,6 @@ class BackedSegment(PickledByFields):
     def scene(self) -> dict[str, Any]:
         """The segment's trained scene."""
         return self.touched.scene
-
-    def tip_error(self, way: float) -> float:
-        """Estimated error of the free tip [m] a way [m] from where it rests."""
-        return self.touched.tip_error(way)
 
     @property
     def native(self) -> dict[str, Any]:

@@ -19,10 +19,9 @@ if TYPE_CHECKING:
     from rom.rod.rod import Rod
     from rom.rod.segment import Segment as RodSegment
 
-MOST_TENSIONS, MOST_POWER = 8, 31  # as in native/segment.h
+MOST_TENSIONS, MOST_POWER, MOST_VARIANTS = 8, 31, 8  # as in native/segment.h
 MOST_PRODUCTS = 1 << 20  # of a polynomial: with these, places in memory are counted in 32 bits
 FARTHEST = 2.0  # a plate that nothing touches, from its clamp, over its segment's length [-]
-FACTORS = "finer_mesh_factors must be finite and above 0"
 MOST_STATIONS = 16  # of an element's outline; one side long it has two
 WRENCH, ELEMENT, CORNERS, STATION = 6, 6, 24, 12  # numbers of a wrench, an element's pose, a plate's corners, a station
 
@@ -39,12 +38,9 @@ def check(rod: Rod) -> None:
             away = np.linalg.norm(_ends_of_free_plate(one), axis=1)
         near = bool((away < FARTHEST * one.length).all())  # not where it is nan
         require(near, f"free plate {k + 1} must be within {FARTHEST:g} lengths of its clamp", away.tolist())
-    for name in ("force_error", "place_error", "place_error_by_force", "skin_error", "turn_error", "shortening_error"):
+    for name in ("expected_error", "place_error", "skin_error", "turn_error", "shortening_error"):
         value = getattr(rod, name)
         require(0 <= value < np.inf, f"{name} must be finite and at least 0", value)
-    factors = rod.finer_mesh_factors
-    usable = isinstance(factors, dict) and all(isinstance(one, (int, float)) for one in factors.values())
-    require(usable and all(0 < one < np.inf for one in factors.values()), FACTORS, factors)
     require(isinstance(rod.accuracy, dict), "accuracy must be a table", rod.accuracy)
 
 
@@ -68,6 +64,7 @@ def check_rod(segment: Segment) -> None:
     for k, element in enumerate(laws.values()):
         one = element.polynomial
         _polynomial(f"powers of law {k}", one, t, ELEMENT)
+        _deviations(element, k, elements[0])
         _ends(one, t)
         own = [*element.tensions, *element.tension_map, one.lower[:t], one.upper[:t]]
         _alike("tensions of all elements", own, [*box, *elements[0].tension_map, first.lower[:t], first.upper[:t]])
@@ -83,6 +80,24 @@ def check_rod(segment: Segment) -> None:
         _shortenings(segment.shortenings, elements)
     if segment.outlines is not None:
         _outlines(segment.outlines, elements, float(segment.half_lengths[0]))
+
+
+def _deviations(element: ElementMap, k: int, first: ElementMap) -> None:
+    """Of the variants of law k: as many as of the first element."""
+    one, other = element.deviations, first.deviations
+    require((one is None) == (other is None), "variants must be of all laws, or of none", f"law {k}")
+    if one is None or other is None:
+        return
+    count, rest = divmod(other.coefficients.shape[1], ELEMENT)
+    most = f"variants must be from 1 to {MOST_VARIANTS}"
+    require(rest == 0 and 1 <= count <= MOST_VARIANTS, most, other.coefficients.shape[1] / ELEMENT)
+    t = len(element.tension_map)
+    _polynomial(f"powers of variants of law {k}", one, t, ELEMENT * count)
+    _ends(one, t)
+    law = element.polynomial
+    _alike("tensions of a law and its variants", [one.lower, one.upper], [law.lower, law.upper])
+    single = np.abs(one.coefficients).max() <= np.finfo(np.float32).max
+    require(bool(single), f"coefficients of variants of law {k} must be finite in single precision", "others")
 
 
 def _tension_map(element: ElementMap) -> int:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from rom.brief import brief
+from rom.rod.native.told import tells
 from rom.rod.touched_segment import TouchedSegment
 
 FORCE, TOUCH = 3, 4  # rows of an answer
@@ -105,7 +106,6 @@ def find_object(
     if not np.isfinite(points).all():
         raise ValueError(f"distances must be finite, got {distances!r}")
     guess = np.asarray(model.obstacle.centre, float)
-    share = model.rod.finer_mesh_factor("contact_force") * model.rod.force_error
 
     def moved(way: np.ndarray) -> TouchedSegment:
         return replace(model, obstacle=replace(model.obstacle, centre=tuple(guess + STEP * way)))
@@ -124,8 +124,8 @@ def find_object(
         off[near] = stiffness * np.minimum(touch - points[:, -1], 0.0)[near]
         by_place = np.where(pressed[:, None], found.by_object[:, FORCE, :3], 0.0)
         by_place[near] = stiffness * found.by_object[near, TOUCH, :3]
-        error = share * force
-        return off - felt, STEP * by_place, np.hypot(np.maximum(noise, LEAST), error)
+        error = np.where(pressed, tells(there.touching, points).errors[:, 1], 0.0)
+        return off - felt, STEP * by_place, np.hypot(np.maximum(noise, LEAST), np.minimum(error, felt.max()))
 
     ends = np.full(3, within / STEP)
     scale = 1 / np.maximum(noise, LEAST + 1e-3 * felt)

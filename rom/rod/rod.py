@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from rom import checked_file
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.elements.calibration import Floors, floors_of
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
 from rom.elements.pieces import Piece, pieces
@@ -28,8 +29,9 @@ from rom.rod.segment import Segment, segment_of
 from rom.snapshots.grid import SHARE
 from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters, percent
 
-KIND, FORMAT = "fingerfem rod", 1
-PLAIN = ("scene", "finer_mesh_factors", "accuracy")
+KIND, FORMAT = "fingerfem rod", 2
+PLAIN = ("scene", "accuracy")
+QUANTITIES = "tip", "contact_force", "touch_distance"  # of which errors are estimated
 
 
 @brief
@@ -57,8 +59,6 @@ class Rod(PickledByFields):
     Attributes:
         elements: as they were trained.
         scene: of the finger: geometry, material and tendons, as plain data.
-        finer_mesh_factors: by quantity, times how much its estimated error covers what states on a finer mesh showed;
-            empty if nobody looked.
         accuracy: measured on held-out states; empty if nobody did.
 
     Raises:
@@ -71,7 +71,6 @@ class Rod(PickledByFields):
 
     elements: Elements
     scene: dict[str, Any]
-    finer_mesh_factors: dict[str, float] = field(default_factory=dict)
     accuracy: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -142,14 +141,9 @@ class Rod(PickledByFields):
         return self.own.force
 
     @property
-    def force_error(self) -> float:
+    def expected_error(self) -> float:
         """Relative error of contact forces in lines that were left out of the training, 95th percentile [-]."""
         return float(self.elements.provenance["left_out"]["contact_force"]["p95"])
-
-    @property
-    def expected_error(self) -> float:
-        """The same, the mesh's included if it was estimated [-]."""
-        return self.force_error * self.finer_mesh_factor("contact_force")
 
     @property
     def place_error(self) -> float:
@@ -157,11 +151,16 @@ class Rod(PickledByFields):
         return float(self.elements.provenance["left_out"]["free_place_m"]["p95"]) * self._lever
 
     @property
-    def place_error_by_force(self) -> float:
-        """What a contact force adds to that [m/N]."""
-        left_out = self.elements.provenance["left_out"]
-        added = max(left_out["place_m"]["p95"] - left_out["free_place_m"]["p95"], 0.0)
-        return float(added / self.own.force) * self._lever
+    def floors(self) -> Floors:
+        """What estimated errors are not below."""
+        place, force = floors_of(self.elements.provenance["left_out"])
+        return Floors(place * self._lever, force)
+
+    @property
+    def _longer(self) -> float:
+        """The finger's length over that of the trained one at its size [-]."""
+        trained = sum(self.elements.scene["geometry"]["segments"])
+        return float(sum(self.scene["geometry"]["segments"]) / (self.similarity.size * trained))
 
     @property
     def _lever(self) -> float:
@@ -169,46 +168,21 @@ class Rod(PickledByFields):
         return float(self.similarity.size * max(self._longer, 1.0) ** 2)
 
     @property
-    def _trained_length(self) -> float:
-        """Of the finger that the elements were trained on [m]."""
-        return float(sum(self.elements.scene["geometry"]["segments"]))
-
-    @property
-    def _longer(self) -> float:
-        """The finger's length over the trained one's at its size [-]."""
-        return float(sum(self.scene["geometry"]["segments"]) / (self.similarity.size * self._trained_length))
-
-    @property
     def turn_error(self) -> float:
-        """Of the tip plate's orientation, likewise [rad]; where training did not measure it, see `_turned`."""
-        left_out = self.elements.provenance["left_out"]
-        return float(left_out["turn_rad"]["p95"] if "turn_rad" in left_out else self._turned) * max(self._longer, 1.0)
+        """Of the tip plate's orientation, likewise [rad]."""
+        return float(self.elements.provenance["left_out"]["turn_rad"]["p95"]) * max(self._longer, 1.0)
 
     @property
     def shortening_error(self) -> float:
-        """Of tendon shortenings, likewise [m]; where it was not measured, the turn's at the outermost tendon."""
-        left_out, offsets = self.elements.provenance["left_out"], [one["offset"] for one in self.scene["tendons"]]
-        if "shortening_m" in left_out:
-            return float(left_out["shortening_m"]["p95"]) * self.similarity.size * max(self._longer, 1.0)
-        return float(np.abs(offsets).sum(axis=1).max()) * self.turn_error
-
-    @property
-    def _turned(self) -> float:
-        """The turn of a trained finger's tip by an error of its curvature that moves the tip by its place error [rad].
-
-        A change of curvature over the whole length L turns the tip by a and moves it by a L / 2.
-        """
-        return 2 * float(self.elements.provenance["left_out"]["place_m"]["p95"]) / self._trained_length
+        """Of tendon shortenings, likewise [m]."""
+        found = float(self.elements.provenance["left_out"]["shortening_m"]["p95"])
+        return found * self.similarity.size * max(self._longer, 1.0)
 
     @property
     def skin_error(self) -> float:
         """Of the rubber's surface [m]: that of the outlines, and of the sections' positions, which the tip's bounds."""
         kinds = {piece.kind for own in self.pieces for piece in own}
         return max(self.own.outlines[kind].error for kind in kinds) + self.place_error
-
-    def finer_mesh_factor(self, quantity: str) -> float:
-        """Times how much its estimated error covers what states on a finer mesh showed; 1 if nobody looked [-]."""
-        return self.finer_mesh_factors.get(quantity, 1.0)
 
     @cached_property
     def struct(self) -> Any:
@@ -220,16 +194,16 @@ class Rod(PickledByFields):
         own = np.zeros((len(self.segments), len(self.names)), int)
         for k, one in enumerate(self.segments):
             own[k, : one.tensions] = [self.names.index(name) for name in one.names]
-        tip, force, touch = map(self.finer_mesh_factor, ("tip", "contact_force", "touch_distance"))
+        tip, force, touch = map(self.elements.error_factor, QUANTITIES)
         errors = {
-            "tip_error": tip * self.place_error,
-            "tip_error_by_force": tip * self.place_error_by_force,
-            "force_error": force * self.force_error,
-            "force_error_by_place": force * self.place_error,
-            "touch_error": touch * self.place_error,
-            "touch_error_of_skin": touch * self.skin_error,
-            "turn_error": tip * self.turn_error,
-            "shortening_error": tip * self.shortening_error,
+            "tip_factor": tip,
+            "force_factor": force,
+            "touch_factor": touch,
+            "touch_error_of_skin": self.skin_error,
+            "place_floor": self.floors.place,
+            "force_floor": self.floors.force,
+            "turn_error": self.turn_error,
+            "shortening_error": self.shortening_error,
         }
         return native.chain_struct([one.struct for one in self.segments], own, self.rest, self.skin_error, errors)
 
@@ -315,11 +289,7 @@ class Rod(PickledByFields):
             ModelError: no scene, or these elements cannot make it: what is missing.
         """
         tables = of_tables(scene) if isinstance(scene, Mapping) else read_scene(scene)
-        return Rod(
-            elements=self.elements,
-            scene=self.elements.scene | tables,
-            finer_mesh_factors=self.finer_mesh_factors,
-        )
+        return Rod(elements=self.elements, scene=self.elements.scene | tables)
 
     def with_accuracy(self, accuracy: dict[str, Any]) -> Rod:
         """The same, whose error has been measured."""
@@ -334,6 +304,7 @@ class Rod(PickledByFields):
         ]
         force, free = left_out["contact_force"], left_out["free_place_m"]
         measured = accuracy(self.accuracy)
+        finer = ", on a finer mesh than that of the training" if "corrected_by" in self.elements.provenance else ""
         return [
             f"{self.scene['name']}: a rod of {sum(map(len, self.pieces))} elements, "
             f"trained on {self.elements.scene['name']}"
@@ -344,7 +315,7 @@ class Rod(PickledByFields):
             ),
             Table(header=["segment", "length [mm]", "elements from the clamp"], rows=rows),
             parameters(self.parameters),
-            f"lines left out of the training: contact force within {percent(force['p95'])} (95 %), "
+            f"lines left out{finer}: contact force within {percent(force['p95'])} (95 %), "
             f"median {percent(force['median'])}; free tip within {1e6 * free['p95']:.3g} µm",
             *(measured if measured else [NOT_MEASURED]),
         ]

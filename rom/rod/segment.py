@@ -63,7 +63,7 @@ class Segment(PickledByFields):
 
     @property
     def condensed(self) -> native.Segment:
-        """What of it is compiled: its elements by pose and by the shortenings of its tendons."""
+        """What of it is compiled: its elements by pose, its variants, and by the shortenings of its tendons."""
         poses = {id(one): _pose_of(one) for one in self.elements}
         shortenings = {id(one): _values(one, [POSE + k for k in self.trained]) for one in self.elements}
         return native.Segment(

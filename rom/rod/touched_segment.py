@@ -21,11 +21,10 @@ from rom.rod.native.reports import QUATERNION
 from rom.rod.native.told import tells
 from rom.rod.objects import Object, facing_plane
 from rom.rod.report import Report
-from rom.rod.rod import Rod
+from rom.rod.rod import QUANTITIES, Rod
 from rom.rod.shape import Sections
 from rom.table import Table, as_html, parameters
 
-QUANTITIES = "tip", "contact_force", "touch_distance"  # of which errors are estimated
 CLOSED = 1e-7  # [m]: gaps of contacts that may press, once the solve has ended
 
 SHIPPED = Path(__file__).parents[1] / "finger.h5"  # made by `make model`
@@ -112,10 +111,6 @@ class TouchedSegment(PickledByFields):
     def _repr_html_(self) -> str:
         return as_html(self.tables())
 
-    def tip_error(self, way: float) -> float:
-        """Estimated error of the free tip [m], the same a way [m] from where it rests."""
-        return self.rod.finer_mesh_factor("tip") * self.rod.place_error
-
     @cached_property
     def lead(self) -> int:
         """The tension that pushes most towards the object, in the middle of the others' range."""
@@ -184,17 +179,16 @@ class TouchedSegment(PickledByFields):
             ModelError: the wrong number of parameters.
         """
         out, errors, inside, (rows, _, off) = tells(self.touching, self._points(parameters))
-        parts = self._parts(dict(zip(QUANTITIES, errors.T, strict=True)))
         if np.ndim(parameters) == 1:
-            out, inside, rows, off = out[0], inside[0], rows[0], off[0]
-            parts = {of: {name: error[0] for name, error in errors.items()} for of, errors in parts.items()}
+            out, errors, inside, rows, off = out[0], errors[0], inside[0], rows[0], off[0]
+        error = dict(zip(QUANTITIES, errors.T, strict=True))
         return Answer(
             tip=out[..., :3],
             contact_force=out[..., 3],
             touch_distance=out[..., 4],
             pad_pressure=None,
-            error={name: sum(errors[name] for errors in parts.values()) for name in QUANTITIES},
-            error_parts=parts,
+            error=error,
+            error_parts={"surrogate": error},
             inside=inside,
             orientation=rows[..., :QUATERNION],
             orientation_error=off[..., 0],
@@ -216,18 +210,6 @@ class TouchedSegment(PickledByFields):
         """
         found = Report.of(tells(self.touching, self._points(parameters)))
         return Report(*(one[0] for one in found)) if np.ndim(parameters) == 1 else found
-
-    def _parts(self, errors: dict[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
-        """Estimated errors [m, N, m], taken apart: the surrogate's, and its mesh's if states on a finer one told."""
-        factors = {name: self.rod.finer_mesh_factor(name) for name in errors}
-        own = {name: error * min(1.0, 1.0 / factors[name]) for name, error in errors.items()}
-        if not self.rod.finer_mesh_factors:
-            return {"surrogate": own}
-        known = {name: np.where(np.isfinite(error), error, 0.0) for name, error in errors.items()}
-        return {
-            "surrogate": own,
-            "mesh": {name: error * max(1.0 - 1.0 / factors[name], 0.0) for name, error in known.items()},
-        }
 
     def contact_forces(self, parameters: ArrayLike) -> list[ContactForce]:
         """Where the object presses at one point, shape (p,), and how much; none where nothing is known.

@@ -1,15 +1,19 @@
-"""Answers of the bundled finger beside full-order states on a finer mesh than it was trained on."""
+"""Answers of the bundled finger beside full-order states on a finer mesh than that of its training."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from fingerfem import load_scene
+from rom import TouchedSegment
+from rom.elements.section_states import read_section_states
+from rom.elements.training import train
 from rom.held_out import differences
+from rom.rod.rod import Rod
 from rom.snapshots.snapshot_set import SnapshotSet
 from studies import sets
 from studies.control.models import finger
@@ -17,21 +21,38 @@ from studies.coverage import points
 from studies.runner import ROOT, Run
 
 SCENES = ROOT / "scenes" / "demo"
-# Those of tensions of their own take three times as long.
-KINDS: dict[str, tuple[Callable, int]] = {
-    "random": (points.in_fours, 80),
-    "a controller's": (points.held, 32),
-    "the worst": (points.worst, 32),
-}
+KINDS = {"random": 40, "on the walls": 16, "chosen": 15, "sought": 16}  # numbers of points
 QUICK_COUNT, SEED = 4, 2021
 QUICK_CELLS = {"plane_coarse": [10, 5], "plane_finest": [12, 5]}
+OTHER_LINES = 8  # of states, that the finger is trained on by which points are sought
 QUANTITIES = "tip", "touch_distance", "contact_force"
 FELT = 0.01  # [N]: forces below are not compared
 
 
+def drawn(run: Run, kind: str, known: TouchedSegment) -> np.ndarray:
+    """The points of a kind, shape (n, p)."""
+    count, random = QUICK_COUNT if run.quick else KINDS[kind], np.random.default_rng(SEED)
+    if kind == "sought":
+        return points.sought(known, count, random, _other(run, known))
+    return {"random": points.at_random, "on the walls": points.on_walls, "chosen": points.chosen}[kind](
+        known, count, random
+    )
+
+
+def _other(run: Run, known: TouchedSegment) -> TouchedSegment:
+    """A finger of other elements, which half as many states have trained."""
+    text = (SCENES / "bundled.toml").read_text().replace("lines = 16", f"lines = {OTHER_LINES}")
+    if run.quick:
+        text = text.replace("cells = [24, 6]", "cells = [10, 5]").replace("order = 2", "order = 1")
+    folder = run.folder / "other"
+    sets.farm(2, sets.written(run.folder, "other", text), folder)
+    states = read_section_states(SnapshotSet(folder))
+    return replace(known, rod=Rod(elements=train(states, {}), scene=states.scene))
+
+
 def solved(run: Run, kind: str, chosen: np.ndarray) -> SnapshotSet:
     """The full-order states at points, shape (n, p): on the coarse mesh from rest, from there on the finest."""
-    folder = run.folder / kind.replace(" ", "-").replace("'", "")
+    folder = run.folder / kind.replace(" ", "-")
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / "points.csv").open("w", newline="") as stream:
         csv.writer(stream).writerows([["F1", "F2", "d"], *chosen.tolist()])
@@ -51,19 +72,14 @@ def _scene(run: Run, name: str) -> Path:
     return file
 
 
-def row(run: Run, kind: str) -> dict:
-    """One kind of points: errors and estimates of every answer that is inside, by quantity."""
-    known = finger()
-    draw, count = KINDS[kind]
-    chosen = draw(known, QUICK_COUNT if run.quick else count, np.random.default_rng(SEED))
-    full_order = solved(run, kind, np.round(chosen, 7))
+def compared(known: TouchedSegment, full_order: SnapshotSet) -> dict:
+    """Errors and estimates of every answer that is inside, by quantity."""
     answers, off = known.evaluate(full_order.random("parameters")), differences(known, full_order)
     force = full_order.random("contact_force")
     sizes = {"tip": np.linalg.norm(full_order.random("tip"), axis=1), "contact_force": force}
     sizes["touch_distance"] = np.abs(full_order.random("touch_distance"))
-    found: dict = {"points": len(chosen), "failed": len(full_order.failures), "marked": int(np.sum(~answers.inside))}
-    touches = force > 0
-    found["touch_wrong"] = int(np.sum(((answers.contact_force > 0) != touches)[answers.inside]))
+    found: dict = {"points": len(force), "failed": len(full_order.failures), "marked": int(np.sum(~answers.inside))}
+    found["touch_wrong"] = int(np.sum(((answers.contact_force > 0) != (force > 0))[answers.inside]))
     for name in QUANTITIES:
         counted = answers.inside & ((force > FELT) | (name != "contact_force"))
         error, estimate, size = (values[counted] for values in (off[name], answers.error[name], sizes[name]))
@@ -77,6 +93,12 @@ def row(run: Run, kind: str) -> dict:
                 "width": float(np.median(estimate) / np.median(error)),
             }
     return found
+
+
+def row(run: Run, kind: str) -> dict:
+    """One kind of points."""
+    known = finger()
+    return compared(known, solved(run, kind, np.round(drawn(run, kind, known), 7)))
 
 
 def measure(run: Run) -> dict[str, dict]:

@@ -16,7 +16,7 @@ def prepare(found: dict, folder: Path) -> dict:
     """Draw true against estimated errors of the contact force."""
     large_letters()
     figure, axes = plt.subplots(figsize=(7, 5.5), layout="constrained")
-    for (kind, row), marker in zip(found["coverage"].items(), "o^s", strict=True):
+    for (kind, row), marker in zip(found["coverage"].items(), "o^sD", strict=True):
         force = row["contact_force"]
         errors = [max(error, ERRORS[0]) for error in force["error"]]  # smaller ones at the edge
         axes.loglog(force["estimate"], errors, marker, clip_on=False, label=f"{kind}: {len(errors)} points")

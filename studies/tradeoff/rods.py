@@ -94,7 +94,7 @@ def row(sets_: Sets, one: RodTraining) -> dict:
         "solve_us": solves["mean_us"],
         "solves_failed": solves["failed"],
         "marked": int(np.sum(~inside)),
-        "expected": finger.force_error,
+        "expected": finger.expected_error,
         "total": truth.against(points, force, fields, nodes, one.mesh.order) | {"held_force": truth.held(model)},
     }
 

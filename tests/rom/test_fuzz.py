@@ -107,6 +107,7 @@ def test_limits_are_those_of_the_compiled_code():
     found = lib.FINGERFEM_MOST_TENSIONS, lib.FINGERFEM_MOST_POWER, lib.FINGERFEM_WRENCH, lib.FINGERFEM_CORNERS
     known = rod_limits.MOST_TENSIONS, rod_limits.MOST_POWER, rod_limits.WRENCH, rod_limits.CORNERS
     assert found == known and lib.FINGERFEM_MOST_PLATES == MOST_SEGMENTS
+    assert rod_limits.MOST_VARIANTS == lib.FINGERFEM_MOST_VARIANTS
     assert other.FINGERFEM_MOST_PARAMETERS == limits.MOST_PARAMETERS == lib.FINGERFEM_MOST_TENSIONS + 1
     assert other.FINGERFEM_MOST_REGIMES == limits.MOST_REGIMES
 
@@ -132,7 +133,7 @@ def ninth_tendon(file) -> None:
         scene["tendons"] += [first | {"name": f"G{k}", "offset": [1e-3 * k, 1e-3]} for k in range(7)]
         of.attrs["scene"] = json.dumps(scene)
     for kind in elements:
-        for group in (elements[kind], elements[kind]["outline"]):
+        for group in (elements[kind], elements[kind]["outline"], elements[kind]["variants"]):
             widened(group, "powers", np.zeros((1, 7), int), at=2)
             widened(group, "box", np.repeat(group["box"][:, :1], 7, axis=1), at=2)
         widened(elements[kind], "tensions", np.repeat(elements[kind]["tensions"][:, :1], 7, axis=1), at=2)
@@ -195,6 +196,21 @@ def attribute(of: str, name: str, change):
     return made
 
 
+def cut_variant(file) -> None:
+    swap(file["elements/interior/variants"], lambda values: values[:, :-1])
+
+
+def more_variants(file) -> None:
+    for kind in file["elements"]:
+        swap(file["elements"][kind]["variants"], lambda values: np.tile(values[:, :6], (1, 9)))
+
+
+def swap(group, change) -> None:
+    values = group["coefficients"][()]
+    del group["coefficients"]
+    group["coefficients"] = change(values)
+
+
 REFUSED = {
     "nine tendons": (ninth_tendon, "tensions must be from 1 to 8, got 9"),
     "a power of 32": (power, "powers of law 0 must be from 0 to 31, got 0 to 32"),
@@ -206,17 +222,30 @@ REFUSED = {
     "no shortenings": (wrong_values, "coefficients of interior must have shape ("),
     "an outline's box": (upside_down, "box of outline of plate must have finite lower ends below its upper ends, got "),
     "no errors": (
-        attribute("elements", "provenance", lambda plain: plain["left_out"].pop("place_m")),
-        "left_out of provenance must have the p95 of place_m, finite and at least 0, got None",
+        attribute("elements", "provenance", lambda plain: plain["left_out"].pop("free_place_m")),
+        "left_out of provenance must have the median of free_place_m, finite and at least 0, got None",
     ),
     "an error that is none": (
-        attribute("elements", "provenance", lambda plain: plain["left_out"]["place_m"].update(p95="small")),
-        "left_out of provenance must have the p95 of place_m, finite and at least 0, got small",
+        attribute("elements", "provenance", lambda plain: plain["left_out"]["free_place_m"].update(p95="small")),
+        "left_out of provenance must have the p95 of free_place_m, finite and at least 0, got small",
     ),
     "a factor that is none": (
-        attribute("/", "finer_mesh_factors", lambda plain: plain.update(tip=-1.0)),
-        "finer_mesh_factors must be finite and above 0, got {'tip': -1.0",
+        attribute("elements", "error_factors", lambda plain: plain.update(tip=-1.0)),
+        "error_factors must be finite and above 0, got {",
     ),
+    "variants of one element alone": (
+        lambda file: file["elements/clamp"].__delitem__("variants"),
+        "variants must be as many of all laws, or none, got ",
+    ),
+    "a variant that is none": (
+        lambda file: file["elements/plate/variants/coefficients"].__setitem__((0, 0), np.inf),
+        "coefficients of variants of plate must be finite",
+    ),
+    "part of a variant": (
+        cut_variant,
+        "variants of interior must have 6 values each, got ",
+    ),
+    "too many variants": (more_variants, "variants must be from 1 to 8, got 9"),
     "a length that is none": (
         attribute("/", "scene", lambda plain: plain["geometry"].update(plate=-1.0)),
         "geometry.plate must be finite and above 0 m, got -1.0",

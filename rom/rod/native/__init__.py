@@ -21,6 +21,7 @@ from rom.rod.native.arrangement import (
     outline,
     places_between,
     tension_monomials,
+    variants,
 )
 from rom.rod.native.outlines import Outline, outline_of, stations_of
 
@@ -86,10 +87,11 @@ def struct(segment: Segment) -> Any:
     first = [law_of.index(k) for k in range(len(laws))]
     outlines = [] if segment.outlines is None else [segment.outlines[k] for k in first]
     powers = [corner_powers, *(one.polynomial.powers for one in laws), *(one.polynomial.powers for one in outlines)]
-    monomials = tension_monomials(combinations, powers)
+    deviations = [one.deviations for one in laws if one.deviations is not None]
+    monomials = tension_monomials(combinations, powers + [one.powers for one in deviations])
     bent = free_numbers(monomials, corner_powers, corner_coefficients)
     structs = [SEGMENT.struct("fingerfem_law", **law(one.polynomial, monomials)) for one in laws]
-    known: dict[str, Any] = {}  # of the rubber's surface and the tendons
+    known: dict[str, Any] = {}  # of the rubber's surface, the tendons and errors
     if segment.outlines is not None:
         corners_of = [SEGMENT.struct("fingerfem_outline", **outline(one.polynomial, monomials)) for one in outlines]
         known = places_between(stations_of(segment.outlines, segment.half_lengths[0]))
@@ -98,6 +100,9 @@ def struct(segment: Segment) -> Any:
         sixes = [six for k in first for six in in_sixes(segment.shortenings[k])]
         tendons = [SEGMENT.struct("fingerfem_law", **law(one, monomials)) for one in sixes]
         known |= {"sixes": len(sixes) // len(laws), "shortening": SEGMENT.pointers("fingerfem_law", tendons)}
+    if deviations:
+        structs_of = [SEGMENT.struct("fingerfem_variants", **variants(one, monomials)) for one in deviations]
+        known |= {"variants": SEGMENT.pointers("fingerfem_variants", structs_of), "deviating": structs_of[0].count}
     return SEGMENT.struct(
         "fingerfem_segment",
         tensions=t,

@@ -153,6 +153,32 @@ def outline(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
     }
 
 
+def variants(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
+    """The variants of an element's law as values of a struct fingerfem_variants.
+
+    Args:
+        polynomial: 6 values for each, place [m] and Gibbs vector [-], of t + 6 variables.
+        monomials: powers of the tensions, shape (monomials, t), with all of its own.
+    """
+    t, count = monomials.shape[1], polynomial.coefficients.shape[1] // SIX
+    column = {tuple(one): k for k, one in enumerate(monomials.tolist())}
+    products, which = np.unique(polynomial.powers[:, t:], axis=0, return_inverse=True)
+    order = np.argsort(which.ravel(), kind="stable")
+    rows = polynomial.coefficients[order].reshape(-1, count, SIX)
+    return {
+        "count": count,
+        "terms": len(order),
+        "products": len(products),
+        "most_power": int(products.max()),
+        "lower": polynomial.lower[t:],
+        "upper": polynomial.upper[t:],
+        "wrench_powers": products,
+        "starts": np.searchsorted(which.ravel()[order], np.arange(len(products) + 1)),
+        "term_monomials": [column[tuple(one)] for one in polynomial.powers[order, :t].tolist()],
+        "coefficients": np.pad(rows, [(0, 0), (0, 0), (0, POSE - SIX)]).astype(np.float32),
+    }
+
+
 def _by_rows(polynomial: Polynomial, rows: list[tuple[int, ...]], monomials: np.ndarray) -> list[dict[int, np.ndarray]]:
     """Coefficients of every product of the wrench by the places of the tensions' monomials."""
     t = monomials.shape[1]

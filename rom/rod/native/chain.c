@@ -111,17 +111,22 @@ static void pass_on(const chain_plate *plate, int first, int last, double *borne
 }
 
 /* A plate's motion relative to its clamp by inputs first ... last - 1, of which what it bears changes by `by`. */
-static void relative_motion(const fingerfem_chain *chain, int k, int first, int last, double (*by)[CHAIN_INPUTS],
-                            chain_plate *plate)
+static void relative_motion(int first, int last, double (*by)[CHAIN_INPUTS], chain_plate *plate)
 {
-    const int w = W * chain->plates;
     for (int i = 0; i < W; i++) {
         for (int c = first; c < last; c++) plate->motion[i][c] = 0.0;
         for (int j = 0; j < W; j++)
             for (int c = first; c < last; c++) plate->motion[i][c] += plate->end.by_wrench[i][j] * by[j][c];
-        for (int j = 0; last > w && j < chain->segments[k]->tensions; j++)
-            plate->motion[i][w + chain->own[chain->tensions * k + j]] += plate->by_tensions[i][j];
     }
+}
+
+/* Add that by its segment's tensions. */
+static void add_by_tensions(const fingerfem_chain *chain, int k, chain_plate *plate)
+{
+    const int32_t *own = chain->own + chain->tensions * k;
+    for (int i = 0; i < W; i++)
+        for (int j = 0; j < chain->segments[k]->tensions; j++)
+            plate->motion[i][W * chain->plates + own[j]] += plate->by_tensions[i][j];
 }
 
 /* Poses in space and motions by inputs first ... last - 1, from those relative to the plate before. */
@@ -169,7 +174,7 @@ void chain_under(const chain_rods *map, const double *wrench, chain_state *state
         }
         rod_under(map->rods + k, borne, &plate->end);
         locate(chain, k, plate);
-        if (chain->plates > 1) relative_motion(chain, k, 0, w, by, plate);
+        if (chain->plates > 1) relative_motion(0, w, by, plate);
         else for (int i = 0; i < W; i++) memcpy(plate->motion[i], plate->end.by_wrench[i], sizeof plate->end.by_wrench[i]);
         if (k) pass_on(plate, 0, w, borne, by);
     }
@@ -186,9 +191,28 @@ void chain_free(const chain_rods *map, chain_state *state)
         rod_free(map->rods + k, &plate->end, plate->by_tensions);
         memset(plate->borne, 0, sizeof plate->borne); /* whatever the tensions */
         locate(chain, k, plate);
-        relative_motion(chain, k, w, inputs, by, plate);
+        relative_motion(w, inputs, by, plate);
+        add_by_tensions(chain, k, plate);
     }
     compose(chain, w, inputs, state);
+}
+
+void chain_by_variants(const chain_rods *map, int pressed, chain_state *state)
+{
+    const fingerfem_chain *chain = map->chain;
+    const int w = W * chain->plates, count = chain->segments[0]->deviating;
+    double by[W][CHAIN_INPUTS] = {{0.0}};
+    for (int k = chain->plates - 1; k >= 0; k--) {
+        chain_plate *plate = state->plates + k;
+        double borne[W];
+        rod_by_variants(map->rods + k, pressed, plate->by_tensions);
+        memcpy(borne, plate->borne, sizeof borne);
+        relative_motion(w, w + count, by, plate);
+        for (int i = 0; i < W; i++)
+            for (int v = 0; v < count; v++) plate->motion[i][w + v] += plate->by_tensions[i][v];
+        if (k) pass_on(plate, w, w + count, borne, by);
+    }
+    compose(chain, w, w + count, state);
 }
 
 void chain_by_tensions(const chain_rods *map, chain_state *state)
@@ -201,7 +225,8 @@ void chain_by_tensions(const chain_rods *map, chain_state *state)
         double borne[W];
         rod_by_tensions(map->rods + k, plate->by_tensions);
         memcpy(borne, plate->borne, sizeof borne);
-        relative_motion(chain, k, w, inputs, by, plate);
+        relative_motion(w, inputs, by, plate);
+        add_by_tensions(chain, k, plate);
         if (k) pass_on(plate, w, inputs, borne, by);
     }
     compose(chain, w, inputs, state);

@@ -39,6 +39,10 @@ void chain_under(const chain_rods *map, const double *wrench, chain_state *state
 /* The plates without a wrench: where they are, and their motions by the tensions. */
 void chain_free(const chain_rods *map, chain_state *state);
 
+/* The plates' motions by the variants of all elements, in the place of those by the tensions: under the wrenches that the plates
+ * were placed under last, or, unless they are pressed, without. */
+void chain_by_variants(const chain_rods *map, int pressed, chain_state *state);
+
 /* The plates' motions by the tensions too, under the wrenches that they were placed under last. */
 void chain_by_tensions(const chain_rods *map, chain_state *state);
 

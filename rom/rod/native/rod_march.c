@@ -30,13 +30,16 @@ int rod_memory(const fingerfem_segment *segment)
 {
     const int element = (int)(sizeof(rod_element) / sizeof(double)) + most(segment, element_products);
     const int law = most(segment, element_contracted) + POSE * (1 + segment->tensions);
-    return POSE + segment->laws * law + segment->elements * element + (1 + segment->tensions) * segment->monomials;
+    const int deviations = POSE * segment->elements * segment->deviating;
+    return POSE + segment->laws * law + segment->elements * element + deviations + (1 + segment->tensions) * segment->monomials;
 }
 
 int rod_work(const fingerfem_segment *segment)
 {
-    const int outlines = outline_work(segment), shortenings = segment->sixes * most(segment, element_contracted);
-    return outlines > shortenings ? outlines : shortenings;
+    const int outlines = outline_work(segment), variants = variants_work(segment);
+    const int shortenings = segment->sixes * most(segment, element_contracted);
+    const int found = outlines > variants ? outlines : variants;
+    return found > shortenings ? found : shortenings;
 }
 
 int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_memory(segment) + rod_work(segment); }
@@ -55,7 +58,8 @@ void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, 
     found->elements = (rod_element *)memory;
     memory += segment->elements * (int)(sizeof(rod_element) / sizeof(double));
     found->products = memory;
-    found->monomials = memory + segment->elements * found->products_stride;
+    found->deviations = memory + segment->elements * found->products_stride;
+    found->monomials = found->deviations + POSE * segment->elements * segment->deviating;
     found->work = work;
     tensions_monomials(segment, tensions, found->monomials);
 }
@@ -148,27 +152,79 @@ void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
     for (int i = 0; i < W; i++) memcpy(end->by_wrench[i], seen + POSE * i, sizeof end->by_wrench[i]);
 }
 
+/* The motion of an element's proximal section by some inputs that change its pose, (count, 8), under a wrench. */
+__attribute__((always_inline)) static inline void follow_changes(const rod_element *element, const double *wrench, int count,
+                                                                 const double *changes, rod_moved *moved)
+{
+    for (int part = 0; WIDE * part < count; part++) {
+        wide carried[W], change[W] = {{0.0}};
+        rod_add_by_tensions(count, changes, WIDE * part, change);
+        rod_carry_change(wrench, element, moved + part, 0, 0, carried);
+        rod_add_by_wrench(element, carried, change);
+        rod_move_on(element, change, moved + part);
+    }
+}
+
+/* Where the clamp is, seen from the plate, (3). */
+static inline void clamp_place(const rod_state *rod, double *end)
+{
+    const rod_element *last = rod->elements + rod->segment->elements - 1;
+    for (int i = 0; i < 3; i++) end[i] = last->place[i] + last->arm[i];
+}
+
 void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
     const int t = segment->tensions;
-    const double *wrench = rod->elements[0].wrench;
     rod_moved moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     double end[3], own[TENSIONS_MOST * POSE];
     for (int k = 0; k < segment->elements; k++) {
-        const rod_element *element = rod->elements + k;
         element_by_tensions(segment, law_of(rod, k), rod->contracted + segment->law_of[k] * rod->contracted_stride,
                             rod->products + k * rod->products_stride, own);
-        for (int part = 0; WIDE * part < t; part++) {
-            wide carried[W], change[W] = {{0.0}};
-            rod_add_by_tensions(t, own, WIDE * part, change);
-            rod_carry_change(wrench, element, moved + part, 0, 0, carried);
-            rod_add_by_wrench(element, carried, change);
+        follow_changes(rod->elements + k, rod->elements[0].wrench, t, own, moved);
+    }
+    clamp_place(rod, end);
+    for (int part = 0; WIDE * part < t; part++) seen_from_clamp(end, moved + part, by_tensions[0] + WIDE * part);
+}
+
+/* Deviations of all elements, (elements, count, 8), where they are: those of a law's elements one after another. */
+static void deviate(const rod_state *rod, int pressed)
+{
+    const fingerfem_segment *segment = rod->segment;
+    const int row = POSE * segment->deviating;
+    for (int law = 0; law < segment->laws; law++) {
+        const fingerfem_variants *own = segment->variants[law];
+        int first = -1;
+        for (int k = 0; k < segment->elements; k++) {
+            double *found = rod->deviations + row * k;
+            if (segment->law_of[k] != law) continue;
+            if (first < 0 && pressed) variants_contract(own, rod->monomials, rod->work);
+            if (first < 0 && !pressed) variants_free(own, rod->monomials, rod->work, found);
+            if (pressed) variants_under(own, rod->elements[k].wrench, rod->work, found);
+            else if (first >= 0) memcpy(found, rod->deviations + row * first, (size_t)row * sizeof *found);
+            first = first < 0 ? k : first;
+        }
+    }
+}
+
+void rod_by_variants(const rod_state *rod, int pressed, double (*by_variants)[TENSIONS_MOST])
+{
+    const int count = rod->segment->deviating;
+    rod_moved moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
+    double end[3];
+    deviate(rod, pressed);
+    for (int k = 0; k < rod->segment->elements; k++) {
+        const rod_element *element = rod->elements + k;
+        const double *own = rod->deviations + POSE * count * k;
+        if (pressed) follow_changes(element, rod->elements[0].wrench, count, own, moved);
+        for (int part = 0; WIDE * part < count && !pressed; part++) {
+            wide change[W] = {{0.0}};
+            rod_add_by_tensions(count, own, WIDE * part, change);
             rod_move_on(element, change, moved + part);
         }
-        for (int i = 0; i < 3; i++) end[i] = element->place[i] + element->arm[i];
     }
-    for (int part = 0; WIDE * part < t; part++) seen_from_clamp(end, moved + part, by_tensions[0] + WIDE * part);
+    clamp_place(rod, end);
+    for (int part = 0; WIDE * part < count; part++) seen_from_clamp(end, moved + part, by_variants[0] + WIDE * part);
 }
 
 void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS_MOST])

@@ -3,6 +3,7 @@
 #define FINGERFEM_ROD_MARCH_H
 #include "element.h"
 #include "outline.h"
+#include "variants.h"
 
 enum { ROD_WRENCH = FINGERFEM_WRENCH, ROD_POSE = FINGERFEM_POSE };
 
@@ -20,6 +21,7 @@ typedef struct {
 typedef struct {
     const fingerfem_segment *segment;
     double *monomials, *free, *contracted, *products, *work; /* free and contracted by law, products by element */
+    double *deviations;                                      /* of the variants of all elements, (elements, count, 8) */
     int free_stride, contracted_stride, products_stride;
     rod_element *elements;
 } rod_state;
@@ -49,6 +51,10 @@ void rod_under(const rod_state *rod, const double *wrench, rod_end *end);
 
 /* How the plate moves by the tensions, (6, TENSIONS_MOST), under the wrench that `rod_under` was called with last. */
 void rod_by_tensions(const rod_state *rod, double (*motion)[TENSIONS_MOST]);
+
+/* How the plate moves by the variants of its elements, (6, TENSIONS_MOST), at the loads that `rod_under` was called with last,
+ * or, unless it is pressed, `rod_free`. */
+void rod_by_variants(const rod_state *rod, int pressed, double (*motion)[TENSIONS_MOST]);
 
 /* The end of a rod without a wrench, without its motion by one, and how the plate moves by the tensions. */
 void rod_free(const rod_state *rod, rod_end *end, double (*motion)[TENSIONS_MOST]);

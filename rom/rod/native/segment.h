@@ -9,7 +9,7 @@
 enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12, FINGERFEM_MOST_PLATES = 8 };
 
 /* Limits of a segment, which are checked before its struct is made. */
-enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31, FINGERFEM_MOST_ELEMENTS = 64 };
+enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31, FINGERFEM_MOST_ELEMENTS = 64, FINGERFEM_MOST_VARIANTS = 8 };
 
 /* Rows of an answer, as of a surrogate: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
 enum { FINGERFEM_ROWS = 5 };
@@ -59,6 +59,18 @@ typedef struct {
     const double *free_coefficients;     /* (monomials, numbers): without a wrench */
 } fingerfem_outline;
 
+/* Variants of an element's law: by how much the pose of each deviates from the law's own, which is a sum of terms as an outline
+ * is. The terms of product p of the wrench are starts[p] ... starts[p + 1] - 1. */
+typedef struct {
+    int32_t count, terms, products;
+    int32_t most_power;                  /* highest of the wrench */
+    const double *lower, *upper;         /* (6): the trained box of the wrench [N, N m] */
+    const int32_t *wrench_powers;        /* (products, 6) */
+    const int32_t *starts;               /* (products + 1) */
+    const int32_t *term_monomials;       /* (terms): which of the segment's monomials */
+    const float *coefficients;           /* (terms, count, FINGERFEM_POSE) */
+} fingerfem_variants;
+
 /* A segment: a rod of elements in series, from its plate to its clamp, of which several may share a law. */
 typedef struct {
     int32_t tensions, combinations, monomials;
@@ -74,6 +86,8 @@ typedef struct {
     int32_t sixes;                       /* laws of shortenings for every law: of six tendons each; 0: not known */
     const fingerfem_law *const *shortening; /* (laws, sixes): how much shorter the segment's tendons, in the order of its
                                             tensions, are in an element [m]; the same products as its law, padded with zeros */
+    int32_t deviating;                   /* number of variants that every law has; 0 if nothing is known of errors */
+    const fingerfem_variants *const *variants; /* (laws) */
     int32_t stations;                    /* of the whole segment: where the rubber begins, those of its elements, its plate's
                                             face; 0 if nothing is known */
     int32_t places, near;                /* cross-sections of the rubber, evenly from the first station to the last, each
@@ -115,11 +129,11 @@ typedef struct {
     const int32_t *own;  /* (plates, tensions): which of the tensions are a segment's; the first has all */
     double rest[3];      /* the tip plate's centre in the undeformed finger [m] */
     double skin_error;   /* [m] */
-    /* Estimated errors, of rubber and mesh together: */
-    double tip_error, tip_error_by_force;     /* of the tip's place, free [m], and what a contact force adds [m/N] */
-    double force_error, force_error_by_place; /* of contact forces, relative [-]; times their stiffness [m] */
-    double touch_error, touch_error_of_skin;  /* of the touch distance [m], and what is added where rubber touches [m] */
-    double turn_error, shortening_error;      /* of the tip's orientation [rad], and of shortenings [m] */
+    /* An estimated error is a factor times the root of the sum of squares of what all variants change, and of a floor. */
+    double tip_factor, force_factor, touch_factor; /* [-] */
+    double place_floor, force_floor;               /* of the tip along any direction [m]; of a force, relative [-] */
+    double touch_error_of_skin;                    /* what is added to the touch distance where rubber touches [m] */
+    double turn_error, shortening_error;           /* of the tip's orientation [rad], and of shortenings [m] */
 } fingerfem_chain;
 
 /* Where to write what a finger reports besides an answer. Rows: the rotation of the tip plate's frame as a unit quaternion
@@ -197,8 +211,10 @@ int fingerfem_contacts(const fingerfem_touching *touching, const double *tension
                        double *memory, int32_t *plates, int32_t *names, double *gaps, double *points, double *normals,
                        double *point_changes, double *normal_changes);
 
-/* Estimated error of the contact force [N] of an answer. */
-double fingerfem_touch_error(const fingerfem_touching *touching, const double *out, const double *jacobian);
+/* Estimated errors of an answer at a point, (3) [m, N, m], as of `fingerfem_tell`; the wrench is where the solve begins, and
+ * what it ends with. */
+void fingerfem_touch_errors(const fingerfem_touching *touching, const double *point, double *memory, double *wrench,
+                            double *errors);
 
 /* Least distance of the rubber's points from the object, at an answer [m]; infinite without an object, and where nothing is known of them. The
  * map knows nothing of rubber that touches: what may touch, below skin_error, is no answer. */

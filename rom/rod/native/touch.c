@@ -3,8 +3,7 @@
 #include <math.h>
 #include <time.h>
 #include "reported.h"
-#include "response.h"
-#include "rubber.h"
+#include "touch_errors.h"
 
 /* A vector of space as a plate sees it. */
 static void seen_by(const chain_plate *plate, const double *v, double *found)
@@ -27,10 +26,8 @@ static void report(const contact_problem *problem, const contact_state *state, d
     }
 }
 
-/* How these change, (4), and the plates and wrenches, with what moves the plates by `drift` at fixed wrenches and bends them
- * besides, or, without `bends`, moves them relative to the object. Returns 0 if nothing is known of it. */
-static int report_change(const contact_problem *problem, const contact_state *state, const double *drift,
-                         const double *bends, reported_change *all, double *found)
+int report_change(const contact_problem *problem, const contact_state *state, const double *drift, const double *bends,
+                  reported_change *all, double *found)
 {
     const fingerfem_chain *chain = problem->touching->chain;
     const chain_plate *plates = state->at.chain.plates;
@@ -150,13 +147,6 @@ static void report_touch(const contact_problem *problem, const touched_point *fi
     }
 }
 
-double fingerfem_touch_error(const fingerfem_touching *touching, const double *out, const double *jacobian)
-{
-    const fingerfem_chain *chain = touching->chain;
-    const int p = chain->tensions + 1;
-    return chain->force_error * out[3] + chain->force_error_by_place * fabs(jacobian[3 * p + p - 1]);
-}
-
 /* Nothing presses, so that nothing follows. */
 static void leave_free(const contact_problem *problem, contact_state *state)
 {
@@ -175,9 +165,9 @@ typedef struct {
 } reported;
 
 /* As fingerfem_touch; with the rubber, or of plates alone; `rubber` is then 1 if the rubber touches first. Rows of a report
- * are computed unless it is NULL. */
+ * are computed unless it is NULL, and so are estimated errors, (3), of an answer where nothing rubs. */
 static int touch_by(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
-                    double *jacobian, double *by_object, int32_t *inside, int *rubber, reported *more)
+                    double *jacobian, double *by_object, int32_t *inside, int *rubber, reported *more, double *errors)
 {
     const fingerfem_chain *chain = touching->chain;
     const fingerfem_object *object = touching->object;
@@ -206,6 +196,10 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     *inside &= d_moves || point[t] == INFINITY;
     int evaluations = 1;
     if (touches) {
+        if (errors) {
+            chain_by_variants(&map, 0, &state.at.chain);
+            errors[2] = touch_distance_error(&problem, &first, rubber && *rubber);
+        }
         memcpy(state.wrench, wrench, size);
         chain_contract(&map);
         evaluations = contact_solve(&problem, touch, d, &state);
@@ -227,6 +221,12 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
             for (int i = 0; more && i < FINGERFEM_QUATERNION + t; i++) more->wanted->jacobian[p * i + k] = 0.0;
         }
     memcpy(wrench, state.wrench, size);
+    if (errors) {
+        chain_by_variants(&map, touches, &state.at.chain);
+        if (!touches) errors[2] = isfinite(reach) ? touch_distance_error(&problem, &first, rubber && *rubber) : 0.0;
+        report_errors(&problem, &state, out[3], jacobian[p * 3 + t], errors);
+        for (int i = 0; i < 2 && evaluations <= 0; i++) errors[i] = INFINITY;
+    }
     return evaluations;
 }
 
@@ -234,13 +234,13 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
                     double *jacobian, double *by_object, int32_t *inside)
 {
     int rubber;
-    return touch_by(touching, point, memory, wrench, out, jacobian, by_object, inside, &rubber, NULL);
+    return touch_by(touching, point, memory, wrench, out, jacobian, by_object, inside, &rubber, NULL, NULL);
 }
 
 int fingerfem_press(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
                     double *jacobian, int32_t *inside)
 {
-    return touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, NULL, NULL);
+    return touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, NULL, NULL, NULL);
 }
 
 void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
@@ -265,24 +265,29 @@ void fingerfem_touches(const fingerfem_touching *touching, int count, const doub
 int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
                    double *jacobian, double *errors, int32_t *inside, double *rubber_gap, const fingerfem_report *report)
 {
-    const fingerfem_chain *chain = touching->chain;
     int rubber;
     reported more;
     more.wanted = report;
     if (report) memset(more.changes, 0, sizeof more.changes);
     const int evaluations =
-        touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, &rubber, report ? &more : NULL);
-    const double unknown = evaluations > 0 ? 0.0 : INFINITY;
+        touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, &rubber, report ? &more : NULL, errors);
     *rubber_gap = fingerfem_rubber_gap(touching, point, wrench, memory);
-    *inside &= !(*rubber_gap < chain->skin_error);
-    errors[0] = chain->tip_error + chain->tip_error_by_force * out[3] + unknown;
-    errors[1] = fingerfem_touch_error(touching, out, jacobian) + unknown;
-    errors[2] = chain->touch_error + (rubber ? chain->touch_error_of_skin : 0.0);
+    *inside &= !(*rubber_gap < touching->chain->skin_error);
     if (report) {
-        report->errors[0] = chain->turn_error + unknown;
-        report->errors[1] = chain->shortening_error + unknown;
+        const double unknown = evaluations > 0 ? 0.0 : INFINITY;
+        report->errors[0] = touching->chain->turn_error + unknown;
+        report->errors[1] = touching->chain->shortening_error + unknown;
     }
     return evaluations;
+}
+
+void fingerfem_touch_errors(const fingerfem_touching *touching, const double *point, double *memory, double *wrench,
+                            double *errors)
+{
+    double out[FINGERFEM_ROWS], jacobian[FINGERFEM_ROWS * (TENSIONS_MOST + 1)];
+    int32_t inside;
+    int rubber;
+    touch_by(touching, point, memory, wrench, out, jacobian, NULL, &inside, &rubber, NULL, errors);
 }
 
 void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,

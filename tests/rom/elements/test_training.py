@@ -85,5 +85,5 @@ def test_left_out_predictions_are_those_of_a_training_without_these_lines(rod_st
     chosen = np.flatnonzero(equations.powers.sum(axis=1) <= 2)
     inputs = element_samples(rod_states, 0, 10).inputs
     np.testing.assert_allclose(
-        equations.fit(chosen, without=0).value(inputs), alone.fit(chosen).value(inputs), atol=1e-9
+        equations.fit(chosen, without=(0,)).value(inputs), alone.fit(chosen).value(inputs), atol=1e-9
     )

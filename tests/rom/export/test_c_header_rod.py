@@ -17,7 +17,8 @@ from rom.checked_file import ModelError
 from rom.export.c_header import export, header
 from rom.rod.native import memory_of
 from rom.rod.objects import Cylinder, Sphere, box, facing_plane
-from rom.rod.touched_segment import QUANTITIES, SHIPPED, TouchedSegment
+from rom.rod.rod import QUANTITIES
+from rom.rod.touched_segment import SHIPPED, TouchedSegment
 
 STRICT = ["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-Wpedantic"]
 COMPILER = shutil.which("cc") or shutil.which("gcc")

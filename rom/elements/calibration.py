@@ -1,0 +1,105 @@
+"""How many times the deviation of the variants an estimated error must be to cover the error of what was left out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rom.brief import brief
+from rom.elements.contact_error import gap_by_force, relative_force_changes, relative_force_errors
+from rom.elements.law import ElementLaw
+from rom.elements.march import march
+from rom.elements.section_states import SectionStates
+
+if TYPE_CHECKING:
+    from rom.elements.training import Training
+
+COVERED = 0.97  # of the states that were left out [-]
+FEWEST = 5  # states of a kind below which they scale nothing
+Poses = tuple[np.ndarray, np.ndarray]
+
+
+@brief
+class Floors(NamedTuple):
+    """What no estimated error is below, however well the variants agree: a typical error of what was left out.
+
+    Attributes:
+        place: of the free plate's place, along any direction [m].
+        force: of contact forces, relative [-].
+    """
+
+    place: float
+    force: float
+
+
+def floors_of(left_out: Mapping[str, Mapping[str, float]]) -> Floors:
+    """The medians of errors that were left out, by quantity: a place's is of three directions."""
+    return Floors(left_out["free_place_m"]["median"] / np.sqrt(3), left_out["contact_force"]["median"])
+
+
+def error_factors(
+    training: Training, laws: Mapping[str, ElementLaw], left_out: Poses, floors: Floors
+) -> dict[str, float]:
+    """The factors by quantity [-].
+
+    Args:
+        training: with its states.
+        laws: of all kinds, with their variants.
+        left_out: the plate's places and rotations as predicted without a state's line, shapes (n, 3), (n, 3, 3).
+        floors: of estimated errors.
+    """
+    errors, deviations = compared(training, laws, left_out, floors)
+    found = {name: covering(errors[name], deviations[name]) for name in errors}
+    return {name: factor for name, factor in found.items() if factor > 0}
+
+
+def compared(
+    training: Training, laws: Mapping[str, ElementLaw], left_out: Poses, floors: Floors
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Errors of what was left out, and deviations of variants and floors there, by quantity, shapes (k,).
+
+    The tip's place is compared in all states [m]; contact forces, relatively, in those with a force [-]; the touch
+    distance by the free plate's place along the section's sides [m].
+    """
+    states, (places, turned) = training.states, left_out
+    t, free = states.tensions, states.forces == 0
+    elements = [laws[piece.kind].of_length(piece.length) for piece in training.pieces]
+    marched = march(elements, states.inputs[:, :t], states.inputs[:, t:])
+    moved = np.einsum("nij,njk->nik", marched.plate[1], marched.deviations[:, :3])
+    off = places - states.plate.places
+    errors = {
+        "tip": np.linalg.norm(off, axis=1),
+        "contact_force": relative_force_errors(states, places, turned)[~free],
+        "touch_distance": np.abs(off[free, 1:]).ravel(),
+    }
+    deviations = {
+        "tip": np.hypot(np.linalg.norm(moved, axis=(1, 2)), np.sqrt(3) * floors.place),
+        "contact_force": force_deviations(states, marched.deviations, floors)[~free],
+        "touch_distance": np.hypot(np.linalg.norm(moved[free, 1:], axis=2), floors.place).ravel(),
+    }
+    return errors, deviations
+
+
+def force_deviations(states: SectionStates, motions: np.ndarray, floors: Floors) -> np.ndarray:
+    """Of contact forces by variants, which move the plates by (n, 6, k), and by floors: relative, shape (n,) [-]."""
+    changes = np.linalg.norm(relative_force_changes(states, motions), axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        by_place = floors.place / (states.forces * gap_by_force(states))
+    return np.asarray(np.sqrt(changes**2 + by_place**2 + floors.force**2))
+
+
+def covering(errors: np.ndarray, deviations: np.ndarray) -> float:
+    """The factor on deviations that covers COVERED of errors like these, shapes (k,); 0 if there are too few."""
+    some = np.isfinite(errors) & (deviations > 0)
+    return conformal(errors[some] / deviations[some]) if some.sum() >= FEWEST else 0.0
+
+
+def conformal(ratios: np.ndarray) -> float:
+    """The one of k ratios, shape (k,), that covers a further one with COVERED probability: of rank (k + 1) COVERED.
+
+    The largest, if they are fewer than that needs.
+    """
+    rank = int(np.ceil((len(ratios) + 1) * COVERED))
+    return float(np.sort(ratios)[min(rank, len(ratios)) - 1])

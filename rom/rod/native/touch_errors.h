@@ -1,0 +1,21 @@
+/* Estimated errors of the answers of a touched chain: what the variants of its elements change, by the same response that makes
+ * derivatives. */
+#ifndef FINGERFEM_TOUCH_ERRORS_H
+#define FINGERFEM_TOUCH_ERRORS_H
+#include "reported.h"
+#include "response.h"
+#include "rubber.h"
+
+/* How tip and contact force change, (4), and the plates and wrenches, `all`, with what moves the plates by `drift` at fixed wrenches and bends them besides, or,
+ * without `bends`, moves them relative to the object. Returns 0 if nothing is known of it. */
+int report_change(const contact_problem *problem, const contact_state *state, const double *drift, const double *bends,
+                  reported_change *all, double *found);
+
+/* Estimated error of the touch distance, of free plates whose motions by the variants are known. A point of the rubber that
+ * touches first counts as the plate's; what is known of the surface there is added. */
+double touch_distance_error(const contact_problem *problem, const touched_point *first, int rubber);
+
+/* Estimated errors of tip and contact force, (2), of plates whose motions by the variants are known; infinite if nothing is known
+ * of how they follow. The force [N] and its derivative by d [N/m] are those of the answer. */
+void report_errors(const contact_problem *problem, const contact_state *state, double force, double stiffness, double *errors);
+#endif
