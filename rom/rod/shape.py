@@ -10,6 +10,8 @@ import numpy as np
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.elements import rotation_vectors
+from rom.elements.elements import INTERIOR
+from rom.elements.law import POSE
 from rom.elements.outline import CORNERS
 from rom.rod.native import reports
 from rom.snapshots.grid import SHARE
@@ -124,8 +126,8 @@ class Sections(NamedTuple):
 def sections(rod: Rod, elements: list[Placed], at: np.ndarray) -> Sections:
     """Poses of cross-sections at positions, shape (m,) [m].
 
-    A section's corners have a best rigid fit. By how much that differs from the element's law at its two ends, where
-    sections warp alike, is taken off linearly between these.
+    Each is seen from the distal section of its element, as `_estimate` has it. By how much that differs from the
+    element's own law at its two ends is taken off linearly between these: sections of an interior element are exact.
 
     Raises:
         ModelError: a position that is none of the finger.
@@ -152,13 +154,24 @@ def _seen(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarra
         (one.length, one.rotation.T @ (centre - one.place), one.rotation.T @ turned),
     ]
     share = (distance - one.half) / (one.length - one.half)
-    place, rotation = _fit(rod, one, distance)
+    place, rotation = _estimate(rod, one, distance)
     turn = np.zeros(3)
     for weight, (end, own_place, own_rotation) in zip((1 - share, share), ends, strict=True):
-        fitted_place, fitted_rotation = _fit(rod, one, end)
-        place = place + weight * (own_place - fitted_place)
-        turn += weight * rotation_vectors.vectors(fitted_rotation.T @ own_rotation)
+        end_place, end_rotation = _estimate(rod, one, end)
+        place = place + weight * (own_place - end_place)
+        turn += weight * rotation_vectors.vectors(end_rotation.T @ own_rotation)
     return place, rotation @ rotation_vectors.matrices(turn)
+
+
+def _estimate(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarray]:
+    """A section's pose as if its element were an interior one; by its corners where there is none of that length."""
+    law, length = rod.own.laws.get(INTERIOR), distance - one.half
+    if law is None or one.length - one.half > law.lengths[1] * (1 + SHARE):
+        return _fit(rod, one, distance)
+    face, inputs = np.array([-one.half, 0.0, 0.0]), one.inputs.copy()
+    inputs[-3:] -= np.cross(face, inputs[-6:-3])  # the wrench about the centre of the plate's face
+    pose = law.of_length(max(length, 0.0)).value(inputs[None])[0]
+    return face + pose[:3], rotation_vectors.matrices(pose[3:POSE])
 
 
 def _fit(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarray]:

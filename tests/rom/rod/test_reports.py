@@ -177,3 +177,22 @@ def test_where_there_is_no_equilibrium_errors_are_infinite():
     assert lost.any() and np.array_equal(lost, ~np.isfinite(answer.orientation_error))
     assert np.array_equal(lost, ~np.isfinite(answer.shortening_error))
     assert np.array_equal(model.report(points).inside, answer.inside)
+
+
+def test_eight_tendons_at_two_places_are_shorter_as_the_two_that_pull_as_much():
+    bundled = TouchedSegment.load()
+    tendons = [
+        one | {"name": f"{one['name']}{k}", "tension": [0.0, 25.0]}
+        for one in bundled.scene["tendons"]
+        for k in range(4)
+    ]
+    rod = bundled.rod.assembled(bundled.scene | {"tendons": tendons})
+    many = TouchedSegment(rod=rod, obstacle=bundled.obstacle)
+    point = in_contact(bundled)
+    several = np.append(np.repeat(point[:-1] / 4, 4), point[-1])
+    one, other = bundled.report(point), many.report(several)
+    assert many.evaluate(several).contact_force > 0.01
+    assert other.orientation == pytest.approx(one.orientation, abs=1e-9)
+    assert other.shortenings == pytest.approx(np.repeat(one.shortenings, 4), abs=1e-11)
+    slopes = np.repeat(one.shortening_jacobian, [4, 4], axis=0)
+    assert other.shortening_jacobian == pytest.approx(np.repeat(slopes, [4, 4, 1], axis=1), abs=1e-9)

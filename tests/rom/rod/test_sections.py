@@ -48,9 +48,20 @@ def test_sections_are_where_the_law_of_an_interior_element_has_them():
         for distance in np.linspace(0.0, one.length, 4):
             pose = own.own.laws["interior"].of_length(distance).value(one.inputs[None])[0]
             found = own.sections(tensions, wrench, [one.at - distance])
-            assert found.centres[0] == pytest.approx(one.place + one.rotation @ pose[:3], abs=PLACE)
+            assert found.centres[0] == pytest.approx(one.place + one.rotation @ pose[:3], abs=1e-12)
             turned = one.rotation @ rotation_vectors.matrices(pose[3:6])
-            assert found.rotations[0] == pytest.approx(turned, abs=2 * TURN)
+            assert found.rotations[0] == pytest.approx(turned, abs=1e-12)
+
+
+def test_without_an_interior_element_sections_are_those_of_the_corners(monkeypatch):
+    """As of fingers in one piece: the best rigid fit of the corners is near the law of the others."""
+    own = TouchedSegment.load().rod
+    tensions, wrench = np.array([20.0, 6.0]), np.array([[0.0, -1.0, 0.0, 0.0, 0.0, 0.0]])
+    known = own.sections(tensions, wrench)
+    monkeypatch.setattr(shape, "INTERIOR", "none")
+    fitted = own.sections(tensions, wrench)
+    assert 0 < np.abs(fitted.centres - known.centres).max() < 5e-5
+    assert 0 < np.abs(fitted.rotations - known.rotations).max() < 5e-3
 
 
 def test_sections_of_a_pressed_finger_end_at_its_tip_and_are_rotations():
