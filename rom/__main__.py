@@ -147,7 +147,7 @@ def build_rod(snapshots: SnapshotSet, held_out: Path | None, finer: Sequence[Sna
     """
     from rom.elements.section_states import read_section_states
     from rom.elements.training import train
-    from rom.error_model import rod_with_mesh_error
+    from rom.error_model import rod_with_mesh_error, told_by
     from rom.held_out import check_finer
 
     if snapshots.description.random:
@@ -161,8 +161,9 @@ def build_rod(snapshots: SnapshotSet, held_out: Path | None, finer: Sequence[Sna
         raise ValueError(f"finer must be one set of pressed states at most, got {len(pressed)}")
     sections = read_section_states(snapshots)
     finer_sections = read_section_states(pressed[0], sections.at) if pressed else None
+    provenance = origin(snapshots) | ({"corrected_by": told_by(pressed[0])} if pressed else {})
     with steps() as progress:
-        found = train(sections, origin(snapshots), progress, finer_sections)
+        found = train(sections, provenance, progress, finer_sections)
     finger = Rod(elements=found, scene=sections.scene)
     if before_plane:
         finger = rod_with_mesh_error(finger, before_plane)

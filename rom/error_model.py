@@ -185,7 +185,7 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
     return replace(
         model,
         errors=replace(model.errors, mesh=MeshError(**shares)),
-        provenance=model.provenance | {"mesh_error": _told(finer)},
+        provenance=model.provenance | {"mesh_error": told_by(finer)},
     )
 
 
@@ -213,14 +213,14 @@ def rod_with_mesh_error(rod: Rod, finer: Sequence[SnapshotSet]) -> Rod:
             f"{finer[0].path}: must have {FEWEST} states that touch, or nothing tells what forces err by"
         )
     factors = {name: rod.elements.error_factor(name) * covered(found) for name, found in together.items()}
-    provenance = rod.elements.provenance | {"mesh_error": [_told(one) for one in finer]}
+    provenance = rod.elements.provenance | {"mesh_error": [told_by(one) for one in finer]}
     return replace(rod, elements=replace(rod.elements, provenance=provenance, error_factors=factors))
 
 
-def _told(finer: SnapshotSet) -> dict[str, Any]:
+def told_by(finer: SnapshotSet) -> dict[str, Any]:
     """Which states told what a mesh errs by."""
     mesh = finer.description.scene["mesh"]
-    used = {"set": finer.description.held_out_id, "states": len(finer.random("parameters"))}
+    used = {"set": finer.description.held_out_id, "states": finer.states - len(finer.failures)}
     return used | {key: mesh[key] for key in ("cells", "order")}
 
 

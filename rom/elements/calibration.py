@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rom.elements.training import Training
 
 COVERED = 0.97  # of the states that were left out [-]
+QUANTITIES = "tip", "contact_force", "touch_distance"
 FEWEST = 5  # states of a kind below which they scale nothing
 Poses = tuple[np.ndarray, np.ndarray]
 
@@ -40,18 +41,21 @@ def floors_of(left_out: Mapping[str, Mapping[str, float]]) -> Floors:
 
 
 def error_factors(
-    training: Training, laws: Mapping[str, ElementLaw], left_out: Poses, floors: Floors
+    trainings: Sequence[Training], laws: Sequence[Mapping[str, ElementLaw]], left_out: Sequence[Poses], floors: Floors
 ) -> dict[str, float]:
-    """The factors by quantity [-].
+    """The factors by quantity [-], of one mesh or of two together.
 
     Args:
-        training: with its states.
-        laws: of all kinds, with their variants.
+        trainings: with their states.
+        laws: of all kinds, with their variants, of each.
         left_out: the plate's places and rotations as predicted without a state's line, shapes (n, 3), (n, 3, 3).
         floors: of estimated errors.
     """
-    errors, deviations = compared(training, laws, left_out, floors)
-    found = {name: covering(errors[name], deviations[name]) for name in errors}
+    parts = [compared(*each, floors) for each in zip(trainings, laws, left_out, strict=True)]
+    found = {}
+    for name in QUANTITIES:
+        errors, deviations = (np.concatenate([part[k][name] for part in parts]) for k in (0, 1))
+        found[name] = covering(errors, deviations)
     return {name: factor for name, factor in found.items() if factor > 0}
 
 

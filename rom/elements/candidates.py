@@ -26,7 +26,7 @@ STEP = 0.5  # between weighted degrees that are tried [-]
 ROWS = 1.5  # rows a fit has at least for every coefficient [-]
 LENGTH_POWERS = 3  # highest degree in the length
 VARIANTS = 7  # fits without a group of lines, at most: their spread is the estimated error of the fit
-REMAINING = 0.5  # of what a finer mesh corrects, that is left as an error: no mesh is fine enough [-]
+REMAINING = 0.25  # of what a finer mesh corrects, that is left as an error: no mesh is fine enough [-]
 MARGIN = 1.2  # the box is so much larger than the largest wrench: other fingers reach a little beyond these [-]
 
 

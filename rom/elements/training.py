@@ -140,13 +140,12 @@ def train(
     training = prepare(states)
     progress("fitting elements", 1, 2)
     degrees = best_degrees(training)
-    known: dict[str, Any] = {"degrees": degrees}
+    trainings, laws, predicted = [training], [training.laws(degrees)], [training.left_out(degrees)]
     if finer is not None:
-        training = corrections(training, degrees, finer)
-        degrees = dict.fromkeys(degrees, DEGREE)
-        known["corrected_by"] = {key: finer.scene["mesh"][key] for key in ("cells", "order")}
-    places, turned, shorter = training.left_out(degrees)
-    laws = training.laws(degrees)
+        training, of_corrections = corrections(training, degrees, finer), dict.fromkeys(degrees, DEGREE)
+        trainings, laws = [*trainings, training], [*laws, training.laws(of_corrections)]
+        predicted.append(training.left_out(of_corrections))
+    places, turned, shorter = predicted[-1]
     outlines, fold = outline_pairs(states.at, states.scene["geometry"]["side"]), fold_of(states)[1]
     off = np.linalg.norm(places - training.states.plate.places, axis=1)
     left_out = {
@@ -158,12 +157,12 @@ def train(
     }
     progress("fitting elements", 2, 2)
     return Elements(
-        laws=laws,
+        laws=laws[-1],
         outlines={kind: train_outline(states, fold, pairs) for kind, pairs in outlines.items()},
         scene=states.scene,
         force=float(states.scene["load"]["force"]),
-        provenance=provenance | known | {"left_out": left_out},
-        error_factors=error_factors(training, laws, (places, turned), floors_of(left_out)),
+        provenance=provenance | {"degrees": degrees, "left_out": left_out},
+        error_factors=error_factors(trainings, laws, [one[:2] for one in predicted], floors_of(left_out)),
     )
 
 

@@ -55,7 +55,8 @@ def chosen(model: TouchedSegment, count: int, random: np.random.Generator) -> np
             motion = finger.reach(model.rod.rest + model.outputs(free[None])[0, :3])
             point = np.append(motion.tensions, _touched(model, motion.tensions, random, 1))
         else:
-            distances = gripper.distances(random.uniform(-1, 1, 2) * 2e-3, float(random.uniform(0.005, 0.020)))
+            centre = (2e-3 * random.uniform(-1, 1, 2)).tolist()
+            distances = gripper.distances(centre, float(random.uniform(0.005, 0.020)))
             motion = gripper.fingers[0].hold(force, float(distances[0]))
             point = np.append(motion.tensions, distances[0])
         if motion.converged and (point >= lower).all() and (point <= upper).all():
