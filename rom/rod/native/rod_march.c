@@ -9,14 +9,9 @@
  *
  * where dq and dg are the element's, by the tensions, and by the wrench that changes as its section moves. They are rows of
  * numbers, one for every input, in parts. */
-#include "rod_march.h"
+#include "rod_follow.h"
 
 enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
-
-/* How a section moves and turns with a part of the inputs, in the plate's frame. */
-typedef struct {
-    wide move[3], turn[3];
-} motion;
 
 static const fingerfem_law *law_of(const rod_state *rod, int k) { return rod->segment->law[rod->segment->law_of[k]]; }
 
@@ -94,105 +89,16 @@ static void advance(rod_element *element, double *place, double *rotation)
     memcpy(rotation, next, sizeof next);
 }
 
-/* The motion of an element's proximal section, from that of its distal one and from changes of its pose, (6). */
-static inline void move_on(const rod_element *element, const wide *change, motion *moved)
-{
-    const double *a = element->arm;
-    wide turn[3];
-    memcpy(turn, moved->turn, sizeof turn);
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; i++) {
-        const double *Q = element->rotation + 3 * i, *G = element->turning + 3 * i;
-        moved->turn[i] += G[0] * change[3] + G[1] * change[4] + G[2] * change[5];
-        moved->move[i] += Q[0] * change[0] + Q[1] * change[1] + Q[2] * change[2];
-    }
-    moved->move[0] += turn[1] * a[2] - turn[2] * a[1];
-    moved->move[1] += turn[2] * a[0] - turn[0] * a[2];
-    moved->move[2] += turn[0] * a[1] - turn[1] * a[0];
-}
-
-/* A part of the row of an input that changes itself. */
-static inline wide unit(int input, int part)
-{
-    static const double units[POSE][POSE] = {
-        {1.0}, {0.0, 1.0}, {0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 1.0},
-        {0.0, 0.0, 0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0},
-    };
-    return wide_load(units[input] + part);
-}
-
-static inline void cross(const double *a, const double *b, double *found)
-{
-    found[0] = a[1] * b[2] - a[2] * b[1];
-    found[1] = a[2] * b[0] - a[0] * b[2];
-    found[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-/* The moment of the plate's wrench about a section's centre, in the plate's frame. */
-static inline void moment_at(const double *place, const double *wrench, double *moment)
-{
-    cross(place, wrench, moment);
-    for (int i = 0; i < 3; i++) moment[i] = wrench[3 + i] - moment[i];
-}
-
 /* The plate's wrench as an element's distal section carries it, in its own frame. */
 static inline void carry(const double *wrench, rod_element *element)
 {
     const double *Q = element->rotation;
     double moment[3];
-    moment_at(element->place, wrench, moment);
+    follow_moment(element->place, wrench, moment);
 #pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
         element->wrench[i] = Q[i] * wrench[0] + Q[3 + i] * wrench[1] + Q[6 + i] * wrench[2];
         element->wrench[3 + i] = Q[i] * moment[0] + Q[3 + i] * moment[1] + Q[6 + i] * moment[2];
-    }
-}
-
-/* How that changes as the section moves, (6), and, where the inputs are the wrench's components, with these, of which it is
- * a part. */
-__attribute__((always_inline)) static inline void carry_change(const double *wrench, const rod_element *element,
-                                                               const motion *moved, int by_wrench, int part, wide *change)
-{
-    const double *Q = element->rotation, *f = wrench, *p = element->place;
-    const wide *dp = moved->move, *b = moved->turn;
-    wide force[3], moment[3];
-    double m[3];
-    moment_at(p, wrench, m);
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, l = (i + 2) % 3;
-        force[i] = b[l] * f[j] - b[j] * f[l];
-        moment[i] = (dp[l] * f[j] - dp[j] * f[l]) + (b[l] * m[j] - b[j] * m[l]);
-        if (!by_wrench) continue;
-        force[i] += unit(i, part);
-        moment[i] += unit(3 + i, part) - (p[j] * unit(l, part) - p[l] * unit(j, part));
-    }
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; i++) {
-        change[i] = Q[i] * force[0] + Q[3 + i] * force[1] + Q[6 + i] * force[2];
-        change[3 + i] = Q[i] * moment[0] + Q[3 + i] * moment[1] + Q[6 + i] * moment[2];
-    }
-}
-
-/* Add the change of an element's pose, (6), with the wrench that it carries. */
-static inline void add_by_wrench(const rod_element *element, const wide *wrench, wide *change)
-{
-#pragma GCC unroll 6
-    for (int i = 0; i < W; i++)
-#pragma GCC unroll 6
-        for (int o = 0; o < W; o++) change[o] += element->by_wrench[POSE * i + o] * wrench[i];
-}
-
-/* A part of the motion of the plate seen from the clamp, in its own frame, (6, 8), by that of the clamp seen from the plate. */
-static inline void seen_from_clamp(const double *place, const motion *clamp, double *found)
-{
-    const wide *b = clamp->turn;
-    const double *p = place;
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, l = (i + 2) % 3;
-        wide_store(found + POSE * i, b[j] * p[l] - b[l] * p[j] - clamp->move[i]);
-        wide_store(found + POSE * (3 + i), -b[i]);
     }
 }
 
@@ -207,7 +113,7 @@ static inline void begin(rod_element *element, int k, rod_end *end)
 void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
 {
     const fingerfem_segment *segment = rod->segment;
-    motion moved[WIDE_SIX] = {{{{0.0}}, {{0.0}}}};
+    follow_motion moved[WIDE_SIX] = {{{{0.0}}, {{0.0}}}};
     double seen[W * POSE];
     end->inside = 1;
     for (int k = 0; k < segment->elements; k++) {
@@ -222,103 +128,35 @@ void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
 #pragma GCC unroll 3
         for (int part = 0; part < WIDE_SIX; part++) {
             wide carried[W], change[W] = {{0.0}};
-            carry_change(wrench, element, moved + part, 1, WIDE * part, carried);
-            add_by_wrench(element, carried, change);
-            move_on(element, change, moved + part);
+            follow_carry(wrench, element, moved + part, 1, WIDE * part, carried);
+            follow_by_wrench(element, carried, change);
+            follow_move(element, change, moved + part);
         }
     }
-    for (int part = 0; part < WIDE_SIX; part++) seen_from_clamp(end->place, moved + part, seen + WIDE * part);
+    for (int part = 0; part < WIDE_SIX; part++) follow_from_clamp(end->place, moved + part, seen + WIDE * part);
     for (int i = 0; i < W; i++) memcpy(end->by_wrench[i], seen + POSE * i, sizeof end->by_wrench[i]);
-}
-
-/* A part of an element's changes by the tensions, (6), from those of its pose by every one, (tensions, 8). */
-static inline void add_by_tensions(int tensions, const double *by_tensions, int part, wide *change)
-{
-    for (int j = part; j < tensions && j < part + WIDE; j++)
-#pragma GCC unroll 6
-        for (int o = 0; o < W; o++) change[o] += by_tensions[POSE * j + o] * unit(j, part);
-}
-
-/* The motion of an element's proximal section by some inputs that change its pose, (count, 8), under a wrench. */
-__attribute__((always_inline)) static inline void follow_changes(const rod_element *element, const double *wrench, int count,
-                                                                 const double *changes, motion *moved)
-{
-    for (int part = 0; WIDE * part < count; part++) {
-        wide carried[W], change[W] = {{0.0}};
-        add_by_tensions(count, changes, WIDE * part, change);
-        carry_change(wrench, element, moved + part, 0, 0, carried);
-        add_by_wrench(element, carried, change);
-        move_on(element, change, moved + part);
-    }
-}
-
-/* Where the clamp is, seen from the plate, (3). */
-static inline void clamp_place(const rod_state *rod, double *end)
-{
-    const rod_element *last = rod->elements + rod->segment->elements - 1;
-    for (int i = 0; i < 3; i++) end[i] = last->place[i] + last->arm[i];
 }
 
 void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
     const int t = segment->tensions;
-    motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
+    follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     double end[3], own[TENSIONS_MOST * POSE];
     for (int k = 0; k < segment->elements; k++) {
         element_by_tensions(segment, law_of(rod, k), rod->contracted + segment->law_of[k] * rod->contracted_stride,
                             rod->products + k * rod->products_stride, own);
         follow_changes(rod->elements + k, rod->elements[0].wrench, t, own, moved);
     }
-    clamp_place(rod, end);
-    for (int part = 0; WIDE * part < t; part++) seen_from_clamp(end, moved + part, by_tensions[0] + WIDE * part);
-}
-
-/* Deviations of all elements, (elements, count, 8), where they are: those of a law's elements one after another. */
-static void deviate(const rod_state *rod, int pressed)
-{
-    const fingerfem_segment *segment = rod->segment;
-    const int row = POSE * segment->deviating;
-    for (int law = 0; law < segment->laws; law++) {
-        const fingerfem_variants *own = segment->variants[law];
-        int first = -1;
-        for (int k = 0; k < segment->elements; k++) {
-            double *found = rod->deviations + row * k;
-            if (segment->law_of[k] != law) continue;
-            if (first < 0 && pressed) variants_contract(own, rod->monomials, rod->work);
-            if (first < 0 && !pressed) variants_free(own, rod->monomials, rod->work, found);
-            if (pressed) variants_under(own, rod->elements[k].wrench, rod->work, found);
-            else if (first >= 0) memcpy(found, rod->deviations + row * first, (size_t)row * sizeof *found);
-            first = first < 0 ? k : first;
-        }
-    }
-}
-
-void rod_by_variants(const rod_state *rod, int pressed, double (*by_variants)[TENSIONS_MOST])
-{
-    const int count = rod->segment->deviating;
-    motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
-    double end[3];
-    deviate(rod, pressed);
-    for (int k = 0; k < rod->segment->elements; k++) {
-        const rod_element *element = rod->elements + k;
-        const double *own = rod->deviations + POSE * count * k;
-        if (pressed) follow_changes(element, rod->elements[0].wrench, count, own, moved);
-        for (int part = 0; WIDE * part < count && !pressed; part++) {
-            wide change[W] = {{0.0}};
-            add_by_tensions(count, own, WIDE * part, change);
-            move_on(element, change, moved + part);
-        }
-    }
-    clamp_place(rod, end);
-    for (int part = 0; WIDE * part < count; part++) seen_from_clamp(end, moved + part, by_variants[0] + WIDE * part);
+    follow_clamp(rod, end);
+    for (int part = 0; WIDE * part < t; part++) follow_from_clamp(end, moved + part, by_tensions[0] + WIDE * part);
 }
 
 void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
     const int t = segment->tensions;
-    motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
+    follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     end->inside = 1; /* every box is as wide to both sides of no wrench */
     memset(end->by_wrench, 0, sizeof end->by_wrench);
     for (int k = 0; k < segment->laws; k++)
@@ -331,22 +169,22 @@ void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS
         advance(element, end->place, end->rotation);
         for (int part = 0; WIDE * part < t; part++) {
             wide change[W] = {{0.0}};
-            add_by_tensions(t, free + POSE, WIDE * part, change);
-            move_on(element, change, moved + part);
+            follow_by_inputs(t, free + POSE, WIDE * part, change);
+            follow_move(element, change, moved + part);
         }
     }
-    for (int part = 0; WIDE * part < t; part++) seen_from_clamp(end->place, moved + part, by_tensions[0] + WIDE * part);
+    for (int part = 0; WIDE * part < t; part++) follow_from_clamp(end->place, moved + part, by_tensions[0] + WIDE * part);
 }
 
 void rod_free_motion(const rod_state *rod, int section, rod_motion *moved)
 {
     const fingerfem_segment *segment = rod->segment;
     for (int part = 0; WIDE * part < segment->tensions; part++) {
-        motion own = {{{0.0}}, {{0.0}}};
+        follow_motion own = {{{0.0}}, {{0.0}}};
         for (int k = 0; k < section; k++) {
             wide change[W] = {{0.0}};
-            add_by_tensions(segment->tensions, rod->free + segment->law_of[k] * rod->free_stride + POSE, WIDE * part, change);
-            move_on(rod->elements + k, change, &own);
+            follow_by_inputs(segment->tensions, rod->free + segment->law_of[k] * rod->free_stride + POSE, WIDE * part, change);
+            follow_move(rod->elements + k, change, &own);
         }
         for (int i = 0; i < 3; i++) {
             wide_store(moved->move[i] + WIDE * part, own.move[i]);
