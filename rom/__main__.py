@@ -7,7 +7,6 @@ from rom.program import begin
 if __name__ == "__main__":
     begin()
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -74,7 +73,12 @@ def build(
         for name, value in (("tolerance", tolerance), ("terms", terms), ("coarse", coarse)):
             if value is not None:
                 raise ValueError(f"{name} must be left out for a set of a scene with a load, got {value}")
-        finger = build_rod(snapshots, held_out, [SnapshotSet(one) for one in finer or []])
+        from rom.build import train_rod
+
+        states, finer_sets = (None if held_out is None else SnapshotSet(held_out)), map(SnapshotSet, finer or [])
+        with steps() as progress:
+            finger = train_rod(snapshots, origin(snapshots), list(finer_sets), progress)
+        finger = finger if states is None else finger.with_accuracy(check_rod(finger, states))
         check_expected(finger.expected_error, output, force)
         finger.save(output)
         show(rod_summary(finger), finger.tables(), as_json)
@@ -138,36 +142,6 @@ def held_out_of(training: SnapshotSet, folder: Path) -> SnapshotSet:
         other = difference(training.description.scene, found.description.scene)
         raise ValueError(f"{folder}: must hold states of the training set's scene: {other}")
     return found
-
-
-def build_rod(snapshots: SnapshotSet, held_out: Path | None, finer: Sequence[SnapshotSet]) -> Rod:
-    """The finger of a set of pressed states, measured on held-out ones, or on those of the plane, if there are any.
-
-    Of sets on a finer mesh, one of pressed states corrects its elements; those of the plane scale its estimated errors.
-    """
-    from rom.elements.section_states import read_section_states
-    from rom.elements.training import train
-    from rom.error_model import rod_with_mesh_error, told_by
-    from rom.held_out import check_finer
-
-    if snapshots.description.random:
-        raise ValueError(f"{snapshots.path}: must be a training set{uses_of(snapshots.path)}")
-    states = None if held_out is None else SnapshotSet(held_out)
-    for one in finer:
-        check_finer(snapshots.description.scene, one)
-    pressed = [one for one in finer if one.description.has_load]
-    before_plane = [one for one in finer if not one.description.has_load]
-    if len(pressed) > 1:
-        raise ValueError(f"finer must be one set of pressed states at most, got {len(pressed)}")
-    sections = read_section_states(snapshots)
-    finer_sections = read_section_states(pressed[0], sections.at) if pressed else None
-    provenance = origin(snapshots) | ({"corrected_by": told_by(pressed[0])} if pressed else {})
-    with steps() as progress:
-        found = train(sections, provenance, progress, finer_sections)
-    finger = Rod(elements=found, scene=sections.scene)
-    if before_plane:
-        finger = rod_with_mesh_error(finger, before_plane)
-    return finger if states is None else finger.with_accuracy(check_rod(finger, states))
 
 
 def check_rod(finger: Rod, held_out: SnapshotSet) -> dict:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import logging
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,16 +19,21 @@ import numpy as np
 
 from rom import error_model
 from rom.components import Errors
+from rom.elements import training
+from rom.elements.section_states import read_section_states
+from rom.file_kinds import uses_of
 from rom.fit import displacement
 from rom.fit.chebyshev import CALM, NOISE
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.fit.contact_response import ContactResponse, count_regimes
 from rom.fit.free_response import FreeResponse
 from rom.fits import Fits, separated_fits
+from rom.held_out import check_finer
+from rom.rod.rod import Rod
 from rom.separation.alternating_directions import EnrichmentOptions
 from rom.snapshots import mesh_transfer
 from rom.snapshots.contact_regimes import Code
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.snapshots.training_states import TrainingStates, check_count, read_training_states
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
@@ -108,6 +114,36 @@ def train(
     model = replace(model, errors=error_model.estimate(model, states[0], free, contact, moved))
     progress("estimating the errors", 1, 1)
     return model
+
+
+def train_rod(
+    snapshots: SnapshotSet, provenance: dict[str, Any], finer: Sequence[SnapshotSet], progress: Progress = quiet
+) -> Rod:
+    """Build the finger of a set of pressed states.
+
+    Args:
+        snapshots: the set.
+        provenance: what it is.
+        finer: states on a finer mesh: pressed ones correct its elements, those before the plane enlarge estimates.
+        progress: is told how far it is.
+
+    Raises:
+        SnapshotError: a held-out set, too few lines, or sets of another finger, or on no finer mesh.
+        ValueError: two finer sets of pressed states.
+    """
+    if snapshots.description.random:
+        raise SnapshotError(f"{snapshots.path}: must be a training set{uses_of(snapshots.path)}")
+    for one in finer:
+        check_finer(snapshots.description.scene, one)
+    pressed = [one for one in finer if one.description.has_load]
+    before_plane = [one for one in finer if not one.description.has_load]
+    if len(pressed) > 1:
+        raise ValueError(f"finer must be one set of pressed states at most, got {len(pressed)}")
+    sections = read_section_states(snapshots)
+    corrects = read_section_states(pressed[0], sections.at) if pressed else None
+    provenance = provenance | ({"corrected_by": error_model.told_by(pressed[0])} if pressed else {})
+    finger = Rod(elements=training.train(sections, provenance, progress, corrects), scene=sections.scene)
+    return error_model.rod_with_mesh_error(finger, before_plane) if before_plane else finger
 
 
 def _tell_what_is_missing(snapshots: SnapshotSet) -> None:

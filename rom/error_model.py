@@ -190,9 +190,9 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
 
 
 def rod_with_mesh_error(rod: Rod, finer: Sequence[SnapshotSet]) -> Rod:
-    """A finger of elements whose estimated errors are scaled to what held-out states on a finer mesh show.
+    """A finger of elements whose estimated errors are enlarged, where need be, to what held-out states show.
 
-    They stand before the plane y = side/2 + d. Every estimate times a factor is the conformal quantile, see
+    They are of a finer mesh, before the plane y = side/2 + d. The least factor is the conformal quantile, see
     `rom.elements.calibration`: it holds of states drawn like these.
 
     Raises:
@@ -212,7 +212,7 @@ def rod_with_mesh_error(rod: Rod, finer: Sequence[SnapshotSet]) -> Rod:
         raise SnapshotError(
             f"{finer[0].path}: must have {FEWEST} states that touch, or nothing tells what forces err by"
         )
-    factors = {name: rod.elements.error_factor(name) * covered(found) for name, found in together.items()}
+    factors = {name: rod.elements.error_factor(name) * max(covered(found), 1.0) for name, found in together.items()}
     provenance = rod.elements.provenance | {"mesh_error": [told_by(one) for one in finer]}
     return replace(rod, elements=replace(rod.elements, provenance=provenance, error_factors=factors))
 

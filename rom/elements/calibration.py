@@ -9,17 +9,18 @@ import numpy as np
 
 from rom.brief import brief
 from rom.elements.contact_error import gap_by_force, relative_force_changes, relative_force_errors
-from rom.elements.law import ElementLaw
 from rom.elements.march import march
 from rom.elements.section_states import SectionStates
 
 if TYPE_CHECKING:
     from rom.elements.training import Training
 
+TYPICAL = (
+    1.5  # times the median of errors, that is taken for typical: nearly the root of a normal one's mean square [-]
+)
 COVERED = 0.97  # of the states that were left out [-]
 QUANTITIES = "tip", "contact_force", "touch_distance"
 FEWEST = 5  # states of a kind below which they scale nothing
-Poses = tuple[np.ndarray, np.ndarray]
 
 
 @brief
@@ -36,22 +37,19 @@ class Floors(NamedTuple):
 
 
 def floors_of(left_out: Mapping[str, Mapping[str, float]]) -> Floors:
-    """The medians of errors that were left out, by quantity: a place's is of three directions."""
-    return Floors(left_out["free_place_m"]["median"] / np.sqrt(3), left_out["contact_force"]["median"])
+    """TYPICAL times the medians of errors that were left out, by quantity: a place's is of three directions."""
+    place, force = (left_out[name]["median"] for name in ("free_place_m", "contact_force"))
+    return Floors(TYPICAL * place / np.sqrt(3), TYPICAL * force)
 
 
-def error_factors(
-    trainings: Sequence[Training], laws: Sequence[Mapping[str, ElementLaw]], left_out: Sequence[Poses], floors: Floors
-) -> dict[str, float]:
-    """The factors by quantity [-], of one mesh or of two together.
+def error_factors(trainings: Sequence[tuple[Training, dict[str, float]]], floors: Floors) -> dict[str, float]:
+    """The factors by quantity [-].
 
     Args:
-        trainings: with their states.
-        laws: of all kinds, with their variants, of each.
-        left_out: the plate's places and rotations as predicted without a state's line, shapes (n, 3), (n, 3, 3).
+        trainings: on every mesh, with the degrees of all kinds.
         floors: of estimated errors.
     """
-    parts = [compared(*each, floors) for each in zip(trainings, laws, left_out, strict=True)]
+    parts = [compared(*each, floors) for each in trainings]
     found = {}
     for name in QUANTITIES:
         errors, deviations = (np.concatenate([part[k][name] for part in parts]) for k in (0, 1))
@@ -60,19 +58,26 @@ def error_factors(
 
 
 def compared(
-    training: Training, laws: Mapping[str, ElementLaw], left_out: Poses, floors: Floors
+    training: Training, degrees: dict[str, float], floors: Floors
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Errors of what was left out, and deviations of variants and floors there, by quantity, shapes (k,).
 
-    The tip's place is compared in all states [m]; contact forces, relatively, in those with a force [-]; the touch
-    distance by the free plate's place along the section's sides [m].
+    Laws and variants alike are without a state's line. The tip's place is compared in all states [m]; contact forces,
+    relatively, in those with a force [-]; the touch distance by the free plate's place along the section's sides [m].
     """
-    states, (places, turned) = training.states, left_out
+    states, n = training.states, len(training.fold)
     t, free = states.tensions, states.forces == 0
-    elements = [laws[piece.kind].of_length(piece.length) for piece in training.pieces]
-    marched = march(elements, states.inputs[:, :t], states.inputs[:, t:])
-    moved = np.einsum("nij,njk->nik", marched.plate[1], marched.deviations[:, :3])
-    off = places - states.plate.places
+    places, turned = np.zeros((n, 3)), np.zeros((n, 3, 3))
+    motions = np.zeros((n, 6, 0))
+    for k in range(int(training.fold.max()) + 1):
+        own, laws = training.fold == k, training.laws(degrees, k)
+        elements = [laws[piece.kind].of_length(piece.length) for piece in training.pieces]
+        marched = march(elements, states.inputs[own, :t], states.inputs[own, t:])
+        places[own], turned[own] = marched.plate
+        more = marched.deviations.shape[2] - motions.shape[2]
+        motions = np.pad(motions, [(0, 0), (0, 0), (0, max(more, 0))])
+        motions[own, :, : marched.deviations.shape[2]] = marched.deviations
+    moved, off = np.einsum("nij,njk->nik", turned, motions[:, :3]), places - states.plate.places
     errors = {
         "tip": np.linalg.norm(off, axis=1),
         "contact_force": relative_force_errors(states, places, turned)[~free],
@@ -80,7 +85,7 @@ def compared(
     }
     deviations = {
         "tip": np.hypot(np.linalg.norm(moved, axis=(1, 2)), np.sqrt(3) * floors.place),
-        "contact_force": force_deviations(states, marched.deviations, floors)[~free],
+        "contact_force": force_deviations(states, motions, floors)[~free],
         "touch_distance": np.hypot(np.linalg.norm(moved[free, 1:], axis=2), floors.place).ravel(),
     }
     return errors, deviations

@@ -59,33 +59,36 @@ class Candidates:
 
     def law(self, degree: float, without: int | None = None) -> ElementLaw:
         """The law of a weighted degree, without a fold of lines."""
-        found = self._law(self.equations.fit(self._positions(degree), () if without is None else (without,)))
+        found = self._law(self.equations.fit(self._positions(degree), _left_out(without)))
         if self.corrected is None:
             return found
         own, own_degree = self.corrected
         base = own.law(own_degree)  # whole: the lines that correct it are not those that it was fitted to
         return replace(base, polynomial=base.polynomial.plus(found.polynomial))
 
-    def with_variants(self, degree: float) -> ElementLaw:
+    def with_variants(self, degree: float, without: int | None = None) -> ElementLaw:
         """The law of a weighted degree, and by how much those without a group of lines deviate from it.
 
-        Those of a corrected law are both left out at once; what corrects it is one more variant, times REMAINING.
+        Those of a corrected law are both varied at once; what corrects it is one more variant, times REMAINING.
+
+        Args:
+            degree: the degree.
+            without: a fold of lines that all are fitted without.
         """
-        folds = range(self.equations.folds)
-        groups = [folds[k::VARIANTS] for k in range(min(VARIANTS, len(folds)))]
-        positions = self._positions(degree)
-        deviations = self.equations.deviations(positions, groups, POSE)
+        folds = [k for k in range(self.equations.folds) if k != without]
+        groups, positions = [folds[k::VARIANTS] for k in range(min(VARIANTS, len(folds)))], self._positions(degree)
+        deviations = self.equations.deviations(positions, groups, POSE, _left_out(without))
         if self.corrected is not None:
             own, own_degree = self.corrected
             base = own.with_variants(own_degree).deviations
             assert base is not None
             few = base.coefficients.shape[1] - deviations.coefficients.shape[1]  # of fewer lines there are fewer groups
             padded = replace(deviations, coefficients=np.pad(deviations.coefficients, [(0, 0), (0, few)]))
-            correction = self.equations.fit(positions)
+            correction = self.equations.fit(positions, _left_out(without))
             remaining = replace(correction, coefficients=REMAINING * correction.coefficients[:, :POSE])
             deviations = Polynomial.together([base.plus(padded), remaining])
         single = deviations.coefficients.astype(np.float32).astype(float)  # as a file and compiled code hold them
-        return replace(self.law(degree), deviations=replace(deviations, coefficients=single))
+        return replace(self.law(degree, without), deviations=replace(deviations, coefficients=single))
 
     def _law(self, polynomial: Polynomial) -> ElementLaw:
         return ElementLaw(
@@ -94,6 +97,10 @@ class Candidates:
 
     def _positions(self, degree: float) -> np.ndarray:
         return chosen(self.equations.powers, self.weights, degree)
+
+
+def _left_out(fold: int | None) -> list[int]:
+    return [] if fold is None else [fold]
 
 
 def candidates(

@@ -145,7 +145,7 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
     equations.add_images(images)
     every, off = np.arange(len(equations.powers)), []
     for k in range(equations.folds):
-        left_out, own = equations.fit(every, without=(k,)), fold == k
+        left_out, own = equations.fit(every, [k]), fold == k
         for one, known in zip(samples, inputs, strict=True):
             off.append(np.linalg.norm((left_out.value(known[own]) - one.values[own]).reshape(-1, 3), axis=1))
     return OutlineLaw(

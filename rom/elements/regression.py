@@ -90,41 +90,43 @@ class NormalEquations:
         place = [position[tuple(row)] for row in (self.powers @ np.abs(mirror).astype(int)).tolist()]
         return np.array(place), np.prod(mirror.sum(axis=1) ** self.powers, axis=1)
 
-    def fit(self, chosen: np.ndarray, without: Collection[int] = ()) -> Polynomial:
+    def fit(self, chosen: np.ndarray, left_out: Collection[int] = ()) -> Polynomial:
         """The polynomial of some of the products.
 
         Args:
             chosen: positions of the products, shape (j,).
-            without: folds that are left out.
+            left_out: folds.
         """
-        gram, right = self._sums(without)
+        gram, right = self._sums(left_out)
         normal = gram[np.ix_(chosen, chosen)]
         normal[np.diag_indices_from(normal)] += RIDGE * normal.max() + self.prior[chosen]
         factor = cho_factor(normal)
         coefficients = np.ascontiguousarray(cho_solve(factor, right[chosen]))  # as a file holds them: the same sums
         return Polynomial(lower=self.lower, upper=self.upper, powers=self.powers[chosen], coefficients=coefficients)
 
-    def deviations(self, chosen: np.ndarray, groups: Sequence[Collection[int]], values: int) -> Polynomial:
+    def deviations(
+        self, chosen: np.ndarray, groups: Sequence[Collection[int]], values: int, left_out: Collection[int] = ()
+    ) -> Polynomial:
         """How fits without a group of folds deviate from that of all: their squares add up to its variance.
 
         That is the jackknife's, (V - 1) / V times the sum of squares of V groups (R. G. Miller, Biometrika 61, 1974).
 
         Args:
             chosen: positions of the products, shape (j,).
-            groups: V of them, that make up all folds.
+            groups: V of them, that make up all folds which are not left out.
             values: number of functions m, the first ones.
+            left_out: folds that all fits are without.
 
         Returns:
             of V m values: those of the first group first.
         """
-        whole = self.fit(chosen)
-        share = np.sqrt((len(groups) - 1) / len(groups))
-        parts = [share * (self.fit(chosen, group).coefficients - whole.coefficients)[:, :values] for group in groups]
-        return replace(whole, coefficients=np.hstack(parts))
+        whole, share = self.fit(chosen, left_out), np.sqrt((len(groups) - 1) / len(groups))
+        fits = [self.fit(chosen, [*left_out, *group]).coefficients for group in groups]
+        return replace(whole, coefficients=np.hstack([share * (one - whole.coefficients)[:, :values] for one in fits]))
 
-    def _sums(self, without: Collection[int]) -> tuple[np.ndarray, np.ndarray]:
+    def _sums(self, left_out: Collection[int]) -> tuple[np.ndarray, np.ndarray]:
         gram, right = self._total
-        for k in without:
+        for k in left_out:
             gram, right = gram - self._gram[k], right - self._right[k]
         return gram, right
 

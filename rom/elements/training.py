@@ -75,9 +75,9 @@ class Training:
             shorter[own] = marched.shortenings
         return places, turned, shorter
 
-    def laws(self, degrees: dict[str, float]) -> dict[str, ElementLaw]:
-        """The laws of all kinds, with their variants."""
-        return {kind: one.with_variants(degrees[kind]) for kind, one in self.kinds.items()}
+    def laws(self, degrees: dict[str, float], without: int | None = None) -> dict[str, ElementLaw]:
+        """The laws of all kinds, with their variants, without a fold of lines."""
+        return {kind: one.with_variants(degrees[kind], without) for kind, one in self.kinds.items()}
 
     def _law(self, piece: Piece, degree: float, without: int) -> ElementMap:
         key = piece.kind, degree, without
@@ -140,12 +140,11 @@ def train(
     training = prepare(states)
     progress("fitting elements", 1, 2)
     degrees = best_degrees(training)
-    trainings, laws, predicted = [training], [training.laws(degrees)], [training.left_out(degrees)]
+    trainings = [(training, degrees)]
     if finer is not None:
-        training, of_corrections = corrections(training, degrees, finer), dict.fromkeys(degrees, DEGREE)
-        trainings, laws = [*trainings, training], [*laws, training.laws(of_corrections)]
-        predicted.append(training.left_out(of_corrections))
-    places, turned, shorter = predicted[-1]
+        trainings.append((corrections(training, degrees, finer), dict.fromkeys(degrees, DEGREE)))
+    training, of_laws = trainings[-1]
+    places, turned, shorter = training.left_out(of_laws)
     outlines, fold = outline_pairs(states.at, states.scene["geometry"]["side"]), fold_of(states)[1]
     off = np.linalg.norm(places - training.states.plate.places, axis=1)
     left_out = {
@@ -157,12 +156,12 @@ def train(
     }
     progress("fitting elements", 2, 2)
     return Elements(
-        laws=laws[-1],
+        laws=training.laws(of_laws),
         outlines={kind: train_outline(states, fold, pairs) for kind, pairs in outlines.items()},
         scene=states.scene,
         force=float(states.scene["load"]["force"]),
         provenance=provenance | {"degrees": degrees, "left_out": left_out},
-        error_factors=error_factors(trainings, laws, [one[:2] for one in predicted], floors_of(left_out)),
+        error_factors=error_factors(trainings, floors_of(left_out)),
     )
 
 

@@ -239,6 +239,7 @@ _SOURCES = (
     "outline.c",
     "variants.c",
     "rod_march.c",
+    "rod_variants.c",
     "inverse.c",
     "chain.c",
     "shortenings.c",

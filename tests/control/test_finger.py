@@ -271,7 +271,9 @@ def test_a_motion_s_error_counts_the_mesh(surrogate):
     reached = finger.reach(goal)
     tip = model.evaluate([*reached.tensions, np.inf])
     assert tip.error_parts["mesh"]["tip"] == pytest.approx(0.01 * np.linalg.norm(tip.tip))
-    assert reached.error == pytest.approx(tip.error["tip"], rel=1e-12) and reached.error > 0.01 * np.linalg.norm(tip.tip)
+    assert reached.error == pytest.approx(tip.error["tip"], rel=1e-12) and reached.error > 0.01 * np.linalg.norm(
+        tip.tip
+    )
     away = np.array([*motion.tensions, answer.touch_distance + 1e-5])  # not touched, by less than places err
     assert 0 < model.evaluate(away).error["contact_force"] < by_mesh + 1
     assert model.evaluate([*motion.tensions, np.inf]).error["contact_force"] == 0.0

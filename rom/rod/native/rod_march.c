@@ -9,9 +9,9 @@
  *
  * where dq and dg are the element's, by the tensions, and by the wrench that changes as its section moves. They are rows of
  * numbers, one for every input, in parts. */
-#include "rod_changes.h"
+#include "rod_follow.h"
 
-enum { POSE = ROD_POSE, W = ROD_WRENCH };
+enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
 
 static const fingerfem_law *law_of(const rod_state *rod, int k) { return rod->segment->law[rod->segment->law_of[k]]; }
 
@@ -96,24 +96,11 @@ static inline void carry(const double *wrench, rod_element *element)
 {
     const double *Q = element->rotation;
     double moment[3];
-    rod_moment_at(element->place, wrench, moment);
+    follow_moment(element->place, wrench, moment);
 #pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
         element->wrench[i] = Q[i] * wrench[0] + Q[3 + i] * wrench[1] + Q[6 + i] * wrench[2];
         element->wrench[3 + i] = Q[i] * moment[0] + Q[3 + i] * moment[1] + Q[6 + i] * moment[2];
-    }
-}
-
-/* A part of the motion of the plate seen from the clamp, in its own frame, (6, 8), by that of the clamp seen from the plate. */
-static inline void seen_from_clamp(const double *place, const rod_moved *clamp, double *found)
-{
-    const wide *b = clamp->turn;
-    const double *p = place;
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, l = (i + 2) % 3;
-        wide_store(found + POSE * i, b[j] * p[l] - b[l] * p[j] - clamp->move[i]);
-        wide_store(found + POSE * (3 + i), -b[i]);
     }
 }
 
@@ -128,7 +115,7 @@ static inline void begin(rod_element *element, int k, rod_end *end)
 void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
 {
     const fingerfem_segment *segment = rod->segment;
-    rod_moved moved[WIDE_SIX] = {{{{0.0}}, {{0.0}}}};
+    follow_motion moved[WIDE_SIX] = {{{{0.0}}, {{0.0}}}};
     double seen[W * POSE];
     end->inside = 1;
     for (int k = 0; k < segment->elements; k++) {
@@ -143,95 +130,35 @@ void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
 #pragma GCC unroll 3
         for (int part = 0; part < WIDE_SIX; part++) {
             wide carried[W], change[W] = {{0.0}};
-            rod_carry_change(wrench, element, moved + part, 1, WIDE * part, carried);
-            rod_add_by_wrench(element, carried, change);
-            rod_move_on(element, change, moved + part);
+            follow_carry(wrench, element, moved + part, 1, WIDE * part, carried);
+            follow_by_wrench(element, carried, change);
+            follow_move(element, change, moved + part);
         }
     }
-    for (int part = 0; part < WIDE_SIX; part++) seen_from_clamp(end->place, moved + part, seen + WIDE * part);
+    for (int part = 0; part < WIDE_SIX; part++) follow_from_clamp(end->place, moved + part, seen + WIDE * part);
     for (int i = 0; i < W; i++) memcpy(end->by_wrench[i], seen + POSE * i, sizeof end->by_wrench[i]);
-}
-
-/* The motion of an element's proximal section by some inputs that change its pose, (count, 8), under a wrench. */
-__attribute__((always_inline)) static inline void follow_changes(const rod_element *element, const double *wrench, int count,
-                                                                 const double *changes, rod_moved *moved)
-{
-    for (int part = 0; WIDE * part < count; part++) {
-        wide carried[W], change[W] = {{0.0}};
-        rod_add_by_tensions(count, changes, WIDE * part, change);
-        rod_carry_change(wrench, element, moved + part, 0, 0, carried);
-        rod_add_by_wrench(element, carried, change);
-        rod_move_on(element, change, moved + part);
-    }
-}
-
-/* Where the clamp is, seen from the plate, (3). */
-static inline void clamp_place(const rod_state *rod, double *end)
-{
-    const rod_element *last = rod->elements + rod->segment->elements - 1;
-    for (int i = 0; i < 3; i++) end[i] = last->place[i] + last->arm[i];
 }
 
 void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
     const int t = segment->tensions;
-    rod_moved moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
+    follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     double end[3], own[TENSIONS_MOST * POSE];
     for (int k = 0; k < segment->elements; k++) {
         element_by_tensions(segment, law_of(rod, k), rod->contracted + segment->law_of[k] * rod->contracted_stride,
                             rod->products + k * rod->products_stride, own);
         follow_changes(rod->elements + k, rod->elements[0].wrench, t, own, moved);
     }
-    clamp_place(rod, end);
-    for (int part = 0; WIDE * part < t; part++) seen_from_clamp(end, moved + part, by_tensions[0] + WIDE * part);
-}
-
-/* Deviations of all elements, (elements, count, 8), where they are: those of a law's elements one after another. */
-static void deviate(const rod_state *rod, int pressed)
-{
-    const fingerfem_segment *segment = rod->segment;
-    const int row = POSE * segment->deviating;
-    for (int law = 0; law < segment->laws; law++) {
-        const fingerfem_variants *own = segment->variants[law];
-        int first = -1;
-        for (int k = 0; k < segment->elements; k++) {
-            double *found = rod->deviations + row * k;
-            if (segment->law_of[k] != law) continue;
-            if (first < 0 && pressed) variants_contract(own, rod->monomials, rod->work);
-            if (first < 0 && !pressed) variants_free(own, rod->monomials, rod->work, found);
-            if (pressed) variants_under(own, rod->elements[k].wrench, rod->work, found);
-            else if (first >= 0) memcpy(found, rod->deviations + row * first, (size_t)row * sizeof *found);
-            first = first < 0 ? k : first;
-        }
-    }
-}
-
-void rod_by_variants(const rod_state *rod, int pressed, double (*by_variants)[TENSIONS_MOST])
-{
-    const int count = rod->segment->deviating;
-    rod_moved moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
-    double end[3];
-    deviate(rod, pressed);
-    for (int k = 0; k < rod->segment->elements; k++) {
-        const rod_element *element = rod->elements + k;
-        const double *own = rod->deviations + POSE * count * k;
-        if (pressed) follow_changes(element, rod->elements[0].wrench, count, own, moved);
-        for (int part = 0; WIDE * part < count && !pressed; part++) {
-            wide change[W] = {{0.0}};
-            rod_add_by_tensions(count, own, WIDE * part, change);
-            rod_move_on(element, change, moved + part);
-        }
-    }
-    clamp_place(rod, end);
-    for (int part = 0; WIDE * part < count; part++) seen_from_clamp(end, moved + part, by_variants[0] + WIDE * part);
+    follow_clamp(rod, end);
+    for (int part = 0; WIDE * part < t; part++) follow_from_clamp(end, moved + part, by_tensions[0] + WIDE * part);
 }
 
 void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
     const int t = segment->tensions;
-    rod_moved moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
+    follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     end->inside = 1; /* every box is as wide to both sides of no wrench */
     memset(end->by_wrench, 0, sizeof end->by_wrench);
     for (int k = 0; k < segment->laws; k++)
@@ -244,22 +171,22 @@ void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS
         advance(element, end->place, end->rotation);
         for (int part = 0; WIDE * part < t; part++) {
             wide change[W] = {{0.0}};
-            rod_add_by_tensions(t, free + POSE, WIDE * part, change);
-            rod_move_on(element, change, moved + part);
+            follow_by_inputs(t, free + POSE, WIDE * part, change);
+            follow_move(element, change, moved + part);
         }
     }
-    for (int part = 0; WIDE * part < t; part++) seen_from_clamp(end->place, moved + part, by_tensions[0] + WIDE * part);
+    for (int part = 0; WIDE * part < t; part++) follow_from_clamp(end->place, moved + part, by_tensions[0] + WIDE * part);
 }
 
 void rod_free_motion(const rod_state *rod, int section, rod_motion *moved)
 {
     const fingerfem_segment *segment = rod->segment;
     for (int part = 0; WIDE * part < segment->tensions; part++) {
-        rod_moved own = {{{0.0}}, {{0.0}}};
+        follow_motion own = {{{0.0}}, {{0.0}}};
         for (int k = 0; k < section; k++) {
             wide change[W] = {{0.0}};
-            rod_add_by_tensions(segment->tensions, rod->free + segment->law_of[k] * rod->free_stride + POSE, WIDE * part, change);
-            rod_move_on(rod->elements + k, change, &own);
+            follow_by_inputs(segment->tensions, rod->free + segment->law_of[k] * rod->free_stride + POSE, WIDE * part, change);
+            follow_move(rod->elements + k, change, &own);
         }
         for (int i = 0; i < 3; i++) {
             wide_store(moved->move[i] + WIDE * part, own.move[i]);

@@ -5,7 +5,7 @@
 #include "outline.h"
 #include "variants.h"
 
-enum { ROD_WRENCH = FINGERFEM_WRENCH, ROD_POSE = FINGERFEM_POSE };
+enum { ROD_WRENCH = FINGERFEM_WRENCH };
 
 /* An element where it is: its distal section's place and rotation, seen from the plate, and the wrench carried through it,
  * in its own frame; the element's pose, its place turned into the plate's frame, its derivatives by the wrench; and what

@@ -2,9 +2,9 @@
  * a tendon's is the sum over all elements between the clamp and its plate. */
 #include "shortenings.h"
 #include <math.h>
-#include "rod_changes.h"
+#include "rod_follow.h"
 
-enum { ROW = SHORTENINGS_ROW, POSE = ROD_POSE };
+enum { ROW = SHORTENINGS_ROW, POSE = FINGERFEM_POSE };
 
 /* How the wrench that an element transmits changes: rows of a component, (6, 8), by the wrench on the plate, and by the
  * tensions. */
@@ -13,7 +13,7 @@ typedef struct {
 } transmitted;
 
 /* The next element's changes, from the motions of its distal section, which become those of its proximal one. */
-static void transmit(const rod_state *rod, int k, rod_moved *by_wrench, rod_moved *by_tensions, transmitted *found)
+static void transmit(const rod_state *rod, int k, follow_motion *by_wrench, follow_motion *by_tensions, transmitted *found)
 {
     const fingerfem_segment *segment = rod->segment;
     const rod_element *element = rod->elements + k;
@@ -23,17 +23,17 @@ static void transmit(const rod_state *rod, int k, rod_moved *by_wrench, rod_move
     element_by_tensions(segment, segment->law[segment->law_of[k]], contracted, rod->products + k * rod->products_stride, own);
     for (int part = 0; part < WIDE_SIX; part++) {
         wide carried[W], change[W] = {{0.0}};
-        rod_carry_change(wrench, element, by_wrench + part, 1, WIDE * part, carried);
-        rod_add_by_wrench(element, carried, change);
-        rod_move_on(element, change, by_wrench + part);
+        follow_carry(wrench, element, by_wrench + part, 1, WIDE * part, carried);
+        follow_by_wrench(element, carried, change);
+        follow_move(element, change, by_wrench + part);
         for (int i = 0; i < W; i++) wide_store(found->by_wrench[i] + WIDE * part, carried[i]);
     }
     for (int part = 0; WIDE * part < t; part++) {
         wide carried[W], change[W] = {{0.0}};
-        rod_add_by_tensions(t, own, WIDE * part, change);
-        rod_carry_change(wrench, element, by_tensions + part, 0, 0, carried);
-        rod_add_by_wrench(element, carried, change);
-        rod_move_on(element, change, by_tensions + part);
+        follow_by_inputs(t, own, WIDE * part, change);
+        follow_carry(wrench, element, by_tensions + part, 0, 0, carried);
+        follow_by_wrench(element, carried, change);
+        follow_move(element, change, by_tensions + part);
         for (int i = 0; i < W; i++) wide_store(found->by_tensions[i] + WIDE * part, carried[i]);
     }
 }
@@ -64,7 +64,7 @@ static void under(const rod_state *rod, shortenings_segment *found)
 {
     const fingerfem_segment *segment = rod->segment;
     const int sixes = segment->sixes;
-    rod_moved by_wrench[WIDE_SIX] = {{{{0.0}}, {{0.0}}}}, by_tensions[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
+    follow_motion by_wrench[WIDE_SIX] = {{{{0.0}}, {{0.0}}}}, by_tensions[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     transmitted changes;
     for (int k = 0; k < segment->elements; k++) {
         const fingerfem_law *const *laws = segment->shortening + sixes * segment->law_of[k];
@@ -116,7 +116,7 @@ static void relative_to_before(const chain_plate *plate, const double *motion, d
 {
     const double *before = motion - W, *turn = before + 3;
     double moved[3];
-    rod_cross(turn, plate->arm, moved);
+    follow_cross(turn, plate->arm, moved);
     for (int i = 0; i < 3; i++) moved[i] += before[i];
     for (int i = 0; i < 3; i++) {
         const double *column = plate->relative + i;

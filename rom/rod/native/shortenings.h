@@ -3,7 +3,7 @@
 #define FINGERFEM_SHORTENINGS_H
 #include "chain.h"
 
-enum { SHORTENINGS_SIX = 6 /* tendons of a law */, SHORTENINGS_MOST_SIXES = 2, SHORTENINGS_ROW = SHORTENINGS_MOST_SIXES * ROD_POSE };
+enum { SHORTENINGS_SIX = 6 /* tendons of a law */, SHORTENINGS_MOST_SIXES = 2, SHORTENINGS_ROW = SHORTENINGS_MOST_SIXES * FINGERFEM_POSE };
 
 /* How much shorter the tendons of a segment are [m], and the derivatives by its tensions, (tensions, ...), and by the wrench
  * on its plate, (6, ...). Tendon j is at `shortenings_at(j)` of a row. */
@@ -11,7 +11,7 @@ typedef struct {
     double values[SHORTENINGS_ROW], by_tensions[TENSIONS_MOST][SHORTENINGS_ROW], by_wrench[ROD_WRENCH][SHORTENINGS_ROW];
 } shortenings_segment;
 
-static inline int shortenings_at(int tendon) { return ROD_POSE * (tendon / SHORTENINGS_SIX) + tendon % SHORTENINGS_SIX; }
+static inline int shortenings_at(int tendon) { return FINGERFEM_POSE * (tendon / SHORTENINGS_SIX) + tendon % SHORTENINGS_SIX; }
 
 /* Of all segments where `chain_under`, or without a wrench `chain_free`, has placed them; returns 0 if they are not known. */
 int shortenings_of(const chain_rods *map, int free, shortenings_segment *segments);

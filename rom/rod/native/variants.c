@@ -34,7 +34,8 @@ static void wrench_products(const fingerfem_variants *variants, const double *wr
 }
 
 /* Add some terms to all variants, (count, POSE): each by its monomial of the tensions, and all by a weight. */
-static void add_terms(const fingerfem_variants *variants, int first, int last, double weight, const double *monomials, double *found)
+static void add_terms(const fingerfem_variants *variants, int first, int last, double weight, const double *monomials,
+                      double *found)
 {
     const int count = variants->count;
     const float *from = variants->coefficients + (ptrdiff_t)POSE * count * first;

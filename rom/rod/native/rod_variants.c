@@ -1,0 +1,44 @@
+/* How a plate moves by the variants of its rod's elements: they deviate all at once, each at the wrench that it carries. */
+#include "rod_follow.h"
+
+enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
+
+/* Deviations of all elements, (elements, count, 8), where they are: those of a law's elements one after another. */
+static void deviate(const rod_state *rod, int pressed)
+{
+    const fingerfem_segment *segment = rod->segment;
+    const int row = POSE * segment->deviating;
+    for (int law = 0; law < segment->laws; law++) {
+        const fingerfem_variants *own = segment->variants[law];
+        int first = -1;
+        for (int k = 0; k < segment->elements; k++) {
+            double *found = rod->deviations + row * k;
+            if (segment->law_of[k] != law) continue;
+            if (first < 0 && pressed) variants_contract(own, rod->monomials, rod->work);
+            if (first < 0 && !pressed) variants_free(own, rod->monomials, rod->work, found);
+            if (pressed) variants_under(own, rod->elements[k].wrench, rod->work, found);
+            else if (first >= 0) memcpy(found, rod->deviations + row * first, (size_t)row * sizeof *found);
+            first = first < 0 ? k : first;
+        }
+    }
+}
+
+void rod_by_variants(const rod_state *rod, int pressed, double (*by_variants)[TENSIONS_MOST])
+{
+    const int count = rod->segment->deviating;
+    follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
+    double end[3];
+    deviate(rod, pressed);
+    for (int k = 0; k < rod->segment->elements; k++) {
+        const rod_element *element = rod->elements + k;
+        const double *own = rod->deviations + POSE * count * k;
+        if (pressed) follow_changes(element, rod->elements[0].wrench, count, own, moved);
+        for (int part = 0; WIDE * part < count && !pressed; part++) {
+            wide change[W] = {{0.0}};
+            follow_by_inputs(count, own, WIDE * part, change);
+            follow_move(element, change, moved + part);
+        }
+    }
+    follow_clamp(rod, end);
+    for (int part = 0; WIDE * part < count; part++) follow_from_clamp(end, moved + part, by_variants[0] + WIDE * part);
+}
