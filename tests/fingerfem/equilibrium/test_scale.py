@@ -104,7 +104,7 @@ lines = 8
 def test_elements_of_a_finger_of_5_mm_and_of_one_of_1_m_give_the_same_figures(tmp_path):
     lengths = 5e-3, 1.0  # [m]
     small, large = (trained(length, tmp_path / str(length)) for length in lengths)
-    assert large.force_error == pytest.approx(small.force_error, rel=1e-3)
+    assert large.expected_error == pytest.approx(small.expected_error, rel=1e-3)
     found = []
     for rod, length in zip((small, large), lengths, strict=True):
         unit = C1 * (0.2 * length) ** 2
