@@ -66,29 +66,25 @@ class Candidates:
         base = own.law(own_degree)  # whole: the lines that correct it are not those that it was fitted to
         return replace(base, polynomial=base.polynomial.plus(found.polynomial))
 
-    def with_variants(self, degree: float, without: int | None = None) -> ElementLaw:
+    def with_variants(self, degree: float) -> ElementLaw:
         """The law of a weighted degree, and by how much those without a group of lines deviate from it.
 
         Those of a corrected law are both varied at once; what corrects it is one more variant, times REMAINING.
-
-        Args:
-            degree: the degree.
-            without: a fold of lines that all are fitted without.
         """
-        folds = [k for k in range(self.equations.folds) if k != without]
+        folds = list(range(self.equations.folds))
         groups, positions = [folds[k::VARIANTS] for k in range(min(VARIANTS, len(folds)))], self._positions(degree)
-        deviations = self.equations.deviations(positions, groups, POSE, _left_out(without))
+        deviations = self.equations.deviations(positions, groups, POSE)
         if self.corrected is not None:
             own, own_degree = self.corrected
             base = own.with_variants(own_degree).deviations
             assert base is not None
             few = base.coefficients.shape[1] - deviations.coefficients.shape[1]  # of fewer lines there are fewer groups
             padded = replace(deviations, coefficients=np.pad(deviations.coefficients, [(0, 0), (0, few)]))
-            correction = self.equations.fit(positions, _left_out(without))
+            correction = self.equations.fit(positions)
             remaining = replace(correction, coefficients=REMAINING * correction.coefficients[:, :POSE])
             deviations = Polynomial.together([base.plus(padded), remaining])
         single = deviations.coefficients.astype(np.float32).astype(float)  # as a file and compiled code hold them
-        return replace(self.law(degree, without), deviations=replace(deviations, coefficients=single))
+        return replace(self.law(degree), deviations=replace(deviations, coefficients=single))
 
     def _law(self, polynomial: Polynomial) -> ElementLaw:
         return ElementLaw(

@@ -104,24 +104,21 @@ class NormalEquations:
         coefficients = np.ascontiguousarray(cho_solve(factor, right[chosen]))  # as a file holds them: the same sums
         return Polynomial(lower=self.lower, upper=self.upper, powers=self.powers[chosen], coefficients=coefficients)
 
-    def deviations(
-        self, chosen: np.ndarray, groups: Sequence[Collection[int]], values: int, left_out: Collection[int] = ()
-    ) -> Polynomial:
+    def deviations(self, chosen: np.ndarray, groups: Sequence[Collection[int]], values: int) -> Polynomial:
         """How fits without a group of folds deviate from that of all: their squares add up to its variance.
 
         That is the jackknife's, (V - 1) / V times the sum of squares of V groups (R. G. Miller, Biometrika 61, 1974).
 
         Args:
             chosen: positions of the products, shape (j,).
-            groups: V of them, that make up all folds which are not left out.
+            groups: V of them, that make up all folds.
             values: number of functions m, the first ones.
-            left_out: folds that all fits are without.
 
         Returns:
             of V m values: those of the first group first.
         """
-        whole, share = self.fit(chosen, left_out), np.sqrt((len(groups) - 1) / len(groups))
-        fits = [self.fit(chosen, [*left_out, *group]).coefficients for group in groups]
+        whole, share = self.fit(chosen), np.sqrt((len(groups) - 1) / len(groups))
+        fits = [self.fit(chosen, group).coefficients for group in groups]
         return replace(whole, coefficients=np.hstack([share * (one - whole.coefficients)[:, :values] for one in fits]))
 
     def _sums(self, left_out: Collection[int]) -> tuple[np.ndarray, np.ndarray]:

@@ -75,9 +75,9 @@ class Training:
             shorter[own] = marched.shortenings
         return places, turned, shorter
 
-    def laws(self, degrees: dict[str, float], without: int | None = None) -> dict[str, ElementLaw]:
-        """The laws of all kinds, with their variants, without a fold of lines."""
-        return {kind: one.with_variants(degrees[kind], without) for kind, one in self.kinds.items()}
+    def laws(self, degrees: dict[str, float]) -> dict[str, ElementLaw]:
+        """The laws of all kinds, with their variants."""
+        return {kind: one.with_variants(degrees[kind]) for kind, one in self.kinds.items()}
 
     def _law(self, piece: Piece, degree: float, without: int) -> ElementMap:
         key = piece.kind, degree, without

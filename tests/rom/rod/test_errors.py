@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from rom import TouchedSegment
+from rom.elements.calibration import force_deviations
+from rom.elements.contact_error import relative_force_errors
 from rom.elements.law import POSE
+from rom.elements.march import march
+from rom.elements.training import train
 from rom.rod.objects import facing_plane
 from rom.rod.rod import QUANTITIES, Rod
 from tests.rom.elements import elastic_rod
@@ -112,3 +116,22 @@ def test_a_longer_finger_has_larger_errors_as_they_act_with_a_lever(finger):
         for length in (0.040, 0.060, 0.090)
     ]
     assert 1.3 * errors[0] < errors[1] < errors[2] / 1.3
+
+
+@pytest.mark.parametrize("lines", [5, 8])
+def test_estimates_of_elements_of_few_lines_cover_other_states(lines):
+    """Variants of what is left of few lines deviate far more than those of all: they must not scale estimates."""
+    taught, asked = elastic_rod.states(lines, 11), elastic_rod.states(20, 12)
+    elements = train(taught, {})
+    own = Rod(elements=elements, scene=taught.scene)
+    t, pressed = asked.tensions, asked.forces > 0
+    marched = march(own.segments[0].elements, asked.inputs[:, :t], asked.inputs[:, t:])
+    inside = marched.inside.all(axis=1)
+    off = np.linalg.norm(marched.plate[0] - asked.plate.places, axis=1)
+    moved = np.linalg.norm(marched.deviations[:, :3], axis=(1, 2))
+    tips = elements.error_factor("tip") * np.hypot(moved, np.sqrt(3) * own.floors.place)
+    forces = relative_force_errors(asked, *marched.plate)
+    estimates = force_deviations(asked, marched.deviations, own.floors) * elements.error_factor("contact_force")
+    some = inside & pressed
+    assert inside.sum() > 30 and some.sum() > 20
+    assert np.mean(off[inside] <= tips[inside]) >= 0.9 and np.mean(forces[some] <= estimates[some]) >= 0.9
