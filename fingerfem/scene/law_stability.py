@@ -16,7 +16,6 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 # Principal stretches between which a law has to be stable [-]. The draft finger, bent by 100 N on one tendon, has
 # 0.72 to 1.15. A state beyond may be past the law's stability; then no equilibrium is found, or it is not stable.
@@ -29,6 +28,7 @@ MODES = {
     "planar": (np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), (SHORTEST, 1 / SHORTEST)),
 }
 STEPS, ITERATIONS, SETTLED = 40, 50, 1e-14  # along a path; of Newton's method for what is free, and its last step [-]
+HALVINGS = 40  # of the step in which stability is lost
 EQUAL = 1e-5  # principal strains that differ by less count as equal [-]
 
 
@@ -85,7 +85,10 @@ def loss(constants: Constants, mode: str) -> float | None:
         for x in np.linspace(0.0, np.log(end), STEPS + 1)[1:]:
             left, ahead = along(x, lateral)
             if not left > 0:
-                lost.append(brentq(lambda y, start=lateral: along(y, start)[0], before, x))
+                for _ in range(HALVINGS):  # past the loss there may be no free strain, and so no margin
+                    middle = (before + x) / 2
+                    before, x = (middle, x) if along(middle, lateral)[0] > 0 else (before, middle)
+                lost.append(x)
                 break
             before, lateral = x, ahead
     return float(np.exp(min(lost, key=abs))) if lost else None

@@ -99,7 +99,7 @@ def displacements(rod: Rod, elements: list[Placed], points: np.ndarray) -> np.nd
     found = np.empty_like(points)
     for x in np.unique(points[:, 0]):
         own, one = points[:, 0] == x, _at(elements, x)
-        if one.at - x <= one.half:
+        if one.half and one.at - x <= one.half:
             seen = points[own] - [one.at, 0.0, 0.0]
         else:
             shares = np.prod(1 + CORNERS * points[own, None, 1:] / half, axis=2) / 4

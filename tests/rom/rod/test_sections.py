@@ -81,3 +81,14 @@ def test_sections_of_a_pressed_finger_end_at_its_tip_and_are_rotations():
 def test_a_position_that_is_none_of_the_finger_is_refused(at):
     with pytest.raises(ModelError, match=r"at must lie between clamp and tip, 0 to 0\.05 m, got"):
         TouchedSegment.load().rod.sections([0.0, 0.0], at=at)
+
+
+def test_the_surface_goes_on_from_element_to_element():
+    """At a section between elements it is as deformed as beside it."""
+    finger, half = TouchedSegment.load().rod, 0.005
+    ends = np.cumsum([piece.length for piece in finger.pieces[0][::-1]])[:-1]
+    corners = [
+        [x + off, y, z] for x in ends for off in (-1e-7, 0.0, 1e-7) for y in (-half, half) for z in (-half, half)
+    ]
+    moved = finger.displacement([60.0, 20.0], points=corners).reshape(len(ends), 3, 4, 3)
+    assert np.abs(moved[:, 1] - moved[:, 0]).max() < 3e-5 and np.abs(moved[:, 2] - moved[:, 1]).max() < 3e-5
