@@ -54,7 +54,7 @@ def train(
         snapshots: the set.
         options: of the separation.
         coarse: a set of the same finger on a coarser mesh, which the first then corrects.
-        progress: is told how far it is.
+        progress: called with the step, how much of it is done, and how much it is.
 
     Raises:
         SnapshotError: a held-out set, or no state with an answer, or none that touches the plane; or sets
@@ -125,7 +125,7 @@ def train_rod(
         snapshots: the set.
         provenance: what it is.
         finer: states on a finer mesh: pressed ones correct its elements, those before the plane enlarge estimates.
-        progress: is told how far it is.
+        progress: called with the step, how much of it is done, and how much it is.
 
     Raises:
         SnapshotError: a held-out set, too few lines, or sets of another finger, or on no finer mesh.
@@ -141,7 +141,7 @@ def train_rod(
         raise ValueError(f"finer must be one set of pressed states at most, got {len(pressed)}")
     sections = read_section_states(snapshots)
     corrects = read_section_states(pressed[0], sections.at) if pressed else None
-    provenance = provenance | ({"corrected_by": error_model.told_by(pressed[0])} if pressed else {})
+    provenance = provenance | ({"corrected_by": error_model.origin_of(pressed[0])} if pressed else {})
     finger = Rod(elements=training.train(sections, provenance, progress, corrects), scene=sections.scene)
     return error_model.rod_with_mesh_error(finger, before_plane) if before_plane else finger
 

@@ -168,7 +168,7 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
     found, estimated = model.evaluate(points), model.evaluate(points).error_parts["surrogate"]
     out = model.outputs(points)
     if model.has_obstacle and (out[:, answer.FORCE] > 0).sum() < FEWEST:
-        raise SnapshotError(f"{finer.path}: must have {FEWEST} states that touch, or nothing tells what forces err by")
+        raise SnapshotError(f"{finer.path}: must have {FEWEST} states that touch, to estimate the error of forces")
     left = {name: np.maximum(off - estimated[name], 0.0) for name, off in differences(model, finer).items()}
     size = np.linalg.norm(found.tip, axis=1)
     shares: dict[str, Any] = dict.fromkeys(PLACES, 0.0)
@@ -185,7 +185,7 @@ def with_mesh_error(model: Surrogate, finer: SnapshotSet) -> Surrogate:
     return replace(
         model,
         errors=replace(model.errors, mesh=MeshError(**shares)),
-        provenance=model.provenance | {"mesh_error": told_by(finer)},
+        provenance=model.provenance | {"mesh_error": origin_of(finer)},
     )
 
 
@@ -209,16 +209,14 @@ def rod_with_mesh_error(rod: Rod, finer: Sequence[SnapshotSet]) -> Rod:
             ratios[name].append(off[name][own] / answers.error[name][own])
     together = {name: np.concatenate(parts) for name, parts in ratios.items()}
     if len(together["contact_force"]) < FEWEST:
-        raise SnapshotError(
-            f"{finer[0].path}: must have {FEWEST} states that touch, or nothing tells what forces err by"
-        )
+        raise SnapshotError(f"{finer[0].path}: must have {FEWEST} states that touch, to estimate the error of forces")
     factors = {name: rod.elements.error_factor(name) * max(covered(found), 1.0) for name, found in together.items()}
-    provenance = rod.elements.provenance | {"mesh_error": [told_by(one) for one in finer]}
+    provenance = rod.elements.provenance | {"mesh_error": [origin_of(one) for one in finer]}
     return replace(rod, elements=replace(rod.elements, provenance=provenance, error_factors=factors))
 
 
-def told_by(finer: SnapshotSet) -> dict[str, Any]:
-    """Which states told what a mesh errs by."""
+def origin_of(finer: SnapshotSet) -> dict[str, Any]:
+    """Which states the error of a mesh is estimated from."""
     mesh = finer.description.scene["mesh"]
     used = {"set": finer.description.held_out_id, "states": finer.states - len(finer.failures)}
     return used | {key: mesh[key] for key in ("cells", "order")}

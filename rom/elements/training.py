@@ -129,8 +129,8 @@ def train(
 
     Args:
         states: the states.
-        provenance: what they are from.
-        progress: is told how far it is.
+        provenance: of the states.
+        progress: called with the step, how much of it is done, and how much it is.
         finer: states of the same finger on a finer mesh, at the same cross-sections, which correct the elements.
 
     Raises:

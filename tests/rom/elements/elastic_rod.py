@@ -47,6 +47,21 @@ def scene(length: float = LENGTH, offsets: np.ndarray = TWO) -> dict[str, Any]:
     }
 
 
+def similar(size: float, modulus: float) -> dict[str, Any]:
+    """A scene of the rod at another size and modulus, over the first one's; forces go with modulus times size^2."""
+    one, force = scene(), modulus * size**2
+    material = one["material"]
+    tendons = [
+        tendon | {"offset": [size * part for part in tendon["offset"]], "tension": [0.0, MOST_TENSION * force]}
+        for tendon in one["tendons"]
+    ]
+    return one | {
+        "geometry": {"side": SIDE * size, "segments": [LENGTH * size], "plate": PLATE * size, "channel": None},
+        "material": material | {"C1": material["C1"] * modulus, "D1": material["D1"] / modulus},
+        "tendons": tendons,
+    }
+
+
 def in_series(*lengths: float) -> dict[str, Any]:
     """A scene of several segments; both tendons pass all of them."""
     one = scene()

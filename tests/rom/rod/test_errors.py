@@ -87,19 +87,7 @@ def test_estimates_cover_states_that_no_element_was_trained_on(finger):
 
 @pytest.mark.parametrize(("size", "modulus"), [(2.0, 1.0), (0.5, 10.0)])
 def test_errors_of_a_similar_finger_are_similar(finger, size, modulus):
-    scene, force = elastic_rod.scene(), modulus * size**2
-    scene["geometry"] = {
-        "side": elastic_rod.SIDE * size,
-        "segments": [elastic_rod.LENGTH * size],
-        "plate": elastic_rod.PLATE * size,
-        "channel": None,
-    }
-    material = scene["material"]
-    scene["material"] = material | {"C1": material["C1"] * modulus, "D1": material["D1"] / modulus}
-    scene["tendons"] = [
-        one | {"offset": [size * part for part in one["offset"]], "tension": [0.0, elastic_rod.MOST_TENSION * force]}
-        for one in scene["tendons"]
-    ]
+    scene, force = elastic_rod.similar(size, modulus), modulus * size**2
     one = before_plane(finger)
     obstacle = facing_plane(elastic_rod.SIDE * size, (0.0, 0.1 * size))
     other = TouchedSegment(rod=finger.assembled(scene), obstacle=obstacle)
@@ -121,17 +109,17 @@ def test_a_longer_finger_has_larger_errors_as_they_act_with_a_lever(finger):
 @pytest.mark.parametrize("lines", [5, 8])
 def test_estimates_of_elements_of_few_lines_cover_other_states(lines):
     """Variants of what is left of few lines deviate far more than those of all: they must not scale estimates."""
-    taught, asked = elastic_rod.states(lines, 11), elastic_rod.states(20, 12)
-    elements = train(taught, {})
-    own = Rod(elements=elements, scene=taught.scene)
-    t, pressed = asked.tensions, asked.forces > 0
-    marched = march(own.segments[0].elements, asked.inputs[:, :t], asked.inputs[:, t:])
+    trained_on, held_out = elastic_rod.states(lines, 11), elastic_rod.states(20, 12)
+    elements = train(trained_on, {})
+    own = Rod(elements=elements, scene=trained_on.scene)
+    t, pressed = held_out.tensions, held_out.forces > 0
+    marched = march(own.segments[0].elements, held_out.inputs[:, :t], held_out.inputs[:, t:])
     inside = marched.inside.all(axis=1)
-    off = np.linalg.norm(marched.plate[0] - asked.plate.places, axis=1)
+    off = np.linalg.norm(marched.plate[0] - held_out.plate.places, axis=1)
     moved = np.linalg.norm(marched.deviations[:, :3], axis=(1, 2))
     tips = elements.error_factor("tip") * np.hypot(moved, np.sqrt(3) * own.floors.place)
-    forces = relative_force_errors(asked, *marched.plate)
-    estimates = force_deviations(asked, marched.deviations, own.floors) * elements.error_factor("contact_force")
+    forces = relative_force_errors(held_out, *marched.plate)
+    estimates = force_deviations(held_out, marched.deviations, own.floors) * elements.error_factor("contact_force")
     some = inside & pressed
     assert inside.sum() > 30 and some.sum() > 20
     assert np.mean(off[inside] <= tips[inside]) >= 0.9 and np.mean(forces[some] <= estimates[some]) >= 0.9

@@ -66,19 +66,7 @@ def test_a_tendon_that_is_left_out_must_have_been_trained_from_0_newton(finger):
 @pytest.mark.parametrize("size", [0.3, 2.0, 6.0])
 @pytest.mark.parametrize("modulus", [0.01, 0.1, 10.0])
 def test_a_finger_of_another_size_and_modulus_is_similar(finger, size, modulus):
-    force, scene = modulus * size**2, elastic_rod.scene()
-    scene["geometry"] = {
-        "side": elastic_rod.SIDE * size,
-        "segments": [0.050 * size],
-        "plate": elastic_rod.PLATE * size,
-        "channel": None,
-    }
-    material = scene["material"]
-    scene["material"] = material | {"C1": material["C1"] * modulus, "D1": material["D1"] / modulus}
-    scene["tendons"] = [
-        one | {"offset": [size * part for part in one["offset"]], "tension": [0.0, elastic_rod.MOST_TENSION * force]}
-        for one in scene["tendons"]
-    ]
+    force, scene = modulus * size**2, elastic_rod.similar(size, modulus)
     inputs = elastic_rod.pressed(4, 9)
     one = elastic_rod.placed(finger, inputs)
     two = elastic_rod.placed(finger.assembled(scene), inputs * np.repeat([force, force * size], [5, 3]))
