@@ -7,8 +7,8 @@ if TYPE_CHECKING:
     from rom.native.answer import Answer
     from rom.rod.backed_segment import BackedSegment
     from rom.rod.friction.history import friction_history
-    from rom.rod.object_search import find_object
-    from rom.rod.objects import Cylinder, Hull, Plane, Sphere, box
+    from rom.rod.objects.search import find_object
+    from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
     from rom.rod.rod import Rod
     from rom.rod.touched_segment import TouchedSegment
     from rom.surrogate import Surrogate
@@ -18,14 +18,14 @@ _HOMES = {
     "Answer": "rom.native.answer",
     "BackedSegment": "rom.rod.backed_segment",
     "Rod": "rom.rod.rod",
-    "Cylinder": "rom.rod.objects",
-    "Hull": "rom.rod.objects",
-    "Plane": "rom.rod.objects",
-    "Sphere": "rom.rod.objects",
+    "Cylinder": "rom.rod.objects.shapes",
+    "Hull": "rom.rod.objects.shapes",
+    "Plane": "rom.rod.objects.shapes",
+    "Sphere": "rom.rod.objects.shapes",
     "Surrogate": "rom.surrogate",
     "TouchedSegment": "rom.rod.touched_segment",
-    "box": "rom.rod.objects",
-    "find_object": "rom.rod.object_search",
+    "box": "rom.rod.objects.shapes",
+    "find_object": "rom.rod.objects.search",
     "friction_history": "rom.rod.friction.history",
 }
 __all__ = [

@@ -79,7 +79,7 @@ def build(
         with steps() as progress:
             finger = train_rod(snapshots, origin(snapshots), list(finer_sets), progress)
         finger = finger if states is None else finger.with_accuracy(check_rod(finger, states))
-        check_expected(finger.expected_error, output, force)
+        check_expected(finger.errors.contact_force, output, force)
         finger.save(output)
         show(rod_summary(finger), finger.tables(), as_json)
     if not force and coarse is None and snapshots.description.scene.get("coarse"):

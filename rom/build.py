@@ -20,7 +20,7 @@ import numpy as np
 from rom import error_model
 from rom.components import Errors
 from rom.elements import training
-from rom.elements.section_states import read_section_states
+from rom.elements.samples.section_states import read_section_states
 from rom.file_kinds import uses_of
 from rom.fit import displacement
 from rom.fit.chebyshev import CALM, NOISE

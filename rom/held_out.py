@@ -13,7 +13,7 @@ import numpy as np
 
 from rom.error_statistics import mean_size, norm, statistics
 from rom.file_kinds import uses_of
-from rom.rod.objects import facing_plane
+from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.snapshots import mesh_transfer

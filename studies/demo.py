@@ -37,7 +37,7 @@ from control.model import Model
 from fingerfem import FingerModel, State, load_scene
 from fingerfem.full_order_plant import FullOrderPlant
 from fingerfem.output.pictures import Deformed, draw
-from rom.elements.section_states import read_section_states
+from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
 from rom.export.page import write as write_page
 from rom.held_out import before_plane, check_plane

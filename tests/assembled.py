@@ -1,7 +1,7 @@
 """Fingers of the bundled one's elements: in other units, exact by similarity of sizes and forces, and of segments."""
 
 from rom import Rod, TouchedSegment
-from rom.rod.objects import facing_plane
+from rom.rod.objects.shapes import facing_plane
 from rom.rod.scene_of_rod import MODULI
 
 

@@ -178,7 +178,7 @@ class Simulation:
             self.step()
             if self.data.time > self._looked + LOOKING - half:
                 self._looked = self.data.time
-                self.rubbed |= self.rubber_gaps() < [one.rod.skin_error for one in self.fingers]
+                self.rubbed |= self.rubber_gaps() < [one.rod.errors.surface for one in self.fingers]
 
     def rubber_gaps(self) -> np.ndarray:
         """Least distance of every finger's rubber from what is no finger's rubber, shape (fingers,) [m].

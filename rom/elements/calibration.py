@@ -10,7 +10,7 @@ import numpy as np
 from rom.brief import brief
 from rom.elements.contact_error import gap_by_force, relative_force_changes, relative_force_errors
 from rom.elements.march import march
-from rom.elements.section_states import SectionStates
+from rom.elements.samples.section_states import SectionStates
 
 if TYPE_CHECKING:
     from rom.elements.training import Training

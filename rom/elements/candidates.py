@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
-from rom.elements.index_set import chosen, index_set
 from rom.elements.law import POSE, ElementLaw, combined
-from rom.elements.regression import NormalEquations
-from rom.elements.samples import Samples
-from rom.elements.symmetry import Mirror, mirrors
-from rom.elements.tension_map import TensionMap, of_scene
+from rom.elements.regression import NormalEquations, chosen, index_set
+from rom.elements.samples.element_samples import Samples
+from rom.elements.samples.symmetry import Mirror, mirrors
+from rom.elements.samples.tension_map import TensionMap, of_scene
 from rom.fit.chebyshev import Polynomial
 from rom.snapshots.grid import levels
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rom.elements.section_states import SectionStates
+from rom.elements.samples.section_states import SectionStates
 
 
 def relative_force_errors(states: SectionStates, places: np.ndarray, rotations: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rom.elements.contact_error import relative_force_errors
-from rom.elements.section_states import read_section_states
+from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import best_degrees, prepare
 from rom.snapshots.plan import Round
 from rom.snapshots.snapshot_set import SnapshotSet

@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 
 from rom.elements.candidates import Candidates, rows_of, weights_of
-from rom.elements.index_set import chosen
 from rom.elements.law import ElementLaw
-from rom.elements.regression import NormalEquations
-from rom.elements.samples import Samples
-from rom.elements.symmetry import mirrors
-from rom.elements.tension_map import of_scene
+from rom.elements.regression import NormalEquations, chosen
+from rom.elements.samples.element_samples import Samples
+from rom.elements.samples.symmetry import mirrors
+from rom.elements.samples.tension_map import of_scene
 
 DEGREE = 3.0  # weighted degree of a correction [-]
 RIDGE = 1e-2  # of the number of rows, on the diagonal of the normal equations: measured, by lines left out [-]

@@ -13,13 +13,12 @@ import numpy as np
 
 from rom.brief import brief
 from rom.elements.candidates import box, weights_of
-from rom.elements.index_set import index_set
 from rom.elements.law import combined
-from rom.elements.regression import NormalEquations
-from rom.elements.samples import Samples, own_samples
-from rom.elements.section_states import SectionStates
-from rom.elements.symmetry import Mirror, mirrors
-from rom.elements.tension_map import TensionMap, of_scene
+from rom.elements.regression import NormalEquations, index_set
+from rom.elements.samples.element_samples import Samples, own_samples
+from rom.elements.samples.section_states import SectionStates
+from rom.elements.samples.symmetry import Mirror, mirrors
+from rom.elements.samples.tension_map import TensionMap, of_scene
 from rom.fit.chebyshev import Polynomial
 from rom.snapshots.grid import SHARE, levels
 

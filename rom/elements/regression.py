@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from rom.elements.symmetry import Mirror
+from rom.elements.samples.symmetry import Mirror
 from rom.fit.chebyshev import Polynomial, products
 
 DERIVATIVES = 0.3  # weight of a derivative by an input scaled to [-1, 1], beside a value [-]
@@ -130,3 +130,21 @@ class NormalEquations:
     @property
     def _total(self) -> tuple[np.ndarray, np.ndarray]:
         return self._gram.sum(axis=0), self._right.sum(axis=0)
+
+
+def index_set(weights: np.ndarray, degree: float) -> np.ndarray:
+    """Degrees a of all products with sum_i weights_i a_i <= degree, shape (k, inputs)."""
+    rows, left = [[]], [degree + 1e-9]  # type: list[list[int]], list[float]
+    for weight in weights:
+        grown = [
+            ([*row, power], rest - power * weight)
+            for row, rest in zip(rows, left, strict=True)
+            for power in range(int(rest / weight) + 1)
+        ]
+        rows, left = [row for row, _ in grown], [rest for _, rest in grown]
+    return np.array(sorted(map(tuple, rows)), int).reshape(-1, len(weights))
+
+
+def chosen(powers: np.ndarray, weights: np.ndarray, degree: float) -> np.ndarray:
+    """Positions of the products of a weighted total degree among powers, shape (k, inputs); shape (j,)."""
+    return np.flatnonzero(powers @ weights <= degree + 1e-9)

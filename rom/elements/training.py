@@ -16,7 +16,6 @@ from rom.brief import brief
 from rom.elements.calibration import error_factors, floors_of
 from rom.elements.candidates import STEP, Candidates, candidates
 from rom.elements.contact_error import relative_force_errors
-from rom.elements.cuts import cut, outline_pairs
 from rom.elements.elements import Elements
 from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.march import march
@@ -24,8 +23,9 @@ from rom.elements.mesh_correction import DEGREE, correcting
 from rom.elements.outline import train_outline
 from rom.elements.pieces import Piece, pieces
 from rom.elements.rotation_vectors import angles
-from rom.elements.samples import element_samples
-from rom.elements.section_states import SectionStates
+from rom.elements.samples.cuts import cut, outline_pairs
+from rom.elements.samples.element_samples import element_samples
+from rom.elements.samples.section_states import SectionStates
 from rom.error_statistics import quantiles
 from rom.snapshots.snapshot_set import SnapshotError
 from rom.terminal import Progress, quiet

@@ -17,7 +17,7 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.native.answer import Answer
-from rom.rod.objects import Plane, facing_plane
+from rom.rod.objects.shapes import Plane, facing_plane
 from rom.rod.rod import QUANTITIES
 from rom.rod.touched_segment import TouchedSegment
 

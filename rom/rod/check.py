@@ -10,7 +10,7 @@ from rom.elements.calibration import force_deviations
 from rom.elements.contact_error import relative_force_errors
 from rom.elements.march import march
 from rom.elements.rotation_vectors import angles
-from rom.elements.section_states import read_section_states
+from rom.elements.samples.section_states import read_section_states
 from rom.error_statistics import quantiles
 from rom.rod.rod import Rod
 from rom.snapshots.description import difference
@@ -40,7 +40,7 @@ def check_pressed(rod: Rod, held_out: SnapshotSet) -> dict[str, Any]:
     errors = relative_force_errors(states, centres, rotations)
     shorter = np.array([rod.shortening(row[:t], row[None, t:]) for row in states.inputs]) - states.shortenings[:, -1]
     deviations = march(rod.segments[0].elements, states.inputs[:, :t], states.inputs[:, t:]).deviations
-    estimates = rod.elements.error_factor("contact_force") * force_deviations(states, deviations, rod.floors)
+    estimates = rod.elements.error_factor("contact_force") * force_deviations(states, deviations, rod.errors.floors)
     known = ~np.isnan(errors)
     return {
         "states": len(states.inputs),

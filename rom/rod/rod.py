@@ -16,18 +16,17 @@ from numpy.typing import ArrayLike
 from rom import checked_file
 from rom.brief import brief
 from rom.checked_file import ModelError
-from rom.elements.calibration import Floors, floors_of
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
 from rom.elements.pieces import Piece, pieces
 from rom.native import PickledByFields
-from rom.rod import native, shape
+from rom.rod import native, shape, summary
+from rom.rod.expected_errors import ExpectedErrors, expected_errors
 from rom.rod.limits import check as check_rod
 from rom.rod.native import reports
 from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
-from rom.snapshots.grid import SHARE
-from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters, percent
+from rom.table import Table, as_html
 
 KIND, FORMAT = "fingerfem rod", 2
 PLAIN = ("scene", "accuracy")
@@ -140,49 +139,13 @@ class Rod(PickledByFields):
         """Largest contact force that the elements were trained with [N]."""
         return self.own.force
 
-    @property
-    def expected_error(self) -> float:
-        """Relative error of contact forces in lines that were left out of the training, 95th percentile [-]."""
-        return float(self.elements.provenance["left_out"]["contact_force"]["p95"])
-
-    @property
-    def place_error(self) -> float:
-        """Of the free tip plate, likewise, by the length of the finger [m]."""
-        return float(self.elements.provenance["left_out"]["free_place_m"]["p95"]) * self._lever
-
-    @property
-    def floors(self) -> Floors:
-        """What estimated errors are not below."""
-        place, force = floors_of(self.elements.provenance["left_out"])
-        return Floors(place * self._lever, force)
-
-    @property
-    def _longer(self) -> float:
-        """The finger's length over that of the trained one at its size [-]."""
+    @cached_property
+    def errors(self) -> ExpectedErrors:
+        """What lines that were left out of the training let expect."""
         trained = sum(self.elements.scene["geometry"]["segments"])
-        return float(sum(self.scene["geometry"]["segments"]) / (self.similarity.size * trained))
-
-    @property
-    def _lever(self) -> float:
-        """The finger's length over the trained one's, squared, as errors of turns add up, at this size [-]."""
-        return float(self.similarity.size * max(self._longer, 1.0) ** 2)
-
-    @property
-    def turn_error(self) -> float:
-        """Of the tip plate's orientation, likewise [rad]."""
-        return float(self.elements.provenance["left_out"]["turn_rad"]["p95"]) * max(self._longer, 1.0)
-
-    @property
-    def shortening_error(self) -> float:
-        """Of tendon shortenings, likewise [m]."""
-        found = float(self.elements.provenance["left_out"]["shortening_m"]["p95"])
-        return found * self.similarity.size * max(self._longer, 1.0)
-
-    @property
-    def skin_error(self) -> float:
-        """Of the rubber's surface [m]: that of the outlines, and of the sections' positions, which the tip's bounds."""
+        longer = float(sum(self.scene["geometry"]["segments"]) / (self.similarity.size * trained))
         kinds = {piece.kind for own in self.pieces for piece in own}
-        return max(self.own.outlines[kind].error for kind in kinds) + self.place_error
+        return expected_errors(self.elements, kinds, self.similarity.size, longer)
 
     @cached_property
     def struct(self) -> Any:
@@ -199,13 +162,13 @@ class Rod(PickledByFields):
             "tip_factor": tip,
             "force_factor": force,
             "touch_factor": touch,
-            "touch_error_of_skin": self.skin_error,
-            "place_floor": self.floors.place,
-            "force_floor": self.floors.force,
-            "turn_error": self.turn_error,
-            "shortening_error": self.shortening_error,
+            "touch_error_of_skin": self.errors.surface,
+            "place_floor": self.errors.floors.place,
+            "force_floor": self.errors.floors.force,
+            "turn_error": self.errors.turn,
+            "shortening_error": self.errors.shortening,
         }
-        return native.chain_struct([one.struct for one in self.segments], own, self.rest, self.skin_error, errors)
+        return native.chain_struct([one.struct for one in self.segments], own, self.rest, self.errors.surface, errors)
 
     def place(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> Plates:
         """Where the plates are.
@@ -297,28 +260,7 @@ class Rod(PickledByFields):
 
     def tables(self) -> list[Table | str]:
         """For people: its segments, tendons, and how well its elements predict what was left out."""
-        left_out = self.elements.provenance["left_out"]
-        rows = [
-            [str(k + 1), f"{1e3 * length:g}", ", ".join(kind for kind, _ in reversed(own))]
-            for k, (length, own) in enumerate(zip(self.scene["geometry"]["segments"], self.pieces, strict=True))
-        ]
-        force, free = left_out["contact_force"], left_out["free_place_m"]
-        measured = accuracy(self.accuracy)
-        finer = ", on a finer mesh than that of the training" if "corrected_by" in self.elements.provenance else ""
-        return [
-            f"{self.scene['name']}: a rod of {sum(map(len, self.pieces))} elements, "
-            f"trained on {self.elements.scene['name']}"
-            + "".join(
-                f", {name} x {factor:g}"
-                for name, factor in zip(("size", "modulus"), self.similarity[:2], strict=True)
-                if abs(factor - 1) > SHARE
-            ),
-            Table(header=["segment", "length [mm]", "elements from the clamp"], rows=rows),
-            parameters(self.parameters),
-            f"lines left out{finer}: contact force within {percent(force['p95'])} (95 %), "
-            f"median {percent(force['median'])}; free tip within {1e6 * free['p95']:.3g} µm",
-            *(measured if measured else [NOT_MEASURED]),
-        ]
+        return summary.tables(self)
 
     def _repr_html_(self) -> str:
         return as_html(self.tables())

@@ -19,7 +19,7 @@ from rom.rod import native
 from rom.rod.native import SEGMENT, Touched
 from rom.rod.native.reports import QUATERNION
 from rom.rod.native.told import tells
-from rom.rod.objects import Object, facing_plane
+from rom.rod.objects.shapes import Object, facing_plane
 from rom.rod.report import Report
 from rom.rod.rod import QUANTITIES, Rod
 from rom.rod.shape import Sections

@@ -10,7 +10,7 @@ import numpy as np
 
 from fingerfem import load_scene
 from rom import TouchedSegment
-from rom.elements.section_states import read_section_states
+from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
 from rom.held_out import differences
 from rom.rod.rod import Rod

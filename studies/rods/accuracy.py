@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from rom.elements import rotation_vectors
-from rom.elements.cuts import cut
-from rom.elements.samples import element_samples
-from rom.elements.section_states import SectionStates, read_section_states
+from rom.elements.samples.cuts import cut
+from rom.elements.samples.element_samples import element_samples
+from rom.elements.samples.section_states import SectionStates, read_section_states
 from rom.error_statistics import quantiles
 from rom.rod.check import check_pressed
 from rom.rod.rod import Rod

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from rom.rod.objects import Cylinder, Hull, Object, Plane, Sphere, box
+from rom.rod.objects.shapes import Cylinder, Hull, Object, Plane, Sphere, box
 
 Table = dict[str, Any]
 

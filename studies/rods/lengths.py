@@ -61,7 +61,7 @@ def compared(trained: Rod, lengths: tuple[float, ...], plates: tuple[int, ...] |
         "most_tensions": upper.tolist(),
         **{f"{kind}_um": quantiles(np.array(off)) for kind, off in tips.items()},
         **counts,
-        "expected_um": 1e6 * finger.place_error,
+        "expected_um": 1e6 * finger.errors.position,
     }
 
 

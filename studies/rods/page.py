@@ -10,7 +10,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from control import Finger
 from rom import Rod, Sphere, TouchedSegment
-from rom.rod.objects import Object
+from rom.rod.objects.shapes import Object
 from studies.runner import DOCS
 
 BALL, HEIGHT, MOUNTED, FORCE = 0.014, 0.048, 0.024, 1.0  # its radius, height, the fingers' circle [m]; to hold [N]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from rom.elements.section_states import read_section_states
+from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
 from rom.rod.rod import Rod
 from rom.snapshots.snapshot_set import SnapshotSet

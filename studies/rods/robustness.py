@@ -8,7 +8,7 @@ from collections import Counter
 import numpy as np
 
 from rom import Rod, TouchedSegment, friction_history
-from rom.rod.objects import facing_plane
+from rom.rod.objects.shapes import facing_plane
 from studies.rods.scattered_objects import DISTANCE, SHAPES, placed, tensions
 from studies.runner import Run
 
@@ -33,7 +33,7 @@ def verdicts(finger: Rod, shape: str, count: int) -> dict:
             found["slips"] += 1
         elif answer.inside[0]:
             found["answered"] += 1
-        elif answer.rubber_gaps[0] < finger.skin_error:
+        elif answer.rubber_gaps[0] < finger.errors.surface:
             found["rubber"] += 1
         else:
             found["beyond"] += 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rom import Cylinder, Plane, Rod, Sphere, TouchedSegment
-from rom.rod.objects import Object
+from rom.rod.objects.shapes import Object
 from studies.rods.full_order import Table, obstacle, random_box
 
 LEANING = 0.1  # most of a normal's component along the plate's axis: beyond, the rubber touches first [-]

@@ -13,7 +13,7 @@ from rom import Surrogate, TouchedSegment
 from rom.native import EVALUATION, forms
 from rom.native import pointer as numbers
 from rom.rod import native
-from rom.rod.objects import facing_plane
+from rom.rod.objects.shapes import facing_plane
 from studies.runner import Run
 
 MOVED = 1e-4  # [m]: of the plane, for warm starts

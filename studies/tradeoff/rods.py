@@ -13,9 +13,9 @@ import numpy as np
 from control import campaign
 from fingerfem import load_scene
 from rom import Rod, TouchedSegment
-from rom.elements.section_states import read_section_states
+from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
-from rom.rod.objects import facing_plane
+from rom.rod.objects.shapes import facing_plane
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.summaries import origin
 from studies import sets
@@ -94,7 +94,7 @@ def row(sets_: Sets, one: RodTraining) -> dict:
         "solve_us": solves["mean_us"],
         "solves_failed": solves["failed"],
         "marked": int(np.sum(~inside)),
-        "expected": finger.expected_error,
+        "expected": finger.errors.contact_force,
         "total": truth.against(points, force, fields, nodes, one.mesh.order) | {"held_force": truth.held(model)},
     }
 

@@ -7,9 +7,9 @@ from farm import ROOT, run
 from control import Finger
 from rom import BackedSegment, Sphere, Surrogate, TouchedSegment
 from rom.checked_file import ModelError
-from rom.elements.section_states import read_section_states
+from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
-from rom.rod.objects import facing_plane
+from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import Rod
 from rom.snapshots.snapshot_set import SnapshotSet
 
@@ -39,7 +39,7 @@ def test_what_the_map_knows_is_the_map_s_all_else_the_surrogate_s(backed, touche
     points = lower + np.random.default_rng(0).random((500, 3)) * (upper - lower)
     known = touched.answers(points)
     answer, behind = backed.evaluate(points), surrogate.evaluate(points)
-    rubber = known.rubber_gaps < touched.rod.skin_error
+    rubber = known.rubber_gaps < touched.rod.errors.surface
     assert 0.05 < np.mean(~known.inside) < 0.9 and rubber.any()
     assert answer.inside[known.inside].all() and (answer.inside == known.inside | behind.inside).all()
     force = np.where(known.inside, known.out[:, 3], behind.contact_force)

@@ -15,7 +15,7 @@ import rom
 from control import Finger, Gripper, Limits, SimulatedPlant
 from rom import BackedSegment, Rod, Surrogate, TouchedSegment
 from rom.brief import brief
-from rom.rod.objects import box
+from rom.rod.objects.shapes import box
 from rom.rod.touched_segment import SHIPPED
 
 MANY = (

@@ -13,7 +13,7 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.rod.friction.contact_law import OPEN, SLIDES
 from rom.rod.friction.increment import Loads, Resting, advance, free
-from rom.rod.objects import Cylinder, Plane, Sphere
+from rom.rod.objects.shapes import Cylinder, Plane, Sphere
 from rom.rod.touched_segment import ContactForce, TouchedSegment
 
 HALVINGS = 8  # of an increment that finds no equilibrium, or one too far away
@@ -178,5 +178,5 @@ def _is_known(model: TouchedSegment, state: Resting) -> bool:
     there = replace(model, obstacle=replace(model.obstacle, centre=tuple(model.obstacle.centre + state.loads.moved)))
     gap = there.rubber_gap(point, state.wrenches)
     return bool(state.placed.inside and (point >= lower).all() and (point <= upper).all()) and not (
-        gap < model.rod.skin_error
+        gap < model.rod.errors.surface
     )

@@ -8,9 +8,9 @@ from farm import run
 
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
-from rom.elements.section_states import read_section_states
+from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
-from rom.rod.objects import Plane
+from rom.rod.objects.shapes import Plane
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.snapshots.snapshot_set import SnapshotSet
@@ -104,7 +104,7 @@ lines = 8
 def test_elements_of_a_finger_of_5_mm_and_of_one_of_1_m_give_the_same_figures(tmp_path):
     lengths = 5e-3, 1.0  # [m]
     small, large = (trained(length, tmp_path / str(length)) for length in lengths)
-    assert large.expected_error == pytest.approx(small.expected_error, rel=1e-3)
+    assert large.errors.contact_force == pytest.approx(small.errors.contact_force, rel=1e-3)
     found = []
     for rod, length in zip((small, large), lengths, strict=True):
         unit = C1 * (0.2 * length) ** 2

@@ -64,4 +64,4 @@ def test_a_force_is_held_by_an_answer_that_is_inside(model):
     assert motion.status == "converged"
     answer = touched.evaluate([*motion.tensions, 0.010])
     assert answer.inside and answer.contact_force == pytest.approx(1.0, abs=1e-6)
-    assert touched.rod.skin_error < 0.5e-3  # 2.4 mm where lines were corners: all answers counted as touching rubber
+    assert touched.rod.errors.surface < 0.5e-3  # 2.4 mm where lines were corners: all answers touched rubber

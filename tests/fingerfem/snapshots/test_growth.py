@@ -53,7 +53,7 @@ def test_what_is_expected_covers_what_held_out_states_find(scene, grown, tmp_pat
     finger = Rod.load(tmp_path / "finger.h5")
     found = check_pressed(finger, SnapshotSet(tmp_path / "held-out"))["contact_force"]["p95"]
     assert 0.1 * expected < found < expected  # lines are dense at the box's walls, where fits are worst
-    assert finger.expected_error == pytest.approx(expected)
+    assert finger.errors.contact_force == pytest.approx(expected)
 
 
 def test_it_is_the_same_set_whoever_solves_it_and_a_smaller_error_goes_on(scene, grown, tmp_path):

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from rom.elements.section_states import Bodies, SectionStates
+from rom.elements.samples.section_states import Bodies, SectionStates
 from rom.rod.rod import Rod
 
 LENGTH, PLATE, SIDE, YOUNG, OFFSET = 0.050, 0.001, 0.010, 1.1e7, 0.004

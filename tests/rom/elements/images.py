@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from rom.elements.samples import Samples
-from rom.elements.symmetry import Mirror
+from rom.elements.samples.element_samples import Samples
+from rom.elements.samples.symmetry import Mirror
 
 
 def image(mirror: Mirror, samples: Samples) -> Samples:

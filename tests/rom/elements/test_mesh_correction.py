@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rom.elements import section_states, training
+from rom.elements import training
 from rom.elements.calibration import COVERED, conformal
-from rom.elements.section_states import Bodies, SectionStates
+from rom.elements.samples import section_states
+from rom.elements.samples.section_states import Bodies, SectionStates
 from rom.rod.rod import Rod
 from tests.rom.elements import elastic_rod
 

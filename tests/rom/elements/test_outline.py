@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rom.elements.outline import CORNERS, outline_samples
-from rom.elements.symmetry import mirrors
+from rom.elements.samples.symmetry import mirrors
 from tests.rom.elements import elastic_rod
 
 HALF = elastic_rod.SIDE / 2

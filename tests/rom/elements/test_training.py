@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from rom.elements import rotation_vectors, training
-from rom.elements.cuts import END, LONGEST, cut
 from rom.elements.regression import NormalEquations
-from rom.elements.samples import element_samples
-from rom.elements.section_states import Bodies
-from rom.elements.symmetry import mirrors
+from rom.elements.samples.cuts import END, LONGEST, cut
+from rom.elements.samples.element_samples import element_samples
+from rom.elements.samples.section_states import Bodies
+from rom.elements.samples.symmetry import mirrors
 from rom.snapshots.snapshot_set import SnapshotError
 from tests.rom.elements import elastic_rod
 from tests.rom.elements.images import image

@@ -16,7 +16,7 @@ from rom.__main__ import app
 from rom.checked_file import ModelError
 from rom.export.c_header import export, header
 from rom.rod.native import memory_of
-from rom.rod.objects import Cylinder, Sphere, box, facing_plane
+from rom.rod.objects.shapes import Cylinder, Sphere, box, facing_plane
 from rom.rod.rod import QUANTITIES
 from rom.rod.touched_segment import SHIPPED, TouchedSegment
 

@@ -11,7 +11,7 @@ from rom.elements.contact_error import relative_force_errors
 from rom.elements.law import POSE
 from rom.elements.march import march
 from rom.elements.training import train
-from rom.rod.objects import facing_plane
+from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import QUANTITIES, Rod
 from tests.rom.elements import elastic_rod
 
@@ -58,7 +58,7 @@ def test_errors_are_what_fingers_of_the_variants_differ_by(finger, scene):
     answers, out = model.evaluate(at), model.outputs(at)
     moved = np.array([before_plane(variant(own, v, SHARE)).outputs(at) - out for v in range(count)]) / SHARE
     slopes = np.array([model.jacobian(point)[3, 2] for point in at])
-    floors, factor = own.floors, own.elements.error_factor
+    floors, factor = own.errors.floors, own.elements.error_factor
     wanted = {
         "tip": np.sqrt(np.sum(moved[:, :, :3] ** 2, axis=(0, 2)) + 3 * floors.place**2),
         "contact_force": np.sqrt(
@@ -117,9 +117,11 @@ def test_estimates_of_elements_of_few_lines_cover_other_states(lines):
     inside = marched.inside.all(axis=1)
     off = np.linalg.norm(marched.plate[0] - held_out.plate.places, axis=1)
     moved = np.linalg.norm(marched.deviations[:, :3], axis=(1, 2))
-    tips = elements.error_factor("tip") * np.hypot(moved, np.sqrt(3) * own.floors.place)
+    tips = elements.error_factor("tip") * np.hypot(moved, np.sqrt(3) * own.errors.floors.place)
     forces = relative_force_errors(held_out, *marched.plate)
-    estimates = force_deviations(held_out, marched.deviations, own.floors) * elements.error_factor("contact_force")
+    estimates = force_deviations(held_out, marched.deviations, own.errors.floors) * elements.error_factor(
+        "contact_force"
+    )
     some = inside & pressed
     assert inside.sum() > 30 and some.sum() > 20
     assert np.mean(off[inside] <= tips[inside]) >= 0.9 and np.mean(forces[some] <= estimates[some]) >= 0.9

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment, box
 from rom.rod import native
-from rom.rod.objects import Object
+from rom.rod.objects.shapes import Object
 from tests.rom.elements import elastic_rod as rod
 
 TOUCHED = 1e-11  # [m]

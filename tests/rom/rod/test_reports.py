@@ -8,7 +8,7 @@ from rom import TouchedSegment
 from rom.elements import rotation_vectors
 from rom.elements.march import march
 from rom.rod.native import reports
-from rom.rod.objects import Sphere, facing_plane
+from rom.rod.objects.shapes import Sphere, facing_plane
 
 TENSIONS, DEPTH = (20.0, 6.0), 0.001  # [N], [m]
 STEPS = np.array([1e-3, 1e-3, 1e-6])  # of two tensions [N] and d [m]

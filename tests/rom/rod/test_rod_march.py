@@ -13,7 +13,7 @@ from rom.native import SEGMENT
 from rom.rod import limits, native
 from rom.rod.inverse_map import InverseMap
 from rom.rod.native.arrangement import BLOCK, POSE
-from rom.rod.objects import Plane
+from rom.rod.objects.shapes import Plane
 from tests.rom.elements import laws
 
 HALF = np.array([0.0005, laws.SIDE / 2, laws.SIDE / 2])

@@ -5,7 +5,7 @@ import pytest
 
 from control import Finger
 from rom.checked_file import ModelError
-from rom.rod.objects import Object, Plane, Sphere, box, facing_plane
+from rom.rod.objects.shapes import Object, Plane, Sphere, box, facing_plane
 from rom.rod.touched_segment import TouchedSegment
 from tests.rom.elements import elastic_rod as rod
 from tests.rom.rod.plates import touch_of_plates

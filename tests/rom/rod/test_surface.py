@@ -104,9 +104,9 @@ def test_a_finger_of_another_size_is_noticed_as_early_by_its_size(finger):
     scene["geometry"] = {"side": size * 0.010, "segments": [size * 0.050], "plate": size * PLATE, "channel": None}
     scene["tendons"] = [one | {"offset": [size * part for part in one["offset"]]} for one in scene["tendons"]]
     larger = finger.assembled(scene)
-    assert larger.skin_error == pytest.approx(size * finger.skin_error)
+    assert larger.errors.surface == pytest.approx(size * finger.errors.surface)
     errors = [law.error for law in finger.own.outlines.values()]
-    assert finger.struct.skin_error == finger.skin_error == max(errors) + finger.place_error > 0
+    assert finger.struct.skin_error == finger.errors.surface == max(errors) + finger.errors.position > 0
     inputs = 0.5 * elastic_rod.pressed(1, 4)[3]
     force = size**2
     one = sections(finger.struct, inputs[:2], inputs[2:])[0]

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from control import Finger
 from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment, box
 from rom.rod import native
-from rom.rod.objects import facing_plane
+from rom.rod.objects.shapes import facing_plane
 from tests.rom.elements import elastic_rod as rod
 from tests.rom.rod.plates import touch_of_plates
 

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from rom.brief import brief
-from rom.elements.tension_map import TensionMap
+from rom.elements.samples.tension_map import TensionMap
 from rom.snapshots.grid import SHARE
 
 

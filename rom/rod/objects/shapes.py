@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from rom.brief import brief
-from rom.rod.polyhedron import polyhedron
+from rom.rod.objects.polyhedron import polyhedron
 
 Vector = tuple[float, float, float]
 

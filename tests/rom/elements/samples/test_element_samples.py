@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rom.elements import rotation_vectors
-from rom.elements.samples import element_samples
-from rom.elements.section_states import Bodies
-from rom.elements.symmetry import mirrors
+from rom.elements.samples.element_samples import element_samples
+from rom.elements.samples.section_states import Bodies
+from rom.elements.samples.symmetry import mirrors
 from tests.rom.elements import elastic_rod
 from tests.rom.elements.images import image
 

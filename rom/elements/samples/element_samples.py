@@ -8,7 +8,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.elements import rotation_vectors
-from rom.elements.section_states import SectionStates
+from rom.elements.samples.section_states import SectionStates
 
 POSE = 6  # numbers of an element's pose: place [m], Rodrigues vector [-]
 

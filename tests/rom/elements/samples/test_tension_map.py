@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rom.elements.symmetry import mirrors
-from rom.elements.tension_map import RESULTANTS, of_scene, tension_map
+from rom.elements.samples.symmetry import mirrors
+from rom.elements.samples.tension_map import RESULTANTS, of_scene, tension_map
 from tests.rom.elements import elastic_rod
 
 DIAGONAL = np.array([[3.0, 3.0], [3.0, -3.0], [-3.0, 3.0], [-3.0, -3.0]]) * 1e-3

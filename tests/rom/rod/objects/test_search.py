@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rom import Sphere, TouchedSegment, find_object
-from rom.rod.objects import facing_plane
+from rom.rod.objects.shapes import facing_plane
 from tests.rom.elements import elastic_rod as rod
 
 # Which bend the finger so far to the side that the ball meets its plate's front edge, its face and its sides.

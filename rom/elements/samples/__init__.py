@@ -1,0 +1,1 @@
+"""From full-order states to samples of elements: sections, cuts, images, and the combinations of tensions."""

@@ -1,0 +1,59 @@
+"""The errors a finger is expected to have: those of lines left out of the training, at its size and length."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from rom.brief import brief
+from rom.elements.calibration import Floors, floors_of
+from rom.elements.elements import Elements
+
+
+@brief
+@dataclass(frozen=True, kw_only=True)
+class ExpectedErrors:
+    """95th percentiles of errors in lines that were left out of the training.
+
+    An error of a turn acts with the distance to the tip as its lever: a finger longer than the trained one has larger
+    errors, the turn's by the ratio of the lengths, the position's by its square.
+
+    Attributes:
+        contact_force: relative [-].
+        position: of the free tip plate [m].
+        turn: of the tip plate's orientation [rad].
+        shortening: of tendons [m].
+        surface: of the rubber's surface, that of its outlines and of the sections' positions [m].
+        floors: what estimated errors are not below.
+    """
+
+    contact_force: float
+    position: float
+    turn: float
+    shortening: float
+    surface: float
+    floors: Floors
+
+
+def expected_errors(elements: Elements, kinds: Iterable[str], size: float, longer: float) -> ExpectedErrors:
+    """Those of a finger.
+
+    Args:
+        elements: as they were trained.
+        kinds: of the finger's elements.
+        size: the finger's over the trained one's [-].
+        longer: the finger's length over the trained one's at this size [-].
+    """
+    left_out = elements.provenance["left_out"]
+    longer = max(longer, 1.0)
+    lever = size * longer**2
+    place, force = floors_of(left_out)
+    position = float(left_out["free_place_m"]["p95"]) * lever
+    return ExpectedErrors(
+        contact_force=float(left_out["contact_force"]["p95"]),
+        position=position,
+        turn=float(left_out["turn_rad"]["p95"]) * longer,
+        shortening=float(left_out["shortening_m"]["p95"]) * size * longer,
+        surface=max(size * elements.outlines[kind].error for kind in kinds) + position,
+        floors=Floors(place * lever, force),
+    )

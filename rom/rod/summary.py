@@ -1,0 +1,37 @@
+"""A finger in tables for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rom.snapshots.grid import SHARE
+from rom.table import NOT_MEASURED, Table, accuracy, parameters, percent
+
+if TYPE_CHECKING:
+    from rom.rod.rod import Rod
+
+
+def tables(rod: Rod) -> list[Table | str]:
+    """For people: its segments, tendons, and how well its elements predict what was left out."""
+    left_out = rod.elements.provenance["left_out"]
+    rows = [
+        [str(k + 1), f"{1e3 * length:g}", ", ".join(kind for kind, _ in reversed(own))]
+        for k, (length, own) in enumerate(zip(rod.scene["geometry"]["segments"], rod.pieces, strict=True))
+    ]
+    force, free = left_out["contact_force"], left_out["free_place_m"]
+    measured = accuracy(rod.accuracy)
+    finer = ", on a finer mesh than that of the training" if "corrected_by" in rod.elements.provenance else ""
+    return [
+        f"{rod.scene['name']}: a rod of {sum(map(len, rod.pieces))} elements, "
+        f"trained on {rod.elements.scene['name']}"
+        + "".join(
+            f", {name} x {factor:g}"
+            for name, factor in zip(("size", "modulus"), rod.similarity[:2], strict=True)
+            if abs(factor - 1) > SHARE
+        ),
+        Table(header=["segment", "length [mm]", "elements from the clamp"], rows=rows),
+        parameters(rod.parameters),
+        f"lines left out{finer}: contact force within {percent(force['p95'])} (95 %), "
+        f"median {percent(force['median'])}; free tip within {1e6 * free['p95']:.3g} µm",
+        *(measured if measured else [NOT_MEASURED]),
+    ]
