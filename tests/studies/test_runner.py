@@ -115,6 +115,16 @@ def test_an_edit_of_one_folder_leaves_parts_that_do_not_measure_with_it(study, m
     assert changed == {"rows", "unlisted"}
 
 
+def test_an_import_that_moves_leaves_a_page_fresh_and_any_other_line_does_not(study):
+    code = study / "own.py"
+    code.write_text("from rom.one import (\n    a,\n)\n\nLENGTH = 1.0\n")
+    before = runner.page_hash("lengths")
+    code.write_text("from rom.other.one import (\n    b,\n)\n\nLENGTH = 1.0\n")
+    assert runner.page_hash("lengths") == before
+    code.write_text("from rom.other.one import (\n    b,\n)\n\nLENGTH = 2.0\n")
+    assert runner.page_hash("lengths") != before
+
+
 def test_numbers_are_written_for_people():
     assert [runner.percent(share) for share in (0.5, 0.0123, 1.0)] == ["50 %", "1.2 %", "100 %"]
     assert [runner.number(value) for value in (12345, 0.0123456, None)] == ["12,345", "0.0123", "-"]
