@@ -1,4 +1,4 @@
-"""rom: separated surrogates from snapshots (numpy, scipy, h5py, cffi; no DOLFINx)."""
+"""rom: reduced models of fingers from snapshots (numpy, scipy, h5py, cffi; no DOLFINx)."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
     from rom.rod.rod import Rod
     from rom.rod.touched_segment import TouchedSegment
+    from rom.specialisation import specialise
     from rom.surrogate import Surrogate
 
 # Where each is.
@@ -27,6 +28,7 @@ _HOMES = {
     "box": "rom.rod.objects.shapes",
     "find_object": "rom.rod.objects.search",
     "friction_history": "rom.rod.friction.history",
+    "specialise": "rom.specialisation",
 }
 __all__ = [
     "Answer",
@@ -41,6 +43,7 @@ __all__ = [
     "box",
     "find_object",
     "friction_history",
+    "specialise",
 ]
 
 

@@ -1,4 +1,4 @@
-"""python3 -m rom build | assemble | check | info | export | page."""
+"""python3 -m rom build | assemble | specialise | check | info | export | page."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def build(
     from rom.build import train
     from rom.error_model import calibrated, covering_training, expected_error, with_mesh_error
     from rom.held_out import accuracy, check, check_against, check_finer
-    from rom.separation.alternating_directions import EnrichmentOptions
+    from rom.separated.alternating_directions import EnrichmentOptions
 
     if tolerance is None:
         expected = snapshots.description.scene.get("expected") or {}
@@ -168,6 +168,36 @@ def assemble(
     finger = Rod.load(trained).assembled(scene)
     finger.save(output)
     show(rod_summary(finger), finger.tables(), as_json)
+
+
+@app.command()
+def specialise(
+    model: ModelFile,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="TABLE.h5")],
+    distances: Annotated[
+        tuple[float, float] | None,
+        typer.Option(metavar="LOW HIGH", help="Range of d [m]; from a fiftieth to 0.62 of the length by default."),
+    ] = None,
+    nodes: Annotated[int, typer.Option(min=4, max=200, help="Nodes of every axis.")] = 32,
+    terms: Annotated[int, typer.Option(min=1, max=10_000, help="Most products of one separated form.")] = 100,
+    as_json: AsJson = False,
+) -> None:
+    """Separate a finger of elements before the plane y = side/2 + d: a table that answers in a microsecond."""
+    from rom.separated.alternating_directions import EnrichmentOptions
+    from rom.specialisation import TOLERANCE
+    from rom.specialisation import specialise as specialised
+
+    check_folder(output)
+    finger = TouchedSegment.load(model)
+    length = finger.obstacle.distances[1]
+    low, high = distances or (length / 50, 0.62 * length)
+    if not 0 <= low < high <= length:
+        raise ValueError(f"distances must be two from 0 to {length:g} m, the smaller one first, got {low:g} {high:g}")
+    finger = replace(finger, obstacle=replace(finger.obstacle, distances=(low, high)))
+    with steps() as progress:
+        table = specialised(finger, nodes, EnrichmentOptions(tolerance=TOLERANCE, terms=terms), progress=progress)
+    table.save(output)
+    show(summary(table), table.tables(), as_json)
 
 
 @app.command("check")

@@ -30,7 +30,7 @@ from rom.fit.free_response import FreeResponse
 from rom.fits import Fits, separated_fits
 from rom.held_out import check_finer
 from rom.rod.rod import Rod
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots import mesh_transfer
 from rom.snapshots.contact_regimes import Code
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet

@@ -13,7 +13,7 @@ from rom.brief import brief
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.fit.layout import RegimeLayout
 from rom.fit.mesh_error import MeshError
-from rom.separation.separated_form import Separated
+from rom.separated.separated_form import Separated
 from rom.snapshots.contact_regimes import Code
 
 HEIGHTS = 0.01  # share of a tolerance that free tip and heights are kept to

@@ -16,8 +16,8 @@ from rom.fit.displacement import FINER, FittedDisplacement
 from rom.fit.free_response import FreeResponse
 from rom.fit.layout import OUTPUTS, RegimeLayout
 from rom.fit.regime_fit import FittedRegime
-from rom.separation.alternating_directions import EnrichmentOptions
-from rom.separation.separate import separated
+from rom.separated.alternating_directions import EnrichmentOptions
+from rom.separated.separate import separated
 from rom.snapshots.contact_regimes import describe
 from rom.terminal import Progress
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from rom.checked_file import require
 from rom.components import Components
-from rom.separation.separated_form import Separated
+from rom.separated.separated_form import Separated
 
 MOST_PARAMETERS, MOST_REGIMES = 9, 64  # as in native/kernel.h
 MOST_TERMS = 1 << 16  # of a form: with these, places in memory are counted in 32 bits

@@ -15,7 +15,7 @@ from rom.checked_file import ModelError
 from rom.components import Components, Errors, Field, Regime
 from rom.fit.contact_coordinates import ContactCoordinates
 from rom.fit.mesh_error import MeshError
-from rom.separation.separated_form import Separated
+from rom.separated.separated_form import Separated
 
 KIND, FORMAT = "fingerfem surrogate", 4
 HERMITE = "hermite"  # one-dimensional functions; cubic splines of older files are stored as these

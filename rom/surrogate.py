@@ -19,7 +19,7 @@ from rom.fit import layout
 from rom.native import EVALUATION, PickledByFields, answer
 from rom.native.answer import Answer
 from rom.native.forms import values
-from rom.separation.separated_form import tables
+from rom.separated.separated_form import tables
 from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters
 
 logger = logging.getLogger(__name__)

@@ -10,7 +10,7 @@ import numpy as np
 from rom.native import EVALUATION, SEGMENT, Library
 from rom.rod.native import ENDS
 from rom.rod.touched_segment import TouchedSegment
-from rom.separation.separated_form import tables
+from rom.separated.separated_form import tables
 from rom.snapshots.grid import SHARE, SINGLE, levels
 from rom.surrogate import Surrogate
 

@@ -38,6 +38,7 @@ void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *
         const double touch_distance = out[FINGERFEM_TOUCH] = heights[fingerfem_leading(heights, corners)];
         inside[i] &= (uint8_t)fingerfem_hold_distance(kernel, points, touch_distance, held);
         if (!(held[p - 1] < touch_distance)) continue;
+        inside[i] &= (uint8_t)fingerfem_is_known(kernel, held, touch_distance);
         regimes[i] = fingerfem_regime(kernel, held, heights, touch_distance, work);
         add_contact_values(kernel, regimes[i], held, heights[kernel->corners[regimes[i]]], work, out);
     }

@@ -163,6 +163,12 @@ static inline int fingerfem_lookup_cell(const fingerfem_kernel *kernel, const do
     return found;
 }
 
+/* Whether anything is known at a point in contact. */
+static inline int fingerfem_is_known(const fingerfem_kernel *kernel, const double *point, double touch_distance)
+{
+    return kernel->possible[fingerfem_lookup_cell(kernel, point, touch_distance)] != 0;
+}
+
 /* Contact-aligned coordinates, (parameters), of a corner with this touch height, see rom/fit/contact_coordinates.py. */
 static inline void fingerfem_coordinates(const fingerfem_kernel *kernel, const double *point, double height,
                                          double *coordinates)
@@ -299,6 +305,7 @@ FINGERFEM_API int fingerfem_answer(const fingerfem_kernel *kernel, const double 
         fingerfem_gradient(tables, 0, FINGERFEM_HEIGHTS + leading, slopes, jacobian + p * FINGERFEM_TOUCH);
         inside &= fingerfem_hold_distance(kernel, point, heights[leading], held);
         if (held[p - 1] < heights[leading]) {
+            inside &= fingerfem_is_known(kernel, held, heights[leading]);
             const int regime = fingerfem_regime(kernel, held, heights, heights[leading], work);
             const int corner = kernel->corners[regime];
             fingerfem_gradient(tables, 0, FINGERFEM_HEIGHTS + corner, slopes, rising);

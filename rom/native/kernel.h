@@ -44,7 +44,7 @@ typedef struct {
     const int32_t *begins;          /* (regimes): whether the regime begins at touch */
     const double *sizes;            /* (regimes, most_conditions): what a condition is large or small against */
     const uint8_t *lookup;          /* regime to begin with, by cell of lookup_cells along every parameter */
-    const uint64_t *possible;       /* regimes that are possible there, a bit each */
+    const uint64_t *possible;       /* regimes that are possible there, a bit each; none: nothing is known there */
     double nearest, softening;      /* of the contact path: nearest plane, and what keeps it smooth [m] */
 } fingerfem_kernel;
 #endif

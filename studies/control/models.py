@@ -9,7 +9,7 @@ from rom import Surrogate, TouchedSegment
 from rom.build import train
 from rom.error_model import calibrated
 from rom.rod.objects.shapes import facing_plane
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from studies.runner import Run
 from studies.surrogate import accuracy
 

@@ -12,8 +12,8 @@ import numpy as np
 from rom.build import train
 from rom.fit.chebyshev import Samples, fit
 from rom.held_out import FELT
-from rom.separation.alternating_directions import EnrichmentOptions, compose, separate
-from rom.separation.separated_form import Separated
+from rom.separated.alternating_directions import EnrichmentOptions, compose, separate
+from rom.separated.separated_form import Separated
 from rom.snapshots.folder import create
 from rom.snapshots.schema import FIELDS
 from rom.snapshots.snapshot_set import SnapshotSet, read_task, write_task

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from control import Finger
 from control.motion import Motion
 from rom.build import train
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.surrogate import Surrogate
 from studies import sets
 from studies.extremes.verdicts import Refused, Row, judged

@@ -9,7 +9,7 @@ import h5py
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
 from rom.build import train
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import read_task
 from rom.surrogate import Surrogate
 from studies import sets

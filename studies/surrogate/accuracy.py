@@ -9,7 +9,7 @@ import numpy as np
 from rom.build import train
 from rom.error_model import calibrated
 from rom.held_out import check, split
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
 from studies import sets

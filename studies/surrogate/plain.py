@@ -8,8 +8,8 @@ from rom.fit import chebyshev
 from rom.fit.contact_response import ContactResponse, count_regimes
 from rom.fit.free_response import FreeResponse
 from rom.held_out import FELT, split
-from rom.separation.separate import separated
-from rom.separation.separated_form import Separated
+from rom.separated.separate import separated
+from rom.separated.separated_form import Separated
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.snapshots.training_states import read_training_states
 from studies.measures import quantiles

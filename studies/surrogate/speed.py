@@ -10,7 +10,7 @@ import numpy as np
 from rom.build import train
 from rom.native import answer
 from rom.native.forms import values_and_gradients
-from rom.separation.separated_form import Separated
+from rom.separated.separated_form import Separated
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
 from studies.measures import call_times, random_points

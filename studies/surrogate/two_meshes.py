@@ -10,7 +10,7 @@ from pathlib import Path
 from rom.build import train
 from rom.error_model import calibrated
 from rom.held_out import check, split
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotSet
 from studies import sets
 from studies.runner import Run

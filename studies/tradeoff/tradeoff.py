@@ -17,7 +17,7 @@ from control import Finger, campaign
 from control.model import Model
 from rom.build import train
 from rom.held_out import FELT
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
 from studies import sets

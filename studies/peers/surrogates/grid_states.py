@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 
 from rom.build import train
 from rom.held_out import FELT, split
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.surrogate import Surrogate
 from studies import sets

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from rom.build import train
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.snapshots.training_states import read_training_states
 from studies import sets

@@ -11,7 +11,7 @@ from rom import Surrogate
 from rom.build import train
 from rom.export.c_header import header
 from rom.held_out import check
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
 AREA = 0.001 * 0.010  # [m^2]

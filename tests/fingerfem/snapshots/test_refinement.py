@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 
 from rom.build import train
 from rom.refinement.responses import contact_outputs, contact_response
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.plan import Plan
 from rom.snapshots.snapshot_set import SnapshotSet, read_description, read_task, task_file, write_task
 

@@ -5,7 +5,7 @@ import pytest
 from farm import ROOT, run
 
 from rom.build import train
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotSet
 from studies.extremes.data import as_it_is, rewritten
 

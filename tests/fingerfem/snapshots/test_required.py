@@ -9,7 +9,7 @@ from farm import run
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
 from rom.build import train
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import SnapshotSet, read_task
 from studies.kinds import forms_of
 from studies.sets import as_toml

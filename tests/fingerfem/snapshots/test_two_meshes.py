@@ -10,7 +10,7 @@ from farm import ROOT, run
 from rom.build import train
 from rom.error_model import with_mesh_error
 from rom.held_out import check, check_against
-from rom.separation.alternating_directions import EnrichmentOptions
+from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.mesh_transfer import interpolation
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.surrogate import Surrogate

@@ -1,21 +1,41 @@
-"""A fitted polynomial -> its separated form, on the part of its box where states were."""
+"""A function on a grid, or a fitted polynomial on the part of its box where states were, to its separated form."""
 
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from rom.fit.chebyshev import Polynomial
-from rom.separation.alternating_directions import EnrichmentOptions, compose, separate, slopes
-from rom.separation.separated_form import Separated
+from rom.separated.alternating_directions import EnrichmentOptions, compose, separate, slopes
+from rom.separated.separated_form import Separated
 
 logger = logging.getLogger(__name__)
 
 GRID = 3_500  # points of the grid on which it is separated, about
 FEWEST_NODES, MOST_NODES = 7, 21  # nodes of an axis
 NEAR = 1.5  # steps of the grid that a state is known around itself, at least in one axis
+
+
+class Samples(NamedTuple):
+    """A function of p variables with m values, sampled at the n nodes of a tensor grid.
+
+    Attributes:
+        axes: even nodes of every variable, shapes (n_a,).
+        values: at all nodes, the last axis fastest, shape (n, m).
+        gradient: by the variables, shape (n, m, p).
+        known: nodes that count, shape (n,); at least one in every plane of nodes.
+        sizes: what every value is large or small against, shape (m,), in its unit.
+    """
+
+    axes: Sequence[np.ndarray]
+    values: np.ndarray
+    gradient: np.ndarray
+    known: np.ndarray
+    sizes: np.ndarray
 
 
 def separated(
@@ -35,8 +55,6 @@ def separated(
         options: of the separation.
         alike: whether its m values have one unit and keep their proportions; else each counts by its own size.
         weights: how much every value counts, shape (m,) [-]; alike if left out.
-
-    Its numbers are those that single precision holds: a model file need not store more, see rom.model_file.
     """
     p = len(polynomial.lower)
     count = int(np.clip(GRID ** (1 / max(p, 1)), FEWEST_NODES, MOST_NODES))
@@ -45,27 +63,44 @@ def separated(
     axes = [np.linspace(low, high, count) for low, high in zip(polynomial.lower, polynomial.upper, strict=True)]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, p)
     known = _around(points, grid, polynomial, count)
-    values, gradient = polynomial.value_and_gradient(grid)
-    size = np.abs(values[known]).max(axis=0) if not alike else np.full(values.shape[1], np.abs(values[known]).max())
-    size[size == 0] = 1.0
-    size = size if weights is None else size / weights
-    shape = (-1, *[count] * p)
+    samples = Samples(
+        axes, *polynomial.value_and_gradient(grid), known, _sizes(polynomial.value(grid[known]), alike, weights)
+    )
+    form = separated_samples(samples, options)
+    if form.errors[-1] > options.tolerance:
+        logger.warning("%s", _too_few(name, form.terms, float(form.errors[-1]), options))
+    return form
+
+
+def separated_samples(samples: Samples, options: EnrichmentOptions) -> Separated:
+    """Separate a function that is sampled at the nodes of a grid.
+
+    Its numbers are those that single precision holds: a model file need not store more, see rom.model_file.
+    """
+    shape = (-1, *[len(axis) for axis in samples.axes])
 
     def tensor(columns: np.ndarray) -> np.ndarray:
-        return np.where(known, (columns / size).T, np.nan).reshape(shape)
+        return np.where(samples.known, (columns / samples.sizes).T, np.nan).reshape(shape)
 
-    factors, errors = separate(tensor(values), options)
-    if errors[-1] > options.tolerance:
-        logger.warning("%s", _too_few(name, len(errors), float(errors[-1]), options))
+    values = tensor(samples.values)
+    factors, errors = separate(values, options)
+    by_axis = (tensor(samples.gradient[..., a]) for a in range(len(samples.axes)))
     return Separated(
-        lower=polynomial.lower,
-        upper=polynomial.upper,
-        lost=_single(_lost(tensor(values), factors) * size),
+        lower=np.array([axis[0] for axis in samples.axes]),
+        upper=np.array([axis[-1] for axis in samples.axes]),
+        lost=_single(_lost(values, factors) * samples.sizes),
         factors=[_single(factor) for factor in factors[1:]],
-        slopes=[_single(slopes(factors, tensor(gradient[..., a]), a + 1)) for a in range(p)],
-        modes=_single(size[:, None] * factors[0]),
+        slopes=[_single(slopes(factors, one, a + 1)) for a, one in enumerate(by_axis)],
+        modes=_single(samples.sizes[:, None] * factors[0]),
         errors=_single(errors),
     )
+
+
+def _sizes(values: np.ndarray, alike: bool, weights: np.ndarray | None) -> np.ndarray:
+    """What each of m values, shape (n, m), is large or small against, shape (m,)."""
+    size = np.abs(values).max(axis=0) if not alike else np.full(values.shape[1], np.abs(values).max())
+    size[size == 0] = 1.0
+    return size if weights is None else size / weights
 
 
 def _too_few(name: str, terms: int, error: float, options: EnrichmentOptions) -> str:

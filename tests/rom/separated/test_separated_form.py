@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rom.separation.separated_form import Separated
+from rom.separated.separated_form import Separated
 
 
 @pytest.fixture(params=[1, 2, 3, 4])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rom.separation.alternating_directions import EnrichmentOptions, compose, separate, slopes
+from rom.separated.alternating_directions import EnrichmentOptions, compose, separate, slopes
 
 
 def of_rank(rank: int, shape: tuple[int, ...], seed: int) -> np.ndarray:

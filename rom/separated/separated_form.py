@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from rom.brief import brief
 from rom.native import EVALUATION, PickledByFields
 from rom.native.forms import AXES, COMPONENTS, MODES, ROW, TERMS, values, values_and_gradients
-from rom.separation import hermite
+from rom.separated import hermite
 
 
 @brief

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rom.separation.hermite import coefficients
+from rom.separated.hermite import coefficients
 
 
 def value(nodes, pieces, x):
-    """Value and derivative at x, by the definition in rom.separation.hermite."""
+    """Value and derivative at x, by the definition in rom.separated.hermite."""
     i = min(max(int(np.searchsorted(nodes, x, side="right")) - 1, 0), len(pieces) - 1)
     step = nodes[i + 1] - nodes[i]
     cubic = np.polynomial.Polynomial(pieces[i][:, 0])

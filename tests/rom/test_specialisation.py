@@ -1,0 +1,105 @@
+"""The table of a finger before one object: like the finger within its estimated errors, marked where the finger is."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from terminal import ROOT
+
+from control import Finger
+from rom import Sphere, TouchedSegment
+from rom.separated.alternating_directions import EnrichmentOptions
+from rom.specialisation import compared, specialise
+from rom.surrogate import Surrogate
+
+NODES = 12
+
+
+@pytest.fixture(scope="module")
+def finger():
+    """The bundled finger before the paper's plane, d from 1 mm."""
+    loaded = TouchedSegment.load()
+    return replace(loaded, obstacle=replace(loaded.obstacle, distances=(0.001, 0.031)))
+
+
+@pytest.fixture(scope="module")
+def table(finger):
+    return specialise(finger, NODES)
+
+
+@pytest.fixture(scope="module")
+def points(finger):
+    lower, upper = finger.limits
+    return lower + np.random.default_rng(77).random((4000, 3)) * (upper - lower)
+
+
+def test_it_is_the_finger_within_its_estimated_errors(table, finger):
+    found = compared(table, finger, np.random.default_rng(5))
+    assert found["contact_force"]["median"] < 0.01 and found["contact_force"]["p95"] < 0.08
+    assert found["tip"]["median"] < 1e-3 and found["touch_distance"]["decided"] > 0.995
+    assert all(found[name]["coverage"] > 0.95 for name in ("tip", "contact_force", "touch_distance"))
+    assert found["contact_force"]["count"] > 10_000
+
+
+def test_more_nodes_and_terms_are_more_accurate(table, finger):
+    fewer = specialise(finger, 6, EnrichmentOptions(tolerance=1e-5, terms=8))
+    assert fewer.accuracy["contact_force"]["median"] > 2 * table.accuracy["contact_force"]["median"]
+
+
+def test_where_the_finger_has_no_answer_the_table_is_marked(table, finger, points):
+    ours, truth = table.evaluate(points), finger.evaluate(points)
+    assert np.mean(ours.inside & ~truth.inside) < 1e-3
+    assert np.mean(ours.inside) > np.mean(truth.inside) - 0.08
+    pressed = ~ours.inside & (ours.contact_force > 0)
+    assert pressed.any() and np.isinf(ours.error["contact_force"][pressed]).all()
+
+
+def test_its_derivatives_are_those_of_its_values(table, points):
+    answers = table.evaluate(points)
+    for point in points[answers.inside & (answers.contact_force > 0.5)][:20]:
+        steps = np.diag([1e-3, 1e-3, 1e-7])
+        ends = [(table.outputs((point + s)[None]) - table.outputs((point - s)[None]))[0] for s in steps]
+        slopes = np.array(ends).T / (2 * np.diag(steps))
+        np.testing.assert_allclose(table.jacobian(point), slopes, rtol=1e-4, atol=1e-5 * np.abs(slopes).max())
+
+
+def test_a_force_that_it_holds_is_the_fingers_own(table, finger):
+    motion = Finger(table).hold(contact_force=1.0, distance=0.010)
+    assert motion.status == "converged"
+    truth = finger.evaluate([*motion.tensions, 0.010])
+    assert truth.inside and abs(truth.contact_force - 1.0) < motion.error
+
+
+def test_a_ball_has_a_table_too_and_its_file_is_the_same_model(finger, tmp_path):
+    ball = Sphere(centre=(0.046, 0.031, 0.001), radius=0.026, direction=(0, 1, 0), distances=(0.001, 0.020))
+    found = specialise(replace(finger, obstacle=ball), NODES)
+    assert found.accuracy["contact_force"]["median"] < 0.03 and found.accuracy["contact_force"]["coverage"] > 0.95
+    found.save(tmp_path / "ball.h5")
+    read, at = Surrogate.load(tmp_path / "ball.h5"), np.array([[60.0, 5.0, 0.004], [30.0, 30.0, 0.012]])
+    assert np.array_equal(read.outputs(at), found.outputs(at))
+
+
+def test_an_object_out_of_reach_and_too_few_nodes_are_refused(finger):
+    with pytest.raises(ValueError, match="object must be in the way"):
+        specialise(replace(finger, obstacle=replace(finger.obstacle, distances=(0.045, 0.05))), 4)
+    with pytest.raises(ValueError, match="nodes must be at least 4, got 3"):
+        specialise(finger, 3)
+
+
+def test_the_command_writes_a_table_that_other_commands_take(tmp_path):
+    def ran(program: str, *words: object) -> subprocess.CompletedProcess[str]:
+        call = [sys.executable, "-m", program, *map(str, words)]
+        return subprocess.run(call, cwd=ROOT, capture_output=True, text=True)
+
+    file = tmp_path / "table.h5"
+    done = ran("rom", "specialise", "rom/finger.h5", "-o", file, "--nodes", "6", "--json")
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert told["parameters"][-1]["lower"] == pytest.approx(0.001) and told["accuracy"]["contact_force"]["count"] > 0
+    held = ran("control", "hold", file, "--distance", "0.0105", "--contact-force", "0.7", "--json")
+    assert json.loads(held.stdout)["status"] == "converged", held.stderr
+    wrong = ran("rom", "specialise", "rom/finger.h5", "-o", file, "--distances", "0.02", "0.01")
+    assert wrong.returncode == 2 and "distances must be two from 0 to 0.05 m" in wrong.stderr
