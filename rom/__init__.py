@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
     from rom.rod.rod import Rod
     from rom.rod.touched_segment import TouchedSegment
-    from rom.specialisation import specialise
+    from rom.specialised.rod_source import specialise
     from rom.surrogate import Surrogate
 
 # Where each is.
@@ -28,7 +28,7 @@ _HOMES = {
     "box": "rom.rod.objects.shapes",
     "find_object": "rom.rod.objects.search",
     "friction_history": "rom.rod.friction.history",
-    "specialise": "rom.specialisation",
+    "specialise": "rom.specialised.rod_source",
 }
 __all__ = [
     "Answer",

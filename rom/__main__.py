@@ -184,8 +184,8 @@ def specialise(
 ) -> None:
     """Separate a finger of elements before the plane y = side/2 + d: a table that answers in a microsecond."""
     from rom.separated.alternating_directions import EnrichmentOptions
-    from rom.specialisation import TOLERANCE
-    from rom.specialisation import specialise as specialised
+    from rom.specialised.rod_source import specialise as specialised
+    from rom.specialised.table import TOLERANCE
 
     check_folder(output)
     finger = TouchedSegment.load(model)

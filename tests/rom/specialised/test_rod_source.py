@@ -12,7 +12,8 @@ from terminal import ROOT
 from control import Finger
 from rom import Sphere, TouchedSegment
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.specialisation import compared, specialise
+from rom.specialised.rod_source import RodSource, specialise
+from rom.specialised.table import compared
 from rom.surrogate import Surrogate
 
 NODES = 12
@@ -37,7 +38,7 @@ def points(finger):
 
 
 def test_it_is_the_finger_within_its_estimated_errors(table, finger):
-    found = compared(table, finger, np.random.default_rng(5))
+    found = compared(table, RodSource(finger).truth(np.random.default_rng(5)))
     assert found["contact_force"]["median"] < 0.01 and found["contact_force"]["p95"] < 0.08
     assert found["tip"]["median"] < 1e-3 and found["touch_distance"]["decided"] > 0.995
     assert all(found[name]["coverage"] > 0.95 for name in ("tip", "contact_force", "touch_distance"))
