@@ -172,32 +172,55 @@ def assemble(
 
 @app.command()
 def specialise(
-    model: ModelFile,
+    source: Annotated[
+        Path, typer.Argument(metavar="FINGER.h5|SET/", help="A finger of elements, or a training set on a grid.")
+    ],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="TABLE.h5")],
     distances: Annotated[
         tuple[float, float] | None,
-        typer.Option(metavar="LOW HIGH", help="Range of d [m]; from a fiftieth to 0.62 of the length by default."),
+        typer.Option(
+            metavar="LOW HIGH", help="Range of d [m] of a finger; from a fiftieth to 0.62 of its length by default."
+        ),
+    ] = None,
+    held_out: Annotated[
+        Path | None, typer.Option(metavar="HELDOUT/", help="Measure the error of a set's table on these states.")
     ] = None,
     nodes: Annotated[int, typer.Option(min=4, max=200, help="Nodes of every axis.")] = 32,
     terms: Annotated[int, typer.Option(min=1, max=10_000, help="Most products of one separated form.")] = 100,
     as_json: AsJson = False,
 ) -> None:
-    """Separate a finger of elements before the plane y = side/2 + d: a table that answers in a microsecond."""
+    """Separate answers before the plane y = side/2 + d, as the paper does: a table that answers in a microsecond."""
     from rom.separated.alternating_directions import EnrichmentOptions
+    from rom.specialised.grid_source import separate_grid
     from rom.specialised.rod_source import specialise as specialised
     from rom.specialised.table import TOLERANCE
 
     check_folder(output)
-    finger = TouchedSegment.load(model)
+    options = EnrichmentOptions(tolerance=TOLERANCE, terms=terms)
+    if source.is_dir():
+        if distances is not None:
+            raise ValueError("distances must be left out for a set, whose scene has a range of d")
+        snapshots = SnapshotSet(source)
+        states = None if held_out is None else held_out_of(snapshots, held_out)
+        with steps() as progress:
+            table = separate_grid(snapshots, nodes, options, held_out=states, progress=progress)
+    else:
+        if held_out is not None:
+            raise ValueError("held-out must be left out for a finger of elements, which a table is compared with")
+        finger = before_plane(TouchedSegment.load(source), distances)
+        with steps() as progress:
+            table = specialised(finger, nodes, options, progress=progress)
+    table.save(output)
+    show(summary(table), table.tables(), as_json)
+
+
+def before_plane(finger: TouchedSegment, distances: tuple[float, float] | None) -> TouchedSegment:
+    """A finger before its plane at distances of a range [m], by default the paper's over its length."""
     length = finger.obstacle.distances[1]
     low, high = distances or (length / 50, 0.62 * length)
     if not 0 <= low < high <= length:
         raise ValueError(f"distances must be two from 0 to {length:g} m, the smaller one first, got {low:g} {high:g}")
-    finger = replace(finger, obstacle=replace(finger.obstacle, distances=(low, high)))
-    with steps() as progress:
-        table = specialised(finger, nodes, EnrichmentOptions(tolerance=TOLERANCE, terms=terms), progress=progress)
-    table.save(output)
-    show(summary(table), table.tables(), as_json)
+    return replace(finger, obstacle=replace(finger.obstacle, distances=(low, high)))
 
 
 @app.command("check")

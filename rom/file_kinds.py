@@ -31,13 +31,21 @@ SURROGATE = Kind(
 ROD = Kind(
     "a finger of rod elements",
     (
-        *("rom info", "rom assemble", "rom check", "rom export .h", "rom export .fmu", "rom page .html"),
+        *(
+            "rom info",
+            "rom assemble",
+            "rom specialise",
+            "rom check",
+            "rom export .h",
+            "rom export .fmu",
+            "rom page .html",
+        ),
         *(*_CONTROL, "fingerfem certify"),
     ),
 )
 AGAIN = "none any more: solve its scene again by fingerfem snapshots SCENE.toml SET/, then rom build SET/ -o FINGER.h5"
 OLD = Kind("a segment map of an earlier version", (AGAIN,))
-TRAINING_SET = Kind("a training set", ("rom build", "rom check", *_SET))
+TRAINING_SET = Kind("a training set", ("rom build", "rom check", "rom specialise", *_SET))
 HELD_OUT_SET = Kind("a held-out set", ("rom check", "rom build --held-out", *_SET))
 SCENE = Kind(
     "a scene", ("fingerfem solve", "fingerfem snapshots", "fingerfem render", "fingerfem sketch", "rom assemble")

@@ -35,6 +35,7 @@ FIRST = 1e-4  # node of s next to touch, where contact is as good as its limit [
 PAST = 0.01  # by how much samples that support the table go past the nearest object [m]
 MARGIN = 1e-3  # share of the range of d: contact paths below which errors do not become smaller
 COVERED = 0.97  # of the calibrating points [-]
+FEW = 0.1  # points in contact a cell, from which on rates are local
 FELT = 0.1  # force below which a relative error says nothing [N]
 MOST_CELLS = 250_000  # of the lookup of what is known
 
@@ -177,7 +178,7 @@ def _free(grid: Grid) -> Samples:
     """Tip and touch distance without contact [m]."""
     out, jacobian = grid.free.out, grid.free.jacobian
     values, gradient = out[:, [0, 1, 2, 4]], jacobian[:, [0, 1, 2, 4], :-1]
-    return Samples(grid.axes[:-1], values, gradient, np.ones(len(values), bool), np.abs(values).max(axis=0))
+    return Samples(grid.axes[:-1], values, gradient, np.ones(len(values), bool), _sizes(values))
 
 
 def _contact(source: Source, grid: Grid) -> Samples:
@@ -207,6 +208,12 @@ def _contact(source: Source, grid: Grid) -> Samples:
     return _continued(grid.axes, values.reshape(*shape, -1), gradient.reshape(*shape, 4, -1), supports.reshape(shape))
 
 
+def _sizes(values: np.ndarray) -> np.ndarray:
+    """Largest of every column, 1 where that is 0: a finger that bends in a plane has no third displacement."""
+    largest = np.abs(values).max(axis=0)
+    return np.where(largest > 0, largest, 1.0)
+
+
 def _continued(axes: Sequence[np.ndarray], values: np.ndarray, gradient: np.ndarray, supports: np.ndarray) -> Samples:
     """Samples on a grid: a node that does not support the table takes the value of the nearest one that does.
 
@@ -215,7 +222,7 @@ def _continued(axes: Sequence[np.ndarray], values: np.ndarray, gradient: np.ndar
     nearest = tuple(distance_transform_edt(~supports, return_distances=False, return_indices=True))
     values, gradient = values[nearest], np.where(supports[..., None, None], gradient, 0.0)
     values, gradient = values.reshape(supports.size, -1), gradient.reshape(supports.size, values.shape[-1], -1)
-    return Samples(axes, values, gradient, np.ones(len(values), bool), np.abs(values).max(axis=0))
+    return Samples(axes, values, gradient, np.ones(len(values), bool), _sizes(values))
 
 
 def with_errors(table: Surrogate, truth: Truth) -> Surrogate:
@@ -258,14 +265,20 @@ def _cells(table: Surrogate, points: np.ndarray, touch: np.ndarray) -> tuple[np.
     lower, upper = table.limits
     shares = (points - lower) / (upper - lower)
     shares[:, -1] = table.coordinates.of(points, touch)[:, -1]
-    index = np.clip((shares * side).astype(int), 0, side - 1)
+    index = np.clip(shares * side, 0, side - 1).astype(int)
     return np.ravel_multi_index(tuple(index.T), (side,) * p), side
 
 
 def _rates(own: np.ndarray, rates: np.ndarray, side: int, p: int) -> np.ndarray:
-    """By cell: the largest rate of it and its neighbours; where there is none, that which COVERED of all are below."""
+    """By cell: the largest rate of it and its neighbours; where there is none, that which COVERED of all are below.
+
+    The latter everywhere, if there are fewer rates than cells: then they do not resolve these.
+    """
+    rest = float(np.quantile(rates, COVERED)) if rates.size else 0.0
+    if len(rates) < FEW * side**p:
+        return np.full(side**p, rest)
     found = _largest_around(own, rates, side, p)
-    return np.where(np.isfinite(found), found, np.quantile(rates, COVERED) if rates.size else 0.0)
+    return np.where(np.isfinite(found), found, rest)
 
 
 def _largest_around(own: np.ndarray, values: np.ndarray, side: int, p: int) -> np.ndarray:

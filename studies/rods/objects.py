@@ -40,7 +40,7 @@ def scattered(run: Run, plan: plans.Plan, shape: str, count: int) -> dict:
         if answer.evaluations[0] < 0:
             counts["no answer"] += 1
             continue
-        if not answer.inside[0]:
+        if not answer.inside[0] or force > plan.force:
             counts["marked"] += 1
             continue
         if force < FELT:

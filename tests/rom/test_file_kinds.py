@@ -39,6 +39,7 @@ COMMANDS = {
     "rom check SET/": ["check", "MODEL", "{}"],
     "rom assemble": ["assemble", "SCENE", "{}", "-o", "OUT/assembled.h5"],
     "rom assemble SCENE": ["assemble", "{}", "FINGER", "-o", "OUT/assembled.h5"],
+    "rom specialise": ["specialise", "{}", "-o", "OUT/table.h5"],
     "rom export .h": ["export", "{}", "OUT/finger.h"],
     "rom export .fmu": ["export", "{}", "OUT/finger.fmu"],
     "rom page .html": ["page", "{}", "-o", "OUT/finger.html"],
@@ -54,6 +55,7 @@ SLOW = (
     "rom build --held-out",
     "rom export .fmu",
     "rom check SET/",
+    "rom specialise",
     "control campaign",
 )  # whose success other tests have
 KINDS = (SURROGATE, ROD, OLD, TRAINING_SET, HELD_OUT_SET, SCENE, FMU, HEADER, PAGE)
