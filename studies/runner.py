@@ -39,6 +39,7 @@ STUDIES = (
     "surrogate",
     "control",
     "tradeoff",
+    "separated",
     "rods",
     "grasping",
     "coverage",

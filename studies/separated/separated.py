@@ -1,0 +1,94 @@
+"""The paper's separated form of two sources: a finger of rod elements, and full-order states on the paper's grid."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rom import TouchedSegment, specialise
+from rom.native.forms import values
+from rom.separated.alternating_directions import EnrichmentOptions
+from rom.separated.separate import Samples, separated_samples
+from rom.specialised.grid_source import separate_grid
+from rom.specialised.rod_source import RodSource
+from rom.specialised.table import FELT, TOLERANCE, Sampled
+from rom.surrogate import Surrogate
+from studies import sets
+from studies.measures import call_times, quantiles, random_points
+from studies.runner import Run
+
+DISTANCES = 0.001, 0.031  # of the plane, as the paper has it [m]
+NODES, TERMS = (8, 16, 32), (25, 100)
+GRIDS, QUICK_GRIDS = (4, 8, 12), (4,)  # nodes of every axis; the paper's 64 snapshots are 4 x 4 x 4
+BATCH = 100_000  # points that are evaluated at once
+STATES = 200  # held-out full-order ones
+
+
+def finger() -> TouchedSegment:
+    """The bundled finger before the paper's plane."""
+    loaded = TouchedSegment.load()
+    return replace(loaded, obstacle=replace(loaded.obstacle, distances=DISTANCES))
+
+
+def row(table: Surrogate, **named: Any) -> dict[str, Any]:
+    """What a table is, and its errors."""
+    points = random_points(table, BATCH)
+    begun = time.perf_counter()
+    table.outputs(points)
+    batch = time.perf_counter() - begun
+    return named | {
+        "terms": table.regimes[0].form.terms,
+        "accuracy": table.accuracy,
+        "bytes": table.bytes,
+        "unknown": float(np.mean(table.possible_regimes == 0)),
+        "query_us": call_times(table.value_and_jacobian, points[:5000])["p50_us"],
+        "values_us": 1e6 * batch / BATCH,
+    }
+
+
+def _tabled(nodes: int, terms: int) -> dict[str, Any]:
+    options = EnrichmentOptions(tolerance=TOLERANCE, terms=terms)
+    return row(specialise(finger(), nodes, options), nodes=nodes, most_terms=terms)
+
+
+def of_the_rod(run: Run) -> list[dict[str, Any]]:
+    """Tables of the bundled finger by nodes and terms."""
+    nodes = NODES[:1] if run.quick else NODES
+    return [run.once(f"{n} nodes, {most} terms", _tabled, n, most) for n in nodes for most in TERMS]
+
+
+def _plain(nodes: int, terms: int) -> dict[str, Any]:
+    """The contact force separated over (F, d), as it is."""
+    source = RodSource(finger())
+    lower, upper = finger().limits
+    axes = [np.linspace(low, high, nodes) for low, high in zip(lower, upper, strict=True)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+    found: Sampled = source.sampled(points)
+    force, by = found.out[:, 3:4], found.jacobian[:, 3:4]
+    samples = Samples(axes, force, by, np.ones(len(points), bool), np.abs(force).max(axis=0))
+    form = separated_samples(samples, EnrichmentOptions(tolerance=TOLERANCE, terms=terms))
+    truth = source.truth(np.random.default_rng(1))
+    felt = truth.inside & (truth.out[:, 3] > FELT)
+    ours = values(form.tables, 0, truth.points[felt])[:, 0]
+    errors = np.abs(ours - truth.out[felt, 3]) / truth.out[felt, 3]
+    return {"nodes": nodes, "terms": form.terms, "contact_force": quantiles(errors)}
+
+
+def without_alignment(run: Run) -> list[dict[str, Any]]:
+    """The same without contact-aligned coordinates."""
+    return [run.once(f"{n} nodes", _plain, n, TERMS[-1]) for n in (NODES[:1] if run.quick else NODES)]
+
+
+def _grid(run: Run, nodes: int) -> dict[str, Any]:
+    snapshots = sets.training(sets.grid_scene(run.sets, nodes, nodes))
+    states = sets.held_out(sets.scene(run.sets, "draft", run.quick), 20 if run.quick else STATES)
+    named = {"nodes": nodes, "states": snapshots.states, "core_seconds": snapshots.core_seconds}
+    return row(separate_grid(snapshots, held_out=states), **named)
+
+
+def of_states(run: Run) -> list[dict[str, Any]]:
+    """Tables of full-order states on grids, the draft finger's, against held-out states."""
+    return [run.once(f"grid of {n}", _grid, run, n) for n in (QUICK_GRIDS if run.quick else GRIDS)]
