@@ -30,7 +30,7 @@ from rom.terminal import Progress, quiet
 
 NODES = 32  # of every axis
 FINER = 0.03  # share of the tolerance that the free answer is separated to: contact begins where it says
-TOLERANCE, TERMS = 1e-5, 100  # of the separation, by default [-]
+TOLERANCE, TERMS = 1e-5, 200  # of the separation, by default [-]
 FIRST = 1e-4  # node of s next to touch, where contact is as good as its limit [-]
 PAST = 0.01  # by how much samples that support the table go past the nearest object [m]
 MARGIN = 1e-3  # share of the range of d: contact paths below which errors do not become smaller

@@ -21,7 +21,7 @@ from studies.measures import call_times, quantiles, random_points
 from studies.runner import Run
 
 DISTANCES = 0.001, 0.031  # of the plane, as the paper has it [m]
-NODES, TERMS = (8, 16, 32), (25, 100)
+NODES, TERMS = (8, 16, 32), (25, 200)
 GRIDS, QUICK_GRIDS = (4, 8, 12), (4,)  # nodes of every axis; the paper's 64 snapshots are 4 x 4 x 4
 BATCH = 100_000  # points that are evaluated at once
 STATES = 200  # held-out full-order ones
