@@ -146,12 +146,18 @@ class Certifier:
 
 
 def full_order_scene(model: Surrogate | TouchedSegment) -> dict[str, Any]:
-    """What the full-order model of a model solves, as plain data: for a segment's map, its mesh before the plane."""
+    """The scene that the full-order model solves, as plain data: of a finger of elements, before the plane.
+
+    Its mesh is that of the training, or the finer one whose states have corrected the elements.
+    """
     if isinstance(model, Surrogate):
         return model.scene
     nearest, farthest = model.obstacle.distances
     plane = {"distance": [max(nearest, NEAREST), farthest], "method": "penalty"}
-    return {key: value for key, value in model.scene.items() if key != "load"} | {"obstacle": plane}
+    trained, finer, mesh = model.rod.elements.scene["mesh"], model.rod.elements.provenance, model.scene["mesh"]
+    if "corrected_by" in finer and mesh["cells"] == trained["cells"]:
+        mesh = mesh | {key: finer["corrected_by"][key] for key in ("cells", "order")}
+    return {key: value for key, value in model.scene.items() if key != "load"} | {"obstacle": plane, "mesh": mesh}
 
 
 def _point(model: Surrogate | TouchedSegment, pulled: np.ndarray, distance: float | None) -> np.ndarray:

@@ -9,7 +9,8 @@ import pytest
 from farm import ROOT
 
 from fingerfem import FingerModel, load_scene
-from fingerfem.certify import Certifier
+from fingerfem.certify import Certifier, full_order_scene
+from rom import TouchedSegment
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +43,17 @@ def test_a_free_finger_is_certified_too(surrogate):
     found = Certifier(surrogate).certify([40.0, 10.0])
     assert found.contact_force is None and found.factorisations <= 4
     assert found.errors["tip"] < 1e-5 and found.covered
+
+
+def test_a_finger_of_elements_is_compared_on_the_mesh_that_corrected_it():
+    """On the mesh of its training a corrected finger would seem off by what these meshes differ by."""
+    bundled = TouchedSegment.load()
+    found, finer = full_order_scene(bundled), bundled.rod.elements.provenance["corrected_by"]
+    assert found["mesh"]["cells"] == finer["cells"] == [32, 7] and found["mesh"]["order"] == finer["order"]
+    assert bundled.scene["mesh"]["cells"] == [24, 6] and "load" not in found
+    other = bundled.scene | {"mesh": bundled.scene["mesh"] | {"cells": [10, 5]}}
+    asked = TouchedSegment(rod=bundled.rod.assembled(other), obstacle=bundled.obstacle)
+    assert full_order_scene(asked)["mesh"]["cells"] == [10, 5]
 
 
 def run(*words: str) -> subprocess.CompletedProcess:
