@@ -148,16 +148,29 @@ class Certifier:
 def full_order_scene(model: Surrogate | TouchedSegment) -> dict[str, Any]:
     """The scene that the full-order model solves, as plain data: of a finger of elements, before the plane.
 
-    Its mesh is that of the training, or the finer one whose states have corrected the elements.
+    Its cells are as large against the section as those of the training, or of the finer mesh whose states have
+    corrected the elements.
     """
     if isinstance(model, Surrogate):
         return model.scene
     nearest, farthest = model.obstacle.distances
     plane = {"distance": [max(nearest, NEAREST), farthest], "method": "penalty"}
-    trained, finer, mesh = model.rod.elements.scene["mesh"], model.rod.elements.provenance, model.scene["mesh"]
-    if "corrected_by" in finer and mesh["cells"] == trained["cells"]:
-        mesh = mesh | {key: finer["corrected_by"][key] for key in ("cells", "order")}
-    return {key: value for key, value in model.scene.items() if key != "load"} | {"obstacle": plane, "mesh": mesh}
+    return {key: value for key, value in model.scene.items() if key != "load"} | {
+        "obstacle": plane,
+        "mesh": _mesh(model.rod),
+    }
+
+
+def _mesh(finger: rod.Rod) -> dict[str, Any]:
+    """The mesh of a finger of elements: cells along its longest segment as long as those of the elements' mesh."""
+    trained, provenance = finger.elements.scene, finger.elements.provenance
+    own = provenance.get("corrected_by", trained["mesh"])
+    along, across = own["cells"]
+    length = max(finger.scene["geometry"]["segments"]) / finger.similarity.size
+    return trained["mesh"] | {
+        "order": own["order"],
+        "cells": [max(round(along * length / trained["geometry"]["segments"][0]), 1), across],
+    }
 
 
 def _point(model: Surrogate | TouchedSegment, pulled: np.ndarray, distance: float | None) -> np.ndarray:

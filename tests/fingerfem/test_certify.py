@@ -51,9 +51,15 @@ def test_a_finger_of_elements_is_compared_on_the_mesh_that_corrected_it():
     found, finer = full_order_scene(bundled), bundled.rod.elements.provenance["corrected_by"]
     assert found["mesh"]["cells"] == finer["cells"] == [32, 7] and found["mesh"]["order"] == finer["order"]
     assert bundled.scene["mesh"]["cells"] == [24, 6] and "load" not in found
-    other = bundled.scene | {"mesh": bundled.scene["mesh"] | {"cells": [10, 5]}}
-    asked = TouchedSegment(rod=bundled.rod.assembled(other), obstacle=bundled.obstacle)
-    assert full_order_scene(asked)["mesh"]["cells"] == [10, 5]
+
+
+def test_a_longer_finger_has_as_long_cells():
+    """Cells as long as its trained finger's would be coarse."""
+    bundled = TouchedSegment.load()
+    geometry = bundled.scene["geometry"] | {"segments": [0.1, 0.06]}
+    tendons = [tendon | {"segment": 2} for tendon in bundled.scene["tendons"]]
+    rod = bundled.rod.assembled(bundled.scene | {"geometry": geometry, "tendons": tendons})
+    assert full_order_scene(TouchedSegment(rod=rod, obstacle=bundled.obstacle))["mesh"]["cells"] == [64, 7]
 
 
 def run(*words: str) -> subprocess.CompletedProcess:
