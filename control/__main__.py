@@ -37,7 +37,7 @@ ContactForce = Annotated[float, typer.Option(help="To hold [N], above 0.")]
 
 
 def model_of(file: Path | None, behind: Path | None = None) -> Model:
-    """The model of a file, or the one that comes along; fingers of elements stand before the plane y = side/2 + d.
+    """The model of a file, or the bundled one; fingers of elements stand before the plane y = side/2 + d.
 
     Args:
         file: the model's.

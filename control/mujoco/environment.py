@@ -43,7 +43,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
     if it is crushed, which ends the episode, as it does if the solid is lost. What is told besides: see `step`.
 
     Args:
-        model: of every finger; the one that comes along if left out.
+        model: of every finger; the bundled one if left out.
         shapes: of control.mujoco.solids that are drawn.
         change: most that a tension changes in a step [N].
         steps: of an episode.
