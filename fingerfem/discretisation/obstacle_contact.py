@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.closest_points import NONE, ClosestPoints, Springs
 from fingerfem.discretisation.forms import ContactForms, Fields
+from fingerfem.discretisation.friction_points import FrictionPoints
 from fingerfem.mechanics.obstacles import Body
 
 
@@ -40,9 +41,12 @@ class ObstacleContact:
         self._points = None if stiff is None else ClosestPoints(assembly.space, *stiff, obstacle)
         self._known: tuple[np.ndarray, float, bool] = np.zeros(0), 0.0, False  # what `_found` is of
         self._found = NONE
+        self.friction: FrictionPoints | None = None  # of a history with friction
 
     def springs(self) -> Springs:
         """Those of this rank that press."""
+        if self.friction is not None:
+            return self.friction.springs(self._fields.u.x.array)
         if self._points is None:
             return NONE
         now = self._fields.u.x.array, float(self._fields.distance.value), self._held
@@ -104,6 +108,10 @@ class ObstacleContact:
     def nodal_force(self) -> np.ndarray:
         """What this rank's nodes, ghosts included, press on the obstacle with, shape (nodes, 3) [N]."""
         return self._assembly.nodal(self._forms.nodal_force, self.spring_forces())
+
+    def normal_force(self) -> np.ndarray:
+        """What this rank's nodes press on a plane with along its normal, ghosts included, shape (nodes, 3) [N]."""
+        return self._assembly.nodal(self._forms.nodal_force)
 
     def spring_forces(self) -> np.ndarray:
         """This rank's springs' part of it, before it is summed over ranks, shape (nodes, 3) [N]."""

@@ -61,3 +61,24 @@ def hostile(tmp_path_factory) -> str:
     source = Path(__file__).with_name("hostile.c")
     subprocess.run(["gcc", "-shared", "-fPIC", "-o", str(library), str(source), "-ldl"], check=True)
     return str(library)
+
+
+@pytest.fixture(scope="session")
+def touched(tmp_path_factory):
+    """The draft finger's rod before the plane, trained up to 3 N."""
+    from rom import TouchedSegment
+    from rom.elements.samples.section_states import read_section_states
+    from rom.elements.training import train
+    from rom.rod.objects.shapes import facing_plane
+    from rom.rod.rod import Rod
+    from rom.snapshots.snapshot_set import SnapshotSet
+
+    folder = tmp_path_factory.mktemp("touched")
+    head, rest = (ROOT / "scenes" / "draft.toml").read_text().split("[obstacle]")
+    mesh = rest[rest.index("[mesh]") :].split("[sampling]")[0]
+    file = folder / "pressed.toml"
+    file.write_text(f"{head}[load]\nforce = 3.0\n\n{mesh}[sampling]\nlines = 20\n")
+    run(2, file, folder / "training")
+    states = read_section_states(SnapshotSet(folder / "training"))
+    rod = Rod(elements=train(states, {}), scene=states.scene)
+    return TouchedSegment(rod=rod, obstacle=facing_plane(2 * rod.half_lengths[1], (0.001, 0.031)))

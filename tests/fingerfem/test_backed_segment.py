@@ -2,31 +2,12 @@
 
 import numpy as np
 import pytest
-from farm import ROOT, run
 
 from control import Finger
 from rom import BackedSegment, Sphere, Surrogate, TouchedSegment
 from rom.checked_file import ModelError
-from rom.elements.samples.section_states import read_section_states
-from rom.elements.training import train
-from rom.rod.objects.shapes import facing_plane
-from rom.rod.rod import Rod
-from rom.snapshots.snapshot_set import SnapshotSet
 
-FORCE = 3.0  # that the map is trained with [N]; the surrogate knows more
-
-
-@pytest.fixture(scope="module")
-def touched(tmp_path_factory) -> TouchedSegment:
-    folder = tmp_path_factory.mktemp("backed")
-    head, rest = (ROOT / "scenes" / "draft.toml").read_text().split("[obstacle]")
-    mesh = rest[rest.index("[mesh]") :].split("[sampling]")[0]
-    file = folder / "pressed.toml"
-    file.write_text(f"{head}[load]\nforce = {FORCE}\n\n{mesh}[sampling]\nlines = 20\n")
-    run(2, file, folder / "training")
-    states = read_section_states(SnapshotSet(folder / "training"))
-    rod = Rod(elements=train(states, {}), scene=states.scene)
-    return TouchedSegment(rod=rod, obstacle=facing_plane(2 * rod.half_lengths[1], (0.001, 0.031)))
+FORCE = 3.0  # that the rod is trained with [N]; the surrogate has more
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,44 @@
+"""The potential of tangential springs: its gradient, its tangent, its bound; and the return mapping."""
+
+import numpy as np
+import pytest
+
+from fingerfem.mechanics.friction import springs
+
+NORMAL = np.array([0.0, 0.6, 0.8])
+K, BOUNDS = np.array([2e4, 5e4, 1e4, 3e4]), np.array([0.5, 2.0, 0.0, 1.0])
+
+
+@pytest.fixture
+def points():
+    random = np.random.default_rng(3)
+    return random.standard_normal((4, 3)) * 3e-5, random.standard_normal((4, 3)) * 3e-5
+
+
+def test_forces_are_the_gradient_and_the_tangent_is_theirs(points):
+    places, anchors = points
+    found = springs(places, anchors, NORMAL, K, BOUNDS)
+    assert found.slides.any() and not found.slides.all()
+    for i in range(3):
+        step = 1e-10 * np.eye(3)[i]
+        ends = [springs(places + sign * step, anchors, NORMAL, K, BOUNDS) for sign in (1, -1)]
+        slope = (ends[0].energy - ends[1].energy) / 2e-10
+        np.testing.assert_allclose(slope, found.forces[:, i], atol=1e-5 * np.abs(found.forces).max())
+        bent = (ends[0].forces - ends[1].forces) / 2e-10
+        np.testing.assert_allclose(bent, found.stiffness[:, :, i], atol=1e-4 * np.abs(found.stiffness).max())
+
+
+def test_forces_are_tangential_and_at_most_their_bounds(points):
+    found = springs(*points, NORMAL, K, BOUNDS)
+    np.testing.assert_allclose(found.forces @ NORMAL, 0.0, atol=1e-15)
+    sizes = np.linalg.norm(found.forces, axis=1)
+    assert (sizes <= BOUNDS * (1 + 1e-12)).all()
+    np.testing.assert_allclose(sizes[found.slides], BOUNDS[found.slides])
+
+
+def test_an_anchor_that_follows_leaves_the_spring_with_its_bound(points):
+    places, anchors = points
+    before = springs(places, anchors, NORMAL, K, BOUNDS)
+    after = springs(places, anchors + before.slipped, NORMAL, K, BOUNDS)
+    np.testing.assert_allclose(after.forces, before.forces, atol=1e-12)
+    np.testing.assert_allclose(after.slipped, 0.0, atol=1e-15)

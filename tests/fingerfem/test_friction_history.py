@@ -1,0 +1,86 @@
+"""Coulomb friction in the full-order model: the cone, sticking, sliding, dissipation; and the rod's histories."""
+
+import numpy as np
+import pytest
+
+from fingerfem import FingerModel
+from fingerfem.friction_history import friction_history
+from fingerfem.scene.scene import Scene
+from rom import friction_history as of_the_rod
+
+PRESSED = [40.0, 5.0, 0.0105]  # F1, F2 [N], d [m]
+
+
+def moved(*ways: float) -> list[list[float]]:
+    """Motions of the plane along the finger [m]."""
+    return [[way, 0.0, 0.0] for way in ways]
+
+
+def test_without_friction_it_is_the_frictionless_state(draft):
+    (state,) = friction_history(draft, [PRESSED], 0.0, increments=2)
+    assert state.normal_force == pytest.approx(draft.solve(PRESSED[:2], PRESSED[2], sensitivities=False).contact_force)
+    np.testing.assert_allclose(state.force, [0.0, -state.normal_force, 0.0], atol=1e-9)
+
+
+def test_where_all_slides_the_force_lies_on_the_cone_and_else_inside_it(draft):
+    """The patch test of a block that is dragged: tangential force over normal force is the coefficient."""
+    friction, ways = 0.3, moved(0.0, 0.002, 0.0019)
+    first, sliding, back = friction_history(draft, [PRESSED] * 3, friction, moved=ways, increments=4)
+    for state in (first, sliding, back):
+        normal, tangential = state.nodal.T
+        assert (tangential <= friction * normal + 1e-6).all() and state.normal_force > 0.5
+    drag = np.hypot(sliding.force[0], sliding.force[2])
+    assert sliding.sticks == 0.0 and drag == pytest.approx(friction * sliding.normal_force, rel=1e-6)
+    assert sliding.force[0] > 0  # along the plane's motion
+    assert np.hypot(back.force[0], back.force[2]) < 0.9 * friction * back.normal_force and back.sticks > 0.5
+
+
+def test_what_sticks_is_elastic(draft):
+    """A small motion and back, with much friction: the force is what it was, and nothing is dissipated."""
+    begun, out, back = friction_history(draft, [PRESSED] * 3, 5.0, moved=moved(0.0, 5e-5, 0.0), increments=2)
+    assert min(out.sticks, back.sticks) > 0.9 and np.abs(out.force - begun.force).max() > 0.01
+    np.testing.assert_allclose(back.force, begun.force, atol=2e-4)
+    assert back.dissipated == pytest.approx(begun.dissipated, abs=1e-7)
+
+
+def test_the_plane_does_the_work_that_friction_dissipates(draft):
+    """Once around a cycle that repeats itself, by the trapezoidal rule over its points."""
+    there = np.linspace(0.0, 0.003, 9)
+    ways = np.concatenate([there, there[::-1], there, there[::-1]])
+    states = friction_history(draft, [PRESSED] * len(ways), 0.4, moved=moved(*ways), increments=1)
+    cycle = slice(len(there) * 2 - 1, None)
+    forces, along = np.array([state.force[0] for state in states])[cycle], ways[cycle]
+    work = float(np.sum(np.diff(along) * (forces[1:] + forces[:-1]) / 2))
+    dissipated = states[-1].dissipated - states[cycle.start].dissipated
+    assert dissipated > 1e-4 and work == pytest.approx(dissipated, rel=0.1)
+
+
+def test_shorter_increments_change_less(draft):
+    ways = [[0.0, 0.0, 0.0], [0.001, 0.0, 0.001]]
+    ends = [friction_history(draft, [PRESSED] * 2, 0.4, moved=ways, increments=n)[-1].force for n in (1, 2, 6)]
+    errors = [np.linalg.norm(end - ends[2]) for end in ends[:2]]
+    assert errors[1] < 0.7 * errors[0] < 0.05
+
+
+@pytest.mark.parametrize("friction", [0.15, 0.3])
+def test_a_rod_has_the_full_order_history(draft, touched, friction):
+    """Press, drag, drag aside, pull more: forces within half a percent of the normal force."""
+    points = [[40.0, 5.0, 0.0115]] * 3 + [[41.0, 6.0, 0.0115]]
+    ways = [[0.0, 0.0, 0.0], [0.0005, 0.0, 0.0], [0.001, 0.0, 0.0005], [0.001, 0.0, 0.0005]]
+    full = friction_history(draft, points, friction, moved=ways, increments=4)
+    rod = of_the_rod(touched, points, friction, moved=ways, increments=4)
+    assert all(state.status == "converged" for state in rod)
+    for one, other in zip(full, rod, strict=True):
+        assert np.linalg.norm(one.force - other.force) < 0.005 * one.normal_force + 0.005
+
+
+def test_other_obstacles_and_bad_input_are_refused(table, draft):
+    ball = {"shape": "sphere", "centre": [0.045, 0.02, 0.0], "radius": 0.008, "direction": [0, 1, 0]}
+    table["obstacle"] = ball | {"distance": [-0.01, 0.02], "method": "penalty"}
+    model = FingerModel(Scene.model_validate(table))
+    with pytest.raises(ValueError, match="obstacle must be a plane with the penalty method"):
+        friction_history(model, [PRESSED], 0.3)
+    with pytest.raises(ValueError, match="points must be tensions and d"):
+        friction_history(draft, [[1.0, 2.0]], 0.3)
+    with pytest.raises(ValueError, match="coefficient at least 0"):
+        friction_history(draft, [PRESSED], -0.1)
