@@ -18,11 +18,9 @@ from control import Finger, Gripper, Object, SimulatedPlant
 from control.gripper import Grasp
 from control.model import Model
 from control.motion import Motion
-from rom import BackedSegment, Surrogate, TouchedSegment
-from rom.checked_file import kind_of
+from rom import BackedSegment, Surrogate, load
 from rom.command_line import NOTHING_USABLE, AsJson, application, run, show
 from rom.file_kinds import uses_of
-from rom.rod import rod
 from rom.table import Table, millimetres, percent
 from rom.terminal import steps
 
@@ -43,12 +41,12 @@ def model_of(file: Path | None, behind: Path | None = None) -> Model:
         file: the model's.
         behind: of a surrogate, which is asked where a finger of elements has no answer.
     """
-    if file is not None and kind_of(file) != rod.KIND:
-        if behind is not None:
-            raise ValueError(f"{file}: must be a finger of elements before --behind{uses_of(file)}")
-        return Surrogate.load(file)
-    touched = TouchedSegment.load(file)
-    return touched if behind is None else BackedSegment(touched=touched, surrogate=Surrogate.load(behind))
+    found = load(file)
+    if behind is None:
+        return found
+    if isinstance(found, Surrogate):
+        raise ValueError(f"{file}: must be a finger of elements before --behind{uses_of(file or '')}")
+    return BackedSegment(touched=found, surrogate=Surrogate.load(behind))
 
 
 @app.command(context_settings={"ignore_unknown_options": True})

@@ -93,8 +93,9 @@ def certify(
     A surrogate's own displacement field is where it begins; for a finger of elements that is rest.
     """
     require(*SOLVING)
-    from fingerfem.certify import Certifier, load
+    from fingerfem.certify import Certifier
     from fingerfem.scene.loads import read_loads
+    from rom import load
 
     certifier = Certifier(load(model_file))
     found = certifier.certify(**read_loads(certifier.full_order.scene, loads or []))

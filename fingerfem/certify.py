@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,6 @@ from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.model import FingerModel
 from fingerfem.scene.scene import Scene
-from rom.checked_file import kind_of
 from rom.native.answer import Answer
 from rom.rod import rod
 from rom.rod.touched_segment import TouchedSegment
@@ -74,17 +72,6 @@ class Certificate:
             "factorisations": self.factorisations,
             "began": self.began,
         }
-
-
-def load(file: Path) -> Surrogate | TouchedSegment:
-    """The model of a file; a segment's map stands before the plane y = side/2 + d.
-
-    Raises:
-        ModelError: no file, or none of these.
-    """
-    if kind_of(file) != rod.KIND:
-        return Surrogate.load(file)
-    return TouchedSegment.load(file)
 
 
 class Certifier:

@@ -1,6 +1,9 @@
 """rom: reduced models of fingers from snapshots (numpy, scipy, h5py, cffi; no DOLFINx)."""
 
+from __future__ import annotations
+
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -43,8 +46,35 @@ __all__ = [
     "box",
     "find_object",
     "friction_history",
+    "load",
     "specialise",
 ]
+
+
+def load(path: str | Path | None = None, tolerance: float = 0.0) -> TouchedSegment | Surrogate:
+    """Read a model file of any kind: a finger of elements, before the plane y = side/2 + d, or a surrogate or table.
+
+    Args:
+        path: the file; None reads the bundled finger.
+        tolerance: of a surrogate: keep only the terms needed for this relative separation error [-]; 0 keeps all.
+
+    Raises:
+        ModelError: no file, no model, a damaged one, or one of another format.
+        ValueError: a tolerance for a finger of elements, which has no terms to leave out.
+
+    Example:
+        >>> load().evaluate([30.0, 0.0, 0.010]).contact_force
+    """
+    from rom.checked_file import kind_of
+    from rom.rod import rod
+    from rom.rod.touched_segment import TouchedSegment
+    from rom.surrogate import Surrogate
+
+    if path is not None and kind_of(Path(path)) != rod.KIND:
+        return Surrogate.load(path, tolerance=tolerance)
+    if tolerance:
+        raise ValueError(f"tolerance must be left out for a finger of elements, got {tolerance:g}")
+    return TouchedSegment.load(path)
 
 
 def __getattr__(name: str) -> Any:

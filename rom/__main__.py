@@ -13,6 +13,7 @@ from typing import Annotated
 
 import typer
 
+from rom import load
 from rom.checked_file import kind_of
 from rom.command_line import NOTHING_USABLE, AsJson, application, check_parts, run, show
 from rom.file_kinds import uses_of
@@ -283,8 +284,7 @@ def export_model(
     An FMU has C sources and a library for Linux in it.
     """
     check_folder(output)
-    if kind_of(model) == rod.KIND and tolerance:
-        raise ValueError(f"tolerance must be left out for a finger of elements, got {tolerance:g}")
+    known = load(model, tolerance)
     if output.suffix.lower() != ".fmu":
         from rom.export.c_header import export
 
@@ -292,16 +292,12 @@ def export_model(
             raise ValueError(f"output must be named .h or .fmu, got {output}; rom page writes .html")
         if controller or fmi != 3:
             raise ValueError(f"output must be named .fmu for --fmi and --controller, got {output}")
-        rods = kind_of(model) == rod.KIND
-        export(TouchedSegment.load(model) if rods else Surrogate.load(model, tolerance=tolerance), output)
+        export(known, output)
         say(f"{output}: {output.stat().st_size / 1e6:.1f} MB; its first lines describe it")
         return
     from rom.export.fmu import write
 
-    if kind_of(model) != rod.KIND:
-        write(Surrogate.load(model, tolerance=tolerance), output, fmi, controller)
-    else:
-        write(TouchedSegment.load(model), output, fmi, controller)
+    write(known, output, fmi, controller)
     say(f"{output}: FMI {fmi}.0 for co-simulation, {output.stat().st_size / 1e6:.1f} MB")
 
 
@@ -317,12 +313,7 @@ def page(
     from rom.export.page import write
 
     check_folder(output)
-    if kind_of(model) == rod.KIND:
-        if tolerance:
-            raise ValueError(f"tolerance must be left out for a finger of elements, got {tolerance:g}")
-        write(TouchedSegment.load(model), output)
-    else:
-        write(Surrogate.load(model, tolerance=tolerance), output)
+    write(load(model, tolerance), output)
     say(f"{output}: {output.stat().st_size / 1e6:.1f} MB; open it in a browser")
 
 

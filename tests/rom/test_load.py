@@ -1,0 +1,30 @@
+"""One way to read a model file of any kind."""
+
+import pytest
+from terminal import ROOT
+
+import rom
+from rom.checked_file import ModelError
+
+
+def test_a_file_is_read_by_its_kind_and_none_is_the_bundled_finger():
+    assert type(rom.load(ROOT / "rom" / "plane.h5")) is rom.Surrogate
+    point = [30.0, 0.0, 0.010]
+    bundled, named = rom.load(), rom.load(str(ROOT / "rom" / "finger.h5"))
+    assert type(bundled) is type(named) is rom.TouchedSegment
+    assert bundled.evaluate(point).contact_force == named.evaluate(point).contact_force
+
+
+def test_a_tolerance_leaves_out_terms_of_a_surrogate_and_is_refused_for_a_finger():
+    whole, fewer = (rom.load(ROOT / "rom" / "plane.h5", tolerance) for tolerance in (0.0, 1e-2))
+    assert sum(fewer.terms.values()) < sum(whole.terms.values())
+    with pytest.raises(ValueError, match=r"tolerance must be left out for a finger of elements, got 0\.01"):
+        rom.load(tolerance=0.01)
+
+
+def test_other_files_are_refused_by_name(tmp_path):
+    file = tmp_path / "none.h5"
+    with pytest.raises(ModelError, match=r"none\.h5"):
+        rom.load(file)
+    with pytest.raises(ModelError, match="scene"):
+        rom.load(ROOT / "scenes" / "draft.toml")
