@@ -187,7 +187,7 @@ def specialise(
         Path | None, typer.Option(metavar="HELDOUT/", help="Measure the error of a set's table on these states.")
     ] = None,
     nodes: Annotated[int, typer.Option(min=4, max=200, help="Nodes of every axis.")] = 32,
-    terms: Annotated[int, typer.Option(min=1, max=10_000, help="Most products of one separated form.")] = 200,
+    terms: Annotated[int, typer.Option(min=1, max=10_000, help="Most products of a form; fewer on few nodes.")] = 200,
     as_json: AsJson = False,
 ) -> None:
     """Separate answers before the plane y = side/2 + d, as the paper does: a table that answers in a microsecond."""

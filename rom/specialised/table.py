@@ -37,6 +37,7 @@ MARGIN = 1e-3  # share of the range of d: contact paths below which errors do no
 COVERED = 0.97  # of the calibrating points [-]
 FEW = 0.1  # points in contact a cell, from which on rates are local
 FELT = 0.1  # force below which a relative error says nothing [N]
+DETERMINED = 3.0  # values in contact for every number of the separated form, at least [-]
 MOST_CELLS = 250_000  # of the lookup of what is known
 
 
@@ -130,7 +131,7 @@ def tabulated(
     progress("separating the samples", 0, 2)
     free = separated_samples(_free(grid), replace(options, tolerance=FINER * options.tolerance))
     progress("separating the samples", 1, 2)
-    form = separated_samples(contact, options)
+    form = separated_samples(contact, replace(options, terms=determined(options.terms, contact.values.size, grid.axes)))
     p = len(source.parameters)
     cells = min(nodes, int(MOST_CELLS ** (1 / p))) ** p
     return Surrogate(
@@ -148,6 +149,11 @@ def tabulated(
         accuracy={},
         provenance={"states": len(contact.values), "nodes": nodes},
     )
+
+
+def determined(terms: int, values: int, axes: Sequence[np.ndarray]) -> int:
+    """As many of some terms as values on a grid determine DETERMINED times: more would be free between the nodes."""
+    return max(min(terms, int(values / (DETERMINED * (4 + sum(map(len, axes)))))), 1)
 
 
 def _points(axes: Sequence[np.ndarray]) -> np.ndarray:
