@@ -55,7 +55,9 @@ def check(model: Surrogate, held_out: SnapshotSet, progress: Progress = quiet) -
     Raises:
         SnapshotError: the sets do not belong together.
     """
-    if held_out.description.fingerprint != model.provenance["fingerprint"]:
+    if held_out.description.fingerprint != model.provenance.get("fingerprint"):
+        if "specialised_from" in model.provenance:
+            raise SnapshotError(f"{held_out.path}: a table of a finger is compared with that; check the finger itself")
         other = difference(model.scene, held_out.description.scene)
         raise SnapshotError(f"{held_out.path}: must hold states of the scene the model was trained on: {other}")
     calibration = model.provenance.get("calibration", {})

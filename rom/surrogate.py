@@ -256,7 +256,8 @@ class Surrogate(PickledByFields, Components):
         """For people: what it is made of, its parameters, and what it was measured to err by."""
         made, fields = self.provenance, f"displacement of {len(self.nodes):,} nodes"
         terms = f"{sum(self.terms.values())} products in {len(self.terms)} forms"
-        first = f"{self.scene['name']}: {terms} from {made['states']} states; "
+        source = "samples of the finger before one object" if "specialised_from" in made else "states"
+        first = f"{self.scene['name']}: {terms} from {made['states']} {source}; "
         parts: list[Table | str] = [first + (fields if self.has_field else "without the displacement field")]
         parts += [parameters(self.parameters), *accuracy(self.accuracy)]
         if not self.accuracy:

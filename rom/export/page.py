@@ -107,8 +107,8 @@ def described(model: Surrogate | TouchedSegment) -> str:
         states = int(model.rod.elements.provenance.get("states", 0))
         kind = f"a rod of {sum(map(len, model.rod.pieces))} elements"
         return f"{kind}, from {states} full-order states; contact with the plane is solved for as the sliders move"
-    return (
-        f"separated surrogate, {sum(model.terms.values())} products from {model.provenance['states']} full-order states"
+    return f"separated surrogate, {sum(model.terms.values())} products from {model.provenance['states']} " + (
+        "samples of a finger of elements" if "specialised_from" in model.provenance else "full-order states"
     )
 
 

@@ -23,6 +23,7 @@ from rom.held_out import points_of
 from rom.separated.alternating_directions import EnrichmentOptions, separate, slopes
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.specialised.table import NODES, TERMS, TOLERANCE, Sampled, Truth, compared, tabulated, with_errors
+from rom.summaries import origin as origin_of
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
 
@@ -255,7 +256,7 @@ def separate_grid(
     whole, half = GridSource(snapshots, 1, options), GridSource(snapshots, 2, options)
     table, fewer = (tabulated(one, nodes, options, progress) for one in (whole, half))
     table = replace(table, errors=with_errors(fewer, whole.states()).errors)
-    origin = {"states": snapshots.states, "failed": len(snapshots.failures), "versions": snapshots.description.versions}
+    origin = origin_of(snapshots)
     table = replace(table, provenance=table.provenance | origin)
     if held_out is None:
         return table

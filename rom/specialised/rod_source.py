@@ -15,6 +15,7 @@ from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
 
 RANDOM = 30_000  # points at which errors are measured; as many others calibrate the estimate
+FEWEST = 20  # of these with a contact force that is known
 BEYOND = 2.0  # forces over the largest trained one up to which answers support a table [-]
 
 
@@ -89,5 +90,10 @@ def specialise(
     table = with_errors(table, source.truth(np.random.default_rng([seed, 0])))
     progress("measuring the errors", 1, 2)
     measured = compared(table, source.truth(np.random.default_rng([seed, 1])))
-    origin = {"specialised_from": model.scene["name"]}
+    if measured["contact_force"]["count"] < FEWEST:
+        raise ValueError(
+            f"the table must have contact forces at {FEWEST} of {RANDOM} points at least, got "
+            f"{measured['contact_force']['count']}: all others are marked; take other distances or more nodes"
+        )
+    origin = {"specialised_from": model.scene["name"], "object": repr(model.obstacle)}
     return replace(table, accuracy=measured, provenance=table.provenance | origin)

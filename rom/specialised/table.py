@@ -17,7 +17,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt, maximum_filter
+from scipy.ndimage import distance_transform_edt, maximum_filter, percentile_filter
 
 from rom.components import Errors, Regime
 from rom.error_statistics import norm, statistics
@@ -37,8 +37,11 @@ MARGIN = 1e-3  # share of the range of d: contact paths below which errors do no
 COVERED = 0.97  # of the calibrating points [-]
 FEW = 0.1  # points in contact a cell, from which on rates are local
 FELT = 0.1  # force below which a relative error says nothing [N]
+STEEPEST = 3.0  # of slopes at nodes over differences between them: beyond, a cubic function is no longer monotone [-]
 DETERMINED = 3.0  # values in contact for every number of the separated form, at least [-]
-MOST_CELLS = 250_000  # of the lookup of what is known
+CELLS = 20_000  # of the lookup of what is known, at most
+LEAST_RANGE = 1e-3  # of d, over the finger's length [-]
+SHARP = 85  # percentile, among a cell and its neighbours, that a local rate is
 
 
 class Sampled(NamedTuple):
@@ -133,7 +136,7 @@ def tabulated(
     progress("separating the samples", 1, 2)
     form = separated_samples(contact, replace(options, terms=determined(options.terms, contact.values.size, grid.axes)))
     p = len(source.parameters)
-    cells = min(nodes, int(MOST_CELLS ** (1 / p))) ** p
+    cells = int(CELLS ** (1 / p) + 1e-9) ** p
     return Surrogate(
         parameters=source.parameters,
         free=free,
@@ -165,14 +168,22 @@ def _grid(source: Source, nodes: int) -> Grid:
     """The nodes, and the free answers there."""
     lower, upper = np.array([[one["lower"], one["upper"]] for one in source.parameters], float).T
     tensions = [np.linspace(low, high, nodes) for low, high in zip(lower[:-1], upper[:-1], strict=True)]
+    length = sum(source.scene["geometry"]["segments"])
+    if not upper[-1] - lower[-1] >= LEAST_RANGE * length:
+        raise ValueError(
+            f"d must have a range of at least {LEAST_RANGE * length:g} m, got {lower[-1]:g} to {upper[-1]:g} m"
+        )
     points = _points(tensions)
     free = source.sampled(np.column_stack([points, np.full(len(points), np.inf)]))
     touch = free.out[:, 4]
-    if not np.isfinite(touch).all() or touch.max() <= lower[-1]:
+    if not np.isfinite(touch).all():
+        passed = points[~np.isfinite(touch)][0]
         raise ValueError(
-            f"the object must be in the way of the finger at all tensions, and nearer than {upper[-1]:g} m: "
-            f"the finger touches it at d from {touch.min():.4g} to {touch.max():.4g} m"
+            f"the object must be in the way of the finger at all tensions, but the finger passes it at "
+            f"{passed.tolist()} N: narrow the tensions of the scene, or ask the finger itself"
         )
+    if touch.max() <= lower[-1]:
+        raise ValueError(f"d must begin below {touch.max():.4g} m, where the finger touches, got {lower[-1]:g} m")
     nearest = float(lower[-1])
     reach = float(touch.max()) - nearest
     soft = max(SOFT * reach, 2 * max(nearest - float(touch.min()), 0.0))
@@ -226,9 +237,27 @@ def _continued(axes: Sequence[np.ndarray], values: np.ndarray, gradient: np.ndar
     The table is marked there. Without a value, sums of products would be free there, and expensive to find.
     """
     nearest = tuple(distance_transform_edt(~supports, return_distances=False, return_indices=True))
-    values, gradient = values[nearest], np.where(supports[..., None, None], gradient, 0.0)
+    values = values[nearest]
+    gradient = _limited(axes, values, np.where(supports[..., None, None], gradient, 0.0))
     values, gradient = values.reshape(supports.size, -1), gradient.reshape(supports.size, values.shape[-1], -1)
     return Samples(axes, values, gradient, np.ones(len(values), bool), _sizes(values))
+
+
+def _limited(axes: Sequence[np.ndarray], values: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+    """Slopes at the nodes, no steeper than STEEPEST times the steeper of both neighbouring differences.
+
+    Where two corners touch at once, D has a kink, and slopes just past touch are those of one side, over a path of
+    micrometres: a cubic function would leave all bounds between the nodes.
+    """
+    limited = np.empty_like(gradient)
+    for a, axis in enumerate(axes):
+        differences = np.abs(np.diff(values, axis=a)) / np.diff(axis)[0]
+        ends = [np.take(differences, [k], axis=a) for k in (0, -1)]
+        steepest = STEEPEST * np.maximum(
+            np.concatenate([ends[0], differences], axis=a), np.concatenate([differences, ends[1]], axis=a)
+        )
+        limited[..., a] = np.clip(gradient[..., a], -steepest, steepest)
+    return limited
 
 
 def with_errors(table: Surrogate, truth: Truth) -> Surrogate:
@@ -236,18 +265,23 @@ def with_errors(table: Surrogate, truth: Truth) -> Surrogate:
 
     Cells of the contact path that hold points which do not count, or are next to one that does, are marked.
     """
-    points, ours = truth.points, table.outputs(truth.points)
+    points, ours, good = truth.points, table.outputs(truth.points), truth.inside
+    if not good.any():
+        raise ValueError("the source must have an answer at some tensions and distances, got none")
     tip, force, touch = (off + own for off, own in zip(_differences(ours, truth.out), truth.errors.T, strict=True))
     lower, upper = table.limits
-    p, margin, good = len(lower), MARGIN * float(upper[-1] - lower[-1]), truth.inside
+    p, margin = len(lower), MARGIN * float(upper[-1] - lower[-1])
     path = ours[:, 4] - points[:, -1]
-    free, pushed, bad = good & (path <= 0), good & (path > 0), ~good & (path > 0)
+    free, pushed = good & (path <= 0), good & (path > 0)
     own, side = _cells(table, points, ours[:, 4])
-    unknown = _largest_around(own[bad], np.ones(int(bad.sum())), side, p) > 0
     free_tip = float(np.quantile(tip[free], COVERED)) if free.any() else 0.0
-    rates = np.zeros((len(unknown), 3))
+    rates = np.zeros((side**p, 3))
     for column, errors in enumerate((np.maximum(tip - free_tip, 0.0), force)):
         rates[:, column] = _rates(own[pushed], errors[pushed] / (path[pushed] + margin), side, p)
+    # An estimate that is larger than all forces says nothing.
+    lost = pushed & (rates[own, 1] * (path + margin) > truth.out[pushed, 3].max(initial=0.0))
+    bad = own[(~good & (path > 0)) | lost]
+    unknown = _around(bad, side, p)
     rates[unknown] = np.inf
     errors = Errors(
         tip=free_tip,
@@ -276,21 +310,23 @@ def _cells(table: Surrogate, points: np.ndarray, touch: np.ndarray) -> tuple[np.
 
 
 def _rates(own: np.ndarray, rates: np.ndarray, side: int, p: int) -> np.ndarray:
-    """By cell: the largest rate of it and its neighbours; where there is none, that which COVERED of all are below.
+    """By cell: the largest rate in it, or what most of its neighbours are below, if that is more.
 
-    The latter everywhere, if there are fewer rates than cells: then they do not resolve these.
+    Everywhere what COVERED of all are below, if there are too few rates: then they do not resolve the cells.
     """
-    rest = float(np.quantile(rates, COVERED)) if rates.size else 0.0
     if len(rates) < FEW * side**p:
-        return np.full(side**p, rest)
-    found = _largest_around(own, rates, side, p)
-    return np.where(np.isfinite(found), found, rest)
+        return np.full(side**p, float(np.quantile(rates, COVERED)) if rates.size else 0.0)
+    found = np.full((side,) * p, -1.0)
+    np.maximum.at(found.reshape(-1), own, rates)
+    nearest = tuple(distance_transform_edt(found < 0, return_distances=False, return_indices=True))
+    found = found[nearest]
+    return np.maximum(found, percentile_filter(found, SHARP, size=3, mode="nearest")).reshape(-1)
 
 
-def _largest_around(own: np.ndarray, values: np.ndarray, side: int, p: int) -> np.ndarray:
-    """By cell, the largest of values in it and in its neighbours, -infinity if there is none, shape (side^p,)."""
-    found = np.full((side,) * p, -np.inf)
-    np.maximum.at(found.reshape(-1), own, values)
+def _around(cells: np.ndarray, side: int, p: int) -> np.ndarray:
+    """Some cells and their neighbours, shape (side^p,)."""
+    found = np.zeros((side,) * p, bool)
+    found.reshape(-1)[cells] = True
     return maximum_filter(found, size=3, mode="nearest").reshape(-1)
 
 

@@ -83,9 +83,44 @@ def test_a_ball_has_a_table_too_and_its_file_is_the_same_model(finger, tmp_path)
     assert np.array_equal(read.outputs(at), found.outputs(at))
 
 
-def test_an_object_out_of_reach_and_too_few_nodes_are_refused(finger):
-    with pytest.raises(ValueError, match="object must be in the way"):
-        specialise(replace(finger, obstacle=replace(finger.obstacle, distances=(0.045, 0.05))), 4)
+def test_kinks_of_touch_do_not_leave_all_bounds_between_the_nodes():
+    """Two corners touch at once where tensions are 0, and slopes just past touch are those of one side."""
+    tendons = [
+        {"name": name, "offset": offset, "segment": segment, "tension": [0.0, 40.0]}
+        for name, offset, segment in (("A", [0.004, 0.0], 1), ("B", [0.0, 0.004], 2))
+    ]
+    loaded = TouchedSegment.load()
+    geometry = loaded.scene["geometry"] | {"segments": [0.05, 0.05]}
+    rod = loaded.rod.assembled(loaded.scene | {"geometry": geometry, "tendons": tendons})
+    two = TouchedSegment(rod=rod, obstacle=replace(loaded.obstacle, distances=(0.001, 0.06)))
+    found = specialise(two, 8)
+    lower, upper = two.limits
+    points = lower + np.random.default_rng(5).random((3000, 3)) * (upper - lower)
+    ours, truth = found.evaluate(points), two.evaluate(points)
+    both = ours.inside & truth.inside
+    assert both.mean() > 0.7 and np.abs(ours.tip - truth.tip)[both].max() < 0.02
+    assert np.abs(ours.contact_force - truth.contact_force)[both].max() < 2.0
+    assert ours.error["contact_force"][both].max() < 1.1 * truth.contact_force.max()
+
+
+@pytest.mark.parametrize(
+    ("distances", "message"),
+    [
+        ((0.0385, 0.04), r"d must begin below 0\.0304\d m, where the finger touches, got 0\.0385 m"),
+        ((0.02, 0.01), "d must have a range of at least 5e-05 m"),
+        ((0.01, 0.01000001), "d must have a range of at least 5e-05 m"),
+        ((0.03, 0.04), "must have contact forces at 20 of 30000 points at least"),
+    ],
+)
+def test_a_range_of_d_without_a_table_is_refused_in_one_line(finger, distances, message):
+    with pytest.raises(ValueError, match=message):
+        specialise(replace(finger, obstacle=replace(finger.obstacle, distances=distances)), 4)
+
+
+def test_an_object_that_the_finger_passes_and_too_few_nodes_are_refused(finger):
+    ball = Sphere(centre=(0.046, 0.011, 0.001), radius=0.006, direction=(0, 1, 0), distances=(0.001, 0.020))
+    with pytest.raises(ValueError, match="object must be in the way of the finger at all tensions"):
+        specialise(replace(finger, obstacle=ball), 8)
     with pytest.raises(ValueError, match="nodes must be at least 4, got 3"):
         specialise(finger, 3)
 
@@ -102,5 +137,7 @@ def test_the_command_writes_a_table_that_other_commands_take(tmp_path):
     assert told["parameters"][-1]["lower"] == pytest.approx(0.001) and told["accuracy"]["contact_force"]["count"] > 0
     held = ran("control", "hold", file, "--distance", "0.0105", "--contact-force", "0.7", "--json")
     assert json.loads(held.stdout)["status"] == "converged", held.stderr
+    described = ran("rom", "info", file).stdout
+    assert "samples of the finger before one object" in described
     wrong = ran("rom", "specialise", "rom/finger.h5", "-o", file, "--distances", "0.02", "0.01")
     assert wrong.returncode == 2 and "distances must be two from 0 to 0.05 m" in wrong.stderr
