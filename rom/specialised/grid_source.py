@@ -22,7 +22,8 @@ from rom.file_kinds import uses_of
 from rom.held_out import points_of
 from rom.separated.alternating_directions import EnrichmentOptions, separate, slopes
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
-from rom.specialised.table import NODES, TERMS, TOLERANCE, Sampled, Truth, compared, tabulated, with_errors
+from rom.specialised.table import NODES, TERMS, TOLERANCE, Sampled, tabulated
+from rom.specialised.table_errors import Truth, compared, with_errors
 from rom.summaries import origin as origin_of
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet

@@ -10,7 +10,8 @@ import numpy as np
 from rom.rod.rod import QUANTITIES
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.specialised.table import NODES, Sampled, Truth, compared, tabulated, with_errors
+from rom.specialised.table import NODES, Sampled, tabulated
+from rom.specialised.table_errors import Truth, compared, with_errors
 from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
 

@@ -14,7 +14,8 @@ from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.separate import Samples, separated_samples
 from rom.specialised.grid_source import separate_grid
 from rom.specialised.rod_source import RodSource
-from rom.specialised.table import FELT, TOLERANCE, Sampled
+from rom.specialised.table import TOLERANCE, Sampled
+from rom.specialised.table_errors import FELT
 from rom.surrogate import Surrogate
 from studies import sets
 from studies.measures import call_times, quantiles, random_points

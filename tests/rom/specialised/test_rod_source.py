@@ -13,7 +13,7 @@ from control import Finger
 from rom import Sphere, TouchedSegment
 from rom.separated.alternating_directions import EnrichmentOptions
 from rom.specialised.rod_source import RodSource, specialise
-from rom.specialised.table import compared
+from rom.specialised.table_errors import compared
 from rom.surrogate import Surrogate
 
 NODES = 12
