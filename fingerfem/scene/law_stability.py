@@ -28,6 +28,7 @@ MODES = {
     "planar": (np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), (SHORTEST, 1 / SHORTEST)),
 }
 STEPS, ITERATIONS, SETTLED = 40, 50, 1e-14  # along a path; of Newton's method for what is free, and its last step [-]
+FARTHEST = 2.0  # step of a free logarithmic strain that is none of the path's [-]
 HALVINGS = 40  # of the step in which stability is lost
 EQUAL = 1e-5  # principal strains that differ by less count as equal [-]
 
@@ -72,6 +73,8 @@ def loss(constants: Constants, mode: str) -> float | None:
         for _ in range(ITERATIONS):
             tau, slope = stress(constants, x * stretched + own * free)
             step = -float(free @ tau) / float(free @ slope @ free)
+            if not abs(step) < FARTHEST:
+                return -np.inf, own  # no free strain is near: the path has lost its stability
             own += step
             if abs(step) < SETTLED:
                 break
