@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from rom.brief import brief
 from rom.fit.chebyshev import Polynomial
 from rom.separated.alternating_directions import EnrichmentOptions, compose, separate, slopes
 from rom.separated.separated_form import Separated
@@ -20,6 +21,7 @@ FEWEST_NODES, MOST_NODES = 7, 21  # nodes of an axis
 NEAR = 1.5  # steps of the grid that a state is known around itself, at least in one axis
 
 
+@brief
 class Samples(NamedTuple):
     """A function of p variables with m values, sampled at the n nodes of a tensor grid.
 

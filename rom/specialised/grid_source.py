@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
+from rom.brief import brief
 from rom.file_kinds import uses_of
 from rom.held_out import points_of
 from rom.separated.alternating_directions import EnrichmentOptions, separate, slopes
@@ -37,6 +38,7 @@ DETERMINED = 1.4  # values in contact for every number of the form [-]
 FARTHER = 0.2  # share of an axis beyond its nodes within which a form still supports a table [-]
 
 
+@brief
 @dataclass(frozen=True)
 class NodalForm:
     """A separated form sum_k mode_jk prod_a function_ak(x_a) of cubic Hermite functions, on nodes of any spacing."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.brief import brief
 from rom.rod.rod import QUANTITIES
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.alternating_directions import EnrichmentOptions
@@ -20,6 +21,7 @@ FEWEST = 20  # of these with a contact force that is known
 BEYOND = 2.0  # forces over the largest trained one up to which answers support a table [-]
 
 
+@brief
 @dataclass(frozen=True)
 class RodSource:
     """A finger and its object, which a table samples."""

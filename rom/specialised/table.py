@@ -19,6 +19,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
+from rom.brief import brief
 from rom.components import Errors, Regime
 from rom.fit.contact_coordinates import SOFT, ContactCoordinates
 from rom.separated.alternating_directions import EnrichmentOptions
@@ -37,6 +38,7 @@ CELLS = 20_000  # of the lookup of what is known, at most
 LEAST_RANGE = 1e-3  # of d, over the finger's length [-]
 
 
+@brief
 class Sampled(NamedTuple):
     """What a source answers at n points.
 
@@ -70,6 +72,7 @@ class Source(Protocol):
         """Answers at points, shape (n, p); d = infinity is no object."""
 
 
+@brief
 class Grid(NamedTuple):
     """Nodes in contact: tensions, then s.
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.ndimage import distance_transform_edt, maximum_filter, percentile_filter
 
+from rom.brief import brief
 from rom.components import Errors
 from rom.error_statistics import norm, statistics
 from rom.rod.rod import QUANTITIES
@@ -20,6 +21,7 @@ SHARP = 85  # percentile, among a cell and its neighbours, that a local rate is
 FEW = 0.1  # points in contact a cell, from which on rates are local
 
 
+@brief
 class Truth(NamedTuple):
     """What a table should answer at n points, and how far that itself may be off.
 
