@@ -63,7 +63,8 @@ def friction_history(
         increments: from point to point; one that finds no equilibrium is halved.
 
     Raises:
-        ValueError: another obstacle or method, wrong shapes, friction below 0, no increment.
+        ValueError: another obstacle or method, wrong shapes, loads beyond the scene's ranges, a coefficient below 0, no
+            increment.
         LoadNotReached: an increment without an equilibrium.
 
     Example:
@@ -90,6 +91,8 @@ def _checked(
         )
     if not (np.isfinite(rows).all() and np.isfinite(ways).all() and 0 <= coefficient < np.inf and increments >= 1):
         raise ValueError("points, moved and coefficient must be finite, coefficient at least 0, increments at least 1")
+    for row in rows:
+        model.check_loads(row[:-1], float(row[-1]))
     return rows, ways
 
 

@@ -84,3 +84,11 @@ def test_other_obstacles_and_bad_input_are_refused(table, draft):
         friction_history(draft, [[1.0, 2.0]], 0.3)
     with pytest.raises(ValueError, match="coefficient at least 0"):
         friction_history(draft, [PRESSED], -0.1)
+    with pytest.raises(ValueError, match=r"F1 must lie in \[0, 100\] N, got 400"):
+        friction_history(draft, [[400.0, 0.0, 0.01]], 0.3)
+
+
+def test_a_finger_that_leaves_the_plane_comes_back_without_memory(draft):
+    begun, away, again = friction_history(draft, [PRESSED, [40.0, 5.0, 0.02], PRESSED], 0.4, increments=3)
+    assert away.normal_force == 0.0 and np.isnan(away.sticks) and not away.force.any()
+    np.testing.assert_allclose(again.force, begun.force, atol=0.02)
