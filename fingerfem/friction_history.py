@@ -173,11 +173,9 @@ class _History:
 
     def _relaxation(self, share: float, step: np.ndarray, last: np.ndarray) -> float:
         """How much of a step to take, by Aitken's rule from the last one."""
-        if not last.any():
-            return share
         grown = step - last
-        parts = self._problem.comm.allreduce(np.array([last @ grown, grown @ grown]))
-        return float(np.clip(-share * parts[0] / parts[1], *RELAXED)) if parts[1] > 0 else share
+        parts = self._problem.comm.allreduce(np.array([last @ grown, grown @ grown, last @ last]))
+        return float(np.clip(-share * parts[0] / parts[1], *RELAXED)) if parts[1] > 0 < parts[2] else share
 
     def _solve(self) -> None:
         """Newton's method, plain or with line search."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from farm import ROOT
 
 from fingerfem import FingerModel
 from fingerfem.friction_history import friction_history
@@ -92,3 +93,19 @@ def test_a_finger_that_leaves_the_plane_comes_back_without_memory(draft):
     begun, away, again = friction_history(draft, [PRESSED, [40.0, 5.0, 0.02], PRESSED], 0.4, increments=3)
     assert away.normal_force == 0.0 and np.isnan(away.sticks) and not away.force.any()
     np.testing.assert_allclose(again.force, begun.force, atol=0.02)
+
+
+@pytest.mark.mpi
+def test_ranks_that_share_a_finger_have_its_history():
+    """One of two ranks has no node in contact."""
+    from mpi4py import MPI
+
+    from fingerfem import load_scene
+
+    path = ROOT / "scenes" / "draft.toml"
+    way = [[0.0, 0.0, 0.0], [0.001, 0.0, 0.0002]]
+    shared, alone = (FingerModel(load_scene(path), comm) for comm in (MPI.COMM_WORLD, MPI.COMM_SELF))
+    ours, theirs = (friction_history(one, [PRESSED] * 2, 0.3, moved=way, increments=2) for one in (shared, alone))
+    for one, other in zip(ours, theirs, strict=True):
+        np.testing.assert_allclose(one.force, other.force, atol=1e-6)
+        assert one.dissipated == pytest.approx(other.dissipated, abs=1e-8) and one.sticks == other.sticks
