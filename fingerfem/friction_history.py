@@ -1,8 +1,8 @@
 """A finger before a plane with friction, along a history of tensions and of the plane's positions.
 
 An increment ends where Newton's method has converged for bounds mu N that are those of its own normal forces N: a fixed
-point (`mechanics.friction`). An increment that finds none is halved. What sticks and what slides depends on the way, so
-that an error of first order in the size of the increments is left.
+point (`mechanics.friction`). An increment that finds none is halved. Stick and slip depend on the history, so that
+an error of first order in the size of the increments is left.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ HALVINGS = 6  # of an increment that finds no equilibrium
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionState:
-    """Where a history has led.
+    """A state of a history with friction.
 
     Attributes:
         tip: displacement of the tip plate's centre, shape (3,) [m].

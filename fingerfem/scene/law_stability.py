@@ -28,7 +28,7 @@ MODES = {
     "planar": (np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), (SHORTEST, 1 / SHORTEST)),
 }
 STEPS, ITERATIONS, SETTLED = 40, 50, 1e-14  # along a path; of Newton's method for what is free, and its last step [-]
-FARTHEST = 2.0  # step of a free logarithmic strain that is none of the path's [-]
+FARTHEST = 2.0  # largest step of a free logarithmic strain that stays on the path [-]
 HALVINGS = 40  # of the step in which stability is lost
 EQUAL = 1e-5  # principal strains that differ by less count as equal [-]
 

@@ -141,7 +141,7 @@ class Rod(PickledByFields):
 
     @cached_property
     def errors(self) -> ExpectedErrors:
-        """What lines that were left out of the training let expect."""
+        """The expected errors, from lines that were left out of the training."""
         trained = sum(self.elements.scene["geometry"]["segments"])
         longer = float(sum(self.scene["geometry"]["segments"]) / (self.similarity.size * trained))
         kinds = {piece.kind for own in self.pieces for piece in own}

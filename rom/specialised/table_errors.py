@@ -23,7 +23,7 @@ FEW = 0.1  # points in contact a cell, from which on rates are local
 
 @brief
 class Truth(NamedTuple):
-    """What a table should answer at n points, and how far that itself may be off.
+    """What a table should answer at n points, and the estimated errors of that.
 
     Attributes:
         points: shape (n, p).

@@ -133,8 +133,10 @@ def test_the_command_writes_a_table_that_other_commands_take(tmp_path):
     file = tmp_path / "table.h5"
     done = ran("rom", "specialise", "rom/finger.h5", "-o", file, "--nodes", "6", "--json")
     assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
-    assert told["parameters"][-1]["lower"] == pytest.approx(0.001) and told["accuracy"]["contact_force"]["count"] > 0
+    summary = json.loads(done.stdout)
+    assert (
+        summary["parameters"][-1]["lower"] == pytest.approx(0.001) and summary["accuracy"]["contact_force"]["count"] > 0
+    )
     held = ran("control", "hold", file, "--distance", "0.0105", "--contact-force", "0.7", "--json")
     assert json.loads(held.stdout)["status"] == "converged", held.stderr
     described = ran("rom", "info", file).stdout
