@@ -18,9 +18,8 @@ from control import Finger, Gripper, Object, SimulatedPlant
 from control.gripper import Grasp
 from control.model import Model
 from control.motion import Motion
-from rom import BackedSegment, Surrogate, load
+from rom import load
 from rom.command_line import NOTHING_USABLE, AsJson, application, run, show
-from rom.file_kinds import uses_of
 from rom.table import Table, millimetres, percent
 from rom.terminal import steps
 
@@ -34,21 +33,6 @@ OptionalModelFile = Annotated[
 ContactForce = Annotated[float, typer.Option(help="To hold [N], above 0.")]
 
 
-def model_of(file: Path | None, behind: Path | None = None) -> Model:
-    """The model of a file, or the bundled one; fingers of elements stand before the plane y = side/2 + d.
-
-    Args:
-        file: the model's.
-        behind: of a surrogate, which is asked where a finger of elements has no answer.
-    """
-    found = load(file)
-    if behind is None:
-        return found
-    if isinstance(found, Surrogate):
-        raise ValueError(f"{file}: must be a finger of elements before --behind{uses_of(file or '')}")
-    return BackedSegment(touched=found, surrogate=Surrogate.load(behind))
-
-
 @app.command(context_settings={"ignore_unknown_options": True})
 def reach(
     model: ModelFile,
@@ -59,7 +43,7 @@ def reach(
     """Tensions that bring the tip plate's centre to a point before contact."""
     if not np.isfinite(point).all() or math.isnan(distance):
         raise ValueError(f"point and distance must be numbers, got {point}, {distance:g}")
-    known = model_of(model)
+    known = load(model)
     show_motion(known, Finger(known).reach(point, distance), as_json)
 
 
@@ -69,13 +53,10 @@ def hold(
     model: OptionalModelFile = None,
     contact_force: Annotated[float | None, typer.Option(help="To hold [N], above 0; 1 N if left out.")] = None,
     pad_pressure: Annotated[float | None, typer.Option(help="To hold instead [Pa], above 0.")] = None,
-    behind: Annotated[
-        Path | None, typer.Option(help="Surrogate of the plane, asked where a segment's map knows nothing.")
-    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Tensions that press on the plane with a contact force, or with a pressure on the pad."""
-    known = model_of(model, behind)
+    known = load(model)
     lower, upper = (limits[-1] for limits in known.limits)
     if known.has_obstacle and not lower <= distance <= upper:
         raise ValueError(f"distance must lie in [{lower:g}, {upper:g}] m, got {distance:g}")
@@ -116,7 +97,7 @@ def grasp(
     """Three simulated fingers close around an object of unknown position and hold it."""
     if not 0 < radius < math.inf:
         raise ValueError(f"radius must be above 0 m, got {radius:g}")
-    known = model_of(model)
+    known = load(model)
     gripper = Gripper(known)
     plants = [SimulatedPlant(known, distance) for distance in gripper.distances(centre, radius)]
     forces: float | np.ndarray = contact_force
@@ -156,7 +137,7 @@ def campaign(
     from control.campaign import run as hold_all
 
     with steps() as progress:
-        result = hold_all(model_of(model), starts, contact_force, sweep, progress=progress).as_json()
+        result = hold_all(load(model), starts, contact_force, sweep, progress=progress).as_json()
     counts = [[name.replace("_", " "), str(result[name]), percent(result[name] / result["starts"])] for name in COUNTED]
     times = [
         [what, *(f"{result[prefix + key]:.3g}" for key in ("mean_us", "p50_us", "p99_us", "max_us"))]

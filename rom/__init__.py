@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rom.native.answer import Answer
-    from rom.rod.backed_segment import BackedSegment
     from rom.rod.friction.history import friction_history
     from rom.rod.objects.search import find_object
     from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
 # Where each is.
 _HOMES = {
     "Answer": "rom.native.answer",
-    "BackedSegment": "rom.rod.backed_segment",
     "Rod": "rom.rod.rod",
     "Cylinder": "rom.rod.objects.shapes",
     "Hull": "rom.rod.objects.shapes",
@@ -35,7 +33,6 @@ _HOMES = {
 }
 __all__ = [
     "Answer",
-    "BackedSegment",
     "Rod",
     "Cylinder",
     "Hull",

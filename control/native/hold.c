@@ -156,17 +156,12 @@ static void hold(control_problem *problem, const double *start, double target, d
 void control_hold_problem(control_problem *problem, const double *start, double target, double distance,
                           const control_rules *rules, control_outcome *outcome)
 {
-    control_ask_first(problem);
     hold(problem, start, target, distance, rules, outcome);
     int known = control_knows(problem, problem->best, distance);
     if (!known && outcome->status == CONTROL_CONVERGED) { /* near the start nothing is known: the gentlest is the likeliest */
         const int evaluations = outcome->evaluations;
         hold(problem, problem->finger->lower, target, distance, rules, outcome);
         outcome->evaluations += evaluations;
-        known = control_knows(problem, problem->best, distance);
-    }
-    if ((!known || outcome->status != CONTROL_CONVERGED) && control_ask_behind(problem)) {
-        hold(problem, start, target, distance, rules, outcome);
         known = control_knows(problem, problem->best, distance);
     }
     if (!known) outcome->status = CONTROL_OUTSIDE;

@@ -11,7 +11,7 @@ static void compare(control_problem *problem, const double *tensions, double fel
 }
 
 /* By whatever is asked at present. */
-static void locate_by(control_problem *problem, int readings, const double *tensions, const double *felt, double hint,
+static void locate(control_problem *problem, int readings, const double *tensions, const double *felt, double hint,
                    const control_rules *rules, double *memory, control_outcome *outcome)
 {
     const int n = problem->tensions;
@@ -67,16 +67,6 @@ static void weigh_errors(control_problem *problem, int readings, const double *t
         outcome->squared_slopes += slope * slope;
         outcome->weighted_error += fabs(slope) * control_force_error(problem);
     }
-}
-
-/* Locate by a problem of the same finger, whose workspace is not used, and in memory for one of its own. */
-static void locate(control_problem *problem, int readings, const double *tensions, const double *felt, double hint,
-                   const control_rules *rules, double *memory, control_outcome *outcome)
-{
-    control_ask_first(problem);
-    locate_by(problem, readings, tensions, felt, hint, rules, memory, outcome);
-    if (outcome->status == CONTROL_OUTSIDE && control_ask_behind(problem))
-        locate_by(problem, readings, tensions, felt, hint, rules, memory, outcome);
 }
 
 void control_locate(const control_finger *finger, int readings, const double *tensions, const double *felt, double hint,

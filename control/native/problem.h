@@ -15,11 +15,9 @@ typedef struct {
     int tensions, parameters;
     double *point, *jacobian;      /* (parameters), (rows, parameters): asked for last, if `asked` */
     int asked;
-    const fingerfem_touching *touching; /* what is asked; if NULL, the finger's surrogate */
-    int with_rubber;                    /* whether the touch distance is that of the whole finger, not of plates alone */
     double *memory;                     /* the model's */
     double out[CONTROL_MOST_ROWS];
-    double wrench[FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES]; /* on a touched chain's plates, where its next solve begins */
+    double loads[FINGERFEM_MOST_LOADS]; /* of a touched chain, where its next solve begins */
     int inside;                      /* whether that answer is known: within what was trained */
     double *best, *other, *between; /* (tensions): the answer so far, and two more */
     control_workspace workspace;
@@ -48,14 +46,12 @@ static inline void control_problem_in(control_problem *problem, const control_fi
     const int own = control_problem_size(finger, residuals) - control_models_memory(finger);
     memset(memory, 0, (size_t)own * sizeof *memory);
     problem->memory = memory + own;
-    problem->with_rubber = 0;
     problem->finger = finger;
     problem->tensions = n;
     problem->parameters = p;
-    memset(problem->wrench, 0, sizeof problem->wrench);
+    memset(problem->loads, 0, sizeof problem->loads);
     problem->inside = 1;
     problem->asked = 0;
-    problem->touching = finger->touching;
     problem->point = memory;
     problem->jacobian = memory + p;
     problem->best = problem->jacobian + CONTROL_MOST_ROWS * p;
@@ -78,14 +74,10 @@ static inline void control_ask(control_problem *problem, const double *tensions,
     if (known) return;
     problem->asked = 1;
     const control_finger *finger = problem->finger;
-    if (problem->touching) {
+    if (problem->finger->touching) {
         int32_t inside;
-        if (problem->with_rubber)
-            fingerfem_touch(problem->touching, problem->point, problem->memory, problem->wrench, problem->out,
-                            problem->jacobian, NULL, &inside);
-        else
-            fingerfem_press(problem->touching, problem->point, problem->memory, problem->wrench, problem->out,
-                            problem->jacobian, &inside);
+        fingerfem_touch(problem->finger->touching, problem->point, problem->memory, problem->loads, problem->out, problem->jacobian,
+                        NULL, &inside);
         problem->inside = inside;
     } else {
         problem->inside = fingerfem_answer(finger->kernel, problem->point, problem->memory, problem->out, problem->jacobian);
@@ -110,9 +102,9 @@ static inline double control_force_error(control_problem *problem)
 {
     const control_finger *finger = problem->finger;
     double found[CONTROL_MOST_COLUMNS] = {0.0};
-    if (problem->touching) {
+    if (problem->finger->touching) {
         double errors[3];
-        fingerfem_touch_errors(problem->touching, problem->point, problem->memory, problem->wrench, errors);
+        fingerfem_touch_errors(problem->finger->touching, problem->point, problem->memory, problem->loads, errors);
         return errors[1];
     }
     fingerfem_contact_error(finger->kernel, finger->rates, finger->columns, finger->margin, problem->point,
@@ -124,25 +116,7 @@ static inline double control_force_error(control_problem *problem)
 static inline int control_knows(control_problem *problem, const double *tensions, double distance)
 {
     control_ask(problem, tensions, distance);
-    if (!problem->touching || !problem->inside) return problem->inside;
-    const double gap = fingerfem_rubber_gap(problem->touching, problem->point, problem->wrench, problem->memory);
-    return !(gap < problem->touching->chain->skin_error);
-}
-
-/* Ask the surrogate behind a touched segment from now on; whether there is one. */
-static inline int control_ask_behind(control_problem *problem)
-{
-    if (!problem->touching || !problem->finger->kernel) return 0;
-    problem->touching = NULL;
-    problem->asked = 0;
-    return 1;
-}
-
-/* Ask the touched segment first, if there is one. */
-static inline void control_ask_first(control_problem *problem)
-{
-    problem->asked &= problem->touching == problem->finger->touching;
-    problem->touching = problem->finger->touching;
+    return problem->inside;
 }
 
 /* Tensions in problem->best that press with a force; the outcome has status, residual and evaluations. Where that is

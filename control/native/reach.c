@@ -131,7 +131,6 @@ void control_reach(const control_finger *finger, const double *start, double cha
 {
     control_problem problem;
     control_problem_in(&problem, finger, 4, memory);
-    problem.with_rubber = 1;
     const int n = problem.tensions, anywhere = !isfinite(change);
     for (int j = 0; j < n && !anywhere; j++) {
         problem.workspace.lower[j] = fmax(start[j] - change, finger->lower[j]);

@@ -42,10 +42,10 @@ static int by_size(const void *one, const void *other)
 /* Tip, contact force and touch distance at a point. */
 static void ask(const fingerfem_model *model, const double *point, double *memory, double *out)
 {
-    double wrench[FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES] = {0.0};
+    double loads[FINGERFEM_MOST_LOADS] = {0.0};
     double jacobian[FINGERFEM_MOST_ROWS * FINGERFEM_MOST_PARAMETERS];
     int32_t inside;
-    if (model->touching) fingerfem_touch(model->touching, point, memory, wrench, out, jacobian, NULL, &inside);
+    if (model->touching) fingerfem_touch(model->touching, point, memory, loads, out, jacobian, NULL, &inside);
     else fingerfem_answer(model->kernel, point, memory, out, jacobian);
 }
 

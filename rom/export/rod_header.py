@@ -22,9 +22,10 @@ from rom.rod.touched_segment import TouchedSegment
 NATIVE = Path(__file__).parent / "native"
 PUBLIC = "fingerfem_object", "FINGERFEM_PLANE"  # by these: the type of objects, and the enum of shapes
 EXAMPLE, DEEP = 0.3, 2 / 3  # of the leading tension's range, and of the touch distance there: a point in contact [-]
-# The stack that gcc takes, times 1.25 or so, which tests measure: by the plates and their square, for matrices of all
-# wrenches, and by the powers of a polynomial [kB].
-STACK, BY_PLATE, BY_PLATES, BY_POWER = 17.0, 9.0, 4.2, 0.35
+# The stack that gcc takes, times 1.25 or so, which tests measure: by the bodies that may bear wrenches, plates and
+# sections of rubber, and their square, for matrices of all wrenches, and by the powers of a polynomial [kB].
+SECTIONS = 9  # besides plates, as in segment.h
+STACK, BY_BODY, BY_BODIES, BY_POWER = 60.0, 12.0, 3.2, 0.35
 
 
 def rod_header(model: TouchedSegment, name: str) -> str:
@@ -39,6 +40,7 @@ def rod_header(model: TouchedSegment, name: str) -> str:
         "STACK": f"{_stack(limits):.0f}",
         "TENSIONS": str(chain.tensions),
         "PLATES": str(chain.plates),
+        "LOADS": str(SEGMENT.functions.fingerfem_chain_loads(chain)),
         "MEMORY": str(memory),
         "BYTES": str(8 * memory),
         "UPPER": name.upper(),
@@ -91,13 +93,18 @@ def _limits(model: TouchedSegment) -> dict[str, int]:
         fields = dict(kind.item.fields) if kind.kind == "pointer" else {}
         powers += [one.most_power] if "most_power" in fields else []
         powers += list(known[address(one.most_powers)]) if "most_powers" in fields else []
-    return {"FINGERFEM_MOST_PLATES": model.touching.chain.plates, "FINGERFEM_MOST_POWER": max(powers)}
+    chain = model.touching.chain
+    return {
+        "FINGERFEM_MOST_PLATES": chain.plates,
+        "FINGERFEM_MOST_ELEMENTS": max(chain.segments[k].elements for k in range(chain.plates)),
+        "FINGERFEM_MOST_POWER": max(powers),
+    }
 
 
 def _stack(limits: Mapping[str, int]) -> float:
     """The most that a call needs [kB]."""
-    plates, power = limits["FINGERFEM_MOST_PLATES"], limits["FINGERFEM_MOST_POWER"]
-    return STACK + BY_PLATE * plates + BY_PLATES * plates**2 + BY_POWER * (power + 1)
+    bodies, power = limits["FINGERFEM_MOST_PLATES"] + SECTIONS, limits["FINGERFEM_MOST_POWER"]
+    return STACK + BY_BODY * bodies + BY_BODIES * bodies**2 + BY_POWER * (power + 1)
 
 
 def _limited(code: str, limits: Mapping[str, int]) -> str:

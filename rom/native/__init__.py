@@ -254,6 +254,7 @@ _SOURCES = (
     "touch.c",
     "touch_errors.c",
     "rubber.c",
+    "slices.c",
     "surface.c",
 )
 SEGMENT = Library(

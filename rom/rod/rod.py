@@ -162,7 +162,6 @@ class Rod(PickledByFields):
             "tip_factor": tip,
             "force_factor": force,
             "touch_factor": touch,
-            "touch_error_of_skin": self.errors.surface,
             "place_floor": self.errors.floors.place,
             "force_floor": self.errors.floors.force,
             "turn_error": self.errors.turn,
@@ -183,11 +182,11 @@ class Rod(PickledByFields):
         return Plates(*native.place_chain(self.struct, *self._inputs(tensions, wrenches)))
 
     def _inputs(self, tensions: ArrayLike, wrenches: ArrayLike | None) -> tuple[np.ndarray, np.ndarray]:
-        """Both as arrays, see `place`."""
+        """Both as arrays, see `place`; loads of an answer, see `Touched`, stay as they are."""
         t, n = len(self.names), len(self.segments)
         pulled = np.array(tensions, float)
         pressed = np.zeros((n, 6)) if wrenches is None else np.array(wrenches, float)
-        if pulled.shape != (t,) or pressed.shape != (n, 6):
+        if pulled.shape != (t,) or pressed.shape not in ((n, 6), (6 * sum(map(len, self.pieces)),)):
             raise ModelError(
                 f"inputs must be {t} tensions and wrenches of shape ({n}, 6), "
                 f"got shapes {pulled.shape} and {pressed.shape}"

@@ -19,6 +19,10 @@ from rom.fit.chebyshev import Polynomial
 from rom.native import PickledByFields
 from rom.rod import native
 
+# Of rubber pressed by a line along the segment, on a face and on an edge: force per length and depth, over Young's
+# modulus [-]. Fitted to full-order states on 20 x 5 cells of order 2 (studies/rods/rubber.py).
+INDENTED = 0.75, 0.35
+
 
 @brief
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +57,16 @@ class Segment(PickledByFields):
         return np.array([self.length, 0.0, 0.0])
 
     @cached_property
+    def young_modulus(self) -> float:
+        """Of the rubber at small strain, as the segment stretches [Pa]."""
+        pull = 1e-3 * self.elements[0].polynomial.upper[-6]
+        inputs = np.zeros((2, self.tensions + 6))
+        inputs[:, -6] = -pull, pull
+        longer = sum(np.ptp(one.value(inputs)[:, 0]) for one in self.elements)
+        rubber = self.length - self.half_lengths[0]
+        return float(2 * pull * rubber / (longer * 4 * self.half_lengths[1] * self.half_lengths[2]))
+
+    @cached_property
     def struct(self) -> Any:
         """For compiled code, a struct fingerfem_segment.
 
@@ -71,6 +85,7 @@ class Segment(PickledByFields):
             half_lengths=self.half_lengths,
             outlines=self.outlines,
             shortenings=[shortenings[id(one)] for one in self.elements],
+            stiffness=tuple(self.young_modulus * share for share in INDENTED),
         )
 
     def place(self, inputs: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:

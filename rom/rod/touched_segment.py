@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import lsq_linear
 
 from rom.brief import brief
 from rom.checked_file import ModelError
@@ -25,21 +24,20 @@ from rom.rod.rod import QUANTITIES, Rod
 from rom.rod.shape import Sections
 from rom.table import Table, as_html, parameters
 
-CLOSED = 1e-7  # [m]: gaps of contacts that may press, once the solve has ended
-
 SHIPPED = Path(__file__).parents[1] / "finger.h5"  # made by `make model`
 
 
 @brief
 class ContactForce(NamedTuple):
-    """What the object does to a plate at a point.
+    """What the object does to the finger at a point.
 
     Attributes:
-        plate: which, from the clamp.
+        plate: which, from the clamp; or the one that the touched rubber ends at.
         place: of the point in space, shape (3,) [m].
         normal: out of the object, shape (3,) [-].
         force: on the plate, shape (3,) [N].
         slides: or sticks; without friction it slides.
+        rubber: whether the point is of the rubber.
     """
 
     plate: int
@@ -47,12 +45,13 @@ class ContactForce(NamedTuple):
     normal: np.ndarray
     force: np.ndarray
     slides: bool
+    rubber: bool = False
 
 
 @brief
 @dataclass(frozen=True, kw_only=True)
 class TouchedSegment(PickledByFields):
-    """A finger of one segment or several, and a rigid object without friction that any of its plates may touch.
+    """A finger of one segment or several, and a rigid object without friction that touches it anywhere.
 
     Attributes:
         rod: the finger.
@@ -133,9 +132,10 @@ class TouchedSegment(PickledByFields):
         return np.array(self.obstacle.numbers()["direction"])
 
     def rubber_gap(self, point: np.ndarray, wrenches: np.ndarray) -> float:
-        """The rubber's least distance from the object under wrenches, shape (6 plates,) [m]; infinite if unknown."""
-        given = map(native.pointer, (np.array(point, float), np.array(wrenches, float).ravel()))
-        return float(SEGMENT.functions.fingerfem_rubber_gap(self.touching, *given, native.memory_of(self.rod.struct)))
+        """The rubber's least distance from the object under loads, see `Rod.place` [m]; infinite if unknown."""
+        given = np.array(point, float), native.loads(self.rod.struct, np.asarray(wrenches, float))
+        memory = native.memory_of(self.rod.struct)
+        return float(SEGMENT.functions.fingerfem_rubber_gap(self.touching, *map(native.pointer, given), memory))
 
     @property
     def native(self) -> dict[str, Any]:
@@ -173,7 +173,7 @@ class TouchedSegment(PickledByFields):
             parameters: shape (p,) or (n, p).
 
         Where no equilibrium was found on the object's approach, the answer is not inside, and its error infinite. It is
-        not inside either where the equilibrium is not stable, or rubber may touch.
+        not inside either where the equilibrium is not stable.
 
         Raises:
             ModelError: the wrong number of parameters.
@@ -212,29 +212,17 @@ class TouchedSegment(PickledByFields):
         return Report(*(one[0] for one in found)) if np.ndim(parameters) == 1 else found
 
     def contact_forces(self, parameters: ArrayLike) -> list[ContactForce]:
-        """Where the object presses at one point, shape (p,), and how much; none where nothing is known.
+        """Where the object presses at one point, shape (p,), and how much; none without an equilibrium.
 
         A plate is rigid: of more contacts than its wrench tells apart, the forces are one way of making it.
         """
-        answer, point = self.answers(parameters), np.asarray(parameters, float)
-        wrench = answer.wrenches.reshape(-1, 6)
-        if answer.evaluations[0] < 0 or not wrench.any():
-            return []
-        placed = self.rod.place(point[:-1], wrench)
-        nearest, farthest = self.obstacle.distances
-        d = min(float(point[-1]), farthest) if point[-1] > nearest else nearest  # as the solve has it
-        near = native.contacts(self.touching, point[:-1], d, placed.centres, placed.rotations)
-        closed = near.gaps < CLOSED
-        own, p, n = near.plates[closed], near.points[closed], near.normals[closed]
-        units = np.repeat([1.0, self.rod.half_lengths.max()], 3)  # a moment counts by its force at that arm
-        rows = np.zeros((*wrench.shape, len(own)))
-        rows[own, :, np.arange(len(own))] = np.hstack([n, np.cross(p, n)]) / units
-        sizes = lsq_linear(rows.reshape(wrench.size, -1), (wrench / units).ravel(), (0.0, np.inf), method="bvls").x
-        normals = np.einsum("kij,kj->ki", placed.rotations[own], n)
-        places = placed.centres[own] + np.einsum("kij,kj->ki", placed.rotations[own], p)
+        (point,) = self._points(parameters)
+        found = native.pressing(self.touching, point)
+        least = 1e-6 * found.forces.max(initial=0.0)
         return [
-            ContactForce(int(own[k]), places[k], normals[k], sizes[k] * normals[k], slides=True)
-            for k in np.flatnonzero(sizes > 1e-6 * sizes.max(initial=0.0))
+            ContactForce(int(plate), place, normal, force * normal, slides=True, rubber=bool(rubber))
+            for plate, rubber, place, normal, force in zip(*found, strict=True)
+            if force > least
         ]
 
     def displacement(self, parameters: ArrayLike, points: ArrayLike | None = None) -> np.ndarray:
@@ -261,8 +249,8 @@ class TouchedSegment(PickledByFields):
         return self.rod.shortening(*self._loads(parameters))
 
     def _loads(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Tensions, and the wrenches on the plates in contact, shapes (t,) [N] and (n, 6) [N, N m]."""
-        return np.asarray(parameters, float)[:-1], self.answers(parameters).wrenches[0].reshape(-1, 6)
+        """Tensions and loads in contact, shapes (t,) [N] and (m,) [N, N m]."""
+        return np.asarray(parameters, float)[:-1], self.answers(parameters).loads[0]
 
     def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and derivatives, shape (5, p)."""

@@ -72,8 +72,7 @@ class FullOrder:
         begun = self.pressed(pulled, wrenches)
         if begun is None:
             return None
-        table = {key: value for key, value in self._table.items() if key != "load"} | {"obstacle": touched}
-        model = self._model(self._scene.model_validate(table))
+        model = self._before(touched)
         for strategy in ("plain", "line search"):
             model.continuation.start(pulled, d, begun.displacement)
             try:
@@ -86,6 +85,24 @@ class FullOrder:
         contact = model.problem.contact
         assert contact is not None
         return contact.force(), rubber_touches(model)
+
+    def approached(self, touched: Table, pulled: np.ndarray, d: float) -> float | None:
+        """Contact force of an object that comes to d [m] from afar [N]; None without a converged state."""
+        from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
+
+        model = self._before(touched)
+        try:
+            model.continuation.rest()
+            model.continuation.advance(pulled, None)
+            model.continuation.advance(pulled, d)
+        except (LoadNotReached, NotConverged):
+            return None
+        return float(model.problem.contact.force())
+
+    def _before(self, touched: Table) -> Any:
+        """The finger before an obstacle, in place of its load."""
+        table = {key: value for key, value in self._table.items() if key != "load"} | {"obstacle": touched}
+        return self._model(self._scene.model_validate(table))
 
 
 def rubber_touches(model: Any) -> bool:

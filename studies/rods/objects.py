@@ -46,6 +46,9 @@ def scattered(run: Run, plan: plans.Plan, shape: str, count: int) -> dict:
         if force < FELT:
             counts["weak"] += 1
             continue
+        if any(one.rubber for one in model.contact_forces([*pulled, d])):
+            counts["rubber"] += 1
+            continue
         true = full.force(table, pulled, d, answer.wrenches[0])
         if true is None:
             counts["failed"] += 1

@@ -39,7 +39,7 @@ def draw(finger: Rod, picture: Path) -> dict:
     motion = Finger(model).hold(FORCE, 0.0, start=START)
     answer = model.answers(np.array([*motion.tensions, 0.0]))
     for k in range(3):
-        _finger(axes, finger, motion.tensions, answer.wrenches, 2 * np.pi * k / 3)
+        _finger(axes, finger, motion.tensions, answer.loads[0], 2 * np.pi * k / 3)
     u, v = np.mgrid[0 : 2 * np.pi : 40j, 0 : np.pi : 20j]
     axes.plot_surface(
         1e3 * BALL * np.cos(u) * np.sin(v),

@@ -33,8 +33,6 @@ def verdicts(finger: Rod, shape: str, count: int) -> dict:
             found["slips"] += 1
         elif answer.inside[0]:
             found["answered"] += 1
-        elif answer.rubber_gaps[0] < finger.errors.surface:
-            found["rubber"] += 1
         else:
             found["beyond"] += 1
     assert sum(found.values()) == count
@@ -42,7 +40,7 @@ def verdicts(finger: Rod, shape: str, count: int) -> dict:
     return {
         "shape": shape,
         "objects": count,
-        **{name: found[name] for name in ("answered", "rubber", "beyond", "slips")},
+        **{name: found[name] for name in ("answered", "beyond", "slips")},
         **{f"evaluations_{name}": float(end) for name, end in zip(("median", "p99", "max"), ends, strict=True)},
     }
 

@@ -1,11 +1,12 @@
 """The parts of docs/segment.md."""
 
-from studies.rods import accuracy, histories, lengths, objects, robustness, speed
+from studies.rods import accuracy, histories, lengths, objects, robustness, rubber, speed
 
 PARTS = {
     "accuracy": accuracy.measure,
     "lengths": lengths.measure,
     "objects": objects.measure,
+    "rubber": rubber.measure,
     "histories": histories.measure,
     "robustness": robustness.measure,
     "speed": speed.measure,

@@ -3,7 +3,6 @@
 import copy
 import multiprocessing
 import pickle
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from assembled import in_series
 import control
 import rom
 from control import Finger, Gripper, Limits
-from rom import BackedSegment, Rod, Surrogate, TouchedSegment
+from rom import Rod, Surrogate, TouchedSegment
 from rom.rod.inverse_map import InverseMap
 
 POINT = [50.0, 20.0, 0.012]
@@ -22,12 +21,6 @@ WHERE = {"centre": (0.0, 0.01, 0.0), "direction": (0.0, 1.0, 0.0)}
 
 def rod() -> Rod:
     return TouchedSegment.load().rod
-
-
-def backed() -> BackedSegment:
-    touched, surrogate = TouchedSegment.load(), Surrogate.load()
-    same = surrogate.scene | {"mesh": touched.scene["mesh"]}
-    return BackedSegment(touched=touched, surrogate=replace(surrogate, scene=same))
 
 
 def grasp():
@@ -47,7 +40,6 @@ def pulled(plant) -> list:
 # Of every class: how one is made, and what is asked of it, which makes what compiled code reads.
 CLASSES = {
     "Answer": (lambda: Surrogate.load().evaluate(POINT), lambda one: [one.tip, one.contact_force]),
-    "BackedSegment": (backed, answered),
     "Cylinder": (lambda: rom.Cylinder(radius=0.01, **WHERE), lambda one: [one.numbers()["axis"]]),
     "Hull": (lambda: rom.Hull(**HULL, **WHERE), lambda one: [one.numbers()["heights"]]),
     "Plane": (lambda: rom.Plane(normal=(0.0, -1.0, 0.0), **WHERE), lambda one: [one.numbers()["axis"]]),

@@ -13,7 +13,7 @@ import pytest
 import control
 import rom
 from control import Finger, Gripper, Limits, SimulatedPlant
-from rom import BackedSegment, Rod, Surrogate, TouchedSegment
+from rom import Rod, Surrogate, TouchedSegment
 from rom.brief import brief
 from rom.rod.objects.shapes import box
 from rom.rod.touched_segment import SHIPPED
@@ -97,4 +97,3 @@ def test_answers_motions_and_grasps_are_one_line_at_one_point_and_at_many(surrog
 def test_the_fields_of_what_is_not_a_model_are_shown_briefly():
     solid = box(centre=(0.1, 0.0, 0.0), sides=(0.01, 0.02, 0.03), direction=(0.0, 1.0, 0.0))
     assert "vertices=" in line(solid)
-    assert BackedSegment.__repr__ is Surrogate.__repr__

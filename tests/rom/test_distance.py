@@ -1,22 +1,14 @@
 """A distance beyond what a model's parameter allows is not inside, in every model; infinity is no obstacle."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from assembled import two_segments
 
-from rom import BackedSegment, Plane, Sphere, Surrogate, TouchedSegment
+from rom import Plane, Sphere, Surrogate, TouchedSegment
 from rom.export.model import MODEL, struct
 from rom.native import pointer
 
 TENSIONS = [30.0, 0.0]
-
-
-def backed() -> BackedSegment:
-    touched, surrogate = TouchedSegment.load(), Surrogate.load()
-    same = surrogate.scene | {"mesh": touched.scene["mesh"]}
-    return BackedSegment(touched=touched, surrogate=replace(surrogate, scene=same))
 
 
 def before_a_ball() -> TouchedSegment:
@@ -29,7 +21,6 @@ MODELS = {
     "rod": TouchedSegment.load,
     "two segments": two_segments,
     "rod before a ball": before_a_ball,
-    "rod with a surrogate": backed,
 }
 
 

@@ -104,8 +104,7 @@ def model_interface(model: Surrogate | TouchedSegment) -> Interface:
         statuses=[
             ("inside", 0, "inside of what was trained"),
             ("no_equilibrium", 1, "no equilibrium was found"),
-            ("rubber_touches", 2, "the rubber may touch, which the model knows nothing of"),
-            ("beyond", 3, "beyond what was trained, not stable, or an input is no number"),
+            ("beyond", 2, "beyond what was trained, not stable, or an input is no number"),
         ],
         differentiable=True,
     )

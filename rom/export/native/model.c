@@ -15,14 +15,12 @@ int32_t fingerfem_model_memory(const fingerfem_model *model)
     return (size > own ? size : own) + model->kernel->tables.most_components + edges->tables->most_components;
 }
 
-static int tell_touching(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
+static int tell_touching(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
                          double *errors, double *jacobian, const fingerfem_report *report)
 {
     int32_t inside;
-    double gap;
-    const int evaluations = fingerfem_tell(touching, point, memory, wrench, out, jacobian, errors, &inside, &gap, report);
+    const int evaluations = fingerfem_tell(touching, point, memory, loads, out, jacobian, errors, &inside, report);
     if (evaluations <= 0) return FINGERFEM_NO_EQUILIBRIUM;
-    if (gap < touching->chain->skin_error) return FINGERFEM_RUBBER_TOUCHES;
     return inside ? FINGERFEM_INSIDE : FINGERFEM_BEYOND;
 }
 
@@ -56,11 +54,11 @@ static void surrogate_errors(const fingerfem_kernel *kernel, const fingerfem_err
     if (mesh) errors[3] += mesh[4] * out[FINGERFEM_PAD] + place_error(kernel, point, out, FINGERFEM_PAD, mesh[5] * way, memory);
 }
 
-int fingerfem_model_tell(const fingerfem_model *model, const double *point, double *memory, double *wrench, double *out,
+int fingerfem_model_tell(const fingerfem_model *model, const double *point, double *memory, double *loads, double *out,
                          double *errors, double *jacobian, const fingerfem_report *report)
 {
     out[FINGERFEM_PAD] = errors[3] = NAN;
-    if (model->touching) return tell_touching(model->touching, point, memory, wrench, out, errors, jacobian, report);
+    if (model->touching) return tell_touching(model->touching, point, memory, loads, out, errors, jacobian, report);
     const int inside = fingerfem_answer(model->kernel, point, memory, out, jacobian);
     surrogate_errors(model->kernel, model->errors, point, out, memory, errors);
     return inside ? FINGERFEM_INSIDE : FINGERFEM_BEYOND;
@@ -98,11 +96,11 @@ static void move_edges(const fingerfem_kernel *kernel, const fingerfem_edges *ed
               work, corners);
 }
 
-int fingerfem_model_sections(const fingerfem_model *model, const double *point, const double *wrench, double *memory,
+int fingerfem_model_sections(const fingerfem_model *model, const double *point, const double *loads, double *memory,
                              double *corners)
 {
     if (!model->sections) return 0;
-    if (model->touching) return fingerfem_chain_sections(model->touching->chain, point, wrench, memory, corners);
+    if (model->touching) return fingerfem_chain_sections(model->touching->chain, point, loads, memory, corners);
     move_edges(model->kernel, model->edges, point, memory, corners);
     return 1;
 }

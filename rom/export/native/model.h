@@ -7,7 +7,7 @@
 enum { FINGERFEM_MOST_ROWS = 6, FINGERFEM_MOST_ERRORS = 4 };
 
 /* Why an answer is not to be relied on. */
-enum { FINGERFEM_INSIDE = 0, FINGERFEM_NO_EQUILIBRIUM = 1, FINGERFEM_RUBBER_TOUCHES = 2, FINGERFEM_BEYOND = 3 };
+enum { FINGERFEM_INSIDE = 0, FINGERFEM_NO_EQUILIBRIUM = 1, FINGERFEM_BEYOND = 2 };
 
 /* A surrogate's estimated errors, see rom.components.Errors; mesh has its shares of tip, touch distance, contact force and,
  * of that, by place, and of the pad's pressure likewise, (6); NULL if they are not known. */
@@ -40,12 +40,12 @@ int32_t fingerfem_model_memory(const fingerfem_model *model);
 
 /* All that is told at a point, (parameters): out, (FINGERFEM_MOST_ROWS), see kernel.h, its estimated errors of tip, contact
  * force, touch distance and pad pressure, (FINGERFEM_MOST_ERRORS), and derivatives, (rows, parameters). What is not known
- * is NaN. Returns whether it is to be relied on. The wrench, (6 plates), is where the solve begins and ends. The report is
+ * is NaN. Returns whether it is to be relied on. The loads, (fingerfem_chain_loads), are where the solve begins and end. The report is
  * computed unless it is NULL; a surrogate has none, and leaves it. */
-int fingerfem_model_tell(const fingerfem_model *model, const double *point, double *memory, double *wrench, double *out,
+int fingerfem_model_tell(const fingerfem_model *model, const double *point, double *memory, double *loads, double *out,
                          double *errors, double *jacobian, const fingerfem_report *report);
 
-/* The surface at a point that was told, by its wrench: (sections, 4, 3) [m]. */
-int fingerfem_model_sections(const fingerfem_model *model, const double *point, const double *wrench, double *memory,
+/* The surface at a point that was told, by its loads: (sections, 4, 3) [m]. */
+int fingerfem_model_sections(const fingerfem_model *model, const double *point, const double *loads, double *memory,
                              double *corners);
 #endif

@@ -25,7 +25,7 @@ from rom.rod.native.arrangement import (
 )
 from rom.rod.native.outlines import Outline, outline_of, stations_of
 
-MOST_CONTACTS, CORNERS = 12, 24  # as in segment.h
+MOST_CONTACTS, CORNERS = 48, 24  # as in segment.h
 ENDS = 1  # sections of a segment's surface besides its places, FINGERFEM_FRONTS there
 
 
@@ -43,6 +43,7 @@ class Segment:
             vector of that rotation [-], 6 values. Elements that share a law are one and the same object; all have one
             map of the tensions to what their polynomials are of.
         half_lengths: of the plate along its own axes, shape (3,) [m].
+        stiffness: of rubber pressed by a line along the segment, on a face and on an edge [Pa].
         corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
         outlines: of every element, shared as its law is; None if nothing is known of the rubber's surface.
         shortenings: of every element, shared as its law is: how much shorter the segment's tendons are in it, in the
@@ -51,6 +52,7 @@ class Segment:
 
     elements: Sequence[ElementMap]
     half_lengths: np.ndarray
+    stiffness: tuple[float, float] = (0.0, 0.0)
     corners: Polynomial | None = None
     outlines: Sequence[Outline] | None = None
     shortenings: Sequence[Polynomial] | None = None
@@ -94,7 +96,8 @@ def struct(segment: Segment) -> Any:
     known: dict[str, Any] = {}  # of the rubber's surface, the tendons and errors
     if segment.outlines is not None:
         corners_of = [SEGMENT.struct("fingerfem_outline", **outline(one.polynomial, monomials)) for one in outlines]
-        known = places_between(stations_of(segment.outlines, segment.half_lengths[0]))
+        lengths = np.array([one.length for one in segment.outlines])
+        known = places_between(stations_of(segment.outlines, segment.half_lengths[0]), lengths)
         known["outline"] = SEGMENT.pointers("fingerfem_outline", corners_of)
     if segment.shortenings is not None:
         sixes = [six for k in first for six in in_sixes(segment.shortenings[k])]
@@ -121,6 +124,8 @@ def struct(segment: Segment) -> Any:
         law_of=law_of,
         **known,
         half_lengths=segment.half_lengths.tolist(),
+        face_stiffness=segment.stiffness[0],
+        edge_stiffness=segment.stiffness[1],
         corner_monomials=len(bent),
         corner_coefficients=bent,
     )
@@ -169,14 +174,29 @@ def chain_struct(
     )
 
 
+def loads(compiled: Any, wrenches: np.ndarray) -> np.ndarray:
+    """Loads of a struct fingerfem_chain, shape (m,): wrenches on its plates, then on the sections between elements.
+
+    Args:
+        compiled: the struct.
+        wrenches: such loads, or on the plates alone, shape (n, 6) [N, N m].
+    """
+    found = np.zeros(SEGMENT.functions.fingerfem_chain_loads(compiled))
+    found[: wrenches.size] = wrenches.ravel()
+    return found
+
+
 def place_chain(
     compiled: Any, tensions: np.ndarray, wrenches: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
     """Centres, rotations and motions of n plates, shapes (n, 3), (n, 3, 3), (n, 6, t + 6 n); whether all is inside."""
-    (n, _), t = wrenches.shape, len(tensions)
+    n, t = compiled.plates, len(tensions)
     centres, rotations, motions = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((n, 6, t + 6 * n))
     inside = SEGMENT.functions.fingerfem_chain_place(
-        compiled, *map(pointer, (tensions, wrenches)), memory_of(compiled), *map(pointer, (centres, rotations, motions))
+        compiled,
+        *map(pointer, (tensions, loads(compiled, wrenches))),
+        memory_of(compiled),
+        *map(pointer, (centres, rotations, motions)),
     )
     return centres, rotations, motions, bool(inside)
 
@@ -245,40 +265,84 @@ class Touched(NamedTuple):
         jacobians: of these by tensions and d, shape (n, 5, t + 1).
         by_object: of these by the object's place and its turning about x, y, z through its centre, shape (n, 5, 6)
             [m, N, m per m or rad]; None if not asked for.
-        wrenches: on every plate, in its frame, shape (n, 6 plates) [N, N m].
-        inside: whether tensions, wrench and d lie where the map was trained, and there is an answer that is stable and
-            in which no rubber touches, shape (n,).
+        loads: wrenches on every plate and on the sections between elements, in their frames, see `loads`, shape (n, m)
+            [N, N m].
+        inside: whether tensions, loads and d lie where the elements were trained, and there is an answer that is
+            stable, shape (n,).
         evaluations: of the map, negative where there is no answer, shape (n,).
         nanoseconds: that each took, shape (n,).
-        rubber_gaps: least distance of the rubber from the object, shape (n,) [m]; infinite where nothing is known.
+        plates: how many the finger has.
     """
 
     out: np.ndarray
     jacobians: np.ndarray
     by_object: np.ndarray | None
-    wrenches: np.ndarray
+    loads: np.ndarray
     inside: np.ndarray
     evaluations: np.ndarray
     nanoseconds: np.ndarray
-    rubber_gaps: np.ndarray
+    plates: int
+
+    @property
+    def wrenches(self) -> np.ndarray:
+        """Of the loads those on the plates, shape (n, 6 plates) [N, N m]."""
+        return self.loads[:, : 6 * self.plates]
 
 
-def touches(touching: Any, points: np.ndarray, wrenches: np.ndarray | None = None, by_object: bool = False) -> Touched:
+def touches(touching: Any, points: np.ndarray, loads: np.ndarray | None = None, by_object: bool = False) -> Touched:
     """Answers at tensions and d, shape (n, t + 1).
 
     Args:
         touching: a struct fingerfem_touching.
         points: [N], [m].
-        wrenches: where each solve begins, shape (n, 6 plates) [N, N m]; without contact if None.
+        loads: where each solve begins, or wrenches on the plates alone, shape (n, m) [N, N m]; without contact if None.
         by_object: whether derivatives by the object's place and turning are wanted too.
     """
     points, (n, p) = np.ascontiguousarray(points, float), points.shape
-    begun = np.zeros((n, 6 * touching.chain.plates)) if wrenches is None else np.array(wrenches, float)
+    begun = np.zeros((n, SEGMENT.functions.fingerfem_chain_loads(touching.chain)))
+    if loads is not None:
+        begun[:, : loads.shape[1]] = loads
     counts, moved = np.empty((2, n), np.int32), np.empty((n, 5, 6)) if by_object else None
     found = Touched(
-        np.empty((n, 5)), np.empty((n, 5, p)), moved, begun, counts[0], counts[1], np.empty(n, np.int64), np.empty(n)
+        np.empty((n, 5)), np.empty((n, 5, p)), moved, begun, *counts, np.empty(n, np.int64), touching.chain.plates
     )
-    kinds = ("double[]",) * 4 + ("int32_t[]",) * 2 + ("int64_t[]", "double[]")
-    given = [SEGMENT.ffi.NULL if part is None else pointer(part, kind) for part, kind in zip(found, kinds, strict=True)]
+    kinds = ("double[]",) * 4 + ("int32_t[]",) * 2 + ("int64_t[]",)
+    parts = zip(found[:-1], kinds, strict=True)
+    given = [SEGMENT.ffi.NULL if part is None else pointer(part, kind) for part, kind in parts]
     SEGMENT.functions.fingerfem_touches(touching, n, pointer(points), memory_of(touching.chain), *given)
     return found._replace(inside=found.inside.astype(bool))
+
+
+@brief
+class Pressing(NamedTuple):
+    """Contacts that press, m of them.
+
+    Attributes:
+        plates: of which plate, or of the rubber before which, shape (m,).
+        rubber: whether it is rubber, shape (m,).
+        places: in space, shape (m, 3) [m].
+        normals: out of the object, shape (m, 3) [-].
+        forces: along these on the finger, shape (m,) [N].
+    """
+
+    plates: np.ndarray
+    rubber: np.ndarray
+    places: np.ndarray
+    normals: np.ndarray
+    forces: np.ndarray
+
+
+def pressing(touching: Any, point: np.ndarray) -> Pressing:
+    """Contacts that press at tensions and d, shape (t + 1,); none without an equilibrium."""
+    given = np.array(point, float), np.zeros(SEGMENT.functions.fingerfem_chain_loads(touching.chain))
+    compiled = SEGMENT.ffi.new("fingerfem_pressing *")
+    at, loads = map(pointer, given)
+    SEGMENT.functions.fingerfem_touch_pressing(touching, at, memory_of(touching.chain), loads, compiled)
+    shapes = {"plates": (np.int32, ()), "rubber": (np.int32, ()), "places": (float, (3,)), "normals": (float, (3,))}
+    found = {
+        name: np.frombuffer(SEGMENT.ffi.buffer(getattr(compiled, name)), kind)
+        .reshape(-1, *shape)[: compiled.count]
+        .copy()
+        for name, (kind, shape) in (shapes | {"forces": (float, ())}).items()
+    }
+    return Pressing(**found | {"rubber": found["rubber"].astype(bool)})

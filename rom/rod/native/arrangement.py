@@ -32,11 +32,12 @@ def free_numbers(monomials: np.ndarray, powers: np.ndarray, coefficients: np.nda
     return found
 
 
-def places_between(stations: np.ndarray) -> dict[str, Any]:
+def places_between(stations: np.ndarray, lengths: np.ndarray) -> dict[str, Any]:
     """Places of the rubber, and the stations' weights there, as values of a struct fingerfem_segment.
 
     Args:
         stations: positions along the segment at rest, shape (stations,) [m].
+        lengths: of the elements from the plate to the clamp at rest, shape (elements,) [m].
 
     Polynomials through the nearest stations interpolate the corners.
     """
@@ -49,7 +50,19 @@ def places_between(stations: np.ndarray) -> dict[str, Any]:
     for k in range(near):
         for j in set(range(near)) - {k}:
             weights[:, k] *= (places - own[:, j]) / (own[:, k] - own[:, j])
-    return {"stations": len(stations), "places": count, "near": near, "first": first, "between": weights}
+    begins = lengths.sum() - np.append(0.0, np.cumsum(lengths))  # of the elements, from the clamp; then the clamp
+    middles = (places[1:] + places[:-1]) / 2
+    own = np.searchsorted(-begins, -middles, side="right") - 1
+    return {
+        "stations": len(stations),
+        "places": count,
+        "near": near,
+        "first": first,
+        "between": weights,
+        "place_elements": own,
+        "place_shares": (middles - begins[own + 1]) / lengths[own],
+        "element_lengths": lengths,
+    }
 
 
 def by_degree(powers: Sequence[int]) -> tuple[int, ...]:

@@ -1,56 +1,94 @@
-/* Segments one after another: where all their plates are. Plates are rigid, so that one segment's plate clamps the next. */
+/* Segments one after another: where their plates and loaded sections are. Plates are rigid, so that one segment's plate clamps
+ * the next. */
 #ifndef FINGERFEM_CHAIN_H
 #define FINGERFEM_CHAIN_H
 #include "rod_march.h"
 
 enum {
     W = FINGERFEM_WRENCH,
-    CHAIN_WRENCH = W * FINGERFEM_MOST_PLATES,
-    CHAIN_INPUTS = CHAIN_WRENCH + TENSIONS_MOST /* wrenches, plate by plate, then tensions */
+    MOST_BODIES = FINGERFEM_MOST_BODIES,
+    CHAIN_WRENCH = W * MOST_BODIES,
+    CHAIN_INPUTS = CHAIN_WRENCH + TENSIONS_MOST /* wrenches, body by body, then tensions */
 };
 typedef double chain_matrix[CHAIN_WRENCH][CHAIN_WRENCH];
 
-/* Segments at some tensions: how these bend every plate, and the rods; and memory to work in, of one segment at a time. */
+/* What may bear a wrench: a plate, the section where an element begins, or the ground, which is the clamp of the first
+ * segment and does not move. */
+enum { CHAIN_GROUND = -1 /* in place of a segment */ };
+typedef struct {
+    int segment;
+    rod_part part; /* the elements between this body and the next one towards the clamp; a plate's begins with element 0 */
+} chain_place;
+
+/* Segments at some tensions: how these bend every plate, and the rods; the bodies that bear wrenches, from clamp to tip,
+ * all plates among them; and memory to work in, of one segment at a time. */
 typedef struct {
     const fingerfem_chain *chain;
     double corners[FINGERFEM_MOST_PLATES][FINGERFEM_CORNERS], *work;
     rod_state rods[FINGERFEM_MOST_PLATES];
+    int count;
+    chain_place bodies[MOST_BODIES];
 } chain_rods;
 
-/* A plate: what it bears, and where its segment alone has it, seen from that one's clamp; then where it is in space, and
- * its motion R^T dc, R^T dtheta by all inputs. */
+/* A body: what it transmits, and where its part of the rod alone has it, seen from where that ends; then where it is in
+ * space, and its motion R^T dc, R^T dtheta by all inputs. */
 typedef struct {
     double borne[W], arm[3], relative[9], by_tensions[W][TENSIONS_MOST];
     rod_end end;
     double centre[3], rotation[9], motion[W][CHAIN_INPUTS];
-} chain_plate;
+} chain_body;
 typedef struct {
-    chain_plate plates[FINGERFEM_MOST_PLATES];
+    chain_body bodies[MOST_BODIES];
 } chain_state;
 
-/* All segments at tensions inside their box, in memory of fingerfem_chain_memory's size. For what bears wrenches they must
- * be contracted too. */
+/* All segments at tensions inside their box, in memory of fingerfem_chain_memory's size; plates alone bear wrenches. For what
+ * bears wrenches they must be contracted too. */
 void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found);
 void chain_contract(const chain_rods *map);
 
-/* The plates under wrenches, (6 plates), and their motions by these. */
+/* Plates alone as bodies. */
+void chain_plates_alone(chain_rods *map);
+
+/* The body of a segment's element, or of the ground; -1 if it is none. */
+int chain_body_of(const chain_rods *map, int segment, int element);
+
+/* Make the section where an element begins, or the ground, a body too; returns its number, or -1 if there is no room. The
+ * numbers of those beyond it grow by one. */
+int chain_add_body(chain_rods *map, int segment, int element);
+
+/* The number of a plate, or of a body among the chain's loads: wrenches on the plates, then on the sections where the other
+ * elements of each segment begin, from its plate to its clamp. */
+int chain_plate_of(const chain_rods *map, int plate);
+int chain_load_of(const chain_rods *map, int body);
+
+/* Bodies that loads, (fingerfem_chain_loads), need, and their wrenches; returns 0 if there is no room for them. And back. */
+int chain_take_loads(chain_rods *map, const double *loads, double *wrench);
+void chain_leave_loads(const chain_rods *map, const double *wrench, double *loads);
+
+/* Numbers of wrenches on all bodies. */
+static inline int chain_size(const chain_rods *map) { return W * map->count; }
+
+/* The bodies under wrenches, (6 bodies), and their motions by these. */
 void chain_under(const chain_rods *map, const double *wrench, chain_state *state);
 
 /* The plates without a wrench: where they are, and their motions by the tensions. */
 void chain_free(const chain_rods *map, chain_state *state);
 
-/* The plates' motions by the variants of all elements, in the place of those by the tensions: under the wrenches that the plates
+/* The bodies' motions by the variants of all elements, in the place of those by the tensions: under the wrenches that the bodies
  * were placed under last, or, unless they are pressed, without. */
 void chain_by_variants(const chain_rods *map, int pressed, chain_state *state);
 
-/* The plates' motions by the tensions too, under the wrenches that they were placed under last. */
+/* The bodies' motions by the tensions too, under the wrenches that they were placed under last. */
 void chain_by_tensions(const chain_rods *map, chain_state *state);
 
-/* All of it at tensions, which are clamped to their box as `held`, and wrenches; returns 1 if all inputs are inside. */
-int chain_placed(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory, double *held,
+/* Where an element of a segment begins in space: place, (3) [m], and rotation, (3, 3). */
+void chain_section(const chain_rods *map, const chain_state *state, int segment, int element, double *place, double *rotation);
+
+/* All of it at tensions, which are clamped to their box as `held`, and loads; returns 1 if all inputs are inside. */
+int chain_placed(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, double *held,
                  chain_rods *map, chain_state *state);
 
-/* How what a plate passes on to the one before changes, (6), in place, from how what it transmits does, as its motion relative
+/* How what a body passes on to the one before changes, (6), in place, from how what it transmits does, as its motion relative
  * to that one changes, R^T dc and R^T dtheta, (6). */
-void chain_pass_change(const chain_plate *plate, const double *motion, double *change);
+void chain_pass_change(const chain_body *body, const double *motion, double *change);
 #endif

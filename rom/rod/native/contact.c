@@ -20,6 +20,7 @@
 #define NEAR 2e-6    /* likewise, if steps become shorter by FASTER at least: the next would be some 1e-12, and derivatives,
                         which are those of the last pose, are good to 1e-4 or so */
 #define FASTER 1e-2
+#define CLOSER 3e-9  /* where rubber may touch, for its shape under a load is not in the tangent: a tenth of a step may be left [-] */
 #define LONGEST 0.5  /* of the box: a step of the wrench [-] */
 
 /* Forces that the contacts had before, found again by their names. */
@@ -44,7 +45,7 @@ static double step(const contact_problem *problem, contact_state *state)
 {
     const fingerfem_chain *chain = problem->touching->chain;
     const objects_contacts *contacts = &state->at.contacts;
-    const int w = problem->size;
+    const int w = contact_size(problem);
     double forces[FINGERFEM_MOST_CONTACTS], target[CHAIN_WRENCH], change[CHAIN_WRENCH], size = 0.0;
     if (!response_find(problem, state)) return -1.0;
     memcpy(forces, state->forces, sizeof forces);
@@ -55,11 +56,11 @@ static double step(const contact_problem *problem, contact_state *state)
     }
     for (int i = 0; i < w; i++) target[i] = -state->wrench[i];
     for (int k = 0; k < contacts->count; k++)
-        for (int i = 0; i < W && forces[k] > 0.0; i++)
-            target[W * contacts->plates[k] + i] += forces[k] * contacts->wrenches[k][i];
+        if (forces[k] > 0.0) response_press(&state->at, k, forces[k], target);
     response_product(w, state->soft, target, change);
     for (int i = 0; i < w; i++) {
-        const fingerfem_segment *segment = chain->segments[i / W];
+        const int q = problem->map->bodies[i / W].segment;
+        const fingerfem_segment *segment = chain->segments[q < 0 ? 0 : q];
         const double own = fabs(change[i]) / segment->upper[segment->tensions + i % W];
         if (own > size || isnan(own)) size = own;
     }
@@ -67,8 +68,8 @@ static double step(const contact_problem *problem, contact_state *state)
     const double share = size > LONGEST ? LONGEST / size : 1.0;
     for (int i = 0; i < w; i++) state->wrench[i] += share * change[i];
     for (int k = 0; k < contacts->count; k++) state->forces[k] += share * (forces[k] - state->forces[k]);
-    for (int k = 0; k < chain->plates; k++) { /* where the next pose would be found */
-        chain_plate *plate = state->at.chain.plates + k;
+    for (int k = 0; k < problem->map->count; k++) { /* where the next pose would be found */
+        chain_body *plate = state->at.chain.bodies + k;
         for (int j = 0; j < 3; j++) {
             double moved = 0.0;
             for (int i = 0; i < w; i++) moved += share * plate->motion[j][i] * change[i];
@@ -86,11 +87,11 @@ static int solve_from(const contact_problem *problem, double d, contact_state *s
     for (int k = 1; k <= ITERATIONS; k++) {
         double forces[FINGERFEM_MOST_CONTACTS];
         memcpy(forces, state->forces, sizeof forces);
-        placed_under(problem, state->wrench, d, &state->at);
+        if (!placed_under(problem, d, state)) return -k;
         carry(&before, forces, &state->at.contacts, state->forces);
         const double size = step(problem, state);
         if (size < 0.0) return -k;
-        if (size < CLOSE || (size < NEAR && size < FASTER * last)) return k;
+        if (size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last)) return k;
         last = size;
         before = state->at.contacts;
     }
@@ -104,10 +105,19 @@ static int approach(const contact_problem *problem, double touch, double d, cont
     int evaluations = 0;
     double at = touch, size = (d - touch) / STEPS;
     const double least = fabs(size) / (1 << HALVINGS);
+    chain_rods *map = problem->map;
+    chain_place bodies[MOST_BODIES];
+    objects_contacts contacts;
+    double wrench[CHAIN_WRENCH], forces[FINGERFEM_MOST_CONTACTS];
     memset(state->wrench, 0, sizeof state->wrench);
     state->at.contacts.count = 0;
+    chain_plates_alone(map);
     while (at > d) {
-        contact_state last = *state;
+        const int count = map->count;
+        contacts = state->at.contacts;
+        memcpy(wrench, state->wrench, sizeof wrench);
+        memcpy(forces, state->forces, sizeof forces);
+        memcpy(bodies, map->bodies, sizeof bodies);
         const double next = at + size > d + least ? at + size : d;
         const int used = solve_from(problem, next, state);
         evaluations += abs(used);
@@ -116,7 +126,11 @@ static int approach(const contact_problem *problem, double touch, double d, cont
             size *= 1.5;
             continue;
         }
-        *state = last;
+        state->at.contacts = contacts;
+        memcpy(state->wrench, wrench, sizeof wrench);
+        memcpy(state->forces, forces, sizeof forces);
+        map->count = count;
+        memcpy(map->bodies, bodies, sizeof bodies);
         size /= 2.0;
         if (fabs(size) < least || evaluations > EVALUATIONS) return -evaluations;
     }
@@ -128,7 +142,7 @@ int contact_solve(const contact_problem *problem, double touch, double d, contac
 {
     const double shallow = objects_shallow(problem->touching->object, problem->touching->chain->segments[0]->half_lengths);
     int evaluations = 0;
-    if (any(problem->size, state->wrench) || touch - d < shallow) {
+    if (any(contact_size(problem), state->wrench) || touch - d < shallow) {
         state->at.contacts.count = 0;
         evaluations = solve_from(problem, d, state);
         if (evaluations > 0) return evaluations;

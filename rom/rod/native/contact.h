@@ -4,15 +4,38 @@
 #include "chain.h"
 #include "objects.h"
 
-#define SOFT 1e-9 /* what a contact yields, for forces that are shared by a stiff plate to be unique [m/N] */
+/* A slice of rubber between two cross-sections next to each other: its corners, first those of the section nearer to the
+ * clamp, with -y -z, y -z, -y z and y z in turns, in space; how far the middles of its faces across y and across z are off,
+ * by section; an orthogonal frame; and the sections where its element begins and ends, with the bodies that bear what presses
+ * on it. */
+enum { SLICE_ENDS = 2, SLICE_INPUTS = SLICE_ENDS * W, SLICE_CORNERS = 8 };
+typedef struct {
+    int number, segment, element, bodies[SLICE_ENDS];
+    double share;                 /* of the middle, from the element's end, 0, to its begin, 1 */
+    double length;                /* of the element at rest [m] */
+    double slender;               /* 12 E I / (k G A length^2): how much its shear yields beside its bending [-] */
+    double ends[SLICE_ENDS][3];   /* centres of the sections: its begin, then its end [m] */
+    double corners[SLICE_CORNERS][3], bulges[2][2]; /* [m] */
+    double centre[3], rotation[9], thickness;
+} rubber_slice;
 
-/* Plates somewhere, and the contacts there. */
+/* What a unit force at a contact puts on bodies: one plate, or both ends of a slice. */
+typedef struct {
+    int count, bodies[SLICE_ENDS];
+    double wrenches[SLICE_ENDS][W];
+} contact_arms;
+
+/* Bodies somewhere, and the contacts there. Slices lie after all plates in their numbers. */
 typedef struct {
     chain_state chain;
     objects_contacts contacts;
+    contact_arms arms[FINGERFEM_MOST_CONTACTS];
+    double d;                             /* of the object [m] */
+    int slices;
+    rubber_slice slice[FINGERFEM_MOST_CONTACTS];
 } placed;
 
-/* A state of the solve: where the plates are, the wrenches on all of them and the forces at their contacts, and G, S and
+/* A state of the solve: where the bodies are, the wrenches on all of them and the forces at their contacts, and G, S and
  * C S. */
 typedef struct {
     placed at;
@@ -23,24 +46,36 @@ typedef struct {
 /* What the solve is about. */
 typedef struct {
     const fingerfem_touching *touching;
-    const chain_rods *map;
-    int size; /* of all wrenches */
+    chain_rods *map;
 } contact_problem;
 
-/* The plates under wrenches, before an object at d. */
-void placed_under(const contact_problem *problem, const double *wrench, double d, placed *at);
+/* Numbers of all wrenches. */
+static inline int contact_size(const contact_problem *problem) { return chain_size(problem->map); }
 
-/* The direction in which d moves the object, (3), seen from a plate. */
-void placed_leaving(const contact_problem *problem, const chain_plate *plate, double *found);
+/* The bodies under a state's wrenches, before an object at d: what it may touch becomes a body. Returns 0 if there is no room. */
+int placed_under(const contact_problem *problem, double d, contact_state *state);
 
-/* How the point of contact k moves as the tensions bend its plate, (tensions, 3). */
-void placed_bend(const contact_problem *problem, const objects_contacts *contacts, int k, double *found);
+/* Slices of rubber with gaps below `near` [m] before an object at d, and their contacts besides others; free, or under the
+ * wrenches that the bodies were placed under last. */
+void placed_slices(const contact_problem *problem, int free, double d, double near, placed *at);
+
+/* The slice of a contact; NULL if it is a plate's. */
+const rubber_slice *placed_slice_of(const placed *at, int contact);
+
+/* How the wrenches of contact k of a slice change, each in its body's frame, as both ends move: (2, 6), (2, 6). */
+void slices_change(const contact_problem *problem, double d, const placed *at, int k, double (*change)[SLICE_INPUTS]);
+
+/* The direction in which d moves the object, (3), seen from a body. */
+void placed_leaving(const contact_problem *problem, const chain_body *body, double *found);
+
+/* How the point of contact k moves as the tensions bend its plate, or change the shape of its slice, (tensions, 3). */
+void placed_bend(const contact_problem *problem, const placed *at, int k, double *found);
 
 /* The contact with the least gap. */
 int placed_nearest(const objects_contacts *contacts);
 
-/* The largest d at which the object touches one of the plates where they are, of which the contacts are left there;
- * -infinity if it passes by. */
+/* The largest d at which the object touches one of the free plates, of which the contacts are left there; -infinity if it
+ * passes by. */
 double placed_touch_distance(const contact_problem *problem, placed *at);
 
 /* Solve at d: from wrenches that are known, if they are not zero; or at once, where d is near the touch distance; or from

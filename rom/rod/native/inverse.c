@@ -20,8 +20,8 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
     const int within = tensions_all_clamped(segment, tensions, held);
     rod_set_tensions(segment, held, memory, memory + rod_memory(segment), &rod);
     rod_contract(&rod);
-    rod_under(&rod, wrench, &end);
-    rod_by_tensions(&rod, by_tensions);
+    rod_under(&rod, (rod_part){0, segment->elements}, wrench, &end);
+    rod_by_tensions(&rod, (rod_part){0, segment->elements}, by_tensions);
     for (int i = 0; i < 3; i++) {
         centre[i] = 0.0;
         for (int j = 0; j < 3; j++) {
@@ -101,7 +101,7 @@ int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, con
     memset(step, 0, sizeof step);
     memset(stiffness, 0, W * W * sizeof *stiffness);
     for (int evaluations = 1; evaluations <= EVALUATIONS; evaluations++) {
-        rod_under(&rod, tried, &end);
+        rod_under(&rod, (rod_part){0, segment->elements}, tried, &end);
         motion_to(&end, centre, target, motion);
         const double off = size_of(segment, motion);
         if (!(off < least)) { /* too far: half the way from where it was */

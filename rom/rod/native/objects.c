@@ -90,7 +90,7 @@ void objects_find(const fingerfem_object *object, const double *half_lengths, do
 static void changes(const objects_contacts *contacts, int k, const double *ds, const double *da, double *dp, double *dr)
 {
     const objects_feature *feature = contacts->features + k;
-    const double *s = feature->s, *a = feature->a, *p = contacts->points[k], *half = contacts->half_lengths;
+    const double *s = feature->s, *a = feature->a, *p = contacts->points[k], *half = contacts->halves[k];
     const int name = contacts->names[k];
     vector r, moved;
     memset(dp, 0, sizeof(vector));

@@ -19,26 +19,53 @@ void objects_turned_back(const double *rotation, const double *v, double *out)
     for (int i = 0; i < 3; i++) out[i] = rotation[i] * v[0] + rotation[3 + i] * v[1] + rotation[6 + i] * v[2];
 }
 
-void objects_note(objects_contacts *all, int name, const objects_feature *feature, double gap, const double *p,
-                  const double *n)
+/* Room for a contact with a gap: the place of that with the largest gap if there is none; -1 if all are nearer. */
+static int room_for(objects_contacts *all, double gap)
 {
-    int at = all->count;
-    if (at == FINGERFEM_MOST_CONTACTS) {
-        at = 0;
-        for (int k = 1; k < all->count; k++)
-            if (all->gaps[k] > all->gaps[at]) at = k;
-        if (all->gaps[at] <= gap) return;
-    } else {
-        all->count++;
-    }
+    int at = 0;
+    if (all->count < FINGERFEM_MOST_CONTACTS) return all->count++;
+    for (int k = 1; k < all->count; k++)
+        if (all->gaps[k] > all->gaps[at]) at = k;
+    return all->gaps[at] > gap ? at : -1;
+}
+
+static void put(objects_contacts *all, int at, int name, const objects_feature *feature, double gap, const double *p, const double *n)
+{
     all->plates[at] = all->plate;
     all->names[at] = name;
     all->features[at] = *feature;
     all->gaps[at] = gap;
+    all->soft[at] = OBJECTS_SOFT;
+    memcpy(all->halves[at], all->half_lengths, sizeof(vector));
     memset(all->bent[at], 0, sizeof(vector));
     memcpy(all->points[at], p, sizeof(vector));
     memcpy(all->wrenches[at], n, sizeof(vector));
     objects_cross(p, n, all->wrenches[at] + 3);
+}
+
+void objects_note(objects_contacts *all, int name, const objects_feature *feature, double gap, const double *p,
+                  const double *n)
+{
+    const int at = room_for(all, gap);
+    if (at >= 0) put(all, at, name, feature, gap, p, n);
+}
+
+void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double soft, const double *p,
+                         const double *n)
+{
+    const objects_feature none = {.kind = OBJECTS_FACE};
+    const int at = room_for(all, gap);
+    if (at < 0) return;
+    put(all, at, name, &none, gap, p, n);
+    memcpy(all->material[at], material, sizeof(vector));
+    all->soft[at] = soft;
+}
+
+int objects_any_of(const objects_contacts *contacts, int plate)
+{
+    int any = 0;
+    for (int k = 0; k < contacts->count; k++) any |= contacts->plates[k] == plate;
+    return any;
 }
 
 void objects_copy(const objects_contacts *from, int j, objects_contacts *to, int k)

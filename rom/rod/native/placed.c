@@ -1,9 +1,11 @@
 #include <math.h>
 #include "contact.h"
+#include "slices.h"
 
 #define MARCHES 60    /* towards the touch distance */
 #define TOUCHED 1e-12 /* [m] */
-#define NEAR 1e-4     /* gap that may close as the plate is bent, by some um [m] */
+#define NEAR 1e-4     /* gap that may close as a plate is bent, by some um [m] */
+#define SLICE_NEAR 2e-4 /* gap below which rubber may touch in the next step [m] */
 
 /* How far the point of contact k is off, (3), where the corners of its plate are. */
 static void point_off(const fingerfem_segment *segment, const double *corners, const objects_contacts *contacts, int k,
@@ -17,13 +19,13 @@ static void point_off(const fingerfem_segment *segment, const double *corners, c
  * object that is near is seen from there. */
 static void bend(const contact_problem *problem, double d, int plate, int k, placed *at)
 {
-    objects_contacts *contacts = &at->contacts;
+    objects_contacts *contacts = &at->contacts, seen;
     const fingerfem_segment *segment = problem->touching->chain->segments[plate];
-    const chain_plate *own = at->chain.plates + plate;
+    const chain_body *own = at->chain.bodies + chain_plate_of(problem->map, plate);
     double place[3], *off = contacts->bent[k], *wrench = contacts->wrenches[k];
     point_off(segment, problem->map->corners[plate], contacts, k, off);
     int j = 0;
-    objects_contacts seen = {.count = 0};
+    seen.count = 0; /* zeros in all of it would take longer than the rest */
     if (contacts->features[k].kind != OBJECTS_FACE && contacts->gaps[k] < NEAR) {
         for (int i = 0; i < 3; i++) place[i] = own->centre[i] + objects_dot(own->rotation + 3 * i, off);
         objects_find(problem->touching->object, segment->half_lengths, d, plate, place, own->rotation, &seen);
@@ -38,23 +40,118 @@ static void bend(const contact_problem *problem, double d, int plate, int k, pla
 /* The contacts of an object at d with one plate, a box but for what tensions bend it. */
 static void find(const contact_problem *problem, double d, int plate, placed *at)
 {
-    const chain_plate *own = at->chain.plates + plate;
+    const chain_body *own = at->chain.bodies + chain_plate_of(problem->map, plate);
     const fingerfem_segment *segment = problem->touching->chain->segments[plate];
     objects_find(problem->touching->object, segment->half_lengths, d, plate, own->centre, own->rotation, &at->contacts);
     for (int k = 0; k < at->contacts.count && segment->corner_monomials; k++)
         if (at->contacts.plates[k] == plate) bend(problem, d, plate, k, at);
 }
 
-void placed_under(const contact_problem *problem, const double *wrench, double d, placed *at)
+/* Slices that contacts are with, of a segment of which the corners are known; others go. */
+static void keep_slices(const contact_problem *problem, int segment, const double *points, placed *at)
 {
-    chain_under(problem->map, wrench, &at->chain);
-    at->contacts.count = 0;
-    for (int plate = 0; plate < problem->touching->chain->plates; plate++) find(problem, d, plate, at);
+    int kept = 0;
+    for (int k = 0; k < at->slices; k++)
+        if (objects_any_of(&at->contacts, at->slice[k].number)) at->slice[kept++] = at->slice[k];
+    at->slices = kept;
+    for (int k = 0; k < at->contacts.count; k++) {
+        const int place = slices_place(problem->map, segment, at->contacts.plates[k]);
+        if (place >= 0 && !placed_slice_of(at, k)) slices_make(problem->map, &at->chain, segment, points, place, at->slice + at->slices++);
+    }
 }
 
-void placed_leaving(const contact_problem *problem, const chain_plate *plate, double *found)
+void placed_slices(const contact_problem *problem, int free, double d, double close, placed *at)
 {
-    const double *e = problem->touching->object->direction, *r = plate->rotation;
+    const fingerfem_object *object = problem->touching->object;
+    const fingerfem_chain *chain = problem->touching->chain;
+    at->slices = 0;
+    at->d = d;
+    for (int q = 0; q < chain->plates; q++) {
+        const fingerfem_segment *segment = chain->segments[q];
+        unsigned char near[FINGERFEM_MOST_ELEMENTS + 2]; /* 1: what may touch; 2: its neighbour, which takes part in its shape */
+        rubber_slice slice;
+        if (!segment->stations || !slices_near(problem->map, &at->chain, q, object, d, close, near)) continue;
+        const double *points = slices_corners(problem->map, &at->chain, q, free, near);
+        for (int n = 0; n < segment->places - 1; n++) {
+            if (near[segment->place_elements[n]] != 1 || slices_least_gap(segment, points, n, object, d) > close) continue;
+            slices_make(problem->map, &at->chain, q, points, n, &slice);
+            slices_find(segment, &slice, object, d, close, &at->contacts);
+        }
+        keep_slices(problem, q, points, at);
+    }
+}
+
+const rubber_slice *placed_slice_of(const placed *at, int contact)
+{
+    for (int k = 0; k < at->slices; k++)
+        if (at->slice[k].number == at->contacts.plates[contact]) return at->slice + k;
+    return NULL;
+}
+
+/* Make a section, or the ground, a body that bears nothing yet; returns 0 if there is no room. */
+static int add_body(chain_rods *map, int segment, int element, double *wrench)
+{
+    const int before = map->count, b = chain_add_body(map, segment, element);
+    if (b < 0) return 0;
+    if (map->count == before) return 1;
+    memmove(wrench + W * (b + 1), wrench + W * b, (size_t)(W * (before - b)) * sizeof *wrench);
+    memset(wrench + W * b, 0, W * sizeof *wrench);
+    return 1;
+}
+
+/* The bodies at both ends of a slice: where its element begins; where it ends, which is the next one's begin, the plate
+ * before, or the ground. */
+static void ends_of(const chain_rods *map, const rubber_slice *slice, int end, int *segment, int *element)
+{
+    *segment = slice->segment;
+    *element = slice->element + end;
+    if (*element < map->chain->segments[*segment]->elements) return;
+    *element = 0;
+    *segment = *segment ? *segment - 1 : CHAIN_GROUND;
+}
+
+/* What unit forces at all contacts put on bodies. */
+static void arms(const contact_problem *problem, placed *at)
+{
+    for (int k = 0; k < at->contacts.count; k++) {
+        contact_arms *own = at->arms + k;
+        const rubber_slice *slice = placed_slice_of(at, k);
+        own->count = 1;
+        own->bodies[0] = slice ? 0 : chain_plate_of(problem->map, at->contacts.plates[k]);
+        memcpy(own->wrenches[0], at->contacts.wrenches[k], sizeof own->wrenches[0]);
+        if (slice) slices_arms(slice, &at->chain, &at->contacts, k, own);
+    }
+}
+
+int placed_under(const contact_problem *problem, double d, contact_state *state)
+{
+    placed *at = &state->at;
+    chain_rods *map = problem->map;
+    const int before = map->count;
+    chain_under(map, state->wrench, &at->chain);
+    at->contacts.count = 0;
+    for (int plate = 0; plate < problem->touching->chain->plates; plate++) find(problem, d, plate, at);
+    placed_slices(problem, 0, d, SLICE_NEAR, at);
+    for (int k = 0; k < at->slices; k++)
+        for (int end = 0; end < SLICE_ENDS; end++) {
+            int segment, element;
+            ends_of(map, at->slice + k, end, &segment, &element);
+            if (!add_body(map, segment, element, state->wrench)) return 0;
+        }
+    for (int k = 0; k < at->slices; k++)
+        for (int end = 0; end < SLICE_ENDS; end++) {
+            int segment, element;
+            ends_of(map, at->slice + k, end, &segment, &element);
+            at->slice[k].bodies[end] = chain_body_of(map, segment, element);
+        }
+    if (map->count != before) chain_under(map, state->wrench, &at->chain);
+    arms(problem, at);
+    return 1;
+}
+
+void placed_leaving(const contact_problem *problem, const chain_body *body, double *found)
+{
+    const double *e = problem->touching->object->direction, *r = body->rotation;
     for (int i = 0; i < 3; i++) found[i] = r[i] * e[0] + r[3 + i] * e[1] + r[6 + i] * e[2];
 }
 
@@ -66,12 +163,17 @@ int placed_nearest(const objects_contacts *contacts)
     return least;
 }
 
-void placed_bend(const contact_problem *problem, const objects_contacts *contacts, int k, double *found)
+void placed_bend(const contact_problem *problem, const placed *at, int k, double *found)
 {
+    const objects_contacts *contacts = &at->contacts;
     const fingerfem_chain *chain = problem->touching->chain;
     const int plate = contacts->plates[k];
-    const fingerfem_segment *segment = chain->segments[plate];
     memset(found, 0, (size_t)(3 * chain->tensions) * sizeof *found);
+    if (plate >= FINGERFEM_MOST_PLATES) {
+        slices_bend(problem->map, placed_slice_of(at, k), &at->chain, contacts->material[k], found);
+        return;
+    }
+    const fingerfem_segment *segment = chain->segments[plate];
     for (int j = 0; j < segment->tensions; j++) {
         double corners[FINGERFEM_CORNERS];
         tensions_corners(segment, problem->map->rods[plate].monomials + segment->monomials * (1 + j), corners);
@@ -84,7 +186,7 @@ void placed_bend(const contact_problem *problem, const objects_contacts *contact
 static double touch_distance(const contact_problem *problem, int plate, placed *at)
 {
     double e[3], d = 1.0;
-    placed_leaving(problem, at->chain.plates + plate, e);
+    placed_leaving(problem, at->chain.bodies + chain_plate_of(problem->map, plate), e);
     for (int step = 0; step < MARCHES; step++) {
         at->contacts.count = 0;
         find(problem, d, plate, at);
@@ -117,14 +219,14 @@ int fingerfem_contacts(const fingerfem_touching *touching, const double *tension
 {
     const fingerfem_chain *chain = touching->chain;
     chain_rods map;
-    const contact_problem problem = {touching, &map, W * chain->plates};
+    const contact_problem problem = {touching, &map};
     placed at = {.contacts.count = 0};
     double held[TENSIONS_MOST];
     tensions_all_clamped(chain->segments[0], tensions, held);
     chain_set_tensions(chain, held, memory, &map);
     for (int plate = 0; plate < chain->plates; plate++) {
-        memcpy(at.chain.plates[plate].centre, centres + 3 * plate, 3 * sizeof *centres);
-        memcpy(at.chain.plates[plate].rotation, rotations + 9 * plate, 9 * sizeof *rotations);
+        memcpy(at.chain.bodies[plate].centre, centres + 3 * plate, 3 * sizeof *centres);
+        memcpy(at.chain.bodies[plate].rotation, rotations + 9 * plate, 9 * sizeof *rotations);
         find(&problem, d, plate, &at);
     }
     for (int k = 0; k < at.contacts.count; k++) {

@@ -37,12 +37,12 @@ void reported_rows(const contact_problem *problem, const contact_state *state, i
                    const fingerfem_report *report)
 {
     const fingerfem_chain *chain = problem->touching->chain;
-    const int t = chain->tensions, p = t + 1, tip = problem->size - W;
+    const int t = chain->tensions, p = t + 1, tip = contact_size(problem) - W;
     double *shortenings = report->rows + QUATERNION;
-    shortenings_segment segments[FINGERFEM_MOST_PLATES];
+    shortenings_segment segments[MOST_BODIES];
     const int known = shortenings_of(problem->map, free, segments);
-    quaternion_of(state->at.chain.plates[chain->plates - 1].rotation, report->rows);
-    if (known) shortenings_together(chain, segments, shortenings);
+    quaternion_of(state->at.chain.bodies[problem->map->count - 1].rotation, report->rows);
+    if (known) shortenings_together(problem->map, segments, shortenings);
     for (int j = 0; j < t && !known; j++) shortenings[j] = NAN;
     for (int c = 0; c < p; c++) {
         double by_tensions[TENSIONS_MOST + 1] = {0.0}, column[QUATERNION + TENSIONS_MOST];
@@ -50,7 +50,7 @@ void reported_rows(const contact_problem *problem, const contact_state *state, i
         quaternion_change(report->rows, changes[c].motion + tip + 3, column);
         for (int j = 0; j < t; j++) column[QUATERNION + j] = NAN;
         if (known)
-            shortenings_change(&state->at.chain, chain, segments, by_tensions, changes[c].wrench, changes[c].motion,
+            shortenings_change(&state->at.chain, problem->map, segments, by_tensions, changes[c].wrench, changes[c].motion,
                                column + QUATERNION);
         for (int i = 0; i < QUATERNION + t; i++) report->jacobian[p * i + c] = column[i];
     }

@@ -8,7 +8,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.native import SEGMENT
-from rom.rod.native import memory_of, pointer
+from rom.rod.native import loads, memory_of, pointer
 
 QUATERNION, ERRORS = 4, 2  # numbers of an orientation, and of errors, as in segment.h
 
@@ -53,8 +53,8 @@ def shortenings(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> tu
         both; derivatives by tensions, then wrenches, have shape (t, t + 6 n).
     """
     t = len(tensions)
-    found, changes = np.empty(t), np.empty((t, t + wrenches.size))
-    given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, wrenches)]
+    found, changes = np.empty(t), np.empty((t, t + 6 * compiled.plates))
+    given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, loads(compiled, wrenches))]
     SEGMENT.functions.fingerfem_chain_shortenings(
         compiled, *given, memory_of(compiled), pointer(found), pointer(changes)
     )
@@ -72,7 +72,7 @@ def elements(
     """
     counts = [compiled.segments[k].elements for k in range(compiled.plates)]
     found = [np.empty((sum(counts), *shape)) for shape in ((3,), (3, 3), (6,))]
-    given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, wrenches)]
+    given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, loads(compiled, wrenches))]
     SEGMENT.functions.fingerfem_chain_elements(compiled, *given, memory_of(compiled), *map(pointer, found))
     ends = np.cumsum(counts)[:-1]
     return list(zip(*(np.split(one, ends) for one in found), strict=True))

@@ -3,7 +3,8 @@
 #include "small.h"
 
 #define INLINE __attribute__((always_inline)) static inline
-#define PIVOTS 64
+#define PIVOTS 128
+#define BLOCKS 3 /* pivots of all contacts at once without fewer wrong ones, until one at a time */
 #define PULL 1e-12 /* [N] below zero that is rounding */
 #define INSIDE 1e-14 /* [m] */
 
@@ -11,15 +12,20 @@
 static void follow(const contact_problem *problem, contact_state *state)
 {
     const objects_contacts *contacts = &state->at.contacts;
-    for (int i = 0; i < problem->size; i++)
-        memset(state->following[i], 0, (size_t)problem->size * sizeof **state->following);
+    const int size = contact_size(problem);
+    for (int i = 0; i < size; i++) memset(state->following[i], 0, (size_t)size * sizeof **state->following);
     for (int k = 0; k < contacts->count; k++) {
+        const contact_arms *arms = state->at.arms + k;
+        double own[W][W], both[SLICE_INPUTS][SLICE_INPUTS];
         if (state->forces[k] == 0.0) continue;
-        const int first = W * contacts->plates[k];
-        double own[W][W];
-        objects_change(problem->touching->object, contacts, k, own);
-        for (int i = 0; i < W; i++)
-            for (int j = 0; j < W; j++) state->following[first + i][first + j] += state->forces[k] * own[i][j];
+        if (arms->count == 1) objects_change(problem->touching->object, contacts, k, own);
+        else slices_change(problem, state->at.d, &state->at, k, both);
+        for (int a = 0; a < arms->count; a++)
+            for (int b = 0; b < arms->count; b++)
+                for (int i = 0; i < W; i++)
+                    for (int j = 0; j < W; j++)
+                        state->following[W * arms->bodies[a] + i][W * arms->bodies[b] + j] +=
+                            state->forces[k] * (arms->count == 1 ? own[i][j] : both[W * a + i][W * b + j]);
     }
 }
 
@@ -38,7 +44,7 @@ INLINE int find(int size, contact_state *state)
     chain_matrix compliance, made;
     double system[CHAIN_WRENCH * CHAIN_WRENCH], inverse[CHAIN_WRENCH * CHAIN_WRENCH];
     for (int i = 0; i < size; i++)
-        memcpy(compliance[i], state->at.chain.plates[i / W].motion[i % W], (size_t)size * sizeof **compliance);
+        memcpy(compliance[i], state->at.chain.bodies[i / W].motion[i % W], (size_t)size * sizeof **compliance);
     product(size, state->following, compliance, made);
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++) {
@@ -54,7 +60,7 @@ INLINE int find(int size, contact_state *state)
 int response_find(const contact_problem *problem, contact_state *state)
 {
     follow(problem, state);
-    return problem->size == W ? find(W, state) : find(problem->size, state); /* the loops of one plate are unrolled */
+    return contact_size(problem) == W ? find(W, state) : find(contact_size(problem), state); /* the loops of one plate are unrolled */
 }
 
 void response_product(int size, const chain_matrix m, const double *vector, double *out)
@@ -65,66 +71,78 @@ void response_product(int size, const chain_matrix m, const double *vector, doub
     }
 }
 
-/* The motion of all plates with a unit force at a contact, C S W. */
+/* The motion of all bodies with a unit force at a contact, C S W. */
 static void yield(const contact_problem *problem, const contact_state *state, int k, double *out)
 {
-    const objects_contacts *contacts = &state->at.contacts;
-    const int first = W * contacts->plates[k];
-    for (int i = 0; i < problem->size; i++) {
+    const contact_arms *arms = state->at.arms + k;
+    const int size = contact_size(problem);
+    for (int i = 0; i < size; i++) {
         out[i] = 0.0;
-        for (int j = 0; j < W; j++) out[i] += state->yielding[i][first + j] * contacts->wrenches[k][j];
+        for (int a = 0; a < arms->count; a++)
+            for (int j = 0; j < W; j++) out[i] += state->yielding[i][W * arms->bodies[a] + j] * arms->wrenches[a][j];
     }
 }
 
-/* How much the gap of a contact grows with a motion of all plates. */
-static double opening(const objects_contacts *contacts, int k, const double *motion)
+/* How much the gap of a contact grows with a motion of all bodies. */
+static double opening(const placed *at, int k, const double *motion)
 {
-    const double *own = motion + W * contacts->plates[k], *wrench = contacts->wrenches[k];
+    const contact_arms *arms = at->arms + k;
     double sum = 0.0;
-    for (int i = 0; i < W; i++) sum += own[i] * wrench[i];
+    for (int a = 0; a < arms->count; a++)
+        for (int i = 0; i < W; i++) sum += motion[W * arms->bodies[a] + i] * arms->wrenches[a][i];
     return sum;
 }
 
+void response_press(const placed *at, int k, double force, double *wrench)
+{
+    const contact_arms *arms = at->arms + k;
+    for (int a = 0; a < arms->count; a++)
+        for (int i = 0; i < W; i++) wrench[W * arms->bodies[a] + i] += force * arms->wrenches[a][i];
+}
+
 /* Solve for forces, (count), at some contacts whose gaps open by them as much as is wanted. */
-static int forces_for(const objects_contacts *contacts, int count, const int *rows,
+static int forces_for(const placed *at, int count, const int *rows,
                       double (*columns)[CHAIN_WRENCH], double *wanted)
 {
     double a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = opening(contacts, rows[i], columns[rows[j]]) + (i == j ? SOFT : 0.0);
+            a[count * i + j] = opening(at, rows[i], columns[rows[j]]) + (i == j ? at->contacts.soft[rows[i]] : 0.0);
     return small_solve(count, a, 1, wanted);
 }
 
 int response_balance(const contact_problem *problem, const contact_state *state, double *forces)
 {
     const objects_contacts *contacts = &state->at.contacts;
-    const int w = problem->size;
+    const int w = contact_size(problem), all = contacts->count;
     double columns[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH], still[CHAIN_WRENCH], motion[CHAIN_WRENCH];
-    int active[FINGERFEM_MOST_CONTACTS], known[FINGERFEM_MOST_CONTACTS] = {0};
+    int active[FINGERFEM_MOST_CONTACTS], known[FINGERFEM_MOST_CONTACTS] = {0}, fewest = all + 1, tries = 0;
     response_product(w, state->yielding, state->wrench, still);
-    for (int k = 0; k < contacts->count; k++) active[k] = forces[k] > 0.0;
+    for (int k = 0; k < all; k++) active[k] = forces[k] > 0.0;
     for (int pivot = 0; pivot < PIVOTS; pivot++) {
-        int rows[FINGERFEM_MOST_CONTACTS], count = 0, wrong = -1;
+        int rows[FINGERFEM_MOST_CONTACTS], wrong[FINGERFEM_MOST_CONTACTS], count = 0, wrongs = 0;
         double found[FINGERFEM_MOST_CONTACTS];
-        for (int k = 0; k < contacts->count; k++) {
+        for (int k = 0; k < all; k++) {
             if (!active[k]) continue;
             if (!known[k]) yield(problem, state, k, columns[k]);
             known[k] = 1;
-            found[count] = opening(contacts, k, still) - contacts->gaps[k];
+            found[count] = opening(&state->at, k, still) - contacts->gaps[k];
             rows[count++] = k;
         }
-        if (!forces_for(contacts, count, rows, columns, found)) return 0;
-        memset(forces, 0, (size_t)contacts->count * sizeof *forces);
+        if (!forces_for(&state->at, count, rows, columns, found)) return 0;
+        memset(forces, 0, (size_t)all * sizeof *forces);
         for (int i = 0; i < w; i++) motion[i] = -still[i];
         for (int k = 0; k < count; k++) {
             forces[rows[k]] = found[k];
             for (int i = 0; i < w; i++) motion[i] += found[k] * columns[rows[k]][i];
         }
-        for (int k = 0; k < contacts->count && wrong < 0; k++)
-            if (active[k] ? forces[k] < -PULL : contacts->gaps[k] + opening(contacts, k, motion) < -INSIDE) wrong = k;
-        if (wrong < 0) return 1;
-        active[wrong] = !active[wrong];
+        for (int k = 0; k < all; k++)
+            if (active[k] ? forces[k] < -PULL : contacts->gaps[k] + opening(&state->at, k, motion) < -INSIDE) wrong[wrongs++] = k;
+        if (!wrongs) return 1;
+        tries = wrongs < fewest ? 0 : tries + 1;
+        fewest = wrongs < fewest ? wrongs : fewest;
+        if (tries > BLOCKS) wrongs = 1;
+        for (int k = 0; k < wrongs; k++) active[wrong[k]] = !active[wrong[k]];
     }
     return 0;
 }
@@ -147,7 +165,8 @@ static int pressing(const contact_problem *problem, const contact_state *state, 
 static void bend(const contact_problem *problem, const contact_state *state, int k, const double *v, double *turned)
 {
     const objects_contacts *contacts = &state->at.contacts;
-    const int first = W * contacts->plates[k];
+    if (state->at.arms[k].count > 1) return; /* a slice's shape by tensions does not count beside the bending */
+    const int first = W * state->at.arms[k].bodies[0];
     double own[W][W], moment[3];
     objects_change(problem->touching->object, contacts, k, own);
     objects_cross(v, contacts->wrenches[k], moment);
@@ -159,7 +178,7 @@ int response_follow(const contact_problem *problem, const contact_state *state, 
                     double *wrench_change)
 {
     const objects_contacts *contacts = &state->at.contacts;
-    const int w = problem->size;
+    const int w = contact_size(problem);
     int rows[FINGERFEM_MOST_CONTACTS];
     double columns[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH], turned[CHAIN_WRENCH], motion[CHAIN_WRENCH];
     double forces[FINGERFEM_MOST_CONTACTS];
@@ -169,27 +188,25 @@ int response_follow(const contact_problem *problem, const contact_state *state, 
     response_product(w, state->yielding, turned, motion);
     for (int i = 0; i < w; i++) motion[i] += drift[i];
     for (int k = 0; k < count; k++) {
-        forces[k] = -opening(contacts, rows[k], motion);
+        forces[k] = -opening(&state->at, rows[k], motion);
         if (bends) forces[k] -= objects_dot(contacts->wrenches[rows[k]], bends + 3 * rows[k]);
     }
-    if (!forces_for(contacts, count, rows, columns, forces)) return 0;
-    for (int k = 0; k < count; k++)
-        for (int i = 0; i < W; i++)
-            turned[W * contacts->plates[rows[k]] + i] += forces[k] * contacts->wrenches[rows[k]][i];
+    if (!forces_for(&state->at, count, rows, columns, forces)) return 0;
+    for (int k = 0; k < count; k++) response_press(&state->at, rows[k], forces[k], turned);
     response_product(w, state->soft, turned, wrench_change);
     return 1;
 }
 
 int response_stable(const contact_problem *problem, const contact_state *state)
 {
-    const int w = problem->size;
+    const int ground = problem->map->bodies[0].segment == CHAIN_GROUND ? W : 0, w = contact_size(problem) - ground;
     int rows[FINGERFEM_MOST_CONTACTS];
     double columns[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH], yielding[CHAIN_WRENCH * CHAIN_WRENCH];
     double a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
     const int count = pressing(problem, state, rows, columns);
-    for (int i = 0; i < w; i++) memcpy(yielding + w * i, state->yielding[i], (size_t)w * sizeof *yielding);
+    for (int i = 0; i < w; i++) memcpy(yielding + w * i, state->yielding[ground + i] + ground, (size_t)w * sizeof *yielding);
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = opening(&state->at.contacts, rows[i], columns[rows[j]]) + (i == j ? SOFT : 0.0);
+            a[count * i + j] = opening(&state->at, rows[i], columns[rows[j]]) + (i == j ? state->at.contacts.soft[rows[i]] : 0.0);
     return small_negative(w, yielding) == small_negative(count, a); /* of 1/K as of K */
 }

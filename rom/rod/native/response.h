@@ -9,11 +9,14 @@ int response_find(const contact_problem *problem, contact_state *state);
 /* A matrix times a vector, of all wrenches. */
 void response_product(int size, const chain_matrix m, const double *vector, double *out);
 
-/* Forces f >= 0, with gaps >= 0 and one of both zero at every contact, by principal pivoting (Murty 1974, least index): it
+/* Forces f >= 0, with gaps >= 0 and one of both zero at every contact, by block principal pivoting, with Murty's least index (1974) where that does not end (Judice and Pires 1994): it
  * ends for every positive definite W^T C S W. Begins with those that press. Returns 0 if it found none. */
 int response_balance(const contact_problem *problem, const contact_state *state, double *forces);
 
-/* How wrenches and plates move with a tension, or with d: drift is the motion at fixed wrenches, of the plates or relative
+/* Add what a force at contact k puts on all bodies. */
+void response_press(const placed *at, int k, double force, double *wrench);
+
+/* How wrenches and bodies move with a tension, or with d: drift is the motion at fixed wrenches, of the plates or relative
  * to the object; unless it is NULL, contacts' points of the plates move by `bends`, (contacts, 3), besides. Contacts that
  * press stay closed. Returns 0 if nothing is known of it. */
 int response_follow(const contact_problem *problem, const contact_state *state, const double *drift, const double *bends,

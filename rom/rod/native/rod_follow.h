@@ -118,10 +118,10 @@ __attribute__((always_inline)) static inline void follow_changes(const rod_eleme
     }
 }
 
-/* Where the clamp is, seen from the plate, (3). */
-static inline void follow_clamp(const rod_state *rod, double *end)
+/* Where a part ends, seen from its body, (3). */
+static inline void follow_clamp(const rod_state *rod, rod_part part, double *end)
 {
-    const rod_element *last = rod->elements + rod->segment->elements - 1;
+    const rod_element *last = rod->elements + part.last - 1;
     for (int i = 0; i < 3; i++) end[i] = last->place[i] + last->arm[i];
 }
 #endif

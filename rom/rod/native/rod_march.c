@@ -1,4 +1,4 @@
-/* Section k has its place p and rotation Q seen from the plate, and carries the plate's wrench f, m, moved there: Q^T f and
+/* Section k has its place p and rotation Q seen from the body of its part, and carries that one's wrench f, m, moved there: Q^T f and
  * Q^T (m - p x f). The element beyond it has the place q and the rotation R by its Gibbs vector g, so that
  *
  *     p' = p + Q q,    Q' = Q R,    R = 1 + s [g]x + s [g]x [g]x,    s = 2 / (1 + g.g).
@@ -112,46 +112,46 @@ static inline void begin(rod_element *element, int k, rod_end *end)
     memcpy(element->rotation, k ? end->rotation : rotation, sizeof rotation);
 }
 
-void rod_under(const rod_state *rod, const double *wrench, rod_end *end)
+void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_end *end)
 {
     const fingerfem_segment *segment = rod->segment;
     follow_motion moved[WIDE_SIX] = {{{{0.0}}, {{0.0}}}};
     double seen[W * POSE];
     end->inside = 1;
-    for (int k = 0; k < segment->elements; k++) {
+    for (int k = part.first; k < part.last; k++) {
         rod_element *element = rod->elements + k;
         const fingerfem_law *law = law_of(rod, k);
-        begin(element, k, end);
+        begin(element, k - part.first, end);
         carry(wrench, element);
         end->inside &= element_inside(law, element->wrench);
         element_pose(law, rod->contracted + segment->law_of[k] * rod->contracted_stride, element->wrench,
                      rod->products + k * rod->products_stride, element->pose);
         advance(element, end->place, end->rotation);
 #pragma GCC unroll 3
-        for (int part = 0; part < WIDE_SIX; part++) {
+        for (int six = 0; six < WIDE_SIX; six++) {
             wide carried[W], change[W] = {{0.0}};
-            follow_carry(wrench, element, moved + part, 1, WIDE * part, carried);
+            follow_carry(wrench, element, moved + six, 1, WIDE * six, carried);
             follow_by_wrench(element, carried, change);
-            follow_move(element, change, moved + part);
+            follow_move(element, change, moved + six);
         }
     }
-    for (int part = 0; part < WIDE_SIX; part++) follow_from_clamp(end->place, moved + part, seen + WIDE * part);
+    for (int six = 0; six < WIDE_SIX; six++) follow_from_clamp(end->place, moved + six, seen + WIDE * six);
     for (int i = 0; i < W; i++) memcpy(end->by_wrench[i], seen + POSE * i, sizeof end->by_wrench[i]);
 }
 
-void rod_by_tensions(const rod_state *rod, double (*by_tensions)[TENSIONS_MOST])
+void rod_by_tensions(const rod_state *rod, rod_part part, double (*by_tensions)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
     const int t = segment->tensions;
     follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     double end[3], own[TENSIONS_MOST * POSE];
-    for (int k = 0; k < segment->elements; k++) {
+    for (int k = part.first; k < part.last; k++) {
         element_by_tensions(segment, law_of(rod, k), rod->contracted + segment->law_of[k] * rod->contracted_stride,
                             rod->products + k * rod->products_stride, own);
-        follow_changes(rod->elements + k, rod->elements[0].wrench, t, own, moved);
+        follow_changes(rod->elements + k, rod->elements[part.first].wrench, t, own, moved);
     }
-    follow_clamp(rod, end);
-    for (int part = 0; WIDE * part < t; part++) follow_from_clamp(end, moved + part, by_tensions[0] + WIDE * part);
+    follow_clamp(rod, part, end);
+    for (int k = 0; WIDE * k < t; k++) follow_from_clamp(end, moved + k, by_tensions[0] + WIDE * k);
 }
 
 void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS_MOST])

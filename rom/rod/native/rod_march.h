@@ -46,15 +46,21 @@ int rod_work(const fingerfem_segment *segment);
 void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found);
 void rod_contract(const rod_state *rod);
 
-/* The end of a contracted rod under a wrench on its plate, (6). */
-void rod_under(const rod_state *rod, const double *wrench, rod_end *end);
+/* A part of a rod: elements `first` to `last` - 1. Its body is the distal section of its first element, the plate if that is
+ * element 0: places, rotations and motions are seen from there, and it ends where its last element does. */
+typedef struct {
+    int first, last;
+} rod_part;
 
-/* How the plate moves by the tensions, (6, TENSIONS_MOST), under the wrench that `rod_under` was called with last. */
-void rod_by_tensions(const rod_state *rod, double (*motion)[TENSIONS_MOST]);
+/* The end of a part of a contracted rod under a wrench on its body, (6). */
+void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_end *end);
 
-/* How the plate moves by the variants of its elements, (6, TENSIONS_MOST), at the loads that `rod_under` was called with last,
+/* How the body moves by the tensions, (6, TENSIONS_MOST), under the wrench that `rod_under` was called with last. */
+void rod_by_tensions(const rod_state *rod, rod_part part, double (*motion)[TENSIONS_MOST]);
+
+/* How the body moves by the variants of its elements, (6, TENSIONS_MOST), at the loads that `rod_under` was called with last,
  * or, unless it is pressed, `rod_free`. */
-void rod_by_variants(const rod_state *rod, int pressed, double (*motion)[TENSIONS_MOST]);
+void rod_by_variants(const rod_state *rod, rod_part part, int pressed, double (*motion)[TENSIONS_MOST]);
 
 /* The end of a rod without a wrench, without its motion by one, and how the plate moves by the tensions. */
 void rod_free(const rod_state *rod, rod_end *end, double (*motion)[TENSIONS_MOST]);

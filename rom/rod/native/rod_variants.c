@@ -23,22 +23,22 @@ static void deviate(const rod_state *rod, int pressed)
     }
 }
 
-void rod_by_variants(const rod_state *rod, int pressed, double (*by_variants)[TENSIONS_MOST])
+void rod_by_variants(const rod_state *rod, rod_part part, int pressed, double (*by_variants)[TENSIONS_MOST])
 {
     const int count = rod->segment->deviating;
     follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     double end[3];
-    deviate(rod, pressed);
-    for (int k = 0; k < rod->segment->elements; k++) {
+    if (!part.first) deviate(rod, pressed);
+    for (int k = part.first; k < part.last; k++) {
         const rod_element *element = rod->elements + k;
         const double *own = rod->deviations + POSE * count * k;
-        if (pressed) follow_changes(element, rod->elements[0].wrench, count, own, moved);
-        for (int part = 0; WIDE * part < count && !pressed; part++) {
+        if (pressed) follow_changes(element, rod->elements[part.first].wrench, count, own, moved);
+        for (int j = 0; WIDE * j < count && !pressed; j++) {
             wide change[W] = {{0.0}};
-            follow_by_inputs(count, own, WIDE * part, change);
-            follow_move(element, change, moved + part);
+            follow_by_inputs(count, own, WIDE * j, change);
+            follow_move(element, change, moved + j);
         }
     }
-    follow_clamp(rod, end);
-    for (int part = 0; WIDE * part < count; part++) follow_from_clamp(end, moved + part, by_variants[0] + WIDE * part);
+    follow_clamp(rod, part, end);
+    for (int j = 0; WIDE * j < count; j++) follow_from_clamp(end, moved + j, by_variants[0] + WIDE * j);
 }

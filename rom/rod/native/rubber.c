@@ -1,10 +1,16 @@
-/* How near the rubber comes to an object that the plate touches, and where the free finger's is touched first.
+/* Where the rubber's surface is, and where the free finger's is touched first.
  *
  * Corners c of an element's stations, seen from its distal section, are at x = p + Q c in the plate's frame, where p and Q
  * are the section's. As tensions move the section by dp and turn it by b, dx = dp + b x (x - p) + Q dc. */
 #include "rubber.h"
 #include <math.h>
+#include "slices.h"
 
+#define STEPS 20      /* towards the touch distance */
+#define TOUCHED 1e-12 /* [m] */
+#define BULGED 0.01   /* of half the side: how far faces are off between their edges, other than bent beams' are [-] */
+#define BETWEEN 1e-4  /* by how much more than its sampled points the surface may reach [m] */
+#define FEW 8  /* sections from one that is looked at to the next, at first */
 #define FACE 8 /* parts of a face of the rubber, from edge to edge, that a round object is looked for at */
 
 static const int around[EDGES + 1] = {0, 1, 3, 2, 0}; /* corners of a section, from edge to edge */
@@ -12,15 +18,6 @@ static const int around[EDGES + 1] = {0, 1, 3, 2, 0}; /* corners of a section, f
 static const fingerfem_outline *outline_of(const fingerfem_segment *segment, int element)
 {
     return segment->outline[segment->law_of[element]];
-}
-
-/* A corner of a section without warping: at a plate's face, or where the rubber begins. */
-static void flat_corner(const fingerfem_segment *segment, int edge, double along, double *corner)
-{
-    const double *half = segment->half_lengths;
-    corner[0] = along;
-    corner[1] = edge & 2 ? half[1] : -half[1];
-    corner[2] = edge & 1 ? half[2] : -half[2];
 }
 
 void rubber_in_space(const double *centre, const double *rotation, int count, double *points)
@@ -32,23 +29,45 @@ void rubber_in_space(const double *centre, const double *rotation, int count, do
     }
 }
 
+int rubber_stations(const fingerfem_segment *segment, int element) { return outline_of(segment, element)->stations; }
+
+void rubber_flat(const fingerfem_segment *segment, double along, const double *place, const double *rotation, double *corners)
+{
+    const double *half = segment->half_lengths;
+    for (int edge = 0; edge < EDGES; edge++) {
+        const double corner[3] = {along, edge & 2 ? half[1] : -half[1], edge & 1 ? half[2] : -half[2]};
+        memcpy(corners + 3 * edge, corner, sizeof corner);
+    }
+    rubber_in_space(place, rotation, EDGES, corners);
+}
+
+void rubber_shape(const rod_state *rod, int element, const double *monomials, double *corners)
+{
+    const fingerfem_outline *outline = outline_of(rod->segment, element);
+    outline_under(outline, monomials, rod->elements[element].wrench, corners + outline->numbers, corners);
+}
+
+void rubber_corners(const rod_state *rod, int element, int free, double *corners)
+{
+    const fingerfem_outline *outline = outline_of(rod->segment, element);
+    double *own = rod->work + OUTLINE_STATION * rod->segment->stations;
+    if (free) outline_free(outline, rod->monomials, own);
+    else rubber_shape(rod, element, rod->monomials, own);
+    memcpy(corners, own, (size_t)(OUTLINE_STATION * outline->stations) * sizeof *own);
+}
+
 double *rubber_points(const rod_state *rod, const rod_end *clamp, int free)
 {
+    static const double origin[3] = {0.0}, upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     const fingerfem_segment *segment = rod->segment;
-    double *points = rod->work, *corners = points + OUTLINE_STATION * segment->stations;
-    double *own = corners - OUTLINE_STATION; /* of the plate's face, the last station; elements are from there on */
-    for (int edge = 0; edge < EDGES; edge++) flat_corner(segment, edge, -segment->half_lengths[0], own + 3 * edge);
+    double *points = rod->work, *own = points + OUTLINE_STATION * (segment->stations - 1);
+    rubber_flat(segment, -segment->half_lengths[0], origin, upright, own);
     for (int k = 0; k < segment->elements; k++) {
-        const rod_element *element = rod->elements + k;
-        const fingerfem_outline *outline = outline_of(segment, k);
-        if (!free) outline_under(outline, rod->monomials, element->wrench, corners + outline->numbers, corners);
-        else if (!k || segment->law_of[k] != segment->law_of[k - 1]) outline_free(outline, rod->monomials, corners);
-        own -= OUTLINE_STATION * outline->stations;
-        memcpy(own, corners, (size_t)(OUTLINE_STATION * outline->stations) * sizeof *own);
-        rubber_in_space(element->place, element->rotation, EDGES * outline->stations, own); /* here the plate's */
+        own -= OUTLINE_STATION * rubber_stations(segment, k);
+        rubber_corners(rod, k, free, own);
+        rubber_in_space(rod->elements[k].place, rod->elements[k].rotation, EDGES * rubber_stations(segment, k), own); /* here the plate's */
     }
-    for (int edge = 0; edge < EDGES; edge++) flat_corner(segment, edge, 0.0, points + 3 * edge);
-    rubber_in_space(clamp->place, clamp->rotation, EDGES, points);
+    rubber_flat(segment, 0.0, clamp->place, clamp->rotation, points);
     return points;
 }
 
@@ -60,10 +79,6 @@ void rubber_between(const fingerfem_segment *segment, const double *points, int 
     for (int k = 0; k < segment->near; k++, from += OUTLINE_STATION)
         for (int j = 0; j < OUTLINE_STATION; j++) flat[j] += weights[k] * from[j];
 }
-
-/* Places of a segment that may touch: but for its plate's face, and that of the plate before, which themselves may touch. */
-static int first_place(int segment) { return segment > 0; }
-static int last_place(const fingerfem_segment *segment) { return segment->places - 1; }
 
 /* Corners of a section from edge to edge, the first one again at the end, so that faces are from one to the next. */
 static void section_at(const fingerfem_segment *segment, const double *points, int place, double (*corners)[3])
@@ -81,54 +96,8 @@ static void part_of(double (*corners)[3], double share, double *place)
     for (int i = 0; i < 3; i++) place[i] = corners[0][i] + share * (corners[1][i] - corners[0][i]);
 }
 
-/* Least distance of the rubber of segment q from an object at d, where plates have been placed under wrenches last. */
-static double segment_gap(const chain_rods *map, const chain_state *state, int q, const fingerfem_object *object, double d)
-{
-    const fingerfem_segment *segment = map->chain->segments[q];
-    const chain_plate *plate = state->plates + q;
-    const int count = parts(object);
-    double corners[EDGES + 1][3], place[3], normal[3], least = INFINITY;
-    double *points = rubber_points(map->rods + q, &plate->end, 0);
-    rubber_in_space(plate->centre, plate->rotation, EDGES * segment->stations, points);
-    for (int n = first_place(q); n < last_place(segment); n++) {
-        section_at(segment, points, n, corners);
-        for (int k = 0; k < EDGES; k++)
-            for (int j = 0; j < count; j++) {
-                part_of(corners + k, (double)j / count, place);
-                least = fmin(least, objects_distance(object, d, place, normal));
-            }
-    }
-    return least;
-}
-
-static int any_known(const fingerfem_chain *chain)
-{
-    int known = 0;
-    for (int k = 0; k < chain->plates; k++) known |= chain->segments[k]->stations;
-    return known;
-}
-
-double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench, double *memory)
-{
-    const fingerfem_chain *chain = touching->chain;
-    const fingerfem_object *object = touching->object;
-    const int t = chain->tensions;
-    const double d = fmax(object->nearest, fmin(object->farthest, point[t]));
-    double held[TENSIONS_MOST], least = INFINITY;
-    chain_rods map;
-    chain_state state;
-    if (!any_known(chain) || point[t] == INFINITY) return INFINITY;
-    tensions_all_clamped(chain->segments[0], point, held);
-    chain_set_tensions(chain, held, memory, &map);
-    chain_contract(&map);
-    chain_under(&map, wrench, &state);
-    for (int q = 0; q < chain->plates; q++)
-        if (chain->segments[q]->stations) least = fmin(least, segment_gap(&map, &state, q, object, d));
-    return least;
-}
-
 /* A point of space is touched first: as a plate sees it. */
-static void note(const chain_plate *plate, const double *place, const double *normal, touched_point *first)
+static void note(const chain_body *plate, const double *place, const double *normal, touched_point *first)
 {
     for (int i = 0; i < 3; i++) {
         double arm[3];
@@ -156,22 +125,17 @@ static int element_of(const fingerfem_segment *segment, int station, int *number
     return k;
 }
 
-/* A point of a section: a share of the way from one corner to another. */
-typedef struct {
-    int ends[2];
-    double share;
-} edge_point;
-
-static void point_of(const edge_point *at, const double *corners, double *found)
+/* A point of a section: the sum of its corners, each with a weight. */
+static void point_of(const double *weights, const double *corners, double *found)
 {
     for (int i = 0; i < 3; i++) {
-        const double one = corners[3 * at->ends[0] + i], next = corners[3 * at->ends[1] + i];
-        found[i] = one + at->share * (next - one);
+        found[i] = 0.0;
+        for (int edge = 0; edge < EDGES; edge++) found[i] += weights[edge] * corners[3 * edge + i];
     }
 }
 
-/* Add a weight times how a point of a free station moves with the tensions, (3, tensions), seen from the plate. */
-static void station_moves(const rod_state *rod, const rod_end *clamp, int station, const edge_point *at, double weight,
+/* Add how a free station's corners move with the tensions, each with a weight, (3, tensions), seen from the plate. */
+static void station_moves(const rod_state *rod, const rod_end *clamp, int station, const double *at,
                           double (*found)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
@@ -183,7 +147,8 @@ static void station_moves(const rod_state *rod, const rod_end *clamp, int statio
     rod_motion motion;
     rod_free_motion(rod, k, &motion);
     point_of(at, rod->work + OUTLINE_STATION * station, arm);
-    for (int i = 0; i < 3; i++) arm[i] -= origin[i];
+    const double weight = at[0] + at[1] + at[2] + at[3];
+    for (int i = 0; i < 3; i++) arm[i] -= weight * origin[i];
     for (int j = 0; j < segment->tensions; j++) {
         double change[3] = {0.0};
         if (rubber) {
@@ -193,28 +158,49 @@ static void station_moves(const rod_state *rod, const rod_end *clamp, int statio
         for (int i = 0; i < 3; i++) {
             const int l = (i + 1) % 3, m = (i + 2) % 3;
             const double own = Q[3 * i] * change[0] + Q[3 * i + 1] * change[1] + Q[3 * i + 2] * change[2];
-            found[i][j] += weight * (motion.move[i][j] + motion.turn[l][j] * arm[m] - motion.turn[m][j] * arm[l] + own);
+            found[i][j] += weight * motion.move[i][j] + motion.turn[l][j] * arm[m] - motion.turn[m][j] * arm[l] + own;
         }
     }
 }
 
-/* How a point of the free rubber's section at a place moves with the tensions, (tensions, 3), seen from its plate. */
-static void moves_by_tensions(const chain_rods *map, const chain_state *free, int q, int place, const edge_point *at, double *found)
+/* How a point of a free slice moves with the tensions, (tensions, 3), seen from its plate. */
+static void moves_by_tensions(const chain_rods *map, const chain_state *free, const rubber_slice *slice, const double *at, double *found)
 {
     const fingerfem_chain *chain = map->chain;
+    const int q = slice->segment, place = slices_place(map, q, slice->number);
     const fingerfem_segment *segment = chain->segments[q];
-    const rod_end *clamp = &free->plates[q].end;
+    const rod_end *clamp = &free->bodies[q].end;
     double moves[3][TENSIONS_MOST] = {{0.0}};
     rubber_points(map->rods + q, clamp, 1);
-    for (int k = 0; k < segment->near; k++) {
-        const double weight = segment->between[segment->near * place + k];
-        if (weight != 0.0) station_moves(map->rods + q, clamp, segment->first[place] + k, at, weight, moves);
+    for (int side = 0; side < 2; side++) {
+        double corners[EDGES], weights[EDGES];
+        for (int edge = 0; edge < EDGES; edge++)
+            corners[edge] = 0.125 * (1.0 + (side ? 1.0 : -1.0) * at[0]) * (1.0 + (edge & 2 ? 1.0 : -1.0) * at[1]) *
+                            (1.0 + (edge & 1 ? 1.0 : -1.0) * at[2]);
+        for (int k = 0; k < segment->near; k++) {
+            const double between = segment->between[segment->near * (place + side) + k];
+            for (int edge = 0; edge < EDGES; edge++) weights[edge] = between * corners[edge];
+            if (between != 0.0) station_moves(map->rods + q, clamp, segment->first[place + side] + k, weights, moves);
+        }
     }
     for (int j = 0; j < segment->tensions; j++)
         for (int i = 0; i < 3; i++) found[3 * chain->own[chain->tensions * q + j] + i] = moves[i][j];
 }
 
-double rubber_reach(const contact_problem *problem, const chain_state *free, double least, touched_point *first)
+/* Whether no point of a section may be touched at d or beyond: the distance from a convex body is convex, and nowhere below
+ * its tangent at the section's middle. */
+static int passes(const fingerfem_object *object, double (*corners)[3], double d)
+{
+    double centre[3] = {0.0}, normal[3], least = INFINITY;
+    for (int k = 0; k < EDGES; k++)
+        for (int i = 0; i < 3; i++) centre[i] += corners[k][i] / EDGES;
+    const double gap = objects_distance(object, d, centre, normal) - objects_dot(normal, centre);
+    for (int k = 0; k < EDGES; k++) least = fmin(least, gap + objects_dot(normal, corners[k]));
+    return least > 0.0 && objects_dot(normal, object->direction) <= 0.0;
+}
+
+/* The largest d at which an object touches one of the sampled points of the free rubber, if that is above `least`. */
+static double sampled(const contact_problem *problem, const chain_state *free, double least)
 {
     const fingerfem_chain *chain = problem->touching->chain;
     const fingerfem_object *object = problem->touching->object;
@@ -222,26 +208,81 @@ double rubber_reach(const contact_problem *problem, const chain_state *free, dou
     double corners[EDGES + 1][3], place[3], normal[3], farthest = least;
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
-        const chain_plate *plate = free->plates + q;
-        int number = -1; /* the place of the first one */
-        edge_point at = {{0, 0}, 0.0};
+        const chain_body *plate = free->bodies + q;
         if (!segment->stations) continue;
         double *points = rubber_points(problem->map->rods + q, &plate->end, 1);
         rubber_in_space(plate->centre, plate->rotation, EDGES * segment->stations, points);
-        for (int n = first_place(q); n < last_place(segment); n++) {
-            section_at(segment, points, n, corners);
-            for (int k = 0; k < EDGES; k++)
-                for (int j = 0; j < count; j++) {
-                    part_of(corners + k, (double)j / count, place);
-                    const double own = objects_reach(object, place, farthest, normal);
-                    if (!(own > farthest)) continue;
-                    farthest = own;
-                    note(plate, place, normal, first);
-                    number = n;
-                    at = (edge_point){{around[k], around[k + 1]}, (double)j / count};
-                }
-        }
-        if (number >= 0) moves_by_tensions(problem->map, free, q, number, &at, first->bends);
+        for (int begin = 0; begin < FEW; begin++) /* a few sections first, so that most others need not be looked at */
+            for (int n = segment->places - 2 - begin; n > 0; n -= FEW) { /* not where it is clamped, nor at its plate */
+                section_at(segment, points, n, corners);
+                if (isfinite(farthest) && passes(object, corners, farthest)) continue;
+                for (int k = 0; k < EDGES; k++)
+                    for (int j = 0; j < count; j++) {
+                        part_of(corners + k, (double)j / count, place);
+                        farthest = objects_reach(object, place, farthest, normal);
+                    }
+            }
     }
     return farthest;
+}
+
+double rubber_off(const contact_problem *problem, const placed *at, int k)
+{
+    const fingerfem_segment *segment = problem->touching->chain->segments[placed_slice_of(at, k)->segment];
+    const int face = at->contacts.names[k] - OUTLINE_CORNERS; /* across y, then across z; negative of an edge */
+    const double across = face < 0 ? 1.0 : at->contacts.material[k][face < 2 ? 2 : 1];
+    return problem->touching->chain->skin_error + BULGED * segment->half_lengths[1] * (1.0 - across * across);
+}
+
+double rubber_reach(const contact_problem *problem, placed *free, double least, touched_point *first)
+{
+    double d = sampled(problem, &free->chain, least - BETWEEN), seen[3];
+    if (d == least - BETWEEN) return least;
+    for (int step = 0; step < STEPS; step++) {
+        free->contacts.count = 0;
+        placed_slices(problem, 1, d, BETWEEN, free);
+        if (!free->contacts.count) return least;
+        const objects_contacts *contacts = &free->contacts;
+        const int k = placed_nearest(contacts);
+        const rubber_slice *slice = placed_slice_of(free, k);
+        const double *n = contacts->wrenches[k], gap = contacts->gaps[k];
+        objects_turned_back(slice->rotation, problem->touching->object->direction, seen);
+        const double slope = -objects_dot(n, seen);
+        if (fabs(gap) > TOUCHED && slope > 0.0) {
+            d -= gap / slope;
+            continue;
+        }
+        if (slope <= 0.0 || d <= least) return least;
+        double x[3], normal[3], p[3];
+        for (int i = 0; i < 3; i++) p[i] = contacts->points[k][i] + contacts->bent[k][i];
+        for (int i = 0; i < 3; i++) {
+            x[i] = slice->centre[i] + objects_dot(slice->rotation + 3 * i, p);
+            normal[i] = objects_dot(slice->rotation + 3 * i, n);
+        }
+        note(free->chain.bodies + slice->segment, x, normal, first);
+        first->off = rubber_off(problem, free, k);
+        moves_by_tensions(problem->map, &free->chain, slice, contacts->material[k], first->bends);
+        return d;
+    }
+    return least;
+}
+
+double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *loads, double *memory)
+{
+    const fingerfem_chain *chain = touching->chain;
+    double held[TENSIONS_MOST], d = point[chain->tensions], least = INFINITY;
+    chain_rods map;
+    placed at;
+    const contact_problem problem = {touching, &map};
+    if (d == INFINITY) return INFINITY;
+    d = fmax(touching->object->nearest, fmin(touching->object->farthest, d));
+    chain_placed(chain, point, loads, memory, held, &map, &at.chain);
+    at.contacts.count = 0;
+    placed_slices(&problem, 0, d, INFINITY, &at);
+    for (int k = 0; k < at.contacts.count; k++) {
+        const rubber_slice *slice = placed_slice_of(&at, k);
+        const int place = slices_place(&map, slice->segment, slice->number);
+        if (place < chain->segments[slice->segment]->places - 2 && (place || !slice->segment)) least = fmin(least, at.contacts.gaps[k]);
+    }
+    return least;
 }

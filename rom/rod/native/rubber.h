@@ -8,17 +8,31 @@ enum { EDGES = OUTLINE_CORNERS };
 /* A point of the free finger that an object touches first, in the frame of a plate that carries it: p [m], the wrench of a
  * unit force along the normal there, and how p changes with the tensions, (tensions, 3). */
 typedef struct {
-    const chain_plate *plate;
+    const chain_body *plate;
     double p[3], wrench[W], bends[3 * TENSIONS_MOST];
+    double off; /* how well the surface is known there, beside the plates' place [m] */
 } touched_point;
 
 /* The largest d [m] at which the object touches the rubber of the free plates, if that is above `least`, with the point;
- * else `least`. */
-double rubber_reach(const contact_problem *problem, const chain_state *free, double least, touched_point *first);
+ * else `least`. Contacts are spoilt. */
+double rubber_reach(const contact_problem *problem, placed *free, double least, touched_point *first);
 
 /* Corners of all stations of a segment's rubber, (stations, 4, 3) [m], seen from its plate, where the rod has been placed
  * last, by `rod_under` or, if `free`, by `rod_free`; they lie in the rod's work. */
 double *rubber_points(const rod_state *rod, const rod_end *clamp, int free);
+
+/* Parts of that: how many stations an element has; the corners of a section without warping, `along` its x axis from a place,
+ * and those of an element's stations, seen from its distal section. */
+int rubber_stations(const fingerfem_segment *segment, int element);
+void rubber_flat(const fingerfem_segment *segment, double along, const double *place, const double *rotation, double *corners);
+void rubber_corners(const rod_state *rod, int element, int free, double *corners);
+
+/* Corners of an element's stations where it is pressed, from the monomials of the tensions, or, from their derivatives by one, how
+ * they change; there is room for them in the rod's work behind those of all stations. */
+void rubber_shape(const rod_state *rod, int element, const double *monomials, double *corners);
+
+/* How well the surface is known at contact k of a slice [m]. */
+double rubber_off(const contact_problem *problem, const placed *at, int k);
 
 /* Points that a plate sees, (count, 3), in space, where its centre and rotation are; in place. */
 void rubber_in_space(const double *centre, const double *rotation, int count, double *points);

@@ -6,10 +6,15 @@
 
 /* Six numbers of an element's pose, in rows of FINGERFEM_POSE: place of its proximal section seen from the distal one [m],
  * and the Gibbs vector tan(angle / 2) axis of that rotation [-]. */
-enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 12, FINGERFEM_MOST_PLATES = 8 };
+enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 48, FINGERFEM_MOST_PLATES = 8 };
+
+/* Plates, loaded sections, and the ground: what may bear wrenches at once. */
+enum { FINGERFEM_MOST_BODIES = FINGERFEM_MOST_PLATES + 9 };
+
 
 /* Limits of a segment, which are checked before its struct is made. */
 enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31, FINGERFEM_MOST_ELEMENTS = 64, FINGERFEM_MOST_VARIANTS = 8 };
+enum { FINGERFEM_MOST_LOADS = FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES * FINGERFEM_MOST_ELEMENTS };
 
 /* Rows of an answer, as of a surrogate: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
 enum { FINGERFEM_ROWS = 5 };
@@ -94,7 +99,11 @@ typedef struct {
                                             interpolated by some stations next to each other */
     const int32_t *first;                /* (places): the first of these */
     const double *between;               /* (places, near): their weights */
+    const int32_t *place_elements;       /* (places - 1): of which element is the rubber from each to the next */
+    const double *place_shares;          /* (places - 1): where its middle is, from the element's end, 0, to its begin, 1 */
+    const double *element_lengths;       /* (elements): at rest [m] */
     double half_lengths[3];              /* of the plate along its own axes [m] */
+    double face_stiffness, edge_stiffness; /* of rubber pressed by a line along the segment, on a face and on an edge, per length [Pa] */
     int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */
     const double *corner_coefficients;   /* (corner_monomials, FINGERFEM_CORNERS) */
 } fingerfem_segment;
@@ -132,7 +141,6 @@ typedef struct {
     /* An estimated error is a factor times the root of the sum of squares of what all variants change, and of a floor. */
     double tip_factor, force_factor, touch_factor; /* [-] */
     double place_floor, force_floor;               /* of the tip along any direction [m]; of a force, relative [-] */
-    double touch_error_of_skin;                    /* what is added to the touch distance where rubber touches [m] */
     double turn_error, shortening_error;           /* of the tip's orientation [rad], and of shortenings [m] */
 } fingerfem_chain;
 
@@ -151,6 +159,10 @@ typedef struct {
     const fingerfem_chain *chain;
     const fingerfem_object *object;
 } fingerfem_touching;
+
+/* Numbers of a chain's loads: wrenches on the plates, (plates, 6), then on the sections where the other elements of each
+ * segment begin, from its plate to its clamp, (..., 6), each in its body's own frame. */
+int32_t fingerfem_chain_loads(const fingerfem_chain *chain);
 
 /* Numbers of memory that functions of a segment, and of a chain, need: `memory`, which they spoil. */
 int32_t fingerfem_segment_memory(const fingerfem_segment *segment);
@@ -175,34 +187,41 @@ void fingerfem_spring(const fingerfem_segment *segment, const double *quaternion
                       const double *stiffness, double *force, double *seen);
 
 /* Where all plates of a chain are: centres, (plates, 3) [m], rotations, (plates, 3, 3), and motions by tensions and
- * wrenches, (plates, 6, tensions + 6 plates); returns 1 if every segment's inputs lie in its box. */
-int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
+ * wrenches on plates, (plates, 6, tensions + 6 plates), under loads, (fingerfem_chain_loads); returns 1 if every segment's inputs lie in its box. */
+int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                           double *centres, double *rotations, double *motions);
 
 /* How much shorter the tendons of a chain are between the clamp and their plates, (tensions) [m], and the derivatives by
  * tensions and wrenches, (tensions, tensions + 6 plates). Inputs and the returned value as in `fingerfem_chain_place`. */
-int fingerfem_chain_shortenings(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
+int fingerfem_chain_shortenings(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                                 double *shortenings, double *changes);
 
 /* The distal sections of all elements, segment by segment, each from its plate to its clamp: places (elements, 3) [m] and
  * rotations, (elements, 3, 3), in space, and the wrenches that they transmit, in their own frames, (elements, 6). Inputs and
  * the returned value as in `fingerfem_chain_place`. */
-int fingerfem_chain_elements(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
+int fingerfem_chain_elements(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                              double *places, double *rotations, double *transmitted);
 
 /* Answer at a point, (tensions + 1), of tensions and d: out, (FINGERFEM_ROWS), its derivatives, (FINGERFEM_ROWS,
  * tensions + 1), and, unless it is NULL, by_object, (FINGERFEM_ROWS, 6), by the object's place and by its turning
  * about axes through its centre. The touch distance is that at which the object, coming along its direction, touches the
- * free finger first, a plate or the rubber. The wrench, (6 plates), is where the solve begins, and what it ends with; zero
+ * free finger first, a plate or the rubber. The loads are where the solve begins, and what it ends with; zero
  * begins without contact. Returns the number of evaluations of the map, negative without an equilibrium on the object's
- * approach; inside is 1 if tensions, wrench and d lie where the map was trained and d may be, and the plate would rest
+ * approach; inside is 1 if tensions, wrench and d lie where the map was trained and d may be, and the finger would rest
  * there; d = infinity is no object, and may always be. */
-int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
+int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
                     double *jacobian, double *by_object, int32_t *inside);
 
-/* The same of plates alone: in place of the touch distance stands that of the first plate, from which on force grows. */
-int fingerfem_press(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
-                    double *jacobian, int32_t *inside);
+/* Contacts that press: of which plate, or of the rubber of which segment, place [m] and normal in space, out of the object, and
+ * the force along it on the finger [N]. */
+typedef struct {
+    int32_t count, plates[FINGERFEM_MOST_CONTACTS], rubber[FINGERFEM_MOST_CONTACTS];
+    double places[FINGERFEM_MOST_CONTACTS][3], normals[FINGERFEM_MOST_CONTACTS][3], forces[FINGERFEM_MOST_CONTACTS];
+} fingerfem_pressing;
+
+/* These at a point, solved as by `fingerfem_touch`, of which the value is returned; none without an equilibrium. */
+int fingerfem_touch_pressing(const fingerfem_touching *touching, const double *point, double *memory, double *loads,
+                             fingerfem_pressing *pressing);
 
 /* Contacts of the object at d with plates somewhere, whose centres, (plates, 3), and rotations, (plates, 3, 3), are given;
  * and tensions, which bend them; their number, FINGERFEM_MOST_CONTACTS at most. Of each: its plate and name, gap [m], point of the plate [m] and normal in
@@ -211,14 +230,14 @@ int fingerfem_contacts(const fingerfem_touching *touching, const double *tension
                        double *memory, int32_t *plates, int32_t *names, double *gaps, double *points, double *normals,
                        double *point_changes, double *normal_changes);
 
-/* Estimated errors of an answer at a point, (3) [m, N, m], as of `fingerfem_tell`; the wrench is where the solve begins, and
+/* Estimated errors of an answer at a point, (3) [m, N, m], as of `fingerfem_tell`; the loads are where the solve begins, and
  * what it ends with. */
-void fingerfem_touch_errors(const fingerfem_touching *touching, const double *point, double *memory, double *wrench,
+void fingerfem_touch_errors(const fingerfem_touching *touching, const double *point, double *memory, double *loads,
                             double *errors);
 
-/* Least distance of the rubber's points from the object, at an answer [m]; infinite without an object, and where nothing is known of them. The
- * map knows nothing of rubber that touches: what may touch, below skin_error, is no answer. */
-double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *wrench, double *memory);
+/* Least distance of the rubber, but for the slices next to plates, from the object under loads [m]; infinite without an object,
+ * and where nothing is known of it. */
+double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *loads, double *memory);
 
 /* The rubber of a segment as boxes, one after another: the centre, (3) [m], half lengths, (3) [m], and axes, (3, 3), of each
  * of `count`, by inputs, (tensions + 6), the corners of the section where it begins, (4, 3) [m], with -y -z, -y z, y -z and
@@ -226,17 +245,16 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
 int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *begins, const double *centre,
                            const double *rotation, int count, double *memory, double *centres, double *halves, double *axes);
 
-/* The surface of a chain under tensions and wrenches, (6 plates), as sections with four corners each, -y -z, -y z, y -z and
+/* The surface of a chain under tensions and loads, as sections with four corners each, -y -z, -y z, y -z and
  * y z: of every segment its `places`, the first where its rubber begins, the last its plate's back, and its plate's front,
  * (sections, 4, 3) [m]. Returns 0 where nothing is known of a segment's rubber. */
-int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
+int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                              double *corners);
 
-/* An answer with its errors: that of `fingerfem_touch`, which is not inside either where rubber may touch; errors,
- * (3) [m, N, m], are the estimated ones of tip, contact force and touch distance: infinite without an equilibrium. The
+/* An answer with its errors: that of `fingerfem_touch`; errors, (3) [m, N, m], are the estimated ones of tip, contact force and touch distance: infinite without an equilibrium. The
  * report is computed unless it is NULL. */
-int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
-                   double *jacobian, double *errors, int32_t *inside, double *rubber_gap, const fingerfem_report *report);
+int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
+                   double *jacobian, double *errors, int32_t *inside, const fingerfem_report *report);
 
 /* The same at many points, (count, tensions + 1), each from rest: out, (count, FINGERFEM_ROWS), errors, (count, 3); the
  * arrays of the report have `count` as their first axis. */
@@ -244,10 +262,8 @@ void fingerfem_tells(const fingerfem_touching *touching, int count, const double
                      double *errors, int32_t *inside, const fingerfem_report *reports);
 
 /* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, of which by_objects
- * may be NULL, wrenches,
- * (count, 6 plates), where they begin and end, inside and evaluations, (count), the time of each [ns], without that of the
- * rubber's gaps, (count), where what touches is not inside. */
+ * may be NULL, loads where they begin and end, inside and evaluations, (count), and the time of each [ns], (count). */
 void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
-                       double *jacobians, double *by_objects, double *wrenches, int32_t *inside,
-                       int32_t *evaluations, int64_t *nanoseconds, double *rubber_gaps);
+                       double *jacobians, double *by_objects, double *loads, int32_t *inside,
+                       int32_t *evaluations, int64_t *nanoseconds);
 #endif

@@ -17,10 +17,10 @@ static inline int shortenings_at(int tendon) { return FINGERFEM_POSE * (tendon /
 int shortenings_of(const chain_rods *map, int free, shortenings_segment *segments);
 
 /* Those of the chain, (tensions) [m]. */
-void shortenings_together(const fingerfem_chain *chain, const shortenings_segment *segments, double *found);
+void shortenings_together(const chain_rods *map, const shortenings_segment *segments, double *found);
 
 /* How they change, (tensions), with tensions, (tensions), wrenches on the plates, (6 plates), and the plates' motions by
  * both, R^T dc, R^T dtheta, (6 plates). */
-void shortenings_change(const chain_state *state, const fingerfem_chain *chain, const shortenings_segment *segments,
+void shortenings_change(const chain_state *state, const chain_rods *map, const shortenings_segment *segments,
                         const double *tensions, const double *wrenches, const double *motion, double *found);
 #endif

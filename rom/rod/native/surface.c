@@ -1,6 +1,7 @@
 /* The surface of the rubber: as boxes, and as sections that are drawn. */
 #include <math.h>
 #include "rubber.h"
+#include "slices.h"
 
 /* Corners of the section at a share of the way over all of a segment's places. */
 static void section_at(const fingerfem_segment *segment, const double *points, double share, double (*corners)[3])
@@ -33,7 +34,7 @@ int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *input
     tensions_all_clamped(segment, inputs, held);
     rod_set_tensions(segment, held, memory, memory + rod_memory(segment), &rod);
     rod_contract(&rod);
-    rod_under(&rod, inputs + segment->tensions, &clamp);
+    rod_under(&rod, (rod_part){0, segment->elements}, inputs + segment->tensions, &clamp);
     double *points = rubber_points(&rod, &clamp, 0);
     rubber_in_space(centre, rotation, EDGES * segment->stations, points);
     memcpy(points, begins, OUTLINE_STATION * sizeof *points);
@@ -66,7 +67,7 @@ int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *input
 }
 
 /* Corners of a segment's plate, bent by its tensions, (8, 3): x, then y, then z, each - and +, the last one fastest. */
-static void plate_corners(const fingerfem_segment *segment, const double *bent, const chain_plate *plate, double *corners)
+static void plate_corners(const fingerfem_segment *segment, const double *bent, const chain_body *plate, double *corners)
 {
     for (int k = 0; k < FINGERFEM_CORNERS / 3; k++) {
         const int signs[3] = {k >> 2 & 1, k >> 1 & 1, k & 1}, own = signs[0] + 2 * signs[1] + 4 * signs[2];
@@ -78,26 +79,23 @@ static void plate_corners(const fingerfem_segment *segment, const double *bent, 
     rubber_in_space(plate->centre, plate->rotation, FINGERFEM_CORNERS / 3, corners);
 }
 
-int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *wrenches, double *memory,
+int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                              double *corners)
 {
     double held[TENSIONS_MOST];
     chain_rods map;
     chain_state state;
+    unsigned char all[FINGERFEM_MOST_ELEMENTS];
+    memset(all, 1, sizeof all);
     for (int k = 0; k < chain->plates; k++)
         if (!chain->segments[k]->stations) return 0;
-    tensions_all_clamped(chain->segments[0], tensions, held);
-    chain_set_tensions(chain, held, memory, &map);
-    chain_contract(&map);
-    chain_under(&map, wrenches, &state);
+    chain_placed(chain, tensions, loads, memory, held, &map, &state);
     for (int k = 0; k < chain->plates; k++) {
         const fingerfem_segment *segment = chain->segments[k];
-        const chain_plate *plate = state.plates + k;
-        double *points = rubber_points(map.rods + k, &plate->end, 0);
-        rubber_in_space(plate->centre, plate->rotation, EDGES * segment->stations, points);
+        const double *points = slices_corners(&map, &state, k, 0, all);
         for (int place = 0; place < segment->places - 1; place++, corners += OUTLINE_STATION)
             rubber_between(segment, points, place, (double(*)[3])corners);
-        plate_corners(segment, map.corners[k], plate, corners); /* in place of the last one: its back, then its front */
+        plate_corners(segment, map.corners[k], state.bodies + chain_plate_of(&map, k), corners); /* in place of the last one: its back, then its front */
         corners += FINGERFEM_CORNERS;
     }
     return 1;

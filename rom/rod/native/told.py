@@ -8,7 +8,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.native import SEGMENT
-from rom.rod.native import ENDS, memory_of, pointer
+from rom.rod.native import ENDS, loads, memory_of, pointer
 from rom.rod.native.reports import Reports
 
 
@@ -47,7 +47,7 @@ def sections(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> list[
     """
     counts = [compiled.segments[k].places + ENDS for k in range(compiled.plates)]
     found = np.empty((sum(counts), 4, 3))
-    given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, wrenches)]
+    given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, loads(compiled, wrenches))]
     if not SEGMENT.functions.fingerfem_chain_sections(compiled, *given, memory_of(compiled), pointer(found)):
         return None
     return np.split(found, np.cumsum(counts)[:-1])

@@ -5,8 +5,8 @@
 #include "reported.h"
 #include "touch_errors.h"
 
-/* A vector of space as a plate sees it. */
-static void seen_by(const chain_plate *plate, const double *v, double *found)
+/* A vector of space as a body sees it. */
+static void seen_by(const chain_body *plate, const double *v, double *found)
 {
     const double *r = plate->rotation;
     for (int i = 0; i < 3; i++) found[i] = r[i] * v[0] + r[3 + i] * v[1] + r[6 + i] * v[2];
@@ -16,12 +16,12 @@ static void seen_by(const chain_plate *plate, const double *v, double *found)
 static void report(const contact_problem *problem, const contact_state *state, double *out)
 {
     const fingerfem_chain *chain = problem->touching->chain;
-    const chain_plate *plates = state->at.chain.plates, *tip = plates + chain->plates - 1;
+    const chain_body *bodies = state->at.chain.bodies, *tip = bodies + problem->map->count - 1;
     out[3] = 0.0;
     for (int i = 0; i < 3; i++) out[i] = tip->centre[i] - chain->rest[i];
-    for (int q = 0; q < chain->plates; q++) {
+    for (int q = 0; q < problem->map->count; q++) {
         double e[3];
-        placed_leaving(problem, plates + q, e);
+        placed_leaving(problem, bodies + q, e);
         for (int i = 0; i < 3; i++) out[3] -= e[i] * state->wrench[W * q + i];
     }
 }
@@ -29,18 +29,17 @@ static void report(const contact_problem *problem, const contact_state *state, d
 int report_change(const contact_problem *problem, const contact_state *state, const double *drift, const double *bends,
                   reported_change *all, double *found)
 {
-    const fingerfem_chain *chain = problem->touching->chain;
-    const chain_plate *plates = state->at.chain.plates;
+    const chain_body *bodies = state->at.chain.bodies;
     double *change = all->wrench;
     if (!response_follow(problem, state, drift, bends, change)) return 0;
     found[3] = 0.0;
-    for (int q = 0; q < chain->plates; q++) {
+    for (int q = 0; q < problem->map->count; q++) {
         double *motion = all->motion + W * q, e[3];
-        const double *r = plates[q].rotation;
-        placed_leaving(problem, plates + q, e);
+        const double *r = bodies[q].rotation;
+        placed_leaving(problem, bodies + q, e);
         for (int i = 0; i < W; i++) {
             motion[i] = bends ? drift[W * q + i] : 0.0;
-            for (int j = 0; j < problem->size; j++) motion[i] += plates[q].motion[i][j] * change[j];
+            for (int j = 0; j < contact_size(problem); j++) motion[i] += bodies[q].motion[i][j] * change[j];
         }
         for (int i = 0; i < 3; i++) {
             const int j = (i + 1) % 3, l = (i + 2) % 3;
@@ -66,8 +65,8 @@ static int report_object(const contact_problem *problem, const contact_state *st
                          reported_change *all, double *found)
 {
     double drift[CHAIN_WRENCH] = {0.0}, v[3];
-    for (int q = 0; q < problem->touching->chain->plates; q++) {
-        const chain_plate *plate = state->at.chain.plates + q;
+    for (int q = 0; q < problem->map->count; q++) {
+        const chain_body *plate = state->at.chain.bodies + q;
         carried(problem->touching->object, d, motion, plate->centre, v);
         seen_by(plate, v, drift + W * q);
         seen_by(plate, motion + 3, drift + W * q + 3);
@@ -87,10 +86,10 @@ static int report_derivatives(const contact_problem *problem, const contact_stat
     reported_change own;
     memcpy(away, problem->touching->object->direction, 3 * sizeof *away);
     for (int c = 0; c < state->at.contacts.count; c++)
-        if (state->forces[c] > 0.0) placed_bend(problem, &state->at.contacts, c, bends[c]);
+        if (state->forces[c] > 0.0) placed_bend(problem, &state->at, c, bends[c]);
     for (int k = 0; k < t; k++) {
-        for (int i = 0; i < problem->size; i++)
-            drift[i] = state->at.chain.plates[i / W].motion[i % W][problem->size + k];
+        for (int i = 0; i < contact_size(problem); i++)
+            drift[i] = state->at.chain.bodies[i / W].motion[i % W][contact_size(problem) + k];
         for (int c = 0; c < state->at.contacts.count; c++)
             if (state->forces[c] > 0.0) memcpy(along + 3 * c, bends[c] + 3 * k, 3 * sizeof *along);
         if (!report_change(problem, state, drift, along, changes ? changes + k : &own, found)) return 0;
@@ -114,10 +113,11 @@ static void touched_by_plates(const contact_problem *problem, const placed *at, 
 {
     const objects_contacts *contacts = &at->contacts;
     const int nearest = placed_nearest(contacts);
-    first->plate = at->chain.plates + contacts->plates[nearest];
+    first->plate = at->chain.bodies + contacts->plates[nearest];
     for (int i = 0; i < 3; i++) first->p[i] = contacts->points[nearest][i] + contacts->bent[nearest][i];
     memcpy(first->wrench, contacts->wrenches[nearest], sizeof first->wrench);
-    placed_bend(problem, contacts, nearest, first->bends);
+    first->off = 0.0;
+    placed_bend(problem, at, nearest, first->bends);
 }
 
 /* Touch distance and its derivatives by the tensions and by the object's motion, of the point that is touched first. */
@@ -125,7 +125,7 @@ static void report_touch(const contact_problem *problem, const touched_point *fi
                          double *jacobian, double *by_object)
 {
     const int t = problem->touching->chain->tensions;
-    const chain_plate *plate = first->plate;
+    const chain_body *plate = first->plate;
     const double *normal = first->wrench;
     double e[3];
     out[4] = touch;
@@ -134,7 +134,7 @@ static void report_touch(const contact_problem *problem, const touched_point *fi
     const double down = objects_dot(normal, e);
     for (int k = 0; k < t; k++) {
         double opened = objects_dot(normal, first->bends + 3 * k);
-        for (int i = 0; i < W; i++) opened += normal[i] * plate->motion[i][problem->size + k];
+        for (int i = 0; i < W; i++) opened += normal[i] * plate->motion[i][contact_size(problem) + k];
         jacobian[(t + 1) * 4 + k] = opened / down;
     }
     for (int k = 0; k < W && by_object; k++) {
@@ -151,10 +151,10 @@ static void report_touch(const contact_problem *problem, const touched_point *fi
 static void leave_free(const contact_problem *problem, contact_state *state)
 {
     state->at.contacts.count = 0;
-    for (int i = 0; i < problem->size; i++) {
+    for (int i = 0; i < contact_size(problem); i++) {
         memset(state->soft[i], 0, sizeof state->soft[i]);
         memset(state->following[i], 0, sizeof state->following[i]);
-        memset(state->at.chain.plates[i / W].motion[i % W], 0, (size_t)problem->size * sizeof(double));
+        memset(state->at.chain.bodies[i / W].motion[i % W], 0, (size_t)contact_size(problem) * sizeof(double));
     }
 }
 
@@ -164,10 +164,31 @@ typedef struct {
     reported_change changes[TENSIONS_MOST + 1];
 } reported;
 
-/* As fingerfem_touch; with the rubber, or of plates alone; `rubber` is then 1 if the rubber touches first. Rows of a report
- * are computed unless it is NULL, and so are estimated errors, (3), of an answer where nothing rubs. */
-static int touch_by(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
-                    double *jacobian, double *by_object, int32_t *inside, int *rubber, reported *more, double *errors)
+/* Contacts that press at a state that has been solved. */
+static void report_pressing(const placed *at, const double *forces, fingerfem_pressing *found)
+{
+    const objects_contacts *contacts = &at->contacts;
+    found->count = 0;
+    for (int k = 0; k < contacts->count; k++) {
+        const rubber_slice *slice = placed_slice_of(at, k);
+        const chain_body *plate = at->chain.bodies + at->arms[k].bodies[0];
+        const double *rotation = slice ? slice->rotation : plate->rotation, *centre = slice ? slice->centre : plate->centre;
+        double p[3];
+        if (!(forces[k] > 0.0)) continue;
+        for (int i = 0; i < 3; i++) p[i] = contacts->points[k][i] + contacts->bent[k][i];
+        for (int i = 0; i < 3; i++) {
+            found->places[found->count][i] = centre[i] + objects_dot(rotation + 3 * i, p);
+            found->normals[found->count][i] = objects_dot(rotation + 3 * i, contacts->wrenches[k]);
+        }
+        found->plates[found->count] = slice ? slice->segment : contacts->plates[k];
+        found->rubber[found->count] = slice != NULL;
+        found->forces[found->count++] = forces[k];
+    }
+}
+
+/* As fingerfem_touch. Contacts that press and rows of a report are computed unless it is NULL, and so are estimated errors, (3). */
+static int touch_by(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
+                    double *jacobian, double *by_object, int32_t *inside, reported *more, double *errors, fingerfem_pressing *pressing)
 {
     const fingerfem_chain *chain = touching->chain;
     const fingerfem_object *object = touching->object;
@@ -176,8 +197,7 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     chain_rods map;
     contact_state state;
     touched_point first;
-    const contact_problem problem = {touching, &map, W * chain->plates};
-    const size_t size = (size_t)problem.size * sizeof *wrench;
+    const contact_problem problem = {touching, &map};
     memset(jacobian, 0, (size_t)(FINGERFEM_ROWS * p) * sizeof *jacobian);
     if (by_object) memset(by_object, 0, W * FINGERFEM_ROWS * sizeof *by_object);
     *inside = tensions_all_clamped(chain->segments[0], point, held);
@@ -185,11 +205,10 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     memset(state.wrench, 0, sizeof state.wrench);
     memset(state.forces, 0, sizeof state.forces);
     chain_free(&map, &state.at.chain);
-    const double touch = placed_touch_distance(&problem, &state.at);
-    if (isfinite(touch)) touched_by_plates(&problem, &state.at, &first);
-    const double reach = rubber ? rubber_reach(&problem, &state.at.chain, touch, &first) : touch;
-    report_touch(&problem, &first, reach, out, jacobian, by_object);
-    if (rubber) *rubber = reach > touch;
+    const double by_plates = placed_touch_distance(&problem, &state.at);
+    if (isfinite(by_plates)) touched_by_plates(&problem, &state.at, &first);
+    const double touch = rubber_reach(&problem, &state.at, by_plates, &first);
+    report_touch(&problem, &first, touch, out, jacobian, by_object);
     double d = point[t] > object->nearest ? point[t] : object->nearest;
     d = d < object->farthest ? d : object->farthest;
     const int touches = d < touch && !(point[t] >= touch), d_moves = d == point[t];
@@ -198,16 +217,18 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     if (touches) {
         if (errors) {
             chain_by_variants(&map, 0, &state.at.chain);
-            errors[2] = touch_distance_error(&problem, &first, rubber && *rubber);
+            errors[2] = touch_distance_error(&problem, &first);
         }
-        memcpy(state.wrench, wrench, size);
+        chain_take_loads(&map, loads, state.wrench);
         chain_contract(&map);
         evaluations = contact_solve(&problem, touch, d, &state);
+        if (evaluations <= 0) state.at.contacts.count = 0; /* those of the last pose, which no forces are known of */
         chain_by_tensions(&map, &state.at.chain);
     } else {
         leave_free(&problem, &state);
     }
-    for (int k = 0; k < chain->plates; k++) *inside &= state.at.chain.plates[k].end.inside;
+    for (int k = 0; k < map.count; k++)
+        if (map.bodies[k].segment != CHAIN_GROUND) *inside &= state.at.chain.bodies[k].end.inside;
     report(&problem, &state, out);
     if (!report_derivatives(&problem, &state, d, touches && d_moves, jacobian, touches ? by_object : NULL,
                             more ? more->changes : NULL) &&
@@ -220,59 +241,55 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
             for (int i = 0; i < FINGERFEM_ROWS; i++) jacobian[p * i + k] = 0.0;
             for (int i = 0; more && i < FINGERFEM_QUATERNION + t; i++) more->wanted->jacobian[p * i + k] = 0.0;
         }
-    memcpy(wrench, state.wrench, size);
+    chain_leave_loads(&map, state.wrench, loads);
+    if (pressing) pressing->count = 0;
+    if (pressing && touches && evaluations > 0) report_pressing(&state.at, state.forces, pressing);
     if (errors) {
         chain_by_variants(&map, touches, &state.at.chain);
-        if (!touches) errors[2] = isfinite(reach) ? touch_distance_error(&problem, &first, rubber && *rubber) : 0.0;
-        report_errors(&problem, &state, out[3], jacobian[p * 3 + t], errors);
+        if (!touches) errors[2] = isfinite(touch) ? touch_distance_error(&problem, &first) : 0.0;
+        report_errors(&problem, &state, out[3], jacobian, errors);
         for (int i = 0; i < 2 && evaluations <= 0; i++) errors[i] = INFINITY;
     }
     return evaluations;
 }
 
-int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
+int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
                     double *jacobian, double *by_object, int32_t *inside)
 {
-    int rubber;
-    return touch_by(touching, point, memory, wrench, out, jacobian, by_object, inside, &rubber, NULL, NULL);
+    return touch_by(touching, point, memory, loads, out, jacobian, by_object, inside, NULL, NULL, NULL);
 }
 
-int fingerfem_press(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
-                    double *jacobian, int32_t *inside)
+int fingerfem_touch_pressing(const fingerfem_touching *touching, const double *point, double *memory, double *loads,
+                             fingerfem_pressing *pressing)
 {
-    return touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, NULL, NULL, NULL);
+    double out[FINGERFEM_ROWS], jacobian[FINGERFEM_ROWS * (TENSIONS_MOST + 1)];
+    int32_t inside;
+    return touch_by(touching, point, memory, loads, out, jacobian, NULL, &inside, NULL, NULL, pressing);
 }
 
 void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
-                       double *jacobians, double *by_objects, double *wrenches, int32_t *inside,
-                       int32_t *evaluations, int64_t *nanoseconds, double *rubber_gaps)
+                       double *jacobians, double *by_objects, double *loads, int32_t *inside,
+                       int32_t *evaluations, int64_t *nanoseconds)
 {
-    const int p = touching->chain->tensions + 1;
+    const int p = touching->chain->tensions + 1, size = fingerfem_chain_loads(touching->chain);
     for (int i = 0; i < count; i++) {
         struct timespec begun, ended;
-        double *wrench = wrenches + W * touching->chain->plates * i;
         clock_gettime(CLOCK_MONOTONIC, &begun);
-        evaluations[i] = fingerfem_touch(touching, points + p * i, memory, wrench, out + FINGERFEM_ROWS * i,
+        evaluations[i] = fingerfem_touch(touching, points + p * i, memory, loads + size * i, out + FINGERFEM_ROWS * i,
                                          jacobians + FINGERFEM_ROWS * p * i,
                                          by_objects ? by_objects + W * FINGERFEM_ROWS * i : NULL, inside + i);
         clock_gettime(CLOCK_MONOTONIC, &ended);
         nanoseconds[i] = (ended.tv_sec - begun.tv_sec) * 1000000000LL + ended.tv_nsec - begun.tv_nsec;
-        rubber_gaps[i] = fingerfem_rubber_gap(touching, points + p * i, wrench, memory);
-        inside[i] &= !(rubber_gaps[i] < touching->chain->skin_error);
     }
 }
 
-int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *memory, double *wrench, double *out,
-                   double *jacobian, double *errors, int32_t *inside, double *rubber_gap, const fingerfem_report *report)
+int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
+                   double *jacobian, double *errors, int32_t *inside, const fingerfem_report *report)
 {
-    int rubber;
     reported more;
     more.wanted = report;
     if (report) memset(more.changes, 0, sizeof more.changes);
-    const int evaluations =
-        touch_by(touching, point, memory, wrench, out, jacobian, NULL, inside, &rubber, report ? &more : NULL, errors);
-    *rubber_gap = fingerfem_rubber_gap(touching, point, wrench, memory);
-    *inside &= !(*rubber_gap < touching->chain->skin_error);
+    const int evaluations = touch_by(touching, point, memory, loads, out, jacobian, NULL, inside, report ? &more : NULL, errors, NULL);
     if (report) {
         const double unknown = evaluations > 0 ? 0.0 : INFINITY;
         report->errors[0] = touching->chain->turn_error + unknown;
@@ -281,25 +298,23 @@ int fingerfem_tell(const fingerfem_touching *touching, const double *point, doub
     return evaluations;
 }
 
-void fingerfem_touch_errors(const fingerfem_touching *touching, const double *point, double *memory, double *wrench,
+void fingerfem_touch_errors(const fingerfem_touching *touching, const double *point, double *memory, double *loads,
                             double *errors)
 {
     double out[FINGERFEM_ROWS], jacobian[FINGERFEM_ROWS * (TENSIONS_MOST + 1)];
     int32_t inside;
-    int rubber;
-    touch_by(touching, point, memory, wrench, out, jacobian, NULL, &inside, &rubber, NULL, errors);
+    touch_by(touching, point, memory, loads, out, jacobian, NULL, &inside, NULL, errors, NULL);
 }
 
 void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
                      double *errors, int32_t *inside, const fingerfem_report *reports)
 {
     const int p = touching->chain->tensions + 1, rows = FINGERFEM_QUATERNION + p - 1;
-    double jacobian[FINGERFEM_ROWS * (TENSIONS_MOST + 1)], gap;
+    double jacobian[FINGERFEM_ROWS * (TENSIONS_MOST + 1)], loads[FINGERFEM_MOST_LOADS];
     for (int i = 0; i < count; i++) {
-        double wrench[CHAIN_WRENCH] = {0.0};
         const fingerfem_report own = {reports->rows + rows * i, reports->jacobian + rows * p * i,
                                       reports->errors + FINGERFEM_REPORT_ERRORS * i};
-        fingerfem_tell(touching, points + p * i, memory, wrench, out + FINGERFEM_ROWS * i, jacobian, errors + 3 * i, inside + i,
-                       &gap, &own);
+        memset(loads, 0, (size_t)fingerfem_chain_loads(touching->chain) * sizeof *loads);
+        fingerfem_tell(touching, points + p * i, memory, loads, out + FINGERFEM_ROWS * i, jacobian, errors + 3 * i, inside + i, &own);
     }
 }

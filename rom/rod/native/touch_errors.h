@@ -13,9 +13,9 @@ int report_change(const contact_problem *problem, const contact_state *state, co
 
 /* Estimated error of the touch distance, of free plates whose motions by the variants are known. A point of the rubber that
  * touches first counts as the plate's; what is known of the surface there is added. */
-double touch_distance_error(const contact_problem *problem, const touched_point *first, int rubber);
+double touch_distance_error(const contact_problem *problem, const touched_point *first);
 
 /* Estimated errors of tip and contact force, (2), of plates whose motions by the variants are known; infinite if nothing is known
- * of how they follow. The force [N] and its derivative by d [N/m] are those of the answer. */
-void report_errors(const contact_problem *problem, const contact_state *state, double force, double stiffness, double *errors);
+ * of how they follow. The force [N] and the derivatives are those of the answer. */
+void report_errors(const contact_problem *problem, const contact_state *state, double force, const double *jacobian, double *errors);
 #endif

@@ -82,7 +82,7 @@ def test_its_numbers_are_python_s_also_outside(made, name, version):
     errors = np.column_stack([expected.error[quantity] for quantity in QUANTITIES])
     assert np.isfinite(found).all()
     assert np.array_equal(found[:, 8].astype(bool), expected.inside)
-    assert np.array_equal(found[:, 9] == 0, expected.inside) and set(found[:, 9]) <= {0, 1, 2, 3}
+    assert np.array_equal(found[:, 9] == 0, expected.inside) and set(found[:, 9]) <= {0, 1, 2}
     known = np.isfinite(errors).all(axis=1)  # elsewhere what is left is where the solve gave up
     assert np.array_equal(known, found[:, 9] != 1)
     assert (found[~known, 5:7] == LARGEST).all()
@@ -90,7 +90,6 @@ def test_its_numbers_are_python_s_also_outside(made, name, version):
     assert (np.abs(found[:, :5] - want)[known].max(axis=0) < rounding).all()
     assert (np.abs(found[:, 5:8] - errors)[known].max(axis=0) < rounding[2:]).all()
     assert known.sum() > 0.9 * count and (known & ~expected.inside).sum() > 0.1 * count
-    assert (name == "two_segments") == (not known.all())
 
 
 @BOTH
@@ -129,7 +128,7 @@ def test_it_reports_orientation_and_shortenings_with_derivatives_and_errors(made
         lost = points_without_equilibrium(model)
         for point in lost:
             assert fmu.ask(point, *errors) == [LARGEST, LARGEST]
-    assert (name == "two_segments") == bool(len(lost))
+    assert len(lost) or name != "two_segments"
 
 
 def points_without_equilibrium(model) -> np.ndarray:

@@ -1,17 +1,19 @@
-"""The plates of a finger alone: where an object touches these first, whatever the rubber does."""
+"""The plates of a finger alone, as if its rubber could not be touched."""
+
+from dataclasses import replace
 
 import numpy as np
 
-from rom import TouchedSegment
-from rom.native import SEGMENT, pointer
-from rom.rod import native
+from rom import Rod, TouchedSegment
+
+
+def bare(rod: Rod) -> Rod:
+    """The same finger without a surface of its rubber."""
+    found = replace(rod)
+    found.__dict__["segments"] = [replace(one, outlines=None) for one in rod.segments]
+    return found
 
 
 def touch_of_plates(model: TouchedSegment, point: np.ndarray) -> float:
     """The touch distance of the plates at tensions and any d, shape (t + 1,); [m]."""
-    t, n = len(model.names) - 1, len(model.rod.segments)
-    wrench, out, jacobian, inside = np.zeros(6 * n), np.empty(5), np.empty((5, t + 1)), np.empty(1, np.int32)
-    given = [*map(pointer, (wrench, out, jacobian)), pointer(inside, "int32_t[]")]
-    memory = native.memory_of(model.rod.struct)
-    SEGMENT.functions.fingerfem_press(model.touching, pointer(np.array(point, float)), memory, *given)
-    return float(out[4])
+    return float(replace(model, rod=bare(model.rod)).outputs(np.array(point, float)[None])[0, 4])

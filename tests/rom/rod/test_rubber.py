@@ -52,30 +52,6 @@ def test_the_rubber_s_gap_is_the_elastic_rod_s(finger):
             assert abs(model.rubber_gap([*row[:2], 0.0], row[None, 2:]) - gaps.min()) < NEAR
 
 
-def test_rubber_that_touches_is_noticed_and_marked(finger):
-    """A leaning plane that the tip touches, or passes: the elastic rod itself decides whether its belly does."""
-    random, noticed, missed, clear = np.random.default_rng(5), 0, 0, 0
-    at = np.linspace(0.0, 0.050 - PLATE, 200)[:-3]
-    for _ in range(200):
-        tensions, lean = 0.5 * elastic_rod.MOST_TENSION * random.random(2), random.uniform(-0.5, 0.5)
-        normal, middle = (
-            np.array([np.sin(lean), -np.cos(lean), 0.0]),
-            np.array([0.025, random.uniform(0.004, 0.015), 0]),
-        )
-        plane = Plane(centre=tuple(middle), normal=tuple(normal), direction=tuple(-normal), distances=(0.0, 0.1))
-        model = TouchedSegment(rod=finger, obstacle=plane)
-        found = model.answers([*tensions, 0.0])
-        if found.evaluations[0] < 0 or not finger.place(tensions, found.wrenches[0].reshape(1, 6)).inside:
-            continue
-        corners = corners_at(np.array([[*tensions, *found.wrenches[0]]]), 0.050, at)[0]
-        gap, inside = ((corners - middle) @ normal).min(), bool(model.evaluate([*tensions, 0.0]).inside)
-        assert inside == bool(found.inside[0])
-        noticed += gap < 0 and not inside
-        missed += gap < 0 and inside
-        clear += gap > 0 and inside and found.out[0, 3] > 0
-    assert noticed > 5 and missed == 0 and clear > 5
-
-
 def test_every_answer_has_one_touch_distance(shipped, points):
     answers, outputs = shipped.evaluate(points), shipped.outputs(points)
     alone = np.array([touch_of_plates(shipped, point) for point in points])
@@ -108,7 +84,7 @@ def test_c_alone_has_the_same_touch_distance_and_derivative(shipped, points):
     memory = np.empty(functions.fingerfem_model_memory(own))
     expected = shipped.answers(points[:400])
     for i, point in enumerate(points[:400]):
-        out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty((5, 3)), np.zeros(18)
+        out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty((5, 3)), np.zeros(30)
         given = map(pointer, (point.copy(), memory, wrench, out, errors, jacobian))
         functions.fingerfem_model_tell(own, *given, MODEL.ffi.NULL)
         assert out[4] == pytest.approx(expected.out[i, 4], abs=1e-14)

@@ -59,7 +59,7 @@ def test_compiled_corners_are_those_of_the_laws():
     (own,) = rod.segments
     stations = stations_of(own.outlines, rod.half_lengths[0])
     assert (np.diff(stations) > 0).all() and stations[[0, -1]] == pytest.approx([0.0, own.length - PLATE / 2])
-    known = places_between(stations)
+    known = places_between(stations, np.array([one.length for one in own.outlines]))
     beyond = 0
     for share in np.repeat([1.0, 10.0], 10):
         tensions = 80 * random.random(2)
@@ -76,10 +76,21 @@ def test_compiled_corners_are_those_of_the_laws():
 
 def test_places_interpolate_cubics_exactly_wherever_the_stations_are():
     stations = np.sort(np.random.default_rng(0).random(9))
-    known = places_between(stations)
+    known = places_between(stations, np.ptp(stations) * np.array([0.2, 0.5, 0.3]))
     places = np.linspace(stations[0], stations[-1], known["places"])
     values = (stations**3 - 2 * stations)[known["first"][:, None] + np.arange(known["near"])]
     assert (known["between"] * values).sum(axis=1) == pytest.approx(places**3 - 2 * places, abs=1e-12)
+
+
+def test_every_slice_is_of_one_element_where_its_middle_is():
+    stations, lengths = np.linspace(0.0, 0.9, 7), np.array([0.3, 0.2, 0.5])  # from the plate; the clamp is at 0
+    known = places_between(stations, lengths)
+    places = np.linspace(0.0, 0.9, known["places"])
+    begins = np.array([1.0, 0.7, 0.5, 0.0])  # of the elements, and the clamp
+    own, shares = known["place_elements"], known["place_shares"]
+    middles = begins[own + 1] + shares * lengths[own]
+    assert middles == pytest.approx((places[1:] + places[:-1]) / 2)
+    assert (shares >= 0).all() and (shares <= 1).all() and set(own.tolist()) == {0, 1, 2}
 
 
 def test_boxes_contain_the_rod(finger):

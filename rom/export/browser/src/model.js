@@ -1,6 +1,6 @@
 // The model: its C, compiled to WebAssembly, and its numbers as they lie in memory (rom/export/native/model.h).
 
-const ROWS = 6, ERRORS = 4, WRENCH = 48, CORNERS = 12, QUATERNION = 4; // as in model.h and segment.h
+const ROWS = 6, ERRORS = 4, LOADS = 3072, CORNERS = 12, QUATERNION = 4; // as in model.h and segment.h
 const POINTER = 4; // [bytes]
 const CONVERGED = 1, OUTSIDE = 4; // as in control/native/least_squares.h
 const ALIGNED = 16, PAGE = 65536; // [bytes]
@@ -10,7 +10,6 @@ const HOLD_TOLERANCE = 1e-6; // [N]
 export const REASONS = [
   null,
   "no equilibrium was found",
-  "the rubber may touch the plane: only plates that touch are known",
   "beyond what was trained",
 ];
 
@@ -51,7 +50,7 @@ export class Model {
     this.places = {
       memory: this.numbers(code.fingerfem_model_memory(this.struct)),
       point: this.numbers(p),
-      wrench: this.numbers(WRENCH),
+      loads: this.numbers(LOADS),
       out: this.numbers(ROWS),
       errors: this.numbers(ERRORS),
       jacobian: this.numbers(ROWS * p),
@@ -94,10 +93,10 @@ export class Model {
   /** Tip [m], contact force [N], touch distance [m], pad pressure [Pa], their errors, and why not to rely on them; of a
    * finger of elements also the tip's orientation w, x, y, z and the tendons' shortenings [m]. */
   tell(point) {
-    const { point: at, memory, wrench, out, errors, jacobian, report } = this.places;
+    const { point: at, memory, loads, out, errors, jacobian, report } = this.places;
     this.at("point", point.length).set(point);
-    this.at("wrench", WRENCH).fill(0);
-    const status = this.code.fingerfem_model_tell(this.struct, at, memory, wrench, out, errors, jacobian, report);
+    this.at("loads", LOADS).fill(0);
+    const status = this.code.fingerfem_model_tell(this.struct, at, memory, loads, out, errors, jacobian, report);
     const [x, y, z, force, touch, pad] = this.at("out", ROWS);
     const [tipError, forceError, touchError, padError] = this.at("errors", ERRORS);
     const rows = report ? [...this.at("rows", QUATERNION + point.length - 1)] : null;
@@ -120,8 +119,8 @@ export class Model {
 
   /** Corners of the surface's sections at the point that was told last, 12 numbers each [m]; null if not known. */
   sections() {
-    const { point, memory, wrench, corners } = this.places;
-    if (!this.code.fingerfem_model_sections(this.struct, point, wrench, memory, corners)) return null;
+    const { point, memory, loads, corners } = this.places;
+    if (!this.code.fingerfem_model_sections(this.struct, point, loads, memory, corners)) return null;
     return this.at("corners", CORNERS * this.about.sections);
   }
 

@@ -1,0 +1,34 @@
+/* Slices of rubber between cross-sections next to each other. A force on one goes to both sections between which its element
+ * lies, as on a beam that bends and shears. */
+#ifndef FINGERFEM_SLICES_H
+#define FINGERFEM_SLICES_H
+#include "contact.h"
+
+/* The place of a slice of a segment by its number; -1 if it is another one's. */
+int slices_place(const chain_rods *map, int segment, int number);
+
+/* Which elements of a segment an object at d may be near to, (elements + 2): 1 if it is, 2 for their neighbours; returns
+ * whether any is. */
+int slices_near(const chain_rods *map, const chain_state *state, int segment, const fingerfem_object *object, double d, double near,
+                unsigned char *found);
+
+/* Corners of the stations of such elements in space, (stations, 4, 3) [m], in the rod's work. */
+const double *slices_corners(const chain_rods *map, const chain_state *state, int segment, int free, const unsigned char *near);
+
+/* A gap that no point of the slice at a place is below, before an object at d [m]. */
+double slices_least_gap(const fingerfem_segment *segment, const double *points, int place, const fingerfem_object *object, double d);
+
+/* The slice at a place, from these; without its bodies. */
+void slices_make(const chain_rods *map, const chain_state *state, int segment, const double *points, int place, rubber_slice *found);
+
+/* The contacts of an object at d with a slice, of which the gaps are below `near` [m]. */
+void slices_find(const fingerfem_segment *segment, const rubber_slice *slice, const fingerfem_object *object, double d, double near,
+                 objects_contacts *all);
+
+/* How a point of a slice, by its coordinates, moves with the tensions beside what its ends' motions do, (tensions, 3), in its
+ * axes: as the rubber changes its shape. Motions by the tensions must be known. */
+void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_state *state, const double *material, double *found);
+
+/* What a unit force at contact k of a slice puts on its bodies. */
+void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, contact_arms *found);
+#endif
