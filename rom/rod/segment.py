@@ -85,7 +85,7 @@ class Segment(PickledByFields):
             half_lengths=self.half_lengths,
             outlines=self.outlines,
             shortenings=[shortenings[id(one)] for one in self.elements],
-            stiffness=tuple(self.young_modulus * share for share in INDENTED),
+            stiffness=(self.young_modulus * INDENTED[0], self.young_modulus * INDENTED[1]),
         )
 
     def place(self, inputs: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:

@@ -44,7 +44,7 @@ def row(count: int) -> dict:
     points = lower + np.random.default_rng(0).random((count, len(lower))) * (upper - lower)
     known = model.answers(points)
     touched = known.inside & (known.out[:, 3] > 0) & surrogate.evaluate(points).inside
-    points, wrenches = np.ascontiguousarray(points[touched]), known.wrenches[touched]
+    points, wrenches = np.ascontiguousarray(points[touched]), known.loads[touched]
     out, jacobian = np.empty(8), np.empty(64)
     work = forms.memory_of(surrogate.kernel.tables)
     theirs = [(surrogate.kernel, numbers(p), work, numbers(out), numbers(jacobian)) for p in points]

@@ -73,4 +73,4 @@ def test_a_force_is_converged_exactly_where_the_model_presses_with_it(finger):
             assert motion.status != "unreachable" or (there.inside and missed > 0.9e-6)
             statuses.add(motion.status)
     assert {"converged", "unreachable"} <= statuses
-    assert lost <= COUNT / 500  # where rubber is pressed the force has several hills, of which a search may miss the highest
+    assert lost <= COUNT / 500  # pressed rubber: a force with several hills, of which a search may miss the highest

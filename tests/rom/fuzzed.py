@@ -33,7 +33,7 @@ from rom.rod.native.told import sections
 
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 1e-300, 255, 65535, 2**31, -(2**31))
 POINTS = 30
-WRENCHES = 6 * MODEL.functions.FINGERFEM_MOST_PLATES
+WRENCHES = 3072  # numbers of loads, at most
 SMALL = 200  # points of an atlas: its size matters to no access
 
 

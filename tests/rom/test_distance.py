@@ -50,7 +50,7 @@ def test_c_alone_marks_the_same_distances(name):
             np.empty(6),
             np.empty(4),
             np.empty(36),
-            np.zeros(18),
+            np.zeros(3072),
         )
         given = map(pointer, (point, memory, wrench, out, errors, jacobian))
         status = MODEL.functions.fingerfem_model_tell(own, *given, MODEL.ffi.NULL)

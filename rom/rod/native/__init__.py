@@ -304,7 +304,14 @@ def touches(touching: Any, points: np.ndarray, loads: np.ndarray | None = None, 
         begun[:, : loads.shape[1]] = loads
     counts, moved = np.empty((2, n), np.int32), np.empty((n, 5, 6)) if by_object else None
     found = Touched(
-        np.empty((n, 5)), np.empty((n, 5, p)), moved, begun, *counts, np.empty(n, np.int64), touching.chain.plates
+        np.empty((n, 5)),
+        np.empty((n, 5, p)),
+        moved,
+        begun,
+        counts[0],
+        counts[1],
+        np.empty(n, np.int64),
+        touching.chain.plates,
     )
     kinds = ("double[]",) * 4 + ("int32_t[]",) * 2 + ("int64_t[]",)
     parts = zip(found[:-1], kinds, strict=True)

@@ -172,7 +172,7 @@ def test_the_shape_is_python_s(opened, trained, name):
                 nearest = np.abs(found[k][:, None] - moved[own]).max(axis=2).min(axis=0)
                 assert nearest.max() < 1e-6  # single precision
             continue
-        wrenches = model.answers(point).wrenches
+        wrenches = model.answers(point).loads[0]
         expected = np.concatenate(sections(model.rod.struct, point[:-1], wrenches))
         assert np.abs(found - expected).max() < 1e-9
 
