@@ -16,6 +16,8 @@
 #define STEPS 4      /* of an object that is brought to where it is, at first */
 #define HALVINGS 10  /* of such a step until there is no answer */
 #define EVALUATIONS 500 /* most of the map for one answer */
+#define FEWER 120       /* where rubber is near: it takes longer, and what is not found soon cuts the clamp */
+#define BEYOND 4.0      /* of the trained wrenches, from which on rubber's answers are not looked for [-] */
 #define CLOSE 1e-7   /* of the box: a last step of the wrench, a small part of which is left [-] */
 #define NEAR 2e-6    /* likewise, if steps become shorter by FASTER at least: the next would be some 1e-12, and derivatives,
                         which are those of the last pose, are good to 1e-4 or so */
@@ -98,6 +100,18 @@ static int solve_from(const contact_problem *problem, double d, contact_state *s
     return -ITERATIONS;
 }
 
+/* Whether a body bears much more than was trained. */
+static int far_beyond(const contact_problem *problem, const contact_state *state)
+{
+    int found = 0;
+    for (int i = 0; i < contact_size(problem); i++) {
+        const int q = problem->map->bodies[i / W].segment;
+        const fingerfem_segment *segment = problem->touching->chain->segments[q < 0 ? 0 : q];
+        found |= fabs(state->wrench[i]) > BEYOND * segment->upper[segment->tensions + i % W];
+    }
+    return found;
+}
+
 /* Bring the object from where it touches the free plate to d, so that of several answers the one is found that its
  * approach leads to; returns as `solve_from`. */
 static int approach(const contact_problem *problem, double touch, double d, contact_state *state)
@@ -124,6 +138,7 @@ static int approach(const contact_problem *problem, double touch, double d, cont
         if (used > 0) {
             at = next;
             size *= 1.5;
+            if (state->at.slices && far_beyond(problem, state)) return -evaluations;
             continue;
         }
         state->at.contacts = contacts;
@@ -132,7 +147,7 @@ static int approach(const contact_problem *problem, double touch, double d, cont
         map->count = count;
         memcpy(map->bodies, bodies, sizeof bodies);
         size /= 2.0;
-        if (fabs(size) < least || evaluations > EVALUATIONS) return -evaluations;
+        if (fabs(size) < least || evaluations > (state->at.slices ? FEWER : EVALUATIONS)) return -evaluations;
     }
     return evaluations;
 }

@@ -6,8 +6,10 @@
 #include <math.h>
 #include "slices.h"
 
-#define STEPS 20      /* towards the touch distance */
+#define STEPS 40      /* towards the touch distance */
 #define TOUCHED 1e-12 /* [m] */
+#define ROUGHLY 1e-9  /* that, where an object grazes the surface [m] */
+#define GRAZING 0.05  /* slope of the gap below which a step would be too long [-] */
 #define BULGED 0.01   /* of half the side: how far faces are off between their edges, other than bent beams' are [-] */
 #define BETWEEN 1e-4  /* by how much more than its sampled points the surface may reach [m] */
 #define FEW 8  /* sections from one that is looked at to the next, at first */
@@ -236,23 +238,29 @@ double rubber_off(const contact_problem *problem, const placed *at, int k)
 
 double rubber_reach(const contact_problem *problem, placed *free, double least, touched_point *first)
 {
-    double d = sampled(problem, &free->chain, least - BETWEEN), seen[3];
+    double d = sampled(problem, &free->chain, least - BETWEEN), low = d - BETWEEN, seen[3];
     if (d == least - BETWEEN) return least;
     for (int step = 0; step < STEPS; step++) {
         free->contacts.count = 0;
         placed_slices(problem, 1, d, BETWEEN, free);
-        if (!free->contacts.count) return least;
+        if (!free->contacts.count) { /* too far: where it grazes the surface a step is long */
+            if (step == 0) return least;
+            d = step < STEPS - 2 ? 0.5 * (low + d) : low;
+            continue;
+        }
         const objects_contacts *contacts = &free->contacts;
         const int k = placed_nearest(contacts);
         const rubber_slice *slice = placed_slice_of(free, k);
         const double *n = contacts->wrenches[k], gap = contacts->gaps[k];
         objects_turned_back(slice->rotation, problem->touching->object->direction, seen);
         const double slope = -objects_dot(n, seen);
-        if (fabs(gap) > TOUCHED && slope > 0.0) {
-            d -= gap / slope;
+        if (fabs(gap) > (step < STEPS / 2 ? TOUCHED : ROUGHLY) && step < STEPS - 1) {
+            if (gap < 0.0) low = d;
+            const double next = d - gap / (gap < 0.0 ? fmax(slope, GRAZING) : slope);
+            d = gap < 0.0 || (slope > 0.0 && next > low) ? next : 0.5 * (low + d);
             continue;
         }
-        if (slope <= 0.0 || d <= least) return least;
+        if (!(fabs(gap) < BETWEEN) || d <= least) return least;
         double x[3], normal[3], p[3];
         for (int i = 0; i < 3; i++) p[i] = contacts->points[k][i] + contacts->bent[k][i];
         for (int i = 0; i < 3; i++) {

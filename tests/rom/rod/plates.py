@@ -6,12 +6,16 @@ import numpy as np
 
 from rom import Rod, TouchedSegment
 
+_bare: dict[int, tuple[Rod, Rod]] = {}  # by the identity of a finger, which is kept
+
 
 def bare(rod: Rod) -> Rod:
     """The same finger without a surface of its rubber."""
-    found = replace(rod)
-    found.__dict__["segments"] = [replace(one, outlines=None) for one in rod.segments]
-    return found
+    if id(rod) not in _bare:
+        found = replace(rod)
+        found.__dict__["segments"] = [replace(one, outlines=None) for one in rod.segments]
+        _bare[id(rod)] = rod, found
+    return _bare[id(rod)][1]
 
 
 def touch_of_plates(model: TouchedSegment, point: np.ndarray) -> float:
