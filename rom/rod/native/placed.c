@@ -5,7 +5,7 @@
 #define MARCHES 60    /* towards the touch distance */
 #define TOUCHED 1e-12 /* [m] */
 #define NEAR 1e-4     /* gap that may close as a plate is bent, by some um [m] */
-#define SLICE_NEAR 2e-4 /* gap below which rubber may touch in the next step [m] */
+#define SLICE_NEAR 0.04 /* of half the side: gap below which rubber may touch in the next step [-] */
 
 /* How far the point of contact k is off, (3), where the corners of its plate are. */
 static void point_off(const fingerfem_segment *segment, const double *corners, const objects_contacts *contacts, int k,
@@ -131,7 +131,7 @@ int placed_under(const contact_problem *problem, double d, contact_state *state)
     chain_under(map, state->wrench, &at->chain);
     at->contacts.count = 0;
     for (int plate = 0; plate < problem->touching->chain->plates; plate++) find(problem, d, plate, at);
-    placed_slices(problem, 0, d, SLICE_NEAR, at);
+    placed_slices(problem, 0, d, SLICE_NEAR * problem->touching->chain->segments[0]->half_lengths[1], at);
     for (int k = 0; k < at->slices; k++)
         for (int end = 0; end < SLICE_ENDS; end++) {
             int segment, element;

@@ -11,7 +11,7 @@
 #define ROUGHLY 1e-9  /* that, where an object grazes the surface [m] */
 #define GRAZING 0.05  /* slope of the gap below which a step would be too long [-] */
 #define BULGED 0.01   /* of half the side: how far faces are off between their edges, other than bent beams' are [-] */
-#define BETWEEN 1e-4  /* by how much more than its sampled points the surface may reach [m] */
+#define BETWEEN 0.1   /* of half the side: by how much the surface may be off its sampled points, as its faces bulge [-] */
 #define FEW 8  /* sections from one that is looked at to the next, at first */
 #define FACE 8 /* parts of a face of the rubber, from edge to edge, that a round object is looked for at */
 
@@ -238,11 +238,12 @@ double rubber_off(const contact_problem *problem, const placed *at, int k)
 
 double rubber_reach(const contact_problem *problem, placed *free, double least, touched_point *first)
 {
-    double d = sampled(problem, &free->chain, least - BETWEEN), low = d - BETWEEN, seen[3];
-    if (d == least - BETWEEN) return least;
+    const double between = BETWEEN * problem->touching->chain->segments[0]->half_lengths[1];
+    double d = sampled(problem, &free->chain, least - between), low = d - between, seen[3];
+    if (d == least - between) return least;
     for (int step = 0; step < STEPS; step++) {
         free->contacts.count = 0;
-        placed_slices(problem, 1, d, BETWEEN, free);
+        placed_slices(problem, 1, d, between, free);
         if (!free->contacts.count) { /* too far: where it grazes the surface a step is long */
             if (step == 0) return least;
             d = step < STEPS - 2 ? 0.5 * (low + d) : low;
@@ -260,7 +261,7 @@ double rubber_reach(const contact_problem *problem, placed *free, double least, 
             d = gap < 0.0 || (slope > 0.0 && next > low) ? next : 0.5 * (low + d);
             continue;
         }
-        if (!(fabs(gap) < BETWEEN) || d <= least) return least;
+        if (!(fabs(gap) < ROUGHLY) || d <= least) return least;
         double x[3], normal[3], p[3];
         for (int i = 0; i < 3; i++) p[i] = contacts->points[k][i] + contacts->bent[k][i];
         for (int i = 0; i < 3; i++) {

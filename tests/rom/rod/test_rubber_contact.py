@@ -178,3 +178,42 @@ def test_estimated_errors_count_the_surface_and_the_indentation(bundled):
     answer, slope = model.evaluate(point), abs(float(model.jacobian(point)[3, -1]))
     assert answer.error["contact_force"] > slope * bundled.errors.surface
     assert answer.error["touch_distance"] > bundled.errors.surface
+
+
+def test_a_ball_that_grazes_a_hollow_face_touches_where_the_gap_closes(bundled):
+    """Between its edges the face lies deeper than they do, so touch is later than on a flat one."""
+    ball = Sphere(centre=(0.046, 0.031, 0.001), radius=0.026, direction=(0.0, 1.0, 0.0), distances=(-0.05, 0.05))
+    model = TouchedSegment(rod=bundled, obstacle=ball)
+    for tensions in ([72.7, 100.0], [100.0, 100.0], [60.0, 100.0]):
+        touch = float(model.outputs([[*tensions, np.inf]])[0, 4])
+        gaps = [model.rubber_gap(np.array([*tensions, touch + way]), np.zeros((1, 6))) for way in (-1e-5, 0.0, 1e-5)]
+        assert gaps[0] < 0 < gaps[2] and abs(gaps[1]) < 1e-9
+
+
+@pytest.mark.parametrize(("size", "modulus"), [(0.3, 10.0), (6.0, 0.1)])
+def test_contact_on_rubber_is_similar_at_another_size_and_modulus(bundled, size, modulus):
+    """Forces go with modulus times size squared, places with size."""
+    random, force = np.random.default_rng(7), modulus * size**2
+    scene = {name: bundled.scene[name] for name in ("geometry", "material", "tendons")}
+    geometry = {name: scene["geometry"][name] for name in ("side", "plate")}
+    material = {"law": "neo-hookean", "C1": 1.9e6 * modulus, "D1": 2.43e-7 / modulus}
+    tendons = [
+        one | {"offset": [size * x for x in one["offset"]], "tension": [force * x for x in one["tension"]]}
+        for one in scene["tendons"]
+    ]
+    lengths = {name: size * value for name, value in geometry.items()} | {"segments": [0.05 * size], "channel": None}
+    other = replace(
+        bundled, scene=bundled.scene | {"geometry": lengths, "material": material, "tendons": tendons}, accuracy={}
+    )
+    for _ in range(6):
+        model, point = pressed(bundled, random, "sphere")
+        ball = model.obstacle
+        scaled = replace(
+            ball,
+            centre=tuple(size * np.array(ball.centre)),
+            radius=size * ball.radius,
+            distances=(-0.1 * size, 0.1 * size),
+        )
+        found = TouchedSegment(rod=other, obstacle=scaled).outputs([[*force * point[:-1], size * point[-1]]])[0]
+        expected = model.outputs(point[None])[0] * [size, size, size, force, size]
+        assert found == pytest.approx(expected, rel=1e-5, abs=1e-9 * size)

@@ -21,9 +21,9 @@ NODES = 12
 
 @pytest.fixture(scope="module")
 def finger():
-    """The bundled finger before the paper's plane, d from 1 mm."""
+    """The bundled finger before the paper's plane, d from 1 mm; its plate alone can be touched."""
     loaded = TouchedSegment.load()
-    return replace(loaded, obstacle=replace(loaded.obstacle, distances=(0.008, 0.031)))  # the tip alone touches
+    return replace(loaded, rod=bare(loaded.rod), obstacle=replace(loaded.obstacle, distances=(0.001, 0.031)))
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def points(finger):
 
 def test_it_is_the_finger_within_its_estimated_errors(table, finger):
     found = compared(table, RodSource(finger).truth(np.random.default_rng(5)))
-    assert found["contact_force"]["median"] < 0.06 and found["contact_force"]["p95"] < 0.5
+    assert found["contact_force"]["median"] < 0.01 and found["contact_force"]["p95"] < 0.08
     assert found["tip"]["median"] < 1e-3 and found["touch_distance"]["decided"] > 0.995
     assert all(found[name]["coverage"] > 0.95 for name in ("tip", "contact_force", "touch_distance"))
     assert found["contact_force"]["count"] > 10_000
@@ -75,7 +75,7 @@ def test_a_force_that_it_holds_is_the_fingers_own(table, finger):
 
 
 def test_a_ball_has_a_table_too_and_its_file_is_the_same_model(finger, tmp_path):
-    ball = Sphere(centre=(0.046, 0.041, 0.001), radius=0.036, direction=(0, 1, 0), distances=(0.001, 0.020))
+    ball = Sphere(centre=(0.046, 0.031, 0.001), radius=0.026, direction=(0, 1, 0), distances=(0.001, 0.020))
     found = specialise(replace(finger, obstacle=ball), NODES)
     assert found.accuracy["contact_force"]["median"] < 0.06 and found.accuracy["contact_force"]["coverage"] > 0.95
     found.save(tmp_path / "ball.h5")
