@@ -165,28 +165,49 @@ static void station_moves(const rod_state *rod, const rod_end *clamp, int statio
     }
 }
 
+/* Add how both sections of a free slice move with the tensions, their corners each with a weight, (2, 4), times a factor. */
+static void section_moves(const chain_rods *map, const rod_end *clamp, const rubber_slice *slice, double (*corners)[EDGES],
+                          double (*found)[TENSIONS_MOST])
+{
+    const int place = slices_place(map, slice->segment, slice->number);
+    const rod_state *rod = map->rods + slice->segment;
+    const fingerfem_segment *segment = rod->segment;
+    for (int side = 0; side < 2; side++)
+        for (int k = 0; k < segment->near; k++) {
+            const double between = segment->between[segment->near * (place + side) + k];
+            double weights[EDGES];
+            for (int edge = 0; edge < EDGES; edge++) weights[edge] = between * corners[side][edge];
+            if (between != 0.0) station_moves(rod, clamp, segment->first[place + side] + k, weights, found);
+        }
+}
+
 /* How a point of a free slice moves with the tensions, (tensions, 3), seen from its plate. */
 static void moves_by_tensions(const chain_rods *map, const chain_state *free, const rubber_slice *slice, const double *at, double *found)
 {
     const fingerfem_chain *chain = map->chain;
-    const int q = slice->segment, place = slices_place(map, q, slice->number);
-    const fingerfem_segment *segment = chain->segments[q];
-    const rod_end *clamp = &free->bodies[q].end;
-    double moves[3][TENSIONS_MOST] = {{0.0}};
-    rubber_points(map->rods + q, clamp, 1);
+    const int q = slice->segment, face = fabs(at[1]) < 1.0 || fabs(at[2]) < 1.0;
+    const chain_body *plate = free->bodies + q;
+    double moves[3][TENSIONS_MOST] = {{0.0}}, twists[3][TENSIONS_MOST] = {{0.0}}, corners[2][EDGES], ends[2][EDGES], axes[2][3];
     for (int side = 0; side < 2; side++) {
-        double corners[EDGES], weights[EDGES];
-        for (int edge = 0; edge < EDGES; edge++)
-            corners[edge] = 0.125 * (1.0 + (side ? 1.0 : -1.0) * at[0]) * (1.0 + (edge & 2 ? 1.0 : -1.0) * at[1]) *
-                            (1.0 + (edge & 1 ? 1.0 : -1.0) * at[2]);
-        for (int k = 0; k < segment->near; k++) {
-            const double between = segment->between[segment->near * (place + side) + k];
-            for (int edge = 0; edge < EDGES; edge++) weights[edge] = between * corners[edge];
-            if (between != 0.0) station_moves(map->rods + q, clamp, segment->first[place + side] + k, weights, moves);
+        const double share = 0.5 * (1.0 + (side ? 1.0 : -1.0) * at[0]);
+        for (int edge = 0; edge < EDGES; edge++) {
+            corners[side][edge] = 0.25 * share * (1.0 + (edge & 2 ? 1.0 : -1.0) * at[1]) * (1.0 + (edge & 1 ? 1.0 : -1.0) * at[2]);
+            ends[side][edge] = share * slices_twist[edge];
         }
     }
-    for (int j = 0; j < segment->tensions; j++)
-        for (int i = 0; i < 3; i++) found[3 * chain->own[chain->tensions * q + j] + i] = moves[i][j];
+    rubber_points(map->rods + q, &plate->end, 1);
+    section_moves(map, &plate->end, slice, corners, moves);
+    if (face) section_moves(map, &plate->end, slice, ends, twists);
+    for (int j = 0; j < 2; j++) {
+        const double axis[3] = {slice->rotation[1 + j], slice->rotation[4 + j], slice->rotation[7 + j]};
+        objects_turned_back(plate->rotation, axis, axes[j]);
+    }
+    for (int j = 0; j < chain->segments[q]->tensions; j++) {
+        double *own = found + 3 * chain->own[chain->tensions * q + j], bulge[3];
+        const double twist[3] = {twists[0][j], twists[1][j], twists[2][j]};
+        slices_bulge(axes, twist, at, bulge);
+        for (int i = 0; i < 3; i++) own[i] = moves[i][j] + bulge[i];
+    }
 }
 
 /* Whether no point of a section may be touched at d or beyond: the distance from a convex body is convex, and nowhere below

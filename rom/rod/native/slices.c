@@ -11,7 +11,7 @@
 #include <math.h>
 #include "rubber.h"
 
-#define DOME 1e-4    /* curvature of edges and faces besides their own, over their length [-] */
+#define DOME 1e-6    /* curvature of edges and faces besides their own, over their length [-] */
 #define STEPS 40     /* towards the nearest point */
 #define FLAT 1e-9    /* slope of the gap where it is least [-] */
 #define SHORT 1e-12  /* a last step, of coordinates [-] */
@@ -102,6 +102,16 @@ double slices_least_gap(const fingerfem_segment *segment, const double *points, 
     const double gap = objects_distance(object, d, centre, normal) - objects_dot(normal, centre);
     for (int k = 0; k < 2 * OUTLINE_CORNERS; k++) least = fmin(least, gap + objects_dot(normal, at[k]));
     return least;
+}
+
+/* Bulges change with the widths that they are of: of the difference of the widths at -y and y along z, and of those at -z and z
+ * along y, by one and the same sum of the corners' motions. */
+const double slices_twist[OUTLINE_CORNERS] = {-0.125, 0.125, 0.125, -0.125};
+
+void slices_bulge(double (*axes)[3], const double *twist, const double *material, double *found)
+{
+    const double b = material[1], c = material[2], along_y = objects_dot(axes[0], twist), along_z = objects_dot(axes[1], twist);
+    for (int i = 0; i < 3; i++) found[i] = axes[0][i] * along_z * (c * c - 1.0) + axes[1][i] * along_y * (b * b - 1.0);
 }
 
 /* How far the middles of a section's faces across y and across z are off: bent by a curvature k, it is deformed by
@@ -431,7 +441,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     const beam here = beam_at(slice, ((station + 0.5) / count - slice->share) * slice->length);
     const double to_plate = e ? 1.0 : 1.0 - slice->share, to_clamp = e < segment->elements - 1 ? 1.0 : slice->share;
     const double share = fmin(1.0, 2.0 * count * fmin(to_plate, to_clamp)); /* where it is held, it has its shape */
-    double place[3], rotation[9], x[3], weights[OUTLINE_CORNERS], seen[3] = {0.0}, g[SLICE_ENDS][3];
+    double place[3], rotation[9], x[3], weights[OUTLINE_CORNERS], seen[3] = {0.0}, g[SLICE_ENDS][3], axes[2][3];
     double *corners = rod->work + OUTLINE_STATION * segment->stations, *own = corners + OUTLINE_STATION * station;
     section_of(map, state, q, e, place, rotation);
     for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
@@ -442,13 +452,21 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     turned(rotation, seen, x);
     for (int i = 0; i < 3; i++) x[i] += place[i];
     arms_to(slice, state, &here, x, g);
+    for (int j = 0; j < 2; j++)
+        for (int i = 0; i < 3; i++) axes[j][i] = slice->rotation[3 * i + 1 + j];
     for (int j = 0; j < segment->tensions; j++) {
         const int column = chain->own[chain->tensions * q + j];
-        double change[3] = {0.0}, way[3], arm[3], by_turn[3];
+        double change[3] = {0.0}, twist[3] = {0.0}, turned_twist[3], bulge[3], way[3], arm[3], by_turn[3];
         rubber_shape(rod, e, rod->monomials + segment->monomials * (1 + j), corners);
         for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
-            for (int i = 0; i < 3; i++) change[i] += weights[edge] * own[3 * edge + i];
+            for (int i = 0; i < 3; i++) {
+                change[i] += weights[edge] * own[3 * edge + i];
+                twist[i] += slices_twist[edge] * own[3 * edge + i];
+            }
         turned(rotation, change, way);
+        turned(rotation, twist, turned_twist);
+        slices_bulge(axes, turned_twist, material, bulge);
+        for (int i = 0; i < 3; i++) way[i] += bulge[i];
         for (int end = 0; end < SLICE_ENDS; end++) {
             const chain_body *body = state->bodies + slice->bodies[end];
             double moved[3], spun[3], v[3], t[3];

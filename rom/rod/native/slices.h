@@ -29,6 +29,11 @@ void slices_find(const fingerfem_segment *segment, const rubber_slice *slice, co
  * axes: as the rubber changes its shape. Motions by the tensions must be known. */
 void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_state *state, const double *material, double *found);
 
+/* How far a point of a slice, by its coordinates, moves as the faces bulge, (3), where the sum of the corners' motions, each
+ * with these weights, is `twist`, (3); y and z axes, (2, 3), in the same frame. */
+extern const double slices_twist[OUTLINE_CORNERS];
+void slices_bulge(double (*axes)[3], const double *twist, const double *material, double *found);
+
 /* What a unit force at contact k of a slice puts on its bodies. */
 void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, contact_arms *found);
 #endif

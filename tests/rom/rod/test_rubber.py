@@ -17,8 +17,7 @@ from tests.rom.rod.plates import touch_of_plates
 
 POINTS = 4000
 STEP = 1e-4  # [N]
-BULGING = 1e-2  # how much faces may bulge as a tension changes, which derivatives do not count [-]
-NEAR = 3e-5  # how near the assembled surface is to the elastic rod's, whose faces are flat [m]
+NEAR = 3e-6  # how near the assembled surface is to the elastic rod's [m]
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +49,8 @@ def test_the_rubber_s_gap_is_the_elastic_rod_s(finger):
             (Sphere(radius=0.011, **where), np.linalg.norm(on_faces - middle - 0.03 * side, axis=-1) - 0.011),
         ):
             model = TouchedSegment(rod=finger, obstacle=obstacle)
-            assert abs(model.rubber_gap([*row[:2], 0.0], row[None, 2:]) - gaps.min()) < NEAR
+            near = NEAR if isinstance(obstacle, Plane) else 3 * NEAR  # the points here are of flat faces
+            assert abs(model.rubber_gap([*row[:2], 0.0], row[None, 2:]) - gaps.min()) < near
 
 
 def test_every_answer_has_one_touch_distance(shipped, points):
@@ -75,7 +75,7 @@ def test_its_derivative_is_that_of_the_answers(shipped, points):
         smooth = np.abs(after - 2 * here + before) < 1e-10  # no other point comes to touch first in between
         assert smooth.mean() > 0.95
         differences = (after - before) / (2 * STEP)
-        assert slopes[smooth, k] == pytest.approx(differences[smooth], abs=BULGING * np.abs(differences).max())
+        assert slopes[smooth, k] == pytest.approx(differences[smooth], abs=1e-6 * np.abs(differences).max())
     assert np.array_equal(slopes[:, -1], np.zeros(POINTS))
 
 
@@ -151,13 +151,13 @@ def test_at_the_touch_distance_the_rubber_has_no_gap_and_before_it_has_one(finge
             unit = STEP * np.eye(3)[k]
             after, before = model.outputs(free + unit)[0, 4], model.outputs(free - unit)[0, 4]
             if abs(after - 2 * touch + before) < 1e-9:
-                assert found.jacobians[0, 4, k] == pytest.approx((after - before) / (2 * STEP), rel=0.25, abs=2e-5)
+                assert found.jacobians[0, 4, k] == pytest.approx((after - before) / (2 * STEP), rel=1e-3, abs=1e-8)
         for k in range(3):
             h, centre = 1e-7, np.array(model.obstacle.centre)
             places = [replace(model.obstacle, centre=tuple(centre + step * np.eye(3)[k])) for step in (h, -h)]
             after, before = (replace(model, obstacle=one).outputs(free)[0, 4] for one in places)
             if abs(after - 2 * touch + before) < 1e-10:
-                assert found.by_object[0, 4, k] == pytest.approx((after - before) / (2 * h), rel=0.1, abs=2e-5)
+                assert found.by_object[0, 4, k] == pytest.approx((after - before) / (2 * h), rel=1e-3, abs=1e-5)
     assert counted > 20
 
 
