@@ -135,7 +135,7 @@ static void hold(control_problem *problem, const double *start, double target, d
         int node = found.hard;
         most = found.most;
         if (most < target && attempt > 0 && found.force < NEARLY * target) break;
-        if (attempt != 1 && most >= target) {
+        if (attempt % 2 == 0 && most >= target) { /* and the hardest ones in turns: a force may have several hills */
             node = found.near;
             cost = found.cost;
         } else {

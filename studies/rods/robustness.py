@@ -64,7 +64,8 @@ def jumps(finger: Rod, count: int) -> dict:
             middle = (left + right) / 2
             forces = model.outputs(np.array([left, middle, right]))[:, 3]
             left, right = (left, middle) if abs(forces[1] - forces[0]) > abs(forces[2] - forces[1]) else (middle, right)
-        jump = float(np.ptp(model.outputs(np.array([left, right]))[:, 3]))
+        ends_of = model.answers(np.array([left, right]))
+        jump = float(np.ptp(ends_of.out[:, 3])) if ends_of.inside.all() else 0.0
         largest, over = max(largest, jump), over + (jump > JUMP)
     return {"lines": count, "largest_n": largest, "over": over, "limit_n": JUMP}
 

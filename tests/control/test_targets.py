@@ -62,15 +62,14 @@ def test_a_force_is_converged_exactly_where_the_model_presses_with_it(finger):
     answer = model.evaluate(np.column_stack([tensions, distances]))
     can = np.asarray(answer.inside) & (answer.contact_force > 0.01)
     targets = np.where(can, answer.contact_force, 10 ** random.uniform(-1.5, 1.5, COUNT))
-    statuses, lost = set(), 0
+    statuses = set()
     for k, (target, d) in enumerate(zip(targets, distances, strict=True)):
         for start in (begun[k % len(begun)], begun[(k + 1) % len(begun)]):
             motion = finger.hold(float(target), float(d), start=start)
             there = model.evaluate([*motion.tensions, d])
             missed = abs(float(there.contact_force) - target)
             assert motion.converged == (bool(there.inside) and missed <= 1.1e-6)
-            lost += bool(can[k]) and not motion.converged
+            assert motion.converged or not can[k]
             assert motion.status != "unreachable" or (there.inside and missed > 0.9e-6)
             statuses.add(motion.status)
     assert {"converged", "unreachable"} <= statuses
-    assert lost <= COUNT / 500  # pressed rubber: a force with several hills, of which a search may miss the highest

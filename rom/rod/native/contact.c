@@ -12,7 +12,9 @@
 #include "contact.h"
 #include "response.h"
 
-#define ITERATIONS 30
+#define ITERATIONS 40
+#define PATIENT 12   /* iterations until steps are cut, as contacts come and go in turns, */
+#define SHARE 0.5    /* to this [-] */
 #define STEPS 4      /* of an object that is brought to where it is, at first */
 #define HALVINGS 10  /* of such a step until there is no answer */
 #define EVALUATIONS 500 /* most of the map for one answer */
@@ -42,8 +44,8 @@ static int any(int count, const double *values)
     return found;
 }
 
-/* One step; returns the largest change of what a plate bears over its box, negative if there is none. */
-static double step(const contact_problem *problem, contact_state *state)
+/* One step, of which a share is gone; returns the largest change of what a plate bears over its box, negative if there is none. */
+static double step(const contact_problem *problem, double most, contact_state *state)
 {
     const fingerfem_chain *chain = problem->touching->chain;
     const objects_contacts *contacts = &state->at.contacts;
@@ -67,7 +69,7 @@ static double step(const contact_problem *problem, contact_state *state)
         if (own > size || isnan(own)) size = own;
     }
     if (isnan(size)) return -1.0;
-    const double share = size > LONGEST ? LONGEST / size : 1.0;
+    const double share = size > LONGEST ? most * LONGEST / size : most;
     for (int i = 0; i < w; i++) state->wrench[i] += share * change[i];
     for (int k = 0; k < contacts->count; k++) state->forces[k] += share * (forces[k] - state->forces[k]);
     for (int k = 0; k < problem->map->count; k++) { /* where the next pose would be found */
@@ -91,7 +93,7 @@ static int solve_from(const contact_problem *problem, double d, contact_state *s
         memcpy(forces, state->forces, sizeof forces);
         if (!placed_under(problem, d, state)) return -k;
         carry(&before, forces, &state->at.contacts, state->forces);
-        const double size = step(problem, state);
+        const double size = step(problem, k > PATIENT ? SHARE : 1.0, state);
         if (size < 0.0) return -k;
         if (size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last)) return k;
         last = size;
