@@ -45,7 +45,7 @@ int32_t fingerfem_model_memory(const fingerfem_model *model);
 int fingerfem_model_tell(const fingerfem_model *model, const double *point, double *memory, double *loads, double *out,
                          double *errors, double *jacobian, const fingerfem_report *report);
 
-/* The surface at a point that was told, by its loads: (sections, 4, 3) [m]. */
+/* The surface at a point that was evaluated, under its loads: (sections, 4, 3) [m]. */
 int fingerfem_model_sections(const fingerfem_model *model, const double *point, const double *loads, double *memory,
                              double *corners);
 #endif
