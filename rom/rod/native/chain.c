@@ -157,18 +157,18 @@ static inline void pass_change(const chain_body *body, const double *force, cons
 void chain_pass_change(const chain_body *body, const double *motion, double *change)
 {
     double force[3], moment[3];
-    turned(body->relative, body->borne, force);
-    turned(body->relative, body->borne + 3, moment);
+    turned(body->relative, body->transmitted, force);
+    turned(body->relative, body->transmitted + 3, moment);
     pass_change(body, force, moment, motion, change);
 }
 
 /* What a body passes on to the one before, and how that changes by inputs first ... last - 1, (6) and (6, inputs); in
  * place. */
-static void pass_on(const chain_body *body, int first, int last, double *borne, double (*by)[CHAIN_INPUTS])
+static void pass_on(const chain_body *body, int first, int last, double *transmitted, double (*by)[CHAIN_INPUTS])
 {
     double force[3], moment[3], found[W];
-    turned(body->relative, borne, force);
-    turned(body->relative, borne + 3, moment);
+    turned(body->relative, transmitted, force);
+    turned(body->relative, transmitted + 3, moment);
     for (int c = first; c < last; c++) {
         double motion[W], column[W];
         for (int i = 0; i < W; i++) {
@@ -180,8 +180,8 @@ static void pass_on(const chain_body *body, int first, int last, double *borne, 
     }
     cross(body->arm, force, found);
     for (int i = 0; i < 3; i++) {
-        borne[i] = force[i];
-        borne[3 + i] = moment[i] + found[i];
+        transmitted[i] = force[i];
+        transmitted[3 + i] = moment[i] + found[i];
     }
 }
 
@@ -247,20 +247,20 @@ static void compose(const chain_rods *map, int first, int last, chain_state *sta
 void chain_under(const chain_rods *map, const double *wrench, chain_state *state)
 {
     const int w = chain_size(map), begin = first_moving(map);
-    double borne[W] = {0.0}, by[W][CHAIN_INPUTS];
+    double transmitted[W] = {0.0}, by[W][CHAIN_INPUTS];
     for (int i = 0; i < W && map->count > 1; i++) memset(by[i], 0, (size_t)w * sizeof(double));
     for (int b = map->count - 1; b >= begin; b--) {
         chain_body *body = state->bodies + b;
         for (int i = 0; i < W; i++) {
-            borne[i] += wrench[W * b + i];
+            transmitted[i] += wrench[W * b + i];
             if (map->count > 1) by[i][W * b + i] += 1.0;
-            body->borne[i] = borne[i];
+            body->transmitted[i] = transmitted[i];
         }
-        rod_under(map->rods + map->bodies[b].segment, map->bodies[b].part, borne, &body->end);
+        rod_under(map->rods + map->bodies[b].segment, map->bodies[b].part, transmitted, &body->end);
         locate(map, b, body);
         if (map->count > 1) relative_motion(0, w, by, body);
         else for (int i = 0; i < W; i++) memcpy(body->motion[i], body->end.by_wrench[i], sizeof body->end.by_wrench[i]);
-        if (b > begin) pass_on(body, 0, w, borne, by);
+        if (b > begin) pass_on(body, 0, w, transmitted, by);
     }
     compose(map, 0, w, state);
 }
@@ -272,7 +272,7 @@ void chain_free(const chain_rods *map, chain_state *state)
     for (int b = 0; b < map->count; b++) {
         chain_body *body = state->bodies + b;
         rod_free(map->rods + map->bodies[b].segment, &body->end, body->by_tensions);
-        memset(body->borne, 0, sizeof body->borne); /* whatever the tensions */
+        memset(body->transmitted, 0, sizeof body->transmitted); /* whatever the tensions */
         locate(map, b, body);
         relative_motion(w, inputs, by, body);
         add_by_tensions(map, b, body);
@@ -286,13 +286,13 @@ void chain_by_variants(const chain_rods *map, int pressed, chain_state *state)
     double by[W][CHAIN_INPUTS] = {{0.0}};
     for (int b = map->count - 1; b >= begin; b--) {
         chain_body *body = state->bodies + b;
-        double borne[W];
+        double transmitted[W];
         rod_by_variants(map->rods + map->bodies[b].segment, map->bodies[b].part, pressed, body->by_tensions);
-        memcpy(borne, body->borne, sizeof borne);
+        memcpy(transmitted, body->transmitted, sizeof transmitted);
         relative_motion(w, w + count, by, body);
         for (int i = 0; i < W; i++)
             for (int v = 0; v < count; v++) body->motion[i][w + v] += body->by_tensions[i][v];
-        if (b > begin) pass_on(body, w, w + count, borne, by);
+        if (b > begin) pass_on(body, w, w + count, transmitted, by);
     }
     compose(map, w, w + count, state);
 }
@@ -303,12 +303,12 @@ void chain_by_tensions(const chain_rods *map, chain_state *state)
     double by[W][CHAIN_INPUTS] = {{0.0}};
     for (int b = map->count - 1; b >= begin; b--) {
         chain_body *body = state->bodies + b;
-        double borne[W];
+        double transmitted[W];
         rod_by_tensions(map->rods + map->bodies[b].segment, map->bodies[b].part, body->by_tensions);
-        memcpy(borne, body->borne, sizeof borne);
+        memcpy(transmitted, body->transmitted, sizeof transmitted);
         relative_motion(w, inputs, by, body);
         add_by_tensions(map, b, body);
-        if (b > begin) pass_on(body, w, inputs, borne, by);
+        if (b > begin) pass_on(body, w, inputs, transmitted, by);
     }
     compose(map, w, inputs, state);
 }

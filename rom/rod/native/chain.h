@@ -33,7 +33,7 @@ typedef struct {
 /* A body: what it transmits, and where its part of the rod alone has it, seen from where that ends; then where it is in
  * space, and its motion R^T dc, R^T dtheta by all inputs. */
 typedef struct {
-    double borne[W], arm[3], relative[9], by_tensions[W][TENSIONS_MOST];
+    double transmitted[W], arm[3], relative[9], by_tensions[W][TENSIONS_MOST];
     rod_end end;
     double centre[3], rotation[9], motion[W][CHAIN_INPUTS];
 } chain_body;

@@ -35,7 +35,7 @@ static void put(objects_contacts *all, int at, int name, const objects_feature *
     all->names[at] = name;
     all->features[at] = *feature;
     all->gaps[at] = gap;
-    all->soft[at] = OBJECTS_SOFT;
+    all->compliance[at] = OBJECTS_COMPLIANCE;
     memcpy(all->halves[at], all->half_lengths, sizeof(vector));
     memset(all->bent[at], 0, sizeof(vector));
     memcpy(all->points[at], p, sizeof(vector));
@@ -50,7 +50,7 @@ void objects_note(objects_contacts *all, int name, const objects_feature *featur
     if (at >= 0) put(all, at, name, feature, gap, p, n);
 }
 
-void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double soft, const double *p,
+void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, const double *p,
                          const double *n)
 {
     const objects_feature none = {.kind = OBJECTS_FACE};
@@ -58,7 +58,7 @@ void objects_note_rubber(objects_contacts *all, int name, double gap, const doub
     if (at < 0) return;
     put(all, at, name, &none, gap, p, n);
     memcpy(all->material[at], material, sizeof(vector));
-    all->soft[at] = soft;
+    all->compliance[at] = compliance;
 }
 
 int objects_any_of(const objects_contacts *contacts, int plate)

@@ -3,7 +3,7 @@
 #define FINGERFEM_OBJECTS_CONTACTS_H
 #include "segment.h"
 
-#define OBJECTS_SOFT 1e-9 /* what a contact of a plate yields, for forces that are shared by a stiff plate to be unique [m/N] */
+#define OBJECTS_COMPLIANCE 1e-9 /* what a contact of a plate yields, for forces that are shared by a stiff plate to be unique [m/N] */
 
 /* Names of contacts: the plate's corners, its edges, and from POINTS on what stands out of an object. */
 enum { OBJECTS_CORNERS = 8, OBJECTS_POINTS = 20 };
@@ -27,7 +27,7 @@ typedef struct {
     objects_feature features[FINGERFEM_MOST_CONTACTS];
     double gaps[FINGERFEM_MOST_CONTACTS];                       /* [m], negative inside the object */
     double material[FINGERFEM_MOST_CONTACTS][3];                /* of a slice: where p is in it, -1 to 1 [-] */
-    double soft[FINGERFEM_MOST_CONTACTS];                       /* what it yields by itself [m/N] */
+    double compliance[FINGERFEM_MOST_CONTACTS];                       /* what it yields by itself [m/N] */
     double points[FINGERFEM_MOST_CONTACTS][3];                  /* p, of a plate that is a box [m] */
     double bent[FINGERFEM_MOST_CONTACTS][3];                    /* how far it is off as the plate is none [m] */
     double wrenches[FINGERFEM_MOST_CONTACTS][FINGERFEM_WRENCH]; /* n and (p + bent) x n, of a unit force along the normal n */
@@ -42,7 +42,7 @@ void objects_note(objects_contacts *all, int name, const objects_feature *featur
                   const double *n);
 
 /* Add a contact of a slice of rubber, as `objects_note`: where it is, the point and the normal in the slice's axes. */
-void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double soft, const double *p,
+void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, const double *p,
                          const double *n);
 
 /* Whether there are contacts of a plate, or slice. */

@@ -107,7 +107,7 @@ static int forces_for(const placed *at, int count, const int *rows,
     double a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = opening(at, rows[i], columns[rows[j]]) + (i == j ? at->contacts.soft[rows[i]] : 0.0);
+            a[count * i + j] = opening(at, rows[i], columns[rows[j]]) + (i == j ? at->contacts.compliance[rows[i]] : 0.0);
     return small_solve(count, a, 1, wanted);
 }
 
@@ -207,6 +207,6 @@ int response_stable(const contact_problem *problem, const contact_state *state)
     for (int i = 0; i < w; i++) memcpy(yielding + w * i, state->yielding[ground + i] + ground, (size_t)w * sizeof *yielding);
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = opening(&state->at, rows[i], columns[rows[j]]) + (i == j ? state->at.contacts.soft[rows[i]] : 0.0);
+            a[count * i + j] = opening(&state->at, rows[i], columns[rows[j]]) + (i == j ? state->at.contacts.compliance[rows[i]] : 0.0);
     return small_negative(w, yielding) == small_negative(count, a); /* of 1/K as of K */
 }

@@ -241,7 +241,7 @@ static void note_point(const rubber_slice *slice, int name, const near_point *po
     objects_turned_back(slice->rotation, x, p);
     objects_turned_back(slice->rotation, point->normal, n);
     all->plate = slice->number;
-    objects_note_rubber(all, name, point->gap, point->at, stiffness > 0.0 ? 1.0 / (slice->thickness * stiffness) : OBJECTS_SOFT, p, n);
+    objects_note_rubber(all, name, point->gap, point->at, stiffness > 0.0 ? 1.0 / (slice->thickness * stiffness) : OBJECTS_COMPLIANCE, p, n);
 }
 
 /* The face between two edges that lie along x, from one to the other along axis j: a point nearer than both. It presses the
