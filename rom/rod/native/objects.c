@@ -187,21 +187,18 @@ double objects_distance(const fingerfem_object *object, double d, const double *
 
 /* By Newton's method from far away: the distance of a convex body is convex in d, so that it never goes too far. Where the
  * point is outside at `least`, and the gap grows with d, it stays outside from there on. */
-double objects_reach(const fingerfem_object *object, const double *place, double least, double *normal)
+double objects_reach(const fingerfem_object *object, const double *place, double margin, double least)
 {
     double d = FAR;
     vector n;
     if (isfinite(least)) {
-        const double gap = objects_distance(object, least, place, n);
+        const double gap = objects_distance(object, least, place, n) - margin;
         if (gap >= 0.0 && objects_dot(n, object->direction) < 0.0) return least;
     }
     for (int step = 0; step < MARCHES && d > least; step++) {
-        const double gap = objects_distance(object, d, place, n), slope = -objects_dot(n, object->direction);
+        const double gap = objects_distance(object, d, place, n) - margin, slope = -objects_dot(n, object->direction);
         if (gap > 0.0 && slope <= 0.0) return least; /* it passes by */
-        if (fabs(gap) < TOUCHED || (object->shape == FINGERFEM_PLANE && step)) {
-            memcpy(normal, n, sizeof n);
-            return d;
-        }
+        if (fabs(gap) < TOUCHED || (object->shape == FINGERFEM_PLANE && step)) return d;
         d -= gap / slope;
     }
     return least;

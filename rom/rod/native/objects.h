@@ -21,8 +21,8 @@ void objects_change_with(const fingerfem_object *object, const objects_contacts 
  * object, (3). */
 double objects_distance(const fingerfem_object *object, double d, const double *place, double *normal);
 
-/* The largest d [m] at which an object touches a point of space, (3) [m], if that is above `least`, with the normal there;
- * else `least`. */
-double objects_reach(const fingerfem_object *object, const double *place, double least, double *normal);
+/* The largest d [m] at which an object is as near to a point of space, (3) [m], as `margin` [m], if that is above `least`; else
+ * `least`. */
+double objects_reach(const fingerfem_object *object, const double *place, double margin, double least);
 
 #endif

@@ -8,10 +8,10 @@
 
 #define STEPS 40      /* towards the touch distance */
 #define TOUCHED 1e-12 /* [m] */
-#define ROUGHLY 1e-9  /* that, where an object grazes the surface [m] */
-#define GRAZING 0.05  /* slope of the gap below which a step would be too long [-] */
 #define BULGED 0.01   /* of half the side: how far faces are off between their edges, other than bent beams' are [-] */
-#define BETWEEN 0.1   /* of half the side: by how much the surface may be off its sampled points, as its faces bulge [-] */
+#define BETWEEN 0.25  /* of half the side: how far the surface may be from its nearest sampled point [-] */
+#define BULGING 0.1   /* likewise from the nearest edge, along the normal of a face, as faces bulge [-] */
+#define NEARER 1.2    /* times that: gaps of slices that are looked at [-] */
 #define FEW 8  /* sections from one that is looked at to the next, at first */
 #define FACE 8 /* parts of a face of the rubber, from edge to edge, that a round object is looked for at */
 
@@ -210,25 +210,34 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
     }
 }
 
-/* Whether no point of a section may be touched at d or beyond: the distance from a convex body is convex, and nowhere below
- * its tangent at the section's middle. */
-static int passes(const fingerfem_object *object, double (*corners)[3], double d)
+/* How far the surface may be from what is sampled of it before an object [m]. */
+static double margin_of(const contact_problem *problem)
+{
+    const double half = problem->touching->chain->segments[0]->half_lengths[1];
+    return (problem->touching->object->shape == FINGERFEM_PLANE ? BULGING : BETWEEN) * half;
+}
+
+/* Whether no point of a section comes as near as a margin at d or beyond: the distance from a convex body is convex, and nowhere
+ * below its tangent at the section's middle. */
+static int passes(const fingerfem_object *object, double (*corners)[3], double margin, double d)
 {
     double centre[3] = {0.0}, normal[3], least = INFINITY;
     for (int k = 0; k < EDGES; k++)
         for (int i = 0; i < 3; i++) centre[i] += corners[k][i] / EDGES;
     const double gap = objects_distance(object, d, centre, normal) - objects_dot(normal, centre);
     for (int k = 0; k < EDGES; k++) least = fmin(least, gap + objects_dot(normal, corners[k]));
-    return least > 0.0 && objects_dot(normal, object->direction) <= 0.0;
+    return least > margin && objects_dot(normal, object->direction) <= 0.0;
 }
 
-/* The largest d at which an object touches one of the sampled points of the free rubber, if that is above `least`. */
-static double sampled(const contact_problem *problem, const chain_state *free, double least)
+/* The largest d at which an object is as near to sampled points of the free rubber as it may be to any other: an upper bound of
+ * the touch distance; or `least` if that is larger. */
+static double upper_bound(const contact_problem *problem, const chain_state *free, double least)
 {
     const fingerfem_chain *chain = problem->touching->chain;
     const fingerfem_object *object = problem->touching->object;
     const int count = parts(object);
-    double corners[EDGES + 1][3], place[3], normal[3], farthest = least;
+    const double margin = margin_of(problem);
+    double corners[EDGES + 1][3], place[3], farthest = least;
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
         const chain_body *plate = free->bodies + q;
@@ -238,11 +247,11 @@ static double sampled(const contact_problem *problem, const chain_state *free, d
         for (int begin = 0; begin < FEW; begin++) /* a few sections first, so that most others need not be looked at */
             for (int n = segment->places - 2 - begin; n > 0; n -= FEW) { /* not where it is clamped, nor at its plate */
                 section_at(segment, points, n, corners);
-                if (isfinite(farthest) && passes(object, corners, farthest)) continue;
+                if (isfinite(farthest) && passes(object, corners, margin, farthest)) continue;
                 for (int k = 0; k < EDGES; k++)
                     for (int j = 0; j < count; j++) {
                         part_of(corners + k, (double)j / count, place);
-                        farthest = objects_reach(object, place, farthest, normal);
+                        farthest = objects_reach(object, place, margin, farthest);
                     }
             }
     }
@@ -257,41 +266,37 @@ double rubber_off(const contact_problem *problem, const placed *at, int k)
     return problem->touching->chain->skin_error + BULGED * segment->half_lengths[1] * (1.0 - across * across);
 }
 
+/* By Newton's method from an upper bound: of every slice the gap is convex in d, so that no step goes below its root. The next d
+ * is the largest of all slices' steps. */
 double rubber_reach(const contact_problem *problem, placed *free, double least, touched_point *first)
 {
-    const double between = BETWEEN * problem->touching->chain->segments[0]->half_lengths[1];
-    double d = sampled(problem, &free->chain, least - between), low = d - between, seen[3];
-    if (d == least - between) return least;
-    for (int step = 0; step < STEPS; step++) {
-        free->contacts.count = 0;
-        placed_slices(problem, 1, d, between, free);
-        if (!free->contacts.count) { /* too far: where it grazes the surface a step is long */
-            if (step == 0) return least;
-            d = step < STEPS - 2 ? 0.5 * (low + d) : low;
-            continue;
-        }
+    const double *direction = problem->touching->object->direction;
+    double d = upper_bound(problem, &free->chain, least), seen[3];
+    for (int step = 0; step < STEPS && d > least; step++) {
         const objects_contacts *contacts = &free->contacts;
-        const int k = placed_nearest(contacts);
-        const rubber_slice *slice = placed_slice_of(free, k);
-        const double *n = contacts->wrenches[k], gap = contacts->gaps[k];
-        objects_turned_back(slice->rotation, problem->touching->object->direction, seen);
-        const double slope = -objects_dot(n, seen);
-        if (fabs(gap) > (step < STEPS / 2 ? TOUCHED : ROUGHLY) && step < STEPS - 1) {
-            if (gap < 0.0) low = d;
-            const double next = d - gap / (gap < 0.0 ? fmax(slope, GRAZING) : slope);
-            d = gap < 0.0 || (slope > 0.0 && next > low) ? next : 0.5 * (low + d);
+        double next = -INFINITY;
+        int touched = -1;
+        free->contacts.count = 0;
+        placed_slices(problem, 1, d, NEARER * margin_of(problem), free);
+        for (int k = 0; k < contacts->count; k++) {
+            objects_turned_back(placed_slice_of(free, k)->rotation, direction, seen);
+            const double slope = -objects_dot(contacts->wrenches[k], seen), own = d - contacts->gaps[k] / slope;
+            if (slope > 0.0 && own > next) next = own, touched = k;
+        }
+        if (touched < 0 || next <= least) return least; /* it passes by */
+        if (fabs(d - next) > TOUCHED && step < STEPS - 1) { /* upwards, too: rounding, and faces that bulge */
+            d = next;
             continue;
         }
-        if (!(fabs(gap) < ROUGHLY) || d <= least) return least;
-        double x[3], normal[3], p[3];
-        for (int i = 0; i < 3; i++) p[i] = contacts->points[k][i] + contacts->bent[k][i];
+        const rubber_slice *slice = placed_slice_of(free, touched);
+        double x[3], normal[3];
         for (int i = 0; i < 3; i++) {
-            x[i] = slice->centre[i] + objects_dot(slice->rotation + 3 * i, p);
-            normal[i] = objects_dot(slice->rotation + 3 * i, n);
+            x[i] = slice->centre[i] + objects_dot(slice->rotation + 3 * i, contacts->points[touched]);
+            normal[i] = objects_dot(slice->rotation + 3 * i, contacts->wrenches[touched]);
         }
         note(free->chain.bodies + slice->segment, x, normal, first);
-        first->off = rubber_off(problem, free, k);
-        moves_by_tensions(problem->map, &free->chain, slice, contacts->material[k], first->bends);
+        first->off = rubber_off(problem, free, touched);
+        moves_by_tensions(problem->map, &free->chain, slice, contacts->material[touched], first->bends);
         return d;
     }
     return least;

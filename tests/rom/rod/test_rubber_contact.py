@@ -217,3 +217,13 @@ def test_contact_on_rubber_is_similar_at_another_size_and_modulus(bundled, size,
         found = TouchedSegment(rod=other, obstacle=scaled).outputs([[*force * point[:-1], size * point[-1]]])[0]
         expected = model.outputs(point[None])[0] * [size, size, size, force, size]
         assert found == pytest.approx(expected, rel=1e-5, abs=1e-9 * size)
+
+
+@pytest.mark.parametrize("radius", [1e-6, 1e-4, 1e-3, 0.1, 10.0, 1e4])
+def test_a_ball_of_any_size_touches_where_it_meets_the_face_and_none_passes_into_it_unmarked(bundled, radius):
+    where = {"centre": (0.025, 0.006 + radius, 0.0), "direction": (0.0, 1.0, 0.0), "distances": (-1.0, 1.0)}
+    model = TouchedSegment(rod=bundled, obstacle=Sphere(radius=radius, **where))
+    answer = model.answers([0.0, 0.0, -0.0012])
+    assert answer.out[0, 4] == pytest.approx(-0.001, abs=3e-5)
+    assert not answer.inside[0] or 0.1 < answer.out[0, 3] < 15.0
+    assert answer.inside[0] == (radius >= 1e-3)
