@@ -11,6 +11,7 @@
 #define BULGED 0.01   /* of half the side: how far faces are off between their edges, other than bent beams' are [-] */
 #define BETWEEN 0.25  /* of half the side: how far the surface may be from its nearest sampled point [-] */
 #define BULGING 0.1   /* likewise from the nearest edge, along the normal of a face, as faces bulge [-] */
+#define ALIKE 1e-9    /* touch distances that differ by less are of one point [m] */
 #define NEARER 1.2    /* times that: gaps of slices that are looked at [-] */
 #define FEW 8  /* sections from one that is looked at to the next, at first */
 #define FACE 8 /* parts of a face of the rubber, from edge to edge, that a round object is looked for at */
@@ -192,7 +193,7 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
         const double share = 0.5 * (1.0 + (side ? 1.0 : -1.0) * at[0]);
         for (int edge = 0; edge < EDGES; edge++) {
             corners[side][edge] = 0.25 * share * (1.0 + (edge & 2 ? 1.0 : -1.0) * at[1]) * (1.0 + (edge & 1 ? 1.0 : -1.0) * at[2]);
-            ends[side][edge] = share * slices_twist[edge];
+            ends[side][edge] = share * slices_twist(edge);
         }
     }
     rubber_points(map->rods + q, &plate->end, 1);
@@ -283,7 +284,7 @@ double rubber_reach(const contact_problem *problem, placed *free, double least, 
             const double slope = -objects_dot(contacts->wrenches[k], seen), own = d - contacts->gaps[k] / slope;
             if (slope > 0.0 && own > next) next = own, touched = k;
         }
-        if (touched < 0 || next <= least) return least; /* it passes by */
+        if (touched < 0 || next <= least + ALIKE) return least; /* it passes by, or touches a plate's edge that the rubber has too */
         if (fabs(d - next) > TOUCHED && step < STEPS - 1) { /* upwards, too: rounding, and faces that bulge */
             d = next;
             continue;

@@ -104,10 +104,8 @@ double slices_least_gap(const fingerfem_segment *segment, const double *points, 
     return least;
 }
 
-/* Bulges change with the widths that they are of: of the difference of the widths at -y and y along z, and of those at -z and z
- * along y, by one and the same sum of the corners' motions. */
-const double slices_twist[OUTLINE_CORNERS] = {-0.125, 0.125, 0.125, -0.125};
-
+/* Bulges change with the widths that they are of: the difference of the widths at -y and y along z, and of those at -z and z
+ * along y, is one and the same sum of the corners' motions. */
 void slices_bulge(double (*axes)[3], const double *twist, const double *material, double *found)
 {
     const double b = material[1], c = material[2], along_y = objects_dot(axes[0], twist), along_z = objects_dot(axes[1], twist);
@@ -461,7 +459,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
         for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
             for (int i = 0; i < 3; i++) {
                 change[i] += weights[edge] * own[3 * edge + i];
-                twist[i] += slices_twist[edge] * own[3 * edge + i];
+                twist[i] += slices_twist(edge) * own[3 * edge + i];
             }
         turned(rotation, change, way);
         turned(rotation, twist, turned_twist);

@@ -31,7 +31,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
 
 /* How far a point of a slice, by its coordinates, moves as the faces bulge, (3), where the sum of the corners' motions, each
  * with these weights, is `twist`, (3); y and z axes, (2, 3), in the same frame. */
-extern const double slices_twist[OUTLINE_CORNERS];
+static inline double slices_twist(int corner) { return corner == 1 || corner == 2 ? 0.125 : -0.125; }
 void slices_bulge(double (*axes)[3], const double *twist, const double *material, double *found);
 
 /* What a unit force at contact k of a slice puts on its bodies. */

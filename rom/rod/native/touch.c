@@ -5,6 +5,8 @@
 #include "reported.h"
 #include "touch_errors.h"
 
+#define ROUNDING 1e-8 /* of the touch distance, below which a contact may have no force [m] */
+
 /* A vector of space as a body sees it. */
 static void seen_by(const chain_body *plate, const double *v, double *found)
 {
@@ -236,7 +238,7 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
         evaluations = -evaluations;
     if (more) reported_rows(&problem, &state, !touches, more->changes, more->wanted);
     *inside &= evaluations > 0 && (!touches || response_stable(&problem, &state));
-    if (touches && touch > by_plates && !(out[3] != 0.0)) *inside = 0; /* the object is in the rubber, or has passed it */
+    if (touches && touch > by_plates && touch - d > ROUNDING && out[3] == 0.0) *inside = 0; /* the object is in the rubber, or passed it */
     for (int k = 0; k < t; k++)
         if (held[k] != point[k]) {
             for (int i = 0; i < FINGERFEM_ROWS; i++) jacobian[p * i + k] = 0.0;

@@ -104,6 +104,11 @@ def page(opened):
 
 
 def asked(driver, points: np.ndarray) -> np.ndarray:
+    """What the page answers, shape (m, 9); a driver waits 30 s for one script at most."""
+    return np.vstack([asked_at_once(driver, points[k : k + 1000]) for k in range(0, len(points), 1000)])
+
+
+def asked_at_once(driver, points: np.ndarray) -> np.ndarray:
     sent = base64.b64encode(np.ascontiguousarray(points, "<f8").tobytes()).decode()
     return np.frombuffer(base64.b64decode(driver.execute_script(ASK, sent, points.shape[1])), "<f8").reshape(-1, 9)
 

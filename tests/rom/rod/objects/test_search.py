@@ -31,10 +31,17 @@ def away(model: TouchedSegment, way: tuple) -> TouchedSegment:
 
 @pytest.mark.parametrize("way", [(1e-3, -1e-3, 2e-3), (-2e-3, 2e-3, -1e-3), (0.0, 4e-3, 0.0)])
 def test_a_ball_is_found_where_it_is(ball, way):
-    """From a guess millimetres off, some of whose touches it does not even reach."""
+    """From a guess millimetres off, some of whose touches it does not even reach. Places where the rubber would touch
+    may explain the same forces, within their larger errors."""
     found = find_object(away(ball, way), TENSIONS, felt(ball))
-    assert found.converged and found.centre == pytest.approx(BALL.centre, abs=1e-7)
-    assert found.as_json()["status"] == "converged"
+    assert found.centre == pytest.approx(BALL.centre, abs=1e-7)
+    assert found.as_json()["status"] == found.status == ("undetermined" if len(found.others) else "converged")
+    points = np.column_stack([TENSIONS, np.zeros(len(TENSIONS))])
+    for centre in found.others:
+        model = replace(ball, obstacle=replace(BALL, centre=tuple(centre)))
+        answered = model.evaluate(points)
+        off, error = np.abs(answered.contact_force - felt(ball)), answered.error["contact_force"]
+        assert answered.inside.all() and error.min() > 1e-2 and (off < 3 * error).all()
 
 
 def test_noise_moves_it_by_what_the_deviations_say(ball):
