@@ -31,5 +31,5 @@ def in_series(rod: Rod, count: int) -> Rod:
 
 
 def two_segments() -> TouchedSegment:
-    """The bundled finger, twice, before a plane: some points have no equilibrium."""
+    """The bundled finger, twice, before a plane. It snaps through before some planes: no equilibrium goes on there."""
     return TouchedSegment(rod=in_series(TouchedSegment.load().rod, 2), obstacle=facing_plane(0.01, (0.0, 0.1)))

@@ -89,7 +89,7 @@ def test_its_numbers_are_python_s_also_outside(made, name, version):
     rounding = np.array([1e-11, 1e-11, 1e-11, 3e-9, 1e-11])  # m, N: it is compiled for any processor
     assert (np.abs(found[:, :5] - want)[known].max(axis=0) < rounding).all()
     assert (np.abs(found[:, 5:8] - errors)[known].max(axis=0) < rounding[2:]).all()
-    assert known.sum() > 0.9 * count and (known & ~expected.inside).sum() > 0.1 * count
+    assert known.sum() > 0.85 * count and (known & ~expected.inside).sum() > 0.1 * count
 
 
 @BOTH
