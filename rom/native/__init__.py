@@ -250,6 +250,7 @@ _SOURCES = (
     "placed.c",
     "response.c",
     "contact.c",
+    "contacts.c",
     "reported.c",
     "touch.c",
     "touch_errors.c",

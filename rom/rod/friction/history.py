@@ -28,9 +28,8 @@ class FrictionState:
     """Where a history has led.
 
     Attributes:
-        status: `out_of_domain` where the map was not trained, here or on the way, the object may not be, or rubber may
-            touch; where no equilibrium was found, and from there on, all numbers are nan, and it is `no_equilibrium` if
-            the way there was known.
+        status: `out_of_domain` where the elements were not trained, here or on the way, or the object may not be;
+            `no_equilibrium` where none was found, if the way there was inside. From there on all numbers are nan.
         tip: displacement of the tip plate's centre, shape (3,) [m].
         force: of the object on the finger, shape (3,) [N].
         contact_force: its part along the object's way to the finger, as of a touched segment [N].
@@ -101,7 +100,7 @@ def _states(
             ahead = state.loads.towards(goal, 1 / (count - k))
             state, last, lost = _reach(model, state, ahead, friction, HALVINGS)
             dissipated += lost
-            known &= last.placed.inside or not last.wrenches.any()
+            known &= last.contacts.inside or not last.wrenches.any()
         report = _report(model, state, dissipated, known)
         known &= report.status == "converged" or not report.contacts
         yield report
@@ -131,7 +130,7 @@ def _reach(
     if found is None and not halvings:
         found = advance(model, last, goal, friction, by_steps=True)
     if found is not None:
-        way = np.linalg.norm(found.placed.centres - last.placed.centres, axis=1).max()
+        way = np.linalg.norm(found.contacts.centres - last.contacts.centres, axis=1).max()
         if way > (SUSPECT if halvings else JUMP) * _pushed(model, last.loads, goal) + NEAR:
             found = None
     if found is not None or not halvings:
@@ -154,17 +153,22 @@ def _report(model: TouchedSegment, state: Resting | None, dissipated: float, kno
             contacts=[],
             dissipated=np.nan,
         )
-    placed, found = state.placed, []
-    for k in np.flatnonzero(state.states != OPEN):
-        q = int(state.contacts.plates[k])
-        rotation = placed.rotations[q]
-        place = placed.centres[q] + rotation @ state.contacts.points[k]
-        force = rotation @ state.forces[k]
-        found.append(ContactForce(q, place, rotation @ state.contacts.normals[k], force, state.states[k] == SLIDES))
+    contacts = state.contacts
+    found = [
+        ContactForce(
+            int(contacts.segments[k]),
+            contacts.places[k],
+            contacts.axes[k, 0],
+            state.forces[k],
+            slides=bool(state.states[k] == SLIDES),
+            rubber=bool(contacts.rubber[k]),
+        )
+        for k in np.flatnonzero(state.states != OPEN)
+    ]
     force = np.sum([one.force for one in found], axis=0) if found else np.zeros(3)
     return FrictionState(
         status="converged" if known and _is_known(model, state) else "out_of_domain",
-        tip=placed.centres[-1] - model.rod.rest,
+        tip=contacts.centres[-1] - model.rod.rest,
         force=force,
         contact_force=float(-force @ model.direction),
         contacts=found,
@@ -175,8 +179,4 @@ def _report(model: TouchedSegment, state: Resting | None, dissipated: float, kno
 def _is_known(model: TouchedSegment, state: Resting) -> bool:
     lower, upper = model.limits
     point = np.append(state.loads.tensions, state.loads.d)
-    there = replace(model, obstacle=replace(model.obstacle, centre=tuple(model.obstacle.centre + state.loads.moved)))
-    gap = there.rubber_gap(point, state.wrenches)
-    return bool(state.placed.inside and (point >= lower).all() and (point <= upper).all()) and not (
-        gap < model.rod.errors.surface
-    )
+    return state.contacts.inside and bool((point >= lower).all() and (point <= upper).all())

@@ -8,15 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from rom.brief import brief
-from rom.rod import native
-from rom.rod.friction.contact_law import OPEN, SLIDES, Law, law
-from rom.rod.rod import Plates
+from rom.rod.friction.contact_law import OPEN, Law, law
+from rom.rod.native.contacts import AXES, Contacts, Label, find_contacts, material_points
 from rom.rod.touched_segment import TouchedSegment
 
 TOLERANCE = 1e-9  # of the largest residual [N]
 ITERATIONS = 25
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of the friction, where it comes in steps
-Label = tuple[int, int]  # of a contact: its plate, and what of it and of the object
 
 
 @brief
@@ -48,18 +46,16 @@ class Resting:
 
     Attributes:
         loads: that it bears.
-        placed: where the n plates are.
-        wrenches: on them in their own frames, shape (n, 6) [N, N m].
+        wrenches: on the finger's bodies, see `Touched.loads`, shape (l,) [N, N m].
         contacts: all that may touch there, m of them.
-        forces: of the object on the plates in their own frames, shape (m, 3) [N].
+        forces: of the object on the finger, shape (m, 3) [N].
         states: OPEN, STICKS or SLIDES, shape (m,).
         dissipated: by sliding in the increment that led here [J].
     """
 
     loads: Loads
-    placed: Plates
     wrenches: np.ndarray
-    contacts: native.Contacts
+    contacts: Contacts
     forces: np.ndarray
     states: np.ndarray
     dissipated: float
@@ -70,25 +66,15 @@ class Resting:
         return dict(zip(self.contacts.labels, self.forces, strict=True))
 
 
-class _At(NamedTuple):
-    """What the equations are made of at some wrenches; directions n, t1, t2 of every contact, shape (m, 3, 3)."""
-
-    placed: Plates
-    contacts: native.Contacts
-    axes: np.ndarray
-    motions: np.ndarray  # (g, s), shape (m, 3) [m]
-    by_plates: np.ndarray  # of these, by the motion of their plate, shape (m, 3, 6)
-
-
-def free(model: TouchedSegment, loads: Loads) -> Resting:
-    """The plates without an object, which then is where the loads have it."""
-    nothing = np.zeros((len(model.rod.segments), 6))
-    placed = model.rod.place(loads.tensions, nothing)
-    contacts = _contacts(model, loads, placed)
+def free(model: TouchedSegment, loads: Loads) -> Resting | None:
+    """The finger without an object, which then is where the loads have it."""
+    nothing = np.zeros(6 * sum(map(len, model.rod.pieces)))
+    contacts = _contacts(model, loads, nothing)
+    if contacts is None:
+        return None
     m = len(contacts.gaps)
     return Resting(
         loads=loads,
-        placed=placed,
         wrenches=nothing,
         contacts=contacts,
         forces=np.zeros((m, 3)),
@@ -97,8 +83,8 @@ def free(model: TouchedSegment, loads: Loads) -> Resting:
     )
 
 
-def _contacts(model: TouchedSegment, loads: Loads, placed: Plates) -> native.Contacts:
-    return native.contacts(model.touching, loads.tensions, loads.d, placed.centres - loads.moved, placed.rotations)
+def _contacts(model: TouchedSegment, loads: Loads, wrenches: np.ndarray) -> Contacts | None:
+    return find_contacts(model.touching, loads.tensions, loads.d, loads.moved, wrenches)
 
 
 def advance(
@@ -106,8 +92,8 @@ def advance(
 ) -> Resting | None:
     """The equilibrium under other loads, which the last one goes to in one increment; None if none was found.
 
-    Slip is that of the plates' points that touch at the increment's end, relative to the object. By steps, the friction
-    grows from none: where Newton's method would go round in circles.
+    Slip is that of the finger's points that touch at the increment's end, relative to the object. By steps, the
+    friction grows from none: where Newton's method would go round in circles.
     """
     found: Resting | None = last
     for share in SHARES if by_steps else (1.0,):
@@ -118,112 +104,85 @@ def advance(
 
 def _solve(model: TouchedSegment, last: Resting, loads: Loads, friction: float, begun: Resting) -> Resting | None:
     """The same, from the wrenches and forces of another equilibrium."""
-    wrenches = begun.wrenches.copy()
-    at = _at(model, last, loads, wrenches)
-    forces = _forces(at.contacts, begun.by_label)
-    # A moment counts by the force that half a plate's length away makes it.
-    scale = np.tile([1.0] * 3 + [1 / model.rod.half_lengths.max()] * 3, len(wrenches))
+    wrenches, at = begun.wrenches.copy(), _contacts(model, loads, begun.wrenches)
+    if at is None:
+        return None
+    parts = _parts(at, begun.by_label)
     for _ in range(ITERATIONS):
-        found = _law(at, forces, last.by_label, friction)
-        balance = (wrenches - _wrenches(at.contacts, forces, wrenches.shape)).ravel()
-        residual = np.concatenate([balance, found.residuals.ravel()])
-        if not np.isfinite(residual).all():
+        if not all(np.isfinite(one).all() for one in (wrenches, at.arms, at.gaps, parts)):
             return None
+        found = _law(model, last, loads, at, parts, friction)
+        # A moment counts by the force that half a plate's length away makes it.
+        scale = np.tile([1.0] * 3 + [1 / model.rod.half_lengths.max()] * 3, len(at.bodies))
+        balance = wrenches.reshape(-1, 6)[at.bodies].ravel() - at.arms @ parts.ravel()
+        residual = np.concatenate([balance, found.residuals.ravel()])
         if max(np.abs(scale * balance).max(), np.abs(found.residuals).max(initial=0.0)) < TOLERANCE:
-            slipped = np.einsum("mi,mi->m", _parts(at, forces)[:, 1:], at.motions[:, 1:])
             return Resting(
                 loads=loads,
-                placed=at.placed,
                 wrenches=wrenches,
-                contacts=at.contacts,
-                forces=forces,
+                contacts=at,
+                forces=_forces(at, parts),
                 states=found.states,
-                dissipated=float(-slipped[found.states == SLIDES].sum()),
+                dissipated=-float(np.sum(parts[:, 1:] * found.slips)),
             )
         try:
-            change = np.linalg.solve(_jacobian(at, found, forces, wrenches.size), -residual)
+            change = np.linalg.solve(_jacobian(at, found, parts), -residual)
         except np.linalg.LinAlgError:
             return None
-        moved = dict(zip(at.contacts.labels, forces + change[wrenches.size :].reshape(-1, 3), strict=True))
-        wrenches = wrenches + change[: wrenches.size].reshape(wrenches.shape)
-        at = _at(model, last, loads, wrenches)
-        forces = _forces(at.contacts, moved)
+        bears = np.abs(at.arms).max(axis=1, initial=0.0).reshape(-1, 6).any(axis=1)
+        change_of_wrenches, change_of_parts = change[: balance.size].reshape(-1, 6), change[balance.size :]
+        others, wrenches = wrenches.reshape(-1, 6), np.zeros((len(wrenches) // 6, 6))
+        wrenches[at.bodies[bears]] = (others[at.bodies] + change_of_wrenches)[bears]
+        wrenches = wrenches.ravel()
+        there = _contacts(model, loads, wrenches)
+        if there is None:
+            return None
+        at, parts = there, _carried(at, parts + change_of_parts.reshape(-1, AXES), there)
     return None
 
 
-def _at(model: TouchedSegment, last: Resting, loads: Loads, wrenches: np.ndarray) -> _At:
-    placed = model.rod.place(loads.tensions, wrenches)
-    contacts = _contacts(model, loads, placed)
-    own, p, n = contacts.plates, contacts.points, contacts.normals
-    axes = np.stack([n, *_across(n)], axis=1)
-    now = placed.centres[own] + np.einsum("mij,mj->mi", placed.rotations[own], p)
-    then = last.placed.centres[own] + np.einsum("mij,mj->mi", last.placed.rotations[own], p)
-    carried = loads.moved - last.loads.moved + (loads.d - last.loads.d) * model.direction
-    way = np.einsum("mji,mj->mi", placed.rotations[own], now - then - carried)
-    motions = np.column_stack([contacts.gaps, np.einsum("mai,mi->ma", axes[:, 1:], way)])
-    by_plates = np.concatenate([axes, np.cross(p[:, None], axes)], axis=2)
-    return _At(placed, contacts, axes, motions, by_plates)
+def _carried(at: Contacts, parts: np.ndarray, there: Contacts) -> np.ndarray:
+    """Parts of forces where the finger has moved: they turn with the normals; of new contacts 0."""
+    normal = dict(zip(at.labels, parts[:, 0], strict=True))
+    along = _parts(there, dict(zip(at.labels, _forces(at, parts * [0, 1, 1]), strict=True)))
+    return np.column_stack([[normal.get(label, 0.0) for label in there.labels], along[:, 1:]]).reshape(-1, AXES)
 
 
-def _across(normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Two unit vectors across each normal, shapes (m, 3)."""
-    least = np.eye(3)[np.abs(normals).argmin(axis=1)] if len(normals) else np.zeros((0, 3))
-    first = np.cross(normals, least)
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    return first, np.cross(normals, first)
+def _forces(at: Contacts, parts: np.ndarray) -> np.ndarray:
+    """Forces in space of their parts, shape (m, 3)."""
+    return np.einsum("ma,mai->mi", parts, at.axes)
 
 
-def _forces(contacts: native.Contacts, known: dict[Label, np.ndarray]) -> np.ndarray:
-    return np.array([known.get(label, np.zeros(3)) for label in contacts.labels]).reshape(-1, 3)
-
-
-def _parts(at: _At, forces: np.ndarray) -> np.ndarray:
-    """Forces along n, t1, t2, shape (m, 3)."""
+def _parts(at: Contacts, known: dict[Label, np.ndarray]) -> np.ndarray:
+    """Of forces in space those along n, t1, t2, shape (m, 3); 0 where none is known."""
+    forces = np.array([known.get(label, np.zeros(3)) for label in at.labels]).reshape(-1, 3)
     return np.einsum("mai,mi->ma", at.axes, forces)
 
 
-def _law(at: _At, forces: np.ndarray, before: dict[Label, np.ndarray], friction: float) -> Law:
-    own = at.contacts.plates
+def _law(model: TouchedSegment, last: Resting, loads: Loads, at: Contacts, parts: np.ndarray, friction: float) -> Law:
+    carried = loads.moved - last.loads.moved + (loads.d - last.loads.d) * model.direction
+    then = material_points(model.touching.chain, last.loads.tensions, last.wrenches, at)
+    slips = np.einsum("mai,mi->ma", at.axes[:, 1:], at.places - then - carried)
     # By its own force a contact's point yields so much, at least.
-    yielding = np.einsum("mi,mij,mj->m", at.by_plates[:, 0], _compliances(at)[own], at.by_plates[:, 0])
-    stiffness = 1 / np.maximum(np.abs(yielding), 1e-6)
-    earlier = _parts(at, _forces(at.contacts, before))[:, 1:]
-    return law(_parts(at, forces), at.motions, earlier, stiffness, friction)
+    normals = at.arms[:, ::AXES]
+    yielding = np.einsum("im,ij,jm->m", normals, at.motions, normals)
+    stiffness = 1 / np.maximum(np.abs(yielding) + at.compliances, 1e-6)
+    earlier = _parts(at, last.by_label)[:, 1:]
+    return law(parts, np.column_stack([at.gaps, slips]), earlier, at.compliances, stiffness, friction)
 
 
-def _compliances(at: _At) -> np.ndarray:
-    """Of every plate, by its own wrench, shape (n, 6, 6)."""
-    n = len(at.placed.centres)
-    motions = at.placed.motions[:, :, -6 * n :]
-    return np.array([motions[q][:, 6 * q : 6 * q + 6] for q in range(n)])
-
-
-def _wrenches(contacts: native.Contacts, forces: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    found = np.zeros(shape)
-    np.add.at(found, contacts.plates, np.hstack([forces, np.cross(contacts.points, forces)]))
-    return found
-
-
-def _jacobian(at: _At, found: Law, forces: np.ndarray, size: int) -> np.ndarray:
-    """Of balance and law, by the wrenches and the forces; slips by what p moves on its plate are left out."""
-    contacts, m = at.contacts, len(forces)
-    jacobian = np.eye(size + 3 * m)
-    motions = at.placed.motions[:, :, -size:]
+def _jacobian(at: Contacts, found: Law, parts: np.ndarray) -> np.ndarray:
+    """Of balance and law, by the wrenches and the forces; slips by what a point moves on the finger are left out."""
+    size, m = len(at.motions), len(parts)
+    following = np.zeros((size + 1, size + 1))  # the clamp's row and column are the last
     for k in range(m):
-        q, rows = int(contacts.plates[k]), slice(size + 3 * k, size + 3 * k + 3)
-        wrench, force = slice(6 * q, 6 * q + 6), forces[k]
-        axes, normal_changes = at.axes[k], contacts.normal_changes[k]
-        # Balance: w - (f, p x f).
-        jacobian[wrench, rows] = -np.vstack([np.eye(3), _cross(contacts.points[k])])
-        jacobian[6 * q + 3 : 6 * q + 6, :size] += _cross(force) @ contacts.point_changes[k] @ motions[q]
-        # Law: f_n = n . f; t turns as n does.
-        parts_by_plate = np.vstack([force @ normal_changes, -(force @ axes[0]) * (axes[1:] @ normal_changes)])
-        by_plate = found.by_forces[k] @ parts_by_plate + found.by_motions[k] @ at.by_plates[k]
-        jacobian[rows, :size] = by_plate @ motions[q]
-        jacobian[rows, rows] = found.by_forces[k] @ axes
+        following[np.ix_(at.on[k], at.on[k])] += np.einsum("a,aij->ij", parts[k], at.changes[k])
+    jacobian = np.eye(size + AXES * m)
+    jacobian[:size, :size] -= following[:-1, :-1] @ at.motions
+    jacobian[:size, size:] = -at.arms
+    opening = (at.arms.T @ at.motions).reshape(m, AXES, size)
+    for k in range(m):
+        rows = slice(size + AXES * k, size + AXES * (k + 1))
+        jacobian[rows, :size] = found.by_motions[k] @ opening[k]
+        jacobian[rows, rows] = found.by_forces[k]
     return jacobian
-
-
-def _cross(a: np.ndarray) -> np.ndarray:
-    """The matrix of a x."""
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])

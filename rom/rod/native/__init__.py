@@ -25,7 +25,7 @@ from rom.rod.native.arrangement import (
 )
 from rom.rod.native.outlines import Outline, outline_of, stations_of
 
-MOST_CONTACTS, CORNERS = 48, 24  # as in segment.h
+CORNERS = 24  # as in segment.h
 ENDS = 1  # sections of a segment's surface besides its places, FINGERFEM_FRONTS there
 
 
@@ -199,46 +199,6 @@ def place_chain(
         *map(pointer, (centres, rotations, motions)),
     )
     return centres, rotations, motions, bool(inside)
-
-
-@brief
-class Contacts(NamedTuple):
-    """Where plates and an object may touch, at m points.
-
-    Attributes:
-        plates, names: of which plate, and what of it and of the object, shapes (m,); the same from pose to pose.
-        gaps: negative inside the object, shape (m,) [m].
-        points, normals: of the plate, and out of the object, in the plate's frame, shapes (m, 3) [m, -].
-        point_changes, normal_changes: of these as the plate moves and turns, shapes (m, 3, 6).
-    """
-
-    plates: np.ndarray
-    names: np.ndarray
-    gaps: np.ndarray
-    points: np.ndarray
-    normals: np.ndarray
-    point_changes: np.ndarray
-    normal_changes: np.ndarray
-
-    @property
-    def labels(self) -> list[tuple[int, int]]:
-        """Plate and name of each."""
-        return list(zip(self.plates.tolist(), self.names.tolist(), strict=True))
-
-
-def contacts(touching: Any, tensions: np.ndarray, d: float, centres: np.ndarray, rotations: np.ndarray) -> Contacts:
-    """Contacts of an object at d [m] with plates at centres, shape (n, 3) [m], and rotations, shape (n, 3, 3).
-
-    Tensions, shape (t,) [N], bend them.
-    """
-    shapes = [(np.int32, ())] * 2 + [(float, ())] + [(float, (3,))] * 2 + [(float, (3, 6))] * 2
-    found = Contacts._make(np.empty((MOST_CONTACTS, *shape), kind) for kind, shape in shapes)
-    kinds = ("int32_t[]",) * 2 + ("double[]",) * 5
-    pulled, *places = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, centres, rotations)]
-    given = [pointer(part, kind) for part, kind in zip(found, kinds, strict=True)]
-    memory = memory_of(touching.chain)
-    count = SEGMENT.functions.fingerfem_contacts(touching, pulled, d, *places, memory, *given)
-    return Contacts(*(part[:count] for part in found))
 
 
 def rubber_boxes(

@@ -62,8 +62,10 @@ void placed_slices(const contact_problem *problem, int free, double d, double ne
 /* The slice of a contact; NULL if it is a plate's. */
 const rubber_slice *placed_slice_of(const placed *at, int contact);
 
-/* How the wrenches of contact k of a slice change, each in its body's frame, as both ends move: (2, 6), (2, 6). */
-void slices_change(const contact_problem *problem, double d, const placed *at, int k, double (*change)[SLICE_INPUTS]);
+/* How the wrenches of a unit force at contact k of a slice change, each in its body's frame, as both ends move: (2, 6), (2, 6). The
+ * force, (3), is along the normal, or, unless it is NULL, along another direction in space that turns with it. */
+void slices_change(const contact_problem *problem, double d, const placed *at, int k, const double *force,
+                   double (*change)[SLICE_INPUTS]);
 
 /* The direction in which d moves the object, (3), seen from a body. */
 void placed_leaving(const contact_problem *problem, const chain_body *body, double *found);

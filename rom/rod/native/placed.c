@@ -119,7 +119,7 @@ static void arms(const contact_problem *problem, placed *at)
         own->count = 1;
         own->bodies[0] = slice ? 0 : chain_plate_of(problem->map, at->contacts.plates[k]);
         memcpy(own->wrenches[0], at->contacts.wrenches[k], sizeof own->wrenches[0]);
-        if (slice) slices_arms(slice, &at->chain, &at->contacts, k, own);
+        if (slice) slices_arms(slice, &at->chain, &at->contacts, k, NULL, own);
     }
 }
 
@@ -211,38 +211,4 @@ double placed_touch_distance(const contact_problem *problem, placed *at)
     }
     if (plates > 1 && isfinite(farthest)) touch_distance(problem, first, at);
     return farthest;
-}
-
-int fingerfem_contacts(const fingerfem_touching *touching, const double *tensions, double d, const double *centres,
-                       const double *rotations, double *memory, int32_t *plates, int32_t *names, double *gaps, double *points,
-                       double *normals, double *point_changes, double *normal_changes)
-{
-    const fingerfem_chain *chain = touching->chain;
-    chain_rods map;
-    const contact_problem problem = {touching, &map};
-    placed at = {.contacts.count = 0};
-    double held[TENSIONS_MOST];
-    tensions_all_clamped(chain->segments[0], tensions, held);
-    chain_set_tensions(chain, held, memory, &map);
-    for (int plate = 0; plate < chain->plates; plate++) {
-        memcpy(at.chain.bodies[plate].centre, centres + 3 * plate, 3 * sizeof *centres);
-        memcpy(at.chain.bodies[plate].rotation, rotations + 9 * plate, 9 * sizeof *rotations);
-        find(&problem, d, plate, &at);
-    }
-    for (int k = 0; k < at.contacts.count; k++) {
-        plates[k] = at.contacts.plates[k];
-        names[k] = at.contacts.names[k];
-        gaps[k] = at.contacts.gaps[k];
-        for (int i = 0; i < 3; i++) points[3 * k + i] = at.contacts.points[k][i] + at.contacts.bent[k][i];
-        memcpy(normals + 3 * k, at.contacts.wrenches[k], 3 * sizeof *normals);
-        for (int m = 0; m < W; m++) {
-            double dp[3], dn[3];
-            objects_change_with(touching->object, &at.contacts, k, m, dp, dn);
-            for (int i = 0; i < 3; i++) {
-                point_changes[(3 * k + i) * W + m] = dp[i];
-                normal_changes[(3 * k + i) * W + m] = dn[i];
-            }
-        }
-    }
-    return at.contacts.count;
 }

@@ -19,7 +19,7 @@ static void follow(const contact_problem *problem, contact_state *state)
         double own[W][W], both[SLICE_INPUTS][SLICE_INPUTS];
         if (state->forces[k] == 0.0) continue;
         if (arms->count == 1) objects_change(problem->touching->object, contacts, k, own);
-        else slices_change(problem, state->at.d, &state->at, k, both);
+        else slices_change(problem, state->at.d, &state->at, k, NULL, both);
         for (int a = 0; a < arms->count; a++)
             for (int b = 0; b < arms->count; b++)
                 for (int i = 0; i < W; i++)

@@ -223,12 +223,30 @@ typedef struct {
 int fingerfem_touch_pressing(const fingerfem_touching *touching, const double *point, double *memory, double *loads,
                              fingerfem_pressing *pressing);
 
-/* Contacts of the object at d with plates somewhere, whose centres, (plates, 3), and rotations, (plates, 3, 3), are given;
- * and tensions, which bend them; their number, FINGERFEM_MOST_CONTACTS at most. Of each: its plate and name, gap [m], point of the plate [m] and normal in
- * the plate's frame, (3), and how these change as the plate moves and turns, (3, 6). */
-int fingerfem_contacts(const fingerfem_touching *touching, const double *tensions, double d, const double *centres, const double *rotations,
-                       double *memory, int32_t *plates, int32_t *names, double *gaps, double *points, double *normals,
-                       double *point_changes, double *normal_changes);
+/* Bodies under loads, and what an object may touch there: for laws of contact that are solved elsewhere. Of each body which of the
+ * chain's wrenches it bears, and R^T dc, R^T dtheta by all wrenches on bodies, (6 bodies, 6 bodies). Of each contact: plate or
+ * slice of rubber, and what of it; the segment; the bodies that a force goes to, -1 for the ground; gap [m] and what it yields by itself [m/N]; the
+ * material point, of a plate in its frame [m], of a slice by its coordinates [-]; the place in space [m], the normal out of the object and two
+ * tangents; the wrench that a unit force along each of these puts on both bodies; and how this changes as both bodies move,
+ * while the tangents turn with the normal. */
+typedef struct {
+    int32_t inside, bodies, contacts, loads[FINGERFEM_MOST_BODIES];
+    double centres[FINGERFEM_MOST_PLATES][3], rotations[FINGERFEM_MOST_PLATES][9]; /* of the plates */
+    double motions[FINGERFEM_WRENCH * FINGERFEM_MOST_BODIES * FINGERFEM_WRENCH * FINGERFEM_MOST_BODIES];
+    int32_t parts[FINGERFEM_MOST_CONTACTS], names[FINGERFEM_MOST_CONTACTS], segments[FINGERFEM_MOST_CONTACTS];
+    int32_t rubber[FINGERFEM_MOST_CONTACTS], on[FINGERFEM_MOST_CONTACTS][2];
+    double gaps[FINGERFEM_MOST_CONTACTS], compliances[FINGERFEM_MOST_CONTACTS], material[FINGERFEM_MOST_CONTACTS][3];
+    double places[FINGERFEM_MOST_CONTACTS][3], axes[FINGERFEM_MOST_CONTACTS][3][3], arms[FINGERFEM_MOST_CONTACTS][3][12];
+    double changes[FINGERFEM_MOST_CONTACTS][3][12][12];
+} fingerfem_contacts;
+
+/* These at tensions, of an object at d that is moved by (3) [m] besides. Returns 0 if there are more bodies than there is room for. */
+int fingerfem_find_contacts(const fingerfem_touching *touching, const double *tensions, double d, const double *moved,
+                            const double *loads, double *memory, fingerfem_contacts *found);
+
+/* Where the material points of contacts are under other tensions and loads, (contacts, 3) [m]. */
+void fingerfem_material_points(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
+                               const fingerfem_contacts *contacts, double *points);
 
 /* Estimated errors of an answer at a point, (3) [m, N, m], as of `fingerfem_tell`; the loads are where the solve begins, and
  * what it ends with. */

@@ -194,6 +194,12 @@ static void point_at(const rubber_slice *slice, const double *at, double *x, dou
     }
 }
 
+void slices_point(const rubber_slice *slice, const double *material, double *x)
+{
+    double t[3][3];
+    point_at(slice, material, x, t);
+}
+
 /* A point of a slice before an object: its coordinates, its gap, the normal, and how the gap changes along its coordinates. */
 typedef struct {
     double at[3], gap, normal[3], slopes[3];
@@ -328,11 +334,13 @@ static void contact_in_space(const rubber_slice *slice, const objects_contacts *
     for (int i = 0; i < 3; i++) x[i] += slice->centre[i];
 }
 
-void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, contact_arms *found)
+void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, const double *force,
+                 contact_arms *found)
 {
     const beam at = beam_at(slice, contacts->points[k][0]);
     double x[3], n[3], g[SLICE_ENDS][3], moment[3];
     contact_in_space(slice, contacts, k, x, n);
+    if (force) memcpy(n, force, sizeof n);
     arms_to(slice, state, &at, x, g);
     found->count = SLICE_ENDS;
     for (int end = 0; end < SLICE_ENDS; end++) {
@@ -486,21 +494,23 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     }
 }
 
-void slices_change(const contact_problem *problem, double d, const placed *at, int k, double (*change)[SLICE_INPUTS])
+void slices_change(const contact_problem *problem, double d, const placed *at, int k, const double *force_of,
+                   double (*change)[SLICE_INPUTS])
 {
     const rubber_slice *slice = placed_slice_of(at, k);
     const objects_contacts *contacts = &at->contacts;
     const double *s = slice->ends[0], *t = slice->ends[1];
     const beam here = beam_at(slice, contacts->points[k][0]), middle = beam_at(slice, 0.0);
-    double x[3], n[3], g[SLICE_ENDS][3], centres[SLICE_ENDS][3], from[W][W];
+    double x[3], n[3], f[3], g[SLICE_ENDS][3], centres[SLICE_ENDS][3], from[W][W];
     contact_in_space(slice, contacts, k, x, n);
+    memcpy(f, force_of ? force_of : n, sizeof f);
     arms_to(slice, &at->chain, &here, x, g);
     arms_to(slice, &at->chain, &middle, slice->centre, centres);
     sliding(slice, problem->touching->object, d, contacts, k, from);
     for (int column = 0; column < SLICE_INPUTS; column++) {
         const int moving = column / W;
         const chain_body *mover = at->chain.bodies + slice->bodies[moving];
-        double v[3], turn[3], ds[3], slice_v[3], slice_t[3], seen[W], dp[3], dn[3], dx[3], arm[3], by_turn[3], local[W] = {0.0};
+        double v[3], turn[3], ds[3], slice_v[3], slice_t[3], seen[W], dp[3], dn[3], df[3], dx[3], arm[3], by_turn[3], local[W] = {0.0};
         moved_by(slice, mover, moving, column % W, v, turn, ds);
         objects_cross(turn, centres[moving], slice_v); /* the slice's own motion */
         for (int i = 0; i < 3; i++) {
@@ -515,6 +525,7 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
         turned(slice->rotation, local + 3, dn);
         objects_cross(slice_t, n, by_turn);
         for (int i = 0; i < 3; i++) dn[i] += by_turn[i];
+        for (int i = 0; i < 3; i++) df[i] = objects_dot(f, n) * dn[i] - objects_dot(f, dn) * n[i];
         for (int i = 0; i < 3; i++) arm[i] = x[i] - slice->centre[i];
         objects_cross(slice_t, arm, by_turn);
         for (int i = 0; i < 3; i++) dx[i] = slice_v[i] + by_turn[i] + dp[i];
@@ -528,16 +539,16 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
                 dg[i] = here.dn[end] * da * (x[i] - m + slice->ends[end][i] - body->centre[i]) +
                         here.n[end] * (dx[i] - dm + own * (ds[i] - v[i])) +
                         sign * (here.du[end] * da * (t[i] - s[i]) + here.u[end] * (moving ? ds[i] : -ds[i]));
-                force[i] = here.dn[end] * da * n[i] + here.n[end] * dn[i];
+                force[i] = here.dn[end] * da * f[i] + here.n[end] * df[i];
             }
-            objects_cross(dg, n, one);
-            objects_cross(g[end], dn, two);
+            objects_cross(dg, f, one);
+            objects_cross(g[end], df, two);
             for (int i = 0; i < 3; i++) moment[i] = one[i] + two[i];
             if (own) { /* seen from a frame that turns */
                 double back[3];
-                objects_cross(turn, n, back);
+                objects_cross(turn, f, back);
                 for (int i = 0; i < 3; i++) force[i] -= here.n[end] * back[i];
-                objects_cross(g[end], n, one);
+                objects_cross(g[end], f, one);
                 objects_cross(turn, one, back);
                 for (int i = 0; i < 3; i++) moment[i] -= back[i];
             }

@@ -34,6 +34,11 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
 static inline double slices_twist(int corner) { return corner == 1 || corner == 2 ? 0.125 : -0.125; }
 void slices_bulge(double (*axes)[3], const double *twist, const double *material, double *found);
 
-/* What a unit force at contact k of a slice puts on its bodies. */
-void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, contact_arms *found);
+/* What a unit force at contact k of a slice puts on its bodies; along the normal, or, unless it is NULL, along another direction
+ * in space, (3). */
+void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, const double *force,
+                 contact_arms *found);
+
+/* A point of a slice in space, by its coordinates. */
+void slices_point(const rubber_slice *slice, const double *material, double *x);
 #endif

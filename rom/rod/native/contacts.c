@@ -1,0 +1,141 @@
+/* Contacts at given loads, with how forces along normals and tangents act on the bodies there. */
+#include <math.h>
+#include "contact.h"
+#include "slices.h"
+
+/* Two unit vectors across a third. */
+static void across(const double *n, double *one, double *two)
+{
+    int least = 0;
+    for (int i = 1; i < 3; i++)
+        if (fabs(n[i]) < fabs(n[least])) least = i;
+    const double pick[3] = {least == 0, least == 1, least == 2};
+    objects_cross(n, pick, one);
+    const double size = sqrt(objects_dot(one, one));
+    for (int i = 0; i < 3; i++) one[i] /= size;
+    objects_cross(n, one, two);
+}
+
+/* Contact k of a plate: the wrench (f, p x f) of a force f in the plate's frame, and its change as p and f do: f turns with n by
+ * df = (f . n) dn - (f . dn) n. */
+static void of_plate(const contact_problem *problem, const placed *at, int k, fingerfem_contacts *found)
+{
+    const chain_body *plate = at->chain.bodies + at->arms[k].bodies[0];
+    const double *n = at->contacts.wrenches[k], *p = found->material[k];
+    for (int axis = 0; axis < 3; axis++) {
+        double f[3], *arm = found->arms[k][axis];
+        objects_turned_back(plate->rotation, found->axes[k][axis], f);
+        memcpy(arm, f, sizeof f);
+        objects_cross(p, f, arm + 3);
+        for (int m = 0; m < W; m++) {
+            double dp[3], dn[3], df[3], by_point[3], by_force[3];
+            objects_change_with(problem->touching->object, &at->contacts, k, m, dp, dn);
+            for (int i = 0; i < 3; i++) df[i] = objects_dot(f, n) * dn[i] - objects_dot(f, dn) * n[i];
+            objects_cross(dp, f, by_point);
+            objects_cross(p, df, by_force);
+            for (int i = 0; i < 3; i++) {
+                found->changes[k][axis][i][m] = df[i];
+                found->changes[k][axis][3 + i][m] = by_point[i] + by_force[i];
+            }
+        }
+    }
+}
+
+/* Contact k of a slice. */
+static void of_slice(const contact_problem *problem, const placed *at, int k, fingerfem_contacts *found)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        contact_arms own;
+        slices_arms(placed_slice_of(at, k), &at->chain, &at->contacts, k, found->axes[k][axis], &own);
+        memcpy(found->arms[k][axis], own.wrenches, sizeof own.wrenches);
+        slices_change(problem, at->d, at, k, found->axes[k][axis], found->changes[k][axis]);
+    }
+}
+
+static void note(const contact_problem *problem, const placed *at, int k, int ground, fingerfem_contacts *found)
+{
+    const objects_contacts *contacts = &at->contacts;
+    const rubber_slice *slice = placed_slice_of(at, k);
+    const chain_body *plate = at->chain.bodies + at->arms[k].bodies[0];
+    const double *rotation = slice ? slice->rotation : plate->rotation, *centre = slice ? slice->centre : plate->centre;
+    double p[3];
+    for (int i = 0; i < 3; i++) p[i] = contacts->points[k][i] + contacts->bent[k][i];
+    for (int i = 0; i < 3; i++) {
+        found->places[k][i] = centre[i] + objects_dot(rotation + 3 * i, p);
+        found->axes[k][0][i] = objects_dot(rotation + 3 * i, contacts->wrenches[k]);
+    }
+    across(found->axes[k][0], found->axes[k][1], found->axes[k][2]);
+    memcpy(found->material[k], slice ? contacts->material[k] : p, sizeof p);
+    found->parts[k] = contacts->plates[k];
+    found->names[k] = contacts->names[k];
+    found->segments[k] = slice ? slice->segment : contacts->plates[k];
+    found->rubber[k] = slice != NULL;
+    found->gaps[k] = contacts->gaps[k];
+    found->compliances[k] = contacts->compliance[k];
+    for (int end = 0; end < SLICE_ENDS; end++) found->on[k][end] = end < at->arms[k].count ? at->arms[k].bodies[end] - ground : -1;
+    memset(found->arms[k], 0, sizeof found->arms[k]);
+    memset(found->changes[k], 0, sizeof found->changes[k]);
+    if (slice) of_slice(problem, at, k, found);
+    else of_plate(problem, at, k, found);
+}
+
+int fingerfem_find_contacts(const fingerfem_touching *touching, const double *tensions, double d, const double *moved,
+                            const double *loads, double *memory, fingerfem_contacts *found)
+{
+    const fingerfem_chain *chain = touching->chain;
+    fingerfem_object object = *touching->object;
+    const fingerfem_touching there = {chain, &object};
+    chain_rods map;
+    contact_state state;
+    const contact_problem problem = {&there, &map};
+    double held[TENSIONS_MOST];
+    for (int i = 0; i < 3; i++) object.centre[i] += moved[i];
+    found->inside = tensions_all_clamped(chain->segments[0], tensions, held);
+    chain_set_tensions(chain, held, memory, &map);
+    chain_contract(&map);
+    if (!chain_take_loads(&map, loads, state.wrench) || !placed_under(&problem, d, &state)) return 0;
+    const int ground = map.bodies[0].segment == CHAIN_GROUND, count = map.count - ground;
+    found->bodies = count;
+    for (int b = 0; b < count; b++) {
+        const chain_body *body = state.at.chain.bodies + b + ground;
+        found->loads[b] = chain_load_of(&map, b + ground);
+        found->inside &= body->end.inside;
+        for (int i = 0; i < W; i++)
+            memcpy(found->motions + W * count * (W * b + i), body->motion[i] + W * ground, (size_t)(W * count) * sizeof(double));
+    }
+    for (int plate = 0; plate < chain->plates; plate++) {
+        const chain_body *body = state.at.chain.bodies + chain_plate_of(&map, plate);
+        memcpy(found->centres[plate], body->centre, sizeof body->centre);
+        memcpy(found->rotations[plate], body->rotation, sizeof body->rotation);
+    }
+    found->contacts = state.at.contacts.count;
+    for (int k = 0; k < found->contacts; k++) note(&problem, &state.at, k, ground, found);
+    return 1;
+}
+
+void fingerfem_material_points(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
+                               const fingerfem_contacts *contacts, double *points)
+{
+    double held[TENSIONS_MOST];
+    chain_rods map;
+    chain_state state;
+    unsigned char all[FINGERFEM_MOST_ELEMENTS + 2];
+    memset(all, 1, sizeof all);
+    chain_placed(chain, tensions, loads, memory, held, &map, &state);
+    for (int q = 0; q < chain->plates; q++) {
+        const chain_body *plate = state.bodies + chain_plate_of(&map, q);
+        const double *corners = NULL;
+        for (int k = 0; k < contacts->contacts; k++) {
+            rubber_slice slice;
+            double *x = points + 3 * k;
+            if (contacts->segments[k] != q) continue;
+            if (contacts->rubber[k]) {
+                if (!corners) corners = slices_corners(&map, &state, q, 0, all);
+                slices_make(&map, &state, q, corners, slices_place(&map, q, contacts->parts[k]), &slice);
+                slices_point(&slice, contacts->material[k], x);
+            } else {
+                for (int i = 0; i < 3; i++) x[i] = plate->centre[i] + objects_dot(plate->rotation + 3 * i, contacts->material[k]);
+            }
+        }
+    }
+}
