@@ -96,7 +96,7 @@ def compared(run: Run, plan: plans.Plan, shape: str, count: int) -> dict:
 def measure(run: Run) -> list[dict]:
     """Every shape, a shape a process, each on one core."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    plan, count = (plans.QUICK, 2) if run.quick else (plans.LARGE, 25)
+    plan, count = (plans.QUICK, 2) if run.quick else (plans.LARGE, 10)
     plans.rod(run, plan)
     with ProcessPoolExecutor(CORES, mp_context=get_context("spawn")) as pool:
         return [one.result() for one in [pool.submit(compared, run, plan, shape, count) for shape in SHAPES]]
