@@ -22,6 +22,7 @@ from rom.rod import native
 # Of rubber pressed by a line along the segment, on a face and on an edge: force per length and depth, over Young's
 # modulus [-]. Fitted to full-order states on 20 x 5 cells of order 2 (studies/rods/rubber.py).
 INDENTED = 0.75, 0.35
+UNDER = 0.4  # of half the side: depth of tendons that lift the face above them [-]
 
 
 @brief
@@ -35,6 +36,7 @@ class Segment(PickledByFields):
         outlines: of every element, shared as its law is.
         names: of its tensions.
         trained: which trained tendon each of these is.
+        offsets: of the tendons in channels from the axis along y and z, shape (t, 2) [m]; 0 of those without a channel.
         half_lengths: of the plate along its own axes, shape (3,) [m].
         length: from the clamp to the plate's centre at rest [m].
     """
@@ -43,6 +45,7 @@ class Segment(PickledByFields):
     outlines: Sequence[native.Outline]
     names: Sequence[str]
     trained: Sequence[int]
+    offsets: np.ndarray
     half_lengths: np.ndarray
     length: float
 
@@ -86,6 +89,8 @@ class Segment(PickledByFields):
             outlines=self.outlines,
             shortenings=[shortenings[id(one)] for one in self.elements],
             stiffness=(self.young_modulus * INDENTED[0], self.young_modulus * INDENTED[1]),
+            ridges=np.where(np.abs(self.offsets) > (1 - UNDER) * self.half_lengths[1:], np.sign(self.offsets), 0.0)
+            / self.young_modulus,
         )
 
     def place(self, inputs: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
@@ -127,9 +132,14 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         outlines=[outlines[one] for one in pieces],
         names=names,
         trained=trained,
+        offsets=size * np.array([_offset(elements.scene["tendons"][k]) for k in trained]).reshape(-1, 2),
         half_lengths=half,
         length=sum(one.length for one in pieces),
     )
+
+
+def _offset(tendon: dict[str, Any]) -> list[float]:
+    return tendon["offset"] if tendon.get("path", "channel") == "channel" else [0.0, 0.0]
 
 
 def _pose_of(element: ElementMap) -> ElementMap:

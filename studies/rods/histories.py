@@ -16,7 +16,7 @@ from rom.error_statistics import quantiles
 from rom.rod.objects.shapes import facing_plane
 from studies.rods import plans
 from studies.rods.full_order import obstacle
-from studies.rods.rubber import anywhere
+from studies.rods.rubber import anywhere, clear_of_clamp
 from studies.rods.scattered_objects import DISTANCE
 from studies.runner import Run
 
@@ -24,7 +24,7 @@ CORES, INCREMENTS = 2, 4
 PULLED, FORCES = ((15.0, 80.0), (0.0, 40.0)), (0.3, 6.0)  # tensions, and force without friction at first [N]
 FRICTION, ASIDE, CHANGED = (0.2, 0.8), 1.5e-3, 8.0  # coefficients [-]; motions of the plane [m] and of tensions [N]
 NEARER = 2e-4  # and of the plane towards the finger [m]
-DEPTHS, CLEAR = (2e-4, 4e-3), 1e-3  # beyond touch; of the clamp from the plane, at least [m]
+DEPTHS = 2e-4, 4e-3  # beyond touch [m]
 MOST = 1000  # draws for one history
 
 
@@ -54,14 +54,12 @@ def rubber_first(rod: Rod, pulled: np.ndarray, random: np.random.Generator) -> t
 
 def draw(rod: Rod, rubber: bool, random: np.random.Generator) -> History:
     """A random one, that begins with contact on the rubber, or on the plate alone."""
-    half = rod.half_lengths[1]
-    clamp = np.array([[0.0, y, z] for y in (-half, half) for z in (-half, half)])
     for _ in range(MOST):
         pulled = np.array([random.uniform(*ends) for ends in PULLED])
         model, d = (rubber_first if rubber else plate_first)(rod, pulled, random)
         first, normal = np.array([*pulled, d]), np.array(model.obstacle.numbers()["axis"])
-        if ((clamp - np.array(model.obstacle.centre) - d * model.direction) @ normal).min() < CLEAR:
-            continue  # it would press on the clamp
+        if not clear_of_clamp(model, d):
+            continue
         answer = model.evaluate(first)
         if not (answer.inside and FORCES[0] < answer.contact_force < FORCES[1]):
             continue

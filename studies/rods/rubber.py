@@ -21,7 +21,7 @@ from studies.runner import Run
 DEPTHS, RADII = (2e-4, 4e-3), (3e-3, 3e-2)  # beyond touch; of round objects [m]
 TILT, EDGE = np.radians(40), 0.8  # of an object against the surface; of half the side: beyond, an edge's neighbourhood
 MOST = 10.0  # forces that are compared [N]
-AWAY = 0.15  # [m]
+AWAY, CLEAR = 0.15, 1e-3  # [m]; the latter of the clamp from planes, at least
 
 
 def anywhere(finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape: str) -> tuple[Object, Table]:
@@ -57,6 +57,15 @@ def anywhere(finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape
     return found, obstacle(found, own)
 
 
+def clear_of_clamp(model: TouchedSegment, d: float) -> bool:
+    """Whether the object is no plane that presses on the clamp too."""
+    if not isinstance(model.obstacle, Plane):
+        return True
+    half = model.rod.half_lengths[1]
+    clamp = np.array([[0.0, y, z] for y in (-half, half) for z in (-half, half)])
+    return bool(((clamp - model.obstacle.centre - d * model.direction) @ model.obstacle.normal).min() > CLEAR)
+
+
 def compared(run: Run, plan: plans.Plan, shape: str, count: int) -> dict:
     """Random objects of one shape."""
     finger, random = plans.rod(run, plan), np.random.default_rng(21)
@@ -68,6 +77,8 @@ def compared(run: Run, plan: plans.Plan, shape: str, count: int) -> dict:
         found, table = anywhere(finger, pulled, random, shape)
         model = TouchedSegment(rod=finger, obstacle=found)
         point = np.array([*pulled, DISTANCE - float(np.exp(random.uniform(*np.log(DEPTHS))))])
+        if not clear_of_clamp(model, float(point[-1])):
+            continue
         answers = model.answers(point)
         force = float(answers.out[0, 3])
         if answers.evaluations[0] < 0:

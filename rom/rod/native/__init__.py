@@ -44,6 +44,8 @@ class Segment:
             map of the tensions to what their polynomials are of.
         half_lengths: of the plate along its own axes, shape (3,) [m].
         stiffness: of rubber pressed by a line along the segment, on a face and on an edge [Pa].
+        ridges: by its tension and the curvature towards the face across y or z that each tendon lies under, how far it
+            lifts that; negative at -y and -z, shape (t, 2) [1/Pa]; None where no tendon does.
         corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
         outlines: of every element, shared as its law is; None if nothing is known of the rubber's surface.
         shortenings: of every element, shared as its law is: how much shorter the segment's tendons are in it, in the
@@ -53,6 +55,7 @@ class Segment:
     elements: Sequence[ElementMap]
     half_lengths: np.ndarray
     stiffness: tuple[float, float] = (0.0, 0.0)
+    ridges: np.ndarray | None = None
     corners: Polynomial | None = None
     outlines: Sequence[Outline] | None = None
     shortenings: Sequence[Polynomial] | None = None
@@ -126,6 +129,7 @@ def struct(segment: Segment) -> Any:
         half_lengths=segment.half_lengths.tolist(),
         face_stiffness=segment.stiffness[0],
         edge_stiffness=segment.stiffness[1],
+        ridges=np.zeros((t, 2)) if segment.ridges is None else segment.ridges,
         corner_monomials=len(bent),
         corner_coefficients=bent,
     )

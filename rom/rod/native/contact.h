@@ -6,7 +6,7 @@
 
 /* A slice of rubber between two cross-sections next to each other: its corners, first those of the section nearer to the
  * clamp, with -y -z, y -z, -y z and y z in turns, in space; how far the middles of its faces across y and across z are off,
- * by section; an orthogonal frame; and the sections where its element begins and ends, with the bodies that bear what presses
+ * by section, where a beam is bent; an orthogonal frame; and the sections where its element begins and ends, with the bodies that bear what presses
  * on it. */
 enum { SLICE_ENDS = 2, SLICE_INPUTS = SLICE_ENDS * W, SLICE_CORNERS = 8 };
 typedef struct {
@@ -16,6 +16,8 @@ typedef struct {
     double slender;               /* 12 E I / (k G A length^2): how much its shear yields beside its bending [-] */
     double ends[SLICE_ENDS][3];   /* centres of the sections: its begin, then its end [m] */
     double corners[SLICE_CORNERS][3], bulges[2][2]; /* [m] */
+    double raised;                /* of the ridges far from plates and the clamp: what they have here [-] */
+    double ridges[2][2];          /* how much farther out the middles of its faces are, across y and across z, each on both sides [m] */
     double centre[3], rotation[9], thickness;
 } rubber_slice;
 

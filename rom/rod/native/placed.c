@@ -72,8 +72,10 @@ void placed_slices(const contact_problem *problem, int free, double d, double cl
         rubber_slice slice;
         if (!segment->stations || !slices_near(problem->map, &at->chain, q, object, d, close, near)) continue;
         const double *points = slices_corners(problem->map, &at->chain, q, free, near);
+        double highest[FINGERFEM_MOST_ELEMENTS];
+        for (int e = 0; e < segment->elements; e++) highest[e] = near[e] == 1 ? slices_highest(problem->map->rods + q, e) : 0.0;
         for (int n = 0; n < segment->places - 1; n++) {
-            if (near[segment->place_elements[n]] != 1 || slices_least_gap(segment, points, n, object, d) > close) continue;
+            if (near[segment->place_elements[n]] != 1 || slices_least_gap(segment, points, n, object, d) > close + highest[segment->place_elements[n]]) continue;
             slices_make(problem->map, &at->chain, q, points, n, &slice);
             slices_find(segment, &slice, object, d, close, &at->contacts);
         }

@@ -61,6 +61,7 @@ void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, 
     found->deviations = memory + segment->elements * found->products_stride;
     found->monomials = found->deviations + POSE * segment->elements * segment->deviating;
     found->work = work;
+    memcpy(found->tensions, tensions, (size_t)segment->tensions * sizeof *tensions);
     tensions_monomials(segment, tensions, found->monomials);
 }
 

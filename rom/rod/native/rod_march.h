@@ -23,6 +23,7 @@ typedef struct {
     double *monomials, *free, *contracted, *products, *work; /* free and contracted by law, products by element */
     double *deviations;                                      /* of the variants of all elements, (elements, count, 8) */
     int free_stride, contracted_stride, products_stride;
+    double tensions[TENSIONS_MOST];
     rod_element *elements;
 } rod_state;
 

@@ -9,8 +9,9 @@
 #define STEPS 40      /* towards the touch distance */
 #define TOUCHED 1e-12 /* [m] */
 #define BULGED 0.01   /* of half the side: how far faces are off between their edges, other than bent beams' are [-] */
-#define BETWEEN 0.25  /* of half the side: how far the surface may be from its nearest sampled point [-] */
-#define BULGING 0.1   /* likewise from the nearest edge, along the normal of a face, as faces bulge [-] */
+#define RIDGED 0.2    /* of a ridge over a tendon: how well it is known [-] */
+#define BETWEEN 0.3   /* of half the side: how far the surface may be from its nearest sampled point [-] */
+#define BULGING 0.2   /* likewise from the nearest edge, along the normal of a face, as faces bulge [-] */
 #define ALIKE 1e-9    /* touch distances that differ by less are of one point [m] */
 #define NEARER 1.2    /* times that: gaps of slices that are looked at [-] */
 #define FEW 8  /* sections from one that is looked at to the next, at first */
@@ -203,11 +204,16 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
         const double axis[3] = {slice->rotation[1 + j], slice->rotation[4 + j], slice->rotation[7 + j]};
         objects_turned_back(plate->rotation, axis, axes[j]);
     }
+    const rod_state *rod = map->rods + q;
+    double ridges[TENSIONS_MOST];
+    const int across = slices_ridge_changes(rod, slice, at, rod->free + chain->segments[q]->law_of[slice->element] * rod->free_stride +
+                                            FINGERFEM_POSE, ridges), other = 3 - across;
     for (int j = 0; j < chain->segments[q]->tensions; j++) {
         double *own = found + 3 * chain->own[chain->tensions * q + j], bulge[3];
         const double twist[3] = {twists[0][j], twists[1][j], twists[2][j]};
         slices_bulge(axes, twist, at, bulge);
-        for (int i = 0; i < 3; i++) own[i] = moves[i][j] + bulge[i];
+        for (int i = 0; i < 3; i++)
+            own[i] = moves[i][j] + bulge[i] + (across ? axes[across - 1][i] * ridges[j] * (1.0 - at[other] * at[other]) : 0.0);
     }
 }
 
@@ -263,8 +269,10 @@ double rubber_off(const contact_problem *problem, const placed *at, int k)
 {
     const fingerfem_segment *segment = problem->touching->chain->segments[placed_slice_of(at, k)->segment];
     const int face = at->contacts.names[k] - OUTLINE_CORNERS; /* across y, then across z; negative of an edge */
+    const rubber_slice *slice = placed_slice_of(at, k);
     const double across = face < 0 ? 1.0 : at->contacts.material[k][face < 2 ? 2 : 1];
-    return problem->touching->chain->skin_error + BULGED * segment->half_lengths[1] * (1.0 - across * across);
+    const double ridge = face < 0 ? 0.0 : slice->ridges[face / 2][face % 2];
+    return problem->touching->chain->skin_error + (BULGED * segment->half_lengths[1] + RIDGED * ridge) * (1.0 - across * across);
 }
 
 /* By Newton's method from an upper bound: of every slice the gap is convex in d, so that no step goes below its root. The next d

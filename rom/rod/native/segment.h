@@ -104,6 +104,8 @@ typedef struct {
     const double *element_lengths;       /* (elements): at rest [m] */
     double half_lengths[3];              /* of the plate along its own axes [m] */
     double face_stiffness, edge_stiffness; /* of rubber pressed by a line along the segment, on a face and on an edge, per length [Pa] */
+    const double *ridges;                /* (tensions, 2): by its tension and the curvature towards the face across y, or across z, that
+                                            a tendon lies under, how far it lifts that; negative at -y and -z [1/Pa] */
     int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */
     const double *corner_coefficients;   /* (corner_monomials, FINGERFEM_CORNERS) */
 } fingerfem_segment;

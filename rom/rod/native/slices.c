@@ -17,6 +17,8 @@
 #define SHORT 1e-12  /* a last step, of coordinates [-] */
 #define FADE 5e-3    /* of half the side: how much nearer than its edges a face that presses half as hard as it may is [-] */
 #define WAY 1e-6     /* by which normals are compared [m] */
+#define RIDGE 1.1    /* of F k / E: how far a tendon lifts the face that it lies under [-] */
+#define NEAR_END 0.6 /* a ridge has half its height where the square of the distance from an end, over half the side, is this [-] */
 #define SLENDER 3.0 /* 2 (1 + v) / k of a square section: phi over (side / length)^2 [-] */
 
 int slices_place(const chain_rods *map, int segment, int number)
@@ -129,6 +131,53 @@ static void bulges_of(double (*corners)[3], double *found)
     found[1] = 0.125 * (width[2] - width[3]);
 }
 
+/* The curvature of an element towards y and z, from its Gibbs vector: (-2 g_z, 2 g_y) over its length; or how that changes. */
+static double curvature(const rod_state *rod, int element, int across, const double *pose)
+{
+    return 2.0 * (across ? pose[4] : -pose[5]) / rod->segment->element_lengths[element];
+}
+
+/* A tendon with tension F in a channel under a face presses on the rubber outwards with F k per length, where the curvature towards
+ * the face is k. It lifts the middle of the face by RIDGE F k / E, measured on the full-order model; less near plates and the clamp. */
+static double ridge_of(const rod_state *rod, int element, int across, int side)
+{
+    const double *ridges = rod->segment->ridges, k = (side ? 1.0 : -1.0) * curvature(rod, element, across, rod->elements[element].pose);
+    double found = 0.0;
+    for (int j = 0; j < rod->segment->tensions; j++)
+        found += RIDGE * rod->tensions[j] * fmax((side ? 1.0 : -1.0) * ridges[2 * j + across], 0.0) * fmax(k, 0.0);
+    return found;
+}
+
+double slices_highest(const rod_state *rod, int element)
+{
+    double found = 0.0;
+    for (int face = 0; face < OUTLINE_CORNERS; face++) found = fmax(found, ridge_of(rod, element, face / 2, face % 2));
+    return found;
+}
+
+int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const double *material, const double *by, double *found)
+{
+    const int element = slice->element;
+    const double *ridges = rod->segment->ridges;
+    const int count = rod->segment->tensions, across = fabs(material[1]) < 1.0 ? 1 : 0, side = material[1 + across] > 0.0;
+    const double sign = side ? 1.0 : -1.0, k = sign * curvature(rod, element, across, rod->elements[element].pose);
+    double all = 0.0;
+    memset(found, 0, (size_t)count * sizeof *found);
+    if (fabs(material[1]) == 1.0 && fabs(material[2]) == 1.0) return 0;
+    for (int j = 0; j < count; j++) all += rod->tensions[j] * fmax(sign * ridges[2 * j + across], 0.0);
+    for (int j = 0; j < count && k > 0.0; j++)
+        found[j] = RIDGE * slice->raised * sign * (k * fmax(sign * ridges[2 * j + across], 0.0) + all * sign * curvature(rod, element, across, by + FINGERFEM_POSE * j));
+    return 1 + across;
+}
+
+/* From the clamp to the plate's face at rest [m]. */
+static double rubber_length(const fingerfem_segment *segment)
+{
+    double found = -segment->half_lengths[0];
+    for (int e = 0; e < segment->elements; e++) found += segment->element_lengths[e];
+    return found;
+}
+
 void slices_make(const chain_rods *map, const chain_state *state, int q, const double *points, int place, rubber_slice *found)
 {
     const fingerfem_segment *segment = map->chain->segments[q];
@@ -144,6 +193,11 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, const d
             for (int j = 0; j < 3; j++) axes[j][i] += (k >> j & 1 ? 0.25 : -0.25) * found->corners[k][i];
         }
     }
+    const double share = fmin(place + 0.5, segment->places - 1.5 - place) / (segment->places - 1); /* of the rubber, to its nearer end */
+    const double away = share * rubber_length(segment) / segment->half_lengths[1];
+    found->raised = away * away / (away * away + NEAR_END);
+    for (int face = 0; face < OUTLINE_CORNERS; face++)
+        found->ridges[face / 2][face % 2] = found->raised * ridge_of(map->rods + q, segment->place_elements[place], face / 2, face % 2);
     found->thickness = sqrt(objects_dot(axes[0], axes[0]));
     unit(axes[0]);
     const double along = objects_dot(axes[0], axes[1]);
@@ -160,6 +214,13 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, const d
     found->length = segment->element_lengths[found->element];
     found->slender = SLENDER * (2.0 * segment->half_lengths[1] / found->length) * (2.0 * segment->half_lengths[1] / found->length);
     for (int end = 0; end < SLICE_ENDS; end++) section_of(map, state, q, found->element + end, found->ends[end], rotation);
+}
+
+/* How far the face across y, 0, or across z, 1, at a point of a slice goes inwards along the axis, from its middle to its edges [m]. */
+static double bulge_at(const rubber_slice *slice, int across, const double *at)
+{
+    const double bent = 0.5 * ((1.0 - at[0]) * slice->bulges[0][across] + (1.0 + at[0]) * slice->bulges[1][across]);
+    return at[1 + across] > 0.0 ? bent - slice->ridges[across][1] : bent + slice->ridges[across][0];
 }
 
 /* A point of a slice in space where its coordinates are `at`, -1 to 1, and its derivatives by these, (3, 3). */
@@ -185,7 +246,7 @@ static void point_at(const rubber_slice *slice, const double *at, double *x, dou
     }
     for (int across = 0; across < 2; across++) { /* faces across y are off along y by their place along z, and so on */
         const int other = 2 - across;
-        const double size = weights[0][0] * slice->bulges[0][across] + weights[0][1] * slice->bulges[1][across];
+        const double size = bulge_at(slice, across, at);
         for (int i = 0; i < 3; i++) {
             const double axis = slice->rotation[3 * i + 1 + across];
             x[i] += axis * size * (at[other] * at[other] - 1.0);
@@ -393,7 +454,7 @@ static void sliding(const rubber_slice *slice, const fingerfem_object *object, d
             for (int i = 0; i < 3; i++) sum += tangents[free[a]][i] * objects_dot(H[i], tangents[free[b]]);
             if (a == b && free[a]) {
                 const int across = 3 - free[a]; /* of the face: along z if it is off along y */
-                sum += n[across] * (slice->bulges[0][across - 1] * (1.0 - at[0]) + slice->bulges[1][across - 1] * (1.0 + at[0]));
+                sum += 2.0 * n[across] * bulge_at(slice, across - 1, at);
             }
             system[count * a + b] = sum;
         }
@@ -460,6 +521,10 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     arms_to(slice, state, &here, x, g);
     for (int j = 0; j < 2; j++)
         for (int i = 0; i < 3; i++) axes[j][i] = slice->rotation[3 * i + 1 + j];
+    double by[TENSIONS_MOST * FINGERFEM_POSE], ridges[TENSIONS_MOST];
+    element_by_tensions(segment, segment->law[segment->law_of[e]], rod->contracted + segment->law_of[e] * rod->contracted_stride,
+                        rod->products + e * rod->products_stride, by);
+    const int across = slices_ridge_changes(rod, slice, material, by, ridges), other = 3 - across;
     for (int j = 0; j < segment->tensions; j++) {
         const int column = chain->own[chain->tensions * q + j];
         double change[3] = {0.0}, twist[3] = {0.0}, turned_twist[3], bulge[3], way[3], arm[3], by_turn[3];
@@ -473,6 +538,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
         turned(rotation, twist, turned_twist);
         slices_bulge(axes, turned_twist, material, bulge);
         for (int i = 0; i < 3; i++) way[i] += bulge[i];
+        for (int i = 0; i < 3 && across; i++) way[i] += axes[across - 1][i] * ridges[j] * (1.0 - material[other] * material[other]);
         for (int end = 0; end < SLICE_ENDS; end++) {
             const chain_body *body = state->bodies + slice->bodies[end];
             double moved[3], spun[3], v[3], t[3];

@@ -39,6 +39,13 @@ void slices_bulge(double (*axes)[3], const double *twist, const double *material
 void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, const double *force,
                  contact_arms *found);
 
+/* How far out, at most, faces of an element are lifted by tendons [m]. */
+double slices_highest(const rod_state *rod, int element);
+
+/* How the ridge over a face at a point of a slice, by its coordinates, grows with each tension, (tensions), where the pose of
+ * its element changes by `by`, (tensions, FINGERFEM_POSE); returns the axis across the face, 1 or 2, or 0 for an edge. */
+int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const double *material, const double *by, double *found);
+
 /* A point of a slice in space, by its coordinates. */
 void slices_point(const rubber_slice *slice, const double *material, double *x);
 #endif

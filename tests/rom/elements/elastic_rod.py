@@ -40,7 +40,7 @@ def scene(length: float = LENGTH, offsets: np.ndarray = TWO) -> dict[str, Any]:
         "geometry": {"side": SIDE, "segments": [length], "plate": PLATE, "channel": None},
         "material": {"law": "neo-hookean", "C1": YOUNG / 5.2, "D1": 2.4 / YOUNG},
         "tendons": [
-            {"name": f"F{k + 1}", "offset": offset, "path": "channel", "segment": 1, "tension": [0.0, MOST_TENSION]}
+            {"name": f"F{k + 1}", "offset": offset, "path": "straight", "segment": 1, "tension": [0.0, MOST_TENSION]}
             for k, offset in enumerate(offsets.tolist())
         ],
         "load": {"force": MOST_FORCE, "moment": MOST_MOMENT},
