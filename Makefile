@@ -32,7 +32,7 @@ test: .venv/ready out/peers/felupe/ready
 	.venv/bin/lint-imports
 	OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -q $(BOTH_CORES) tests/rom tests/control tests/packaging
 
-# Faults once more, under every kind of lock and kill; a thousand solves; two thousand wrong files; the oldest and newest versions
+# Faults once more, under every kind of lock and kill; a thousand solves; three hundred wrong files; the oldest and newest versions
 # allowed; rom and control with the environment's packages.
 test-long: .venv/ready out/tests/finger.h5
 	docker/run python3 -m pytest -q $(BOTH_CORES) -m long tests/fingerfem tests/studies

@@ -28,13 +28,14 @@ from rom.native import pointer
 from rom.rod import rod
 from rom.rod.inverse_map import InverseMap
 from rom.rod.native import rubber_boxes
+from rom.rod.native.contacts import find_contacts, material_points
 from rom.rod.native.reports import Reports
 from rom.rod.native.told import sections
 
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 1e-300, 255, 65535, 2**31, -(2**31))
-POINTS = 30
+POINTS = 10
 WRENCHES = 3072  # numbers of loads, at most
-SMALL = 200  # points of an atlas: its size matters to no access
+SMALL = 50  # points of an atlas: its size matters to no access
 
 
 def with_checksum(contents: bytes, line: bytes) -> bytes:
@@ -230,6 +231,10 @@ def asked_of_a_rod(model: TouchedSegment, points: np.ndarray) -> None:
     centre, rotation, _, _ = first.place(inputs)
     begins = np.array([[0.0, y, z] for y in (-1, 1) for z in (-1, 1)])
     rubber_boxes(first.struct, inputs, begins, centre, rotation, 24)
+    loads = model.answers(points[4]).loads[0]
+    found = find_contacts(model.touching, points[4, :-1], float(points[4, -1]), np.zeros(3), loads)
+    if found is not None:
+        material_points(model.rod.struct, points[3, :-1], loads, found)
     model.displacement(points[4])
     model.shortening(points[4])
     inverse = InverseMap(first)

@@ -89,10 +89,10 @@ def test_sixty_wrong_files_are_refused_or_answered(sources, tmp_path, cache):
 
 @pytest.mark.long
 @needs_sanitizers
-def test_a_thousand_wrong_files_are_refused_or_answered(sources, tmp_path, cache):
-    found = counted(sources, tmp_path, cache, 1000, seed=2)
-    assert found["wrong"] == [] and found["refused"] + found["answered"] == 1000
-    assert found["answered"] > 50 and found["refused"] > 500
+def test_more_wrong_files_are_refused_or_answered(sources, tmp_path, cache):
+    found = counted(sources, tmp_path, cache, 150, seed=2)
+    assert found["wrong"] == [] and found["refused"] + found["answered"] == 150
+    assert found["answered"] > 7 and found["refused"] > 75
 
 
 @needs_sanitizers

@@ -14,6 +14,7 @@ from rom.rod.touched_segment import TouchedSegment
 
 TOLERANCE = 1e-9  # of the largest residual [N]
 ITERATIONS = 25
+DIVERGED = 1e9  # of any number, in SI units
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of the friction, where it comes in steps
 
 
@@ -109,7 +110,7 @@ def _solve(model: TouchedSegment, last: Resting, loads: Loads, friction: float, 
         return None
     parts = _parts(at, begun.by_label)
     for _ in range(ITERATIONS):
-        if not all(np.isfinite(one).all() for one in (wrenches, at.arms, at.gaps, parts)):
+        if not all(np.abs(one).max(initial=0.0) < DIVERGED for one in (wrenches, at.motions, at.arms, at.gaps, parts)):
             return None
         found = _law(model, last, loads, at, parts, friction)
         # A moment counts by the force that half a plate's length away makes it.
