@@ -105,7 +105,7 @@ def page(opened):
 
 def asked(driver, points: np.ndarray) -> np.ndarray:
     """What the page answers, shape (m, 9); a driver waits 30 s for one script at most."""
-    return np.vstack([asked_at_once(driver, points[k : k + 1000]) for k in range(0, len(points), 1000)])
+    return np.vstack([asked_at_once(driver, points[k : k + 200]) for k in range(0, len(points), 200)])
 
 
 def asked_at_once(driver, points: np.ndarray) -> np.ndarray:
