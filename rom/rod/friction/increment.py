@@ -130,10 +130,10 @@ def _solve(model: TouchedSegment, last: Resting, loads: Loads, friction: float, 
             change = np.linalg.solve(_jacobian(at, found, parts), -residual)
         except np.linalg.LinAlgError:
             return None
-        bears = np.abs(at.arms).max(axis=1, initial=0.0).reshape(-1, 6).any(axis=1)
+        touched = np.abs(at.arms).max(axis=1, initial=0.0).reshape(-1, 6).any(axis=1)  # other bodies have no load
         change_of_wrenches, change_of_parts = change[: balance.size].reshape(-1, 6), change[balance.size :]
         others, wrenches = wrenches.reshape(-1, 6), np.zeros((len(wrenches) // 6, 6))
-        wrenches[at.bodies[bears]] = (others[at.bodies] + change_of_wrenches)[bears]
+        wrenches[at.bodies[touched]] = (others[at.bodies] + change_of_wrenches)[touched]
         wrenches = wrenches.ravel()
         there = _contacts(model, loads, wrenches)
         if there is None:

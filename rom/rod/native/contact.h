@@ -75,6 +75,9 @@ void placed_leaving(const contact_problem *problem, const chain_body *body, doub
 /* How the point of contact k moves as the tensions bend its plate, or change the shape of its slice, (tensions, 3). */
 void placed_bend(const contact_problem *problem, const placed *at, int k, double *found);
 
+/* Whether contacts that may press are missing: there is no room for more, and all that there are lie in the object. */
+int placed_crowded(const objects_contacts *contacts);
+
 /* The contact with the least gap. */
 int placed_nearest(const objects_contacts *contacts);
 

@@ -109,6 +109,7 @@ int fingerfem_find_contacts(const fingerfem_touching *touching, const double *te
         memcpy(found->rotations[plate], body->rotation, sizeof body->rotation);
     }
     found->contacts = state.at.contacts.count;
+    found->inside &= !placed_crowded(&state.at.contacts);
     for (int k = 0; k < found->contacts; k++) note(&problem, &state.at, k, ground, found);
     return 1;
 }

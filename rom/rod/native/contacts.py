@@ -18,7 +18,8 @@ class Contacts(NamedTuple):
     """B bodies that bear wrenches, among them the n plates, and m contacts.
 
     Attributes:
-        inside: whether tensions and wrenches lie where the elements were trained.
+        inside: whether tensions and wrenches lie where the elements were trained, and no contact that may press is
+            missing for want of room.
         centres, rotations: of the plates, shapes (n, 3) [m] and (n, 3, 3).
         bodies: which of the finger's loads each bears, see `rom.rod.native.loads`, shape (B,).
         motions: R^T dc, R^T dtheta of all bodies by all of their wrenches, shape (6 B, 6 B).

@@ -157,6 +157,13 @@ void placed_leaving(const contact_problem *problem, const chain_body *body, doub
     for (int i = 0; i < 3; i++) found[i] = r[i] * e[0] + r[3 + i] * e[1] + r[6 + i] * e[2];
 }
 
+int placed_crowded(const objects_contacts *contacts)
+{
+    double largest = -INFINITY;
+    for (int k = 0; k < contacts->count; k++) largest = fmax(largest, contacts->gaps[k]);
+    return contacts->count == FINGERFEM_MOST_CONTACTS && largest < 0.0;
+}
+
 int placed_nearest(const objects_contacts *contacts)
 {
     int least = 0;

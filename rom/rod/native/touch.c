@@ -237,7 +237,7 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
         evaluations > 0)
         evaluations = -evaluations;
     if (more) reported_rows(&problem, &state, !touches, more->changes, more->wanted);
-    *inside &= evaluations > 0 && (!touches || response_stable(&problem, &state));
+    *inside &= evaluations > 0 && (!touches || (response_stable(&problem, &state) && !placed_crowded(&state.at.contacts)));
     if (touches && touch > by_plates && touch - d > ROUNDING && out[3] == 0.0) *inside = 0; /* the object is in the rubber, or passed it */
     for (int k = 0; k < t; k++)
         if (held[k] != point[k]) {
