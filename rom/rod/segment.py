@@ -22,7 +22,7 @@ from rom.rod import native
 # Of rubber pressed by a line along the segment, on a face and on an edge: force per length and depth, over Young's
 # modulus [-]. Fitted to full-order states on 20 x 5 cells of order 2 (studies/rods/rubber.py).
 INDENTED = 0.75, 0.35
-UNDER = 0.4  # of half the side: depth of tendons that lift the face above them [-]
+UNDER = 0.4  # over half the side: largest depth of a tendon that raises a ridge on the face above it [-]
 
 
 @brief

@@ -44,8 +44,8 @@ class Segment:
             map of the tensions to what their polynomials are of.
         half_lengths: of the plate along its own axes, shape (3,) [m].
         stiffness: of rubber pressed by a line along the segment, on a face and on an edge [Pa].
-        ridges: by its tension and the curvature towards the face across y or z that each tendon lies under, how far it
-            lifts that; negative at -y and -z, shape (t, 2) [1/Pa]; None where no tendon does.
+        ridges: height of the ridge above each tendon, over its tension and the curvature, for faces across y and
+            across z; negative for the faces at -y and -z, shape (t, 2) [1/Pa]; None without ridges.
         corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
         outlines: of every element, shared as its law is; None if nothing is known of the rubber's surface.
         shortenings: of every element, shared as its law is: how much shorter the segment's tendons are in it, in the

@@ -44,7 +44,7 @@ static int any(int count, const double *values)
     return found;
 }
 
-/* One step, of which a share is gone; returns the largest change of what a plate bears over its box, negative if there is none. */
+/* One Newton step, shortened to the fraction `most`; returns the largest change of a transmitted wrench over its box, negative on failure. */
 static double step(const contact_problem *problem, double most, contact_state *state)
 {
     const fingerfem_chain *chain = problem->touching->chain;

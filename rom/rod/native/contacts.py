@@ -21,18 +21,18 @@ class Contacts(NamedTuple):
         inside: whether tensions and wrenches lie where the elements were trained, and no contact that may press is
             missing for want of room.
         centres, rotations: of the plates, shapes (n, 3) [m] and (n, 3, 3).
-        bodies: which of the finger's loads each bears, see `rom.rod.native.loads`, shape (B,).
+        bodies: the index of each one's load, see `rom.rod.native.loads`, shape (B,).
         motions: R^T dc, R^T dtheta of all bodies by all of their wrenches, shape (6 B, 6 B).
         labels: of the contacts.
         segments: at which each is, shape (m,).
         rubber: whether it is rubber that may touch, shape (m,).
         gaps: negative inside the object, shape (m,) [m].
-        compliances: what each yields by itself, shape (m,) [m/N].
+        compliances: local, of each contact, shape (m,) [m/N].
         places: of the finger's points, shape (m, 3) [m].
         axes: normals out of the object and two tangents, shape (m, 3, 3).
         arms: the wrenches on all bodies of unit forces along these axes, shape (6 B, 3 m).
-        on: the rows of motions and arms that each acts on; of the clamp, where nothing moves, shape (m, 12), one
-            beyond the last.
+        on: rows of motions and arms of the bodies that each contact loads, shape (m, 12); for the fixed clamp, the
+            number of rows.
         changes: of the wrenches in these rows as the bodies there move, shape (m, 3, 12, 12).
         compiled: a struct fingerfem_contacts.
     """

@@ -104,8 +104,8 @@ typedef struct {
     const double *element_lengths;       /* (elements): at rest [m] */
     double half_lengths[3];              /* of the plate along its own axes [m] */
     double face_stiffness, edge_stiffness; /* of rubber pressed by a line along the segment, on a face and on an edge, per length [Pa] */
-    const double *ridges;                /* (tensions, 2): by its tension and the curvature towards the face across y, or across z, that
-                                            a tendon lies under, how far it lifts that; negative at -y and -z [1/Pa] */
+    const double *ridges;                /* (tensions, 2): height of the ridge above each tendon, over its tension and the curvature, for
+                                            faces across y and across z; negative for the faces at -y and -z [1/Pa] */
     int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */
     const double *corner_coefficients;   /* (corner_monomials, FINGERFEM_CORNERS) */
 } fingerfem_segment;
@@ -225,12 +225,13 @@ typedef struct {
 int fingerfem_touch_pressing(const fingerfem_touching *touching, const double *point, double *memory, double *loads,
                              fingerfem_pressing *pressing);
 
-/* Bodies under loads, and what an object may touch there: for laws of contact that are solved elsewhere. Of each body which of the
- * chain's wrenches it bears, and R^T dc, R^T dtheta by all wrenches on bodies, (6 bodies, 6 bodies). Of each contact: plate or
- * slice of rubber, and what of it; the segment; the bodies that a force goes to, -1 for the ground; gap [m] and what it yields by itself [m/N]; the
- * material point, of a plate in its frame [m], of a slice by its coordinates [-]; the place in space [m], the normal out of the object and two
- * tangents; the wrench that a unit force along each of these puts on both bodies; and how this changes as both bodies move,
- * while the tangents turn with the normal. */
+/* Bodies under loads, and their possible contacts with an object, for contact laws that are solved by the caller.
+ * Of each body: the index of its load, and its motion R^T dc, R^T dtheta by the wrenches on all bodies, (6 bodies, 6 bodies).
+ * Of each contact: the plate or slice of rubber (`parts`), its corner, edge or face (`names`), and the segment; the loaded bodies
+ * (`on`), -1 for the ground; the gap [m] and the local compliance [m/N]; the material point, in the plate's frame [m] or in
+ * coordinates of the slice [-]; the place in space [m]; the normal out of the object and two tangents; the wrenches of unit forces
+ * along these on both bodies (`arms`); and the derivatives of these wrenches by the motions of both bodies (`changes`), where the tangents
+ * rotate with the normal. */
 typedef struct {
     int32_t inside, bodies, contacts, loads[FINGERFEM_MOST_BODIES];
     double centres[FINGERFEM_MOST_PLATES][3], rotations[FINGERFEM_MOST_PLATES][9]; /* of the plates */
