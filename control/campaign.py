@@ -92,7 +92,7 @@ def run(
     """Hold `contact_force` [N] at random distances from random starts; or, as the authors' sweep, on a grid.
 
     Args:
-        model: the surrogate.
+        model: of the finger.
         starts: how many; a sweep has the nearest square.
         contact_force: [N].
         sweep: every distance with every start of the lead tendon, the others slack.

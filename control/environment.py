@@ -32,7 +32,7 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
     the target, at least -1; an object pressed with twice its target is crushed, which costs 10 and ends the episode.
 
     Args:
-        model: the surrogate of a scene with an obstacle.
+        model: of a finger before an obstacle.
         targets: least and largest contact force [N].
         change: most that a tension changes in a step [N].
         steps: of an episode.

@@ -24,7 +24,7 @@ class Finger:
     """Controls one finger through its model.
 
     Args:
-        model: a surrogate, or a segment that an object touches.
+        model: a finger that an object touches, or a separated model.
         limits: of the tensions and of their rate.
 
     Raises:

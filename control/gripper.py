@@ -76,7 +76,7 @@ class Gripper:
     finger i.
 
     Args:
-        model: the surrogate of every finger.
+        model: that of every finger.
         fingers: how many.
         radius: of the circle of fingers [m].
         limits: of every finger's tensions and of their rate.

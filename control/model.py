@@ -13,7 +13,7 @@ from rom.native.answer import Answer
 class Model(Protocol):
     """A finger's answers by tensions and, where it has an obstacle, that one's distance: p parameters.
 
-    `rom.Surrogate` is one, and `rom.segment.TouchedSegment`.
+    `rom.TouchedSegment` is one, and `rom.SeparatedModel`.
     """
 
     @property
@@ -22,7 +22,7 @@ class Model(Protocol):
 
     @property
     def has_pad(self) -> bool:
-        """Whether it knows a pad's pressure."""
+        """Whether it has a pad's pressure."""
 
     @property
     def parameters(self) -> list[dict[str, Any]]:
@@ -45,7 +45,7 @@ class Model(Protocol):
         """Its own fields of a struct control_finger."""
 
     def outputs(self, points: np.ndarray) -> np.ndarray:
-        """Tip [m], contact force [N], touch distance [m], and pad pressure [Pa] if known, shape (n, 5 or 6)."""
+        """Tip [m], contact force [N], touch distance [m], and pad pressure [Pa] if it has one, shape (n, 5 or 6)."""
 
     def evaluate(self, parameters: ArrayLike) -> Answer:
         """The same with estimated errors, at one point or many."""

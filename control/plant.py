@@ -69,14 +69,14 @@ class Sensor:
 
 
 class SimulatedPlant:
-    """A finger played by a surrogate, in front of a plane that the controller does not know.
+    """A finger simulated by a model, in front of a plane whose distance the controller does not have.
 
     Attributes:
         contact_force: the true one, after the last pull [N].
         age: of the last reading [s].
 
     Args:
-        model: the surrogate.
+        model: of the finger.
         distance: of the plane [m].
         flaws: none if left out.
         seed: of the noise.

@@ -69,10 +69,10 @@ def known(model: Model, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) 
     """What is known of a finger within limits of its tensions [N], shapes (tensions,): a struct control_finger.
 
     Args:
-        model: its surrogate.
+        model: its model.
         lower: limits.
         upper: limits.
-        row: of the surrogate's answer that it presses with: contact force, or pad pressure.
+        row: of the model's answer that it presses with: contact force, or pad pressure.
     """
     pages, unit = atlas(model, lower, upper, row)
     ends = [float(end[-1]) for end in model.limits] if model.has_obstacle else [0.0, 0.0]

@@ -1,44 +1,38 @@
-"""A model's answer beside the full-order model's, which begins at a surrogate's own displacement field."""
+"""A model's answer beside the full-order model's."""
 
 from __future__ import annotations
 
-import contextlib
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fingerfem.discretisation.node_order import NodeOrder
-from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.model import FingerModel
 from fingerfem.scene.scene import Scene
 from rom.native.answer import Answer
 from rom.rod import rod
 from rom.rod.touched_segment import TouchedSegment
-from rom.surrogate import Surrogate
+from rom.separated.model import SeparatedModel
 
-NEAREST = 1e-4  # of a plane before a segment's map, whose model knows no nearest one [m]
+NEAREST = 1e-4  # of a plane before a finger of elements, which has no nearest one [m]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Certificate:
-    """What a model said at one point, and what is true on its mesh.
+    """A model's answer at one point, and the full-order model's on its mesh.
 
     Attributes:
         answer: the model's.
         tip: displacement of the tip plate's centre by the full-order model, shape (3,) [m].
         contact_force: likewise [N]; None without a plane.
         factorisations: that the full-order model needed.
-        began: where it began: `field`, the surrogate's; `free`, that of the free finger, to which the plane then came;
-            or `rest`.
     """
 
     answer: Answer
     tip: np.ndarray
     contact_force: float | None
     factorisations: int
-    began: str
 
     @property
     def errors(self) -> dict[str, float]:
@@ -51,7 +45,7 @@ class Certificate:
     @property
     def covered(self) -> bool:
         """Whether the model's own estimates cover them; they say nothing of a point that is not inside."""
-        estimated = self.answer.error_parts["surrogate"]
+        estimated = self.answer.error
         return bool(self.answer.inside) and all(error <= estimated[name] for name, error in self.errors.items())
 
     def as_json(self) -> dict[str, Any]:
@@ -62,7 +56,7 @@ class Certificate:
                 "answer": np.asarray(getattr(self.answer, name)).tolist(),
                 "full_order": full_order[name],
                 "error": error,
-                "estimated_error": float(self.answer.error_parts["surrogate"][name]),
+                "estimated_error": float(self.answer.error[name]),
             }
             for name, error in self.errors.items()
         }
@@ -70,75 +64,51 @@ class Certificate:
             "inside": bool(self.answer.inside),
             "covered": self.covered,
             "factorisations": self.factorisations,
-            "began": self.began,
         }
 
 
 class Certifier:
-    """Solves with the full-order model what a model answers.
+    """Solves with the full-order model, from rest, what a model answers.
 
     Args:
-        model: a surrogate that knows the displacement field, at which the full-order model begins; or a segment's map
-            before the plane y = side/2 + d: its field is not near enough, and the full-order model begins at rest.
+        model: a finger of elements before the plane y = side/2 + d, or a separated model of full-order states.
 
     Raises:
-        ValueError: a surrogate that does not know the field.
+        ValueError: a table of a finger before another object, or of one that is itself a model.
     """
 
-    def __init__(self, model: Surrogate | TouchedSegment):
-        if isinstance(model, Surrogate) and not model.has_field:
-            raise ValueError("model must know the displacement to be certified (sampling.store), got one that does not")
+    def __init__(self, model: SeparatedModel | TouchedSegment):
+        if isinstance(model, SeparatedModel) and "specialised_from" in model.provenance:
+            raise ValueError("model must be a finger or a table of full-order states, got a table of a finger")
         self.model, self.full_order = model, FingerModel(Scene.model_validate(full_order_scene(model)))
-        self._numbering = NodeOrder(self.full_order.problem)
 
     def certify(self, tensions: ArrayLike, distance: float | None = None) -> Certificate:
         """Both answers at tensions [N], shape (t,), and the plane's distance [m]; None leaves it away.
 
         Raises:
             ValueError: a tension or distance that the scene does not allow.
-            LoadNotReached: the full-order model has no answer, from rest either.
+            LoadNotReached: the full-order model has no answer.
         """
         full_order, pulled = self.full_order, np.asarray(tensions, float)
         full_order.check_loads(pulled, distance)
         newton, problem = full_order.continuation.newton, full_order.problem
-        before, began = newton.factorisations, self._solve(pulled, distance)
+        before = newton.factorisations
+        full_order.solve(pulled, distance, sensitivities=False)
         return Certificate(
             answer=self.model.evaluate(_point(self.model, pulled, distance)),
             tip=problem.tip(),
             contact_force=None if distance is None or problem.contact is None else problem.contact.force(),
             factorisations=newton.factorisations - before,
-            began=began,
         )
 
-    def _begin(self, model: Surrogate, pulled: np.ndarray, distance: float | None) -> None:
-        """Solve from the surrogate's field."""
-        continuation = self.full_order.continuation
-        field = model.displacement(_point(model, pulled, distance))
-        continuation.start(pulled, distance, self._numbering.scatter(field))
-        continuation.newton.solve()
 
-    def _solve(self, pulled: np.ndarray, distance: float | None) -> str:
-        """Solve from the nearest start that leads there; which it was."""
-        if isinstance(self.model, Surrogate):
-            with contextlib.suppress(NotConverged):
-                self._begin(self.model, pulled, distance)
-                return "field"
-            with contextlib.suppress(LoadNotReached, NotConverged):
-                # Which nodes press is not known to a micrometre: the plane comes.
-                self._begin(self.model, pulled, None)
-                self.full_order.continuation.advance(pulled, distance)
-                return "free"
-        self.full_order.solve(pulled, distance, sensitivities=False)
-        return "rest"
-
-
-def full_order_scene(model: Surrogate | TouchedSegment) -> dict[str, Any]:
+def full_order_scene(model: SeparatedModel | TouchedSegment) -> dict[str, Any]:
     """The scene that the full-order model solves, as plain data: of a finger of elements, before the plane.
 
     Its cells are as large against the section as those of the training, or of the finer mesh whose states have
     corrected the elements.
     """
-    if isinstance(model, Surrogate):
+    if isinstance(model, SeparatedModel):
         return model.scene
     nearest, farthest = model.obstacle.distances
     plane = {"distance": [max(nearest, NEAREST), farthest], "method": "penalty"}
@@ -160,5 +130,5 @@ def _mesh(finger: rod.Rod) -> dict[str, Any]:
     }
 
 
-def _point(model: Surrogate | TouchedSegment, pulled: np.ndarray, distance: float | None) -> np.ndarray:
+def _point(model: SeparatedModel | TouchedSegment, pulled: np.ndarray, distance: float | None) -> np.ndarray:
     return np.append(pulled, [np.inf if distance is None else distance] if model.has_obstacle else [])

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
     from rom.rod.rod import Rod
     from rom.rod.touched_segment import TouchedSegment
-    from rom.specialised.rod_source import specialise
-    from rom.surrogate import Surrogate
+    from rom.separated.model import SeparatedModel
+    from rom.separated.rod_source import specialise
 
 # Where each is.
 _HOMES = {
@@ -24,12 +24,12 @@ _HOMES = {
     "Hull": "rom.rod.objects.shapes",
     "Plane": "rom.rod.objects.shapes",
     "Sphere": "rom.rod.objects.shapes",
-    "Surrogate": "rom.surrogate",
+    "SeparatedModel": "rom.separated.model",
     "TouchedSegment": "rom.rod.touched_segment",
     "box": "rom.rod.objects.shapes",
     "find_object": "rom.rod.objects.search",
     "friction_history": "rom.rod.friction.history",
-    "specialise": "rom.specialised.rod_source",
+    "specialise": "rom.separated.rod_source",
 }
 __all__ = [
     "Answer",
@@ -37,8 +37,8 @@ __all__ = [
     "Cylinder",
     "Hull",
     "Plane",
+    "SeparatedModel",
     "Sphere",
-    "Surrogate",
     "TouchedSegment",
     "box",
     "find_object",
@@ -48,12 +48,12 @@ __all__ = [
 ]
 
 
-def load(path: str | Path | None = None, tolerance: float = 0.0) -> TouchedSegment | Surrogate:
-    """Read a model file of any kind: a finger of elements, before the plane y = side/2 + d, or a surrogate or table.
+def load(path: str | Path | None = None, tolerance: float = 0.0) -> TouchedSegment | SeparatedModel:
+    """Read a model file of any kind: a finger of elements, before the plane y = side/2 + d, or a separated model.
 
     Args:
         path: the file; None reads the bundled finger.
-        tolerance: of a surrogate: keep only the terms needed for this relative separation error [-]; 0 keeps all.
+        tolerance: of a separated model: keep only the terms needed for this relative separation error [-]; 0 keeps all.
 
     Raises:
         ModelError: no file, no model, a damaged one, or one of another format.
@@ -65,10 +65,10 @@ def load(path: str | Path | None = None, tolerance: float = 0.0) -> TouchedSegme
     from rom.checked_file import kind_of
     from rom.rod import rod
     from rom.rod.touched_segment import TouchedSegment
-    from rom.surrogate import Surrogate
+    from rom.separated.model import SeparatedModel
 
     if path is not None and kind_of(Path(path)) != rod.KIND:
-        return Surrogate.load(path, tolerance=tolerance)
+        return SeparatedModel.load(path, tolerance=tolerance)
     if tolerance:
         raise ValueError(f"tolerance must be left out for a finger of elements, got {tolerance:g}")
     return TouchedSegment.load(path)

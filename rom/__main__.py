@@ -20,38 +20,29 @@ from rom.file_kinds import uses_of
 from rom.rod import rod
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
-from rom.snapshots.description import difference
+from rom.separated.alternating_directions import EnrichmentOptions
+from rom.separated.model import SeparatedModel
+from rom.separated.tabulated import NODES, TERMS, TOLERANCE
 from rom.snapshots.snapshot_set import SnapshotSet
-from rom.summaries import origin, rod_summary, summary
-from rom.surrogate import Surrogate
+from rom.summaries import origin, rod_summary, separated_summary
 from rom.table import percent
 from rom.terminal import log_lines, say, steps
 
 MOST = 1.0  # expected relative error of a model that is written [-]
 app = application()
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
+Tolerance = Annotated[
+    float, typer.Option(min=0, max=0.5, help="Of a table: keep only the terms this relative error needs.")
+]
 
 
 @app.command()
 def build(
     folder: Annotated[Path, typer.Argument(metavar="SET/", help="A complete training set.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="MODEL.h5")],
-    tolerance: Annotated[
-        float | None,
-        typer.Option(
-            min=1e-12, max=0.5, help="Relative error of the separation; 3e-4, or what the scene's accuracy chose."
-        ),
-    ] = None,
-    terms: Annotated[
-        int | None,
-        typer.Option(min=1, max=10_000, help="Most products of one separated form, 100."),
-    ] = None,
     held_out: Annotated[
         Path | None,
         typer.Option(metavar="HELDOUT/", help="Measure the error on these states."),
-    ] = None,
-    coarse: Annotated[
-        Path | None, typer.Option(metavar="SET/", help="States of the same finger on a coarser mesh, to be corrected.")
     ] = None,
     finer: Annotated[
         list[Path] | None,
@@ -61,63 +52,67 @@ def build(
             "pressed ones correct the elements; may be given several times.",
         ),
     ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Write a model that expects errors above 100 %, or lacks its coarse set.")
-    ] = False,
+    nodes: Annotated[int | None, typer.Option(min=4, max=200, help="Of a grid: nodes of every axis, 32.")] = None,
+    terms: Annotated[
+        int | None, typer.Option(min=1, max=10_000, help="Of a grid: most products of a form, 200.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Write a model with expected errors above 100 %.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Separate a snapshot set and write the model file; of a scene with a load, train rod elements and its finger."""
+    """Build a model: rod elements and their finger from pressed states, a separated model from states on a grid."""
     log_lines()
     check_folder(output)
-    snapshots = SnapshotSet(folder)
-    if snapshots.description.has_load:
-        for name, value in (("tolerance", tolerance), ("terms", terms), ("coarse", coarse)):
-            if value is not None:
-                raise ValueError(f"{name} must be left out for a set of a scene with a load, got {value}")
-        from rom.build import train_rod
+    snapshots, finer_sets = SnapshotSet(folder), [SnapshotSet(one) for one in finer or []]
+    states = None if held_out is None else held_out_of(held_out)
+    if not snapshots.description.has_load:
+        separate_set(snapshots, output, states, finer_sets, nodes, terms, force, as_json)
+    for name, value in (("nodes", nodes), ("terms", terms)):
+        if value is not None:
+            raise ValueError(f"{name} must be left out for a set of a scene with a load, got {value}")
+    from rom.build import train_rod
 
-        states, finer_sets = (None if held_out is None else SnapshotSet(held_out)), map(SnapshotSet, finer or [])
-        with steps() as progress:
-            finger = train_rod(snapshots, origin(snapshots), list(finer_sets), progress)
-        finger = finger if states is None else finger.with_accuracy(check_rod(finger, states))
-        check_expected(finger.errors.contact_force, output, force)
-        finger.save(output)
-        show(rod_summary(finger), finger.tables(), as_json)
-    if not force and coarse is None and snapshots.description.scene.get("coarse"):
-        raise ValueError(
-            f"coarse must be given, as the scene of {folder} names a coarse mesh, got none: solve its states by "
-            "fingerfem snapshots --coarse, then rom build --coarse SET/; --force builds without them"
-        )
-    from rom.build import train
-    from rom.error_model import calibrated, covering_training, expected_error, with_mesh_error
-    from rom.held_out import accuracy, check, check_against, check_finer
-    from rom.separated.alternating_directions import EnrichmentOptions
-
-    if tolerance is None:
-        expected = snapshots.description.scene.get("expected") or {}
-        tolerance = expected.get("tolerance", EnrichmentOptions().tolerance)
-    options = EnrichmentOptions(tolerance=tolerance, **({} if terms is None else {"terms": terms}))
-    states = None if held_out is None else held_out_of(snapshots, held_out)
-    if finer and len(finer) > 1:
-        raise ValueError(f"finer must be one set for a scene without a load, got {len(finer)}")
-    finer_states = SnapshotSet(finer[0]) if finer else None
-    if finer_states is not None:
-        check_finer(snapshots.description.scene, finer_states)
     with steps() as progress:
-        model = train(snapshots, options, None if coarse is None else SnapshotSet(coarse), progress=progress)
-        if states is not None:
-            model = calibrated(model, states)
-        model = covering_training(model, snapshots)
-        if states is not None:
-            model = replace(model, accuracy=accuracy(check(model, states, progress)))
-        if finer_states is not None:
-            model = with_mesh_error(model, finer_states)
-            total = accuracy(check_against(model, finer_states, progress))
-            model = replace(model, accuracy=model.accuracy | {"against_finer_mesh": total})
-    measured = model.accuracy.get("contact_force", {}).get("p95")
-    check_expected(expected_error(model, snapshots) if measured is None else measured, output, force)
-    model.save(output)
-    show(summary(model), model.tables(), as_json)
+        finger = train_rod(snapshots, origin(snapshots), finer_sets, progress)
+    finger = finger if states is None else finger.with_accuracy(check_rod(finger, states))
+    check_expected(finger.errors.contact_force, output, force)
+    finger.save(output)
+    show(rod_summary(finger), finger.tables(), as_json)
+
+
+def separate_set(
+    snapshots: SnapshotSet,
+    output: Path,
+    held_out: SnapshotSet | None,
+    finer: list[SnapshotSet],
+    nodes: int | None,
+    terms: int | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Separate states on a grid, write the model, and end."""
+    from rom.build import separate_grid
+
+    if len(finer) > 1:
+        raise ValueError(f"finer must be one set for a scene without a load, got {len(finer)}")
+    with steps() as progress:
+        table = separate_grid(
+            snapshots,
+            nodes or NODES,
+            enrichment(terms or TERMS),
+            held_out=held_out,
+            finer=finer[0] if finer else None,
+            progress=progress,
+        )
+    write_separated(table, output, force, as_json)
+
+
+def write_separated(table: SeparatedModel, output: Path, force: bool, as_json: bool) -> None:
+    """Write a separated model unless its contact force is off by more than itself, and end."""
+    measured = table.accuracy.get("contact_force", {}).get("p95")
+    if measured is not None:
+        check_expected(measured, output, force)
+    table.save(output)
+    show(separated_summary(table), table.tables(), as_json)
 
 
 def check_folder(output: Path) -> None:
@@ -134,15 +129,12 @@ def check_expected(error: float, output: Path, force: bool) -> None:
         raise SystemExit(NOTHING_USABLE)
 
 
-def held_out_of(training: SnapshotSet, folder: Path) -> SnapshotSet:
-    """A training set's held-out set, looked at before there is a model to measure."""
-    found = SnapshotSet(folder)
-    if not found.description.random:
+def held_out_of(folder: Path) -> SnapshotSet:
+    """A held-out set."""
+    states = SnapshotSet(folder)
+    if not states.description.random:
         raise ValueError(f"{folder}: must be a held-out set (made with --random){uses_of(folder)}")
-    if found.description.fingerprint != training.description.fingerprint:
-        other = difference(training.description.scene, found.description.scene)
-        raise ValueError(f"{folder}: must hold states of the training set's scene: {other}")
-    return found
+    return states
 
 
 def check_rod(finger: Rod, held_out: SnapshotSet) -> dict:
@@ -151,10 +143,15 @@ def check_rod(finger: Rod, held_out: SnapshotSet) -> dict:
         from rom.rod.check import check_pressed
 
         return check_pressed(finger, held_out)
-    from rom.held_out import check_plane
+    return check_before_plane(finger, held_out)
+
+
+def check_before_plane(model: Rod | SeparatedModel, held_out: SnapshotSet) -> dict:
+    """Errors of a model in states before the plane."""
+    from rom.held_out import check
 
     with steps() as progress:
-        return check_plane(finger, held_out, progress)
+        return check(model, held_out, progress)
 
 
 @app.command()
@@ -173,50 +170,30 @@ def assemble(
 
 @app.command()
 def specialise(
-    source: Annotated[
-        Path, typer.Argument(metavar="FINGER.h5|SET/", help="A finger of elements, or a training set on a grid.")
-    ],
+    source: Annotated[Path, typer.Argument(metavar="FINGER.h5", help="A finger of rod elements.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="TABLE.h5")],
     distances: Annotated[
         tuple[float, float] | None,
-        typer.Option(
-            metavar="LOW HIGH", help="Range of d [m] of a finger; from a fiftieth to 0.62 of its length by default."
-        ),
+        typer.Option(metavar="LOW HIGH", help="Range of d [m]; from a fiftieth to 0.62 of the length by default."),
     ] = None,
-    held_out: Annotated[
-        Path | None, typer.Option(metavar="HELDOUT/", help="Measure the error of a set's table on these states.")
-    ] = None,
-    nodes: Annotated[int, typer.Option(min=4, max=200, help="Nodes of every axis.")] = 32,
-    terms: Annotated[int, typer.Option(min=1, max=10_000, help="Most products of a form; fewer on few nodes.")] = 200,
+    nodes: Annotated[int, typer.Option(min=4, max=200, help="Nodes of every axis.")] = NODES,
+    terms: Annotated[int, typer.Option(min=1, max=10_000, help="Most products of a form; fewer on few nodes.")] = TERMS,
     force: Annotated[bool, typer.Option("--force", help="Write a table with errors above 100 %.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Separate answers before the plane y = side/2 + d, as the paper does: a table that answers in a microsecond."""
-    from rom.separated.alternating_directions import EnrichmentOptions
-    from rom.specialised.grid_source import separate_grid
-    from rom.specialised.rod_source import specialise as specialised
-    from rom.specialised.table import TOLERANCE
+    """Separate a finger's answers before the plane y = side/2 + d: a table that answers in a microsecond."""
+    from rom.separated.rod_source import specialise as specialised
 
     check_folder(output)
-    options = EnrichmentOptions(tolerance=TOLERANCE, terms=terms)
-    if source.is_dir():
-        if distances is not None:
-            raise ValueError("distances must be left out for a set, whose scene has a range of d")
-        snapshots = SnapshotSet(source)
-        states = None if held_out is None else held_out_of(snapshots, held_out)
-        with steps() as progress:
-            table = separate_grid(snapshots, nodes, options, held_out=states, progress=progress)
-    else:
-        if held_out is not None:
-            raise ValueError("held-out must be left out for a finger of elements, which a table is compared with")
-        finger = before_plane(TouchedSegment.load(source), distances)
-        with steps() as progress:
-            table = specialised(finger, nodes, options, progress=progress)
-    measured = table.accuracy.get("contact_force", {}).get("p95")
-    if measured is not None:
-        check_expected(measured, output, force)
-    table.save(output)
-    show(summary(table), table.tables(), as_json)
+    finger = before_plane(TouchedSegment.load(source), distances)
+    with steps() as progress:
+        table = specialised(finger, nodes, enrichment(terms), progress=progress)
+    write_separated(table, output, force, as_json)
+
+
+def enrichment(terms: int) -> EnrichmentOptions:
+    """Options of the separation with at most so many products."""
+    return EnrichmentOptions(tolerance=TOLERANCE, terms=terms)
 
 
 def before_plane(finger: TouchedSegment, distances: tuple[float, float] | None) -> TouchedSegment:
@@ -231,32 +208,15 @@ def before_plane(finger: TouchedSegment, distances: tuple[float, float] | None) 
 @app.command("check")
 def check_model(
     model: ModelFile,
-    held_out: Annotated[
-        Path | None, typer.Argument(metavar="SET/", help="Made with --random; or the training set itself.")
-    ] = None,
-    against: Annotated[
-        Path | None, typer.Option(metavar="FINER/", help="One on a finer mesh: mesh and surrogate err together.")
-    ] = None,
-    tolerance: Annotated[
-        float, typer.Option(min=0, max=0.5, help="Keep only the terms this relative error needs.")
-    ] = 0.0,
+    states: Annotated[Path, typer.Argument(metavar="SET/", help="Held-out or training states, of any mesh.")],
+    tolerance: Tolerance = 0.0,
     as_json: AsJson = False,
 ) -> None:
     """Compare a model with full-order states: held-out ones, or those that it was trained on."""
-    if held_out is None and against is None:
-        raise ValueError("SET/ or --against FINER/ must be given, got neither")
-    if kind_of(model) == rod.KIND:
-        if held_out is None or against is not None:
-            raise ValueError("against must be left out for a finger of elements: SET/ may be of any mesh")
-        found = check_rod(Rod.load(model), SnapshotSet(held_out))
-        show(found, check_parts(found), as_json)
-    from rom.held_out import check, check_against
-
-    surrogate = Surrogate.load(model, tolerance=tolerance)
-    with steps() as progress:
-        report = check(surrogate, SnapshotSet(held_out), progress) if held_out is not None else {}
-        if against is not None:
-            report["against"] = check_against(surrogate, SnapshotSet(against), progress)
+    known, snapshots = load(model, tolerance), SnapshotSet(states)
+    report = (
+        check_rod(known.rod, snapshots) if isinstance(known, TouchedSegment) else check_before_plane(known, snapshots)
+    )
     show(report, check_parts(report), as_json)
 
 
@@ -266,17 +226,15 @@ def info(model: ModelFile, as_json: AsJson = False) -> None:
     if kind_of(model) == rod.KIND:
         finger = Rod.load(model)
         show(rod_summary(finger), finger.tables(), as_json)
-    known = Surrogate.load(model)
-    show(summary(known), known.tables(), as_json)
+    known = SeparatedModel.load(model)
+    show(separated_summary(known), known.tables(), as_json)
 
 
 @app.command("export")
 def export_model(
     model: ModelFile,
     output: Annotated[Path, typer.Argument(metavar="FINGER.h|FINGER.fmu", help="A C header or an FMU, by its ending.")],
-    tolerance: Annotated[
-        float, typer.Option(min=0, max=0.5, help="Keep only the terms this relative error needs.")
-    ] = 0.0,
+    tolerance: Tolerance = 0.0,
     fmi: Annotated[int, typer.Option(metavar="2|3", help="Version of FMI of an FMU.")] = 3,
     controller: Annotated[
         bool, typer.Option("--controller", help="An FMU that holds a contact force: tensions come out.")
@@ -309,9 +267,7 @@ def export_model(
 def page(
     model: ModelFile,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="FINGER.html")],
-    tolerance: Annotated[
-        float, typer.Option(min=0, max=0.5, help="Keep only the terms this relative error needs.")
-    ] = 0.0,
+    tolerance: Tolerance = 0.0,
 ) -> None:
     """Write a page for a browser: the finger bends as sliders move, offline and with nothing but the file."""
     from rom.export.page import write

@@ -1,119 +1,32 @@
-"""A snapshot set -> a surrogate: the free states by tensions, the contact states regime by regime.
+"""A snapshot set -> a model: pressed states -> a finger of rod elements, states on a grid -> a separated model.
 
-In free space everything is a smooth function of the tensions; in contact, it is one in every regime
-(snapshots.contact_regimes), of contact-aligned coordinates (fit.contact_coordinates). Each is fitted by a polynomial to
-the values and sensitivities of its states, wherever they lie (fit.chebyshev), and then separated (separation). States
-on a coarser mesh, if there are any, are fitted first, and what they say is corrected by the others
-(snapshots.mesh_transfer).
+Held-out states on a finer mesh measure the error of the training's mesh.
 """
 
 from __future__ import annotations
 
-import logging
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from rom import error_model
-from rom.components import Errors
 from rom.elements import training
+from rom.elements.calibration import conformal
 from rom.elements.samples.section_states import read_section_states
 from rom.file_kinds import uses_of
-from rom.fit import displacement
-from rom.fit.chebyshev import CALM, NOISE
-from rom.fit.contact_coordinates import ContactCoordinates
-from rom.fit.contact_response import ContactResponse, count_regimes
-from rom.fit.free_response import FreeResponse
-from rom.fits import Fits, separated_fits
-from rom.held_out import check_finer
-from rom.rod.rod import Rod
+from rom.held_out import accuracy, before_plane, check, check_finer, differences
+from rom.rod.rod import QUANTITIES, Rod
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.snapshots import mesh_transfer
-from rom.snapshots.contact_regimes import Code
+from rom.separated.grid_model import separated_grid, truth_of
+from rom.separated.model import SeparatedModel
+from rom.separated.table_errors import enlarged
+from rom.separated.tabulated import NODES
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
-from rom.snapshots.training_states import TrainingStates, check_count, read_training_states
-from rom.surrogate import Surrogate
+from rom.summaries import finer_origin, origin
 from rom.terminal import Progress, quiet
 
-logger = logging.getLogger(__name__)
-
-
-def train(
-    snapshots: SnapshotSet,
-    options: EnrichmentOptions,
-    coarse: SnapshotSet | None = None,
-    *,
-    progress: Progress = quiet,
-) -> Surrogate:
-    """Build the surrogate of a training set; states may have failed, and lines that refine it be missing.
-
-    Args:
-        snapshots: the set.
-        options: of the separation.
-        coarse: a set of the same finger on a coarser mesh, which the first then corrects.
-        progress: called with the step, how much of it is done, and how much it is.
-
-    Raises:
-        SnapshotError: a held-out set, or no state with an answer, or none that touches the plane; or sets
-            of two fingers.
-    """
-    description, sets = snapshots.description, [snapshots] if coarse is None else [snapshots, coarse]
-    stored = set.intersection(*(set(one.description.stored) for one in sets))
-    states = [read_training_states(one, stored) for one in sets]
-    for one in sets:
-        _tell_what_is_missing(one)
-    if coarse is not None:
-        mesh_transfer.check_pair(snapshots, coarse)
-    check_count(sets[-1])  # few on a fine mesh correct many
-    has_pad = "pad_pressure" in stored
-    counts = count_regimes(states) if description.has_obstacle else Counter()
-    before = None
-    if coarse is not None:
-        progress("fitting the coarse states", 0, 1)
-        before = _fitted(states[1], counts, options, noise=CALM)
-        progress("fitting the coarse states", 1, 1)
-        if before.moved is not None:
-            before = before._replace(moved=before.moved.on(mesh_transfer.interpolation(coarse.nodes, snapshots.nodes)))
-    progress("fitting the states", 0, 1)
-    free, contact, moved = _fitted(states[0], counts, options, before)
-    progress("fitting the states", 1, 1)
-    if contact is not None:
-        free, contact = contact.with_its_corners(free)
-    lookup, possible = contact.regime_lookup() if contact else (np.zeros(1, np.int64), np.zeros(1, np.uint64))
-    unknown = Errors(
-        tip=np.nan,
-        displacement=np.nan,
-        touch_distance=np.nan,
-        contact=np.full((len(lookup), 3 + has_pad), np.nan),
-        margin=0.0,
-    )
-    model = Surrogate(
-        parameters=description.parameters,
-        **separated_fits(Fits(free, contact, moved), options, progress),
-        regime_lookup=lookup,
-        possible_regimes=possible,
-        coordinates=ContactCoordinates(0.0, 1.0) if contact is None else contact.coordinates,
-        errors=unknown,
-        lead=description.lead,
-        nodes=snapshots.nodes if moved is not None else np.zeros((0, 3)),
-        scene=description.scene,
-        accuracy={},
-        provenance={
-            "fingerprint": description.fingerprint,
-            "versions": description.versions,
-            "states": snapshots.states,
-            "failed": len(snapshots.failures),
-            "tolerance": options.tolerance,
-        }
-        | ({} if coarse is None else {"coarse": _origin(coarse)}),
-    )
-    progress("estimating the errors", 0, 1)
-    model = replace(model, errors=error_model.estimate(model, states[0], free, contact, moved))
-    progress("estimating the errors", 1, 1)
-    return model
+FEWEST = 3  # states on a finer mesh that touch
 
 
 def train_rod(
@@ -141,46 +54,68 @@ def train_rod(
         raise ValueError(f"finer must be one set of pressed states at most, got {len(pressed)}")
     sections = read_section_states(snapshots)
     corrects = read_section_states(pressed[0], sections.at) if pressed else None
-    provenance = provenance | ({"corrected_by": error_model.origin_of(pressed[0])} if pressed else {})
+    provenance = provenance | ({"corrected_by": finer_origin(pressed[0])} if pressed else {})
     finger = Rod(elements=training.train(sections, provenance, progress, corrects), scene=sections.scene)
-    return error_model.rod_with_mesh_error(finger, before_plane) if before_plane else finger
+    return with_mesh_error(finger, before_plane) if before_plane else finger
 
 
-def _tell_what_is_missing(snapshots: SnapshotSet) -> None:
-    description = snapshots.description
-    for task, parameters, reason in snapshots.failures:
-        named = zip(description.parameters, parameters, strict=True)
-        at = " ".join(f"{one['name']}={value:.6g}" for one, value in named if np.isfinite(value))
-        logger.warning("done without the failed state of %s at %s: %s", task, at, reason)
-    if snapshots.missing:
-        logger.warning(
-            "done without %d lines of states that are not solved yet; fingerfem snapshots goes on with them",
-            len(snapshots.missing),
+def with_mesh_error(rod: Rod, finer: Sequence[SnapshotSet]) -> Rod:
+    """A finger of elements whose estimated errors are enlarged, where need be, to what held-out states show.
+
+    They are of a finer mesh, before the plane y = side/2 + d. The least factor is the conformal quantile, see
+    `rom.elements.calibration`: it holds of states drawn like these.
+
+    Raises:
+        SnapshotError: not such states of the finger on a finer mesh, or too few that touch.
+    """
+    ratios: dict[str, list[np.ndarray]] = {name: [] for name in QUANTITIES}
+    for one in finer:
+        model = before_plane(rod, one)
+        check_finer(rod.scene, one)
+        answers, off = model.evaluate(one.random("parameters")), differences(model, one)
+        touched = answers.inside & (answers.contact_force > 0) & (one.random("contact_force") > 0)
+        counted = {name: touched if name == "contact_force" else answers.inside for name in QUANTITIES}
+        for name, own in counted.items():
+            ratios[name].append(off[name][own] / answers.error[name][own])
+    together = {name: np.concatenate(parts) for name, parts in ratios.items()}
+    if len(together["contact_force"]) < FEWEST:
+        raise SnapshotError(f"{finer[0].path}: must have {FEWEST} states that touch, to estimate the error of forces")
+    factors = {name: rod.elements.error_factor(name) * max(conformal(found), 1.0) for name, found in together.items()}
+    provenance = rod.elements.provenance | {"mesh_error": [finer_origin(one) for one in finer]}
+    return replace(rod, elements=replace(rod.elements, provenance=provenance, error_factors=factors))
+
+
+def separate_grid(
+    snapshots: SnapshotSet,
+    nodes: int = NODES,
+    options: EnrichmentOptions | None = None,
+    *,
+    held_out: SnapshotSet | None = None,
+    finer: SnapshotSet | None = None,
+    progress: Progress = quiet,
+) -> SeparatedModel:
+    """Build the separated model of states on a grid, see `rom.separated.grid_model`.
+
+    Args:
+        snapshots: a training set on a grid of one or two tensions.
+        nodes: of every axis of the model, 4 at least.
+        options: of the separations.
+        held_out: states before the same plane, which measure its accuracy.
+        finer: held-out states on a finer mesh, which enlarge its estimated errors.
+        progress: called with the step, how much of it is done, and how much it is.
+
+    Raises:
+        SnapshotError: a set without such a grid; or finer states of another finger, or on no finer mesh.
+        ValueError: fewer than 4 nodes.
+    """
+    if finer is not None:
+        check_finer(snapshots.description.scene, finer)
+    table = separated_grid(snapshots, nodes, options, progress)
+    provenance = table.provenance | origin(snapshots)
+    if finer is not None:
+        table, provenance = (
+            enlarged(table, truth_of(finer, False, False)),
+            provenance | {"mesh_error": finer_origin(finer)},
         )
-
-
-def _fitted(
-    states: TrainingStates,
-    counts: Counter[Code],
-    options: EnrichmentOptions,
-    before: Fits | None = None,
-    noise: float = NOISE,
-) -> Fits:
-    """Fit a set's states, or correct by them what is known before."""
-    contact = moved = None
-    free = FreeResponse.of(states, before.free if before else None, noise)
-    if states.has_obstacle:
-        contact = ContactResponse.of(states, free, counts, before.contact if before else None)
-    if "displacement" in states.free:
-        moved = displacement.fitted(states, free, contact, options.tolerance, before.moved if before else None)
-    return Fits(free, contact, moved)
-
-
-def _origin(coarse: SnapshotSet) -> dict[str, Any]:
-    description = coarse.description
-    return {
-        "fingerprint": description.fingerprint,
-        "cells": description.scene["mesh"]["cells"],
-        "states": coarse.states,
-        "failed": len(coarse.failures),
-    }
+    table = replace(table, provenance=provenance)
+    return table if held_out is None else replace(table, accuracy=accuracy(check(table, held_out, progress)))

@@ -37,12 +37,9 @@ def check_parts(report: dict) -> list[Table | str]:
     lines: list[Table | str] = []
     if "states" in report:
         kind = "training" if report.get("training") else "held-out"
-        first = f"{report['states']} {kind} states, {report['failed']} failed"
-        if report.get("calibration_states"):
-            first += f"; {report['calibration_states']} others calibrated the model's estimated errors"
-        lines = [first, *accuracy(report)]
+        lines = [f"{report['states']} {kind} states, {report['failed']} failed", *accuracy(report)]
     if report.get("marked"):
-        lines.append(f"{report['marked']} states are beyond what was trained, or rubber touches: marked, not counted")
+        lines.append(f"{report['marked']} states are outside the model's domain: marked, not counted")
     if "covered" in report:
         lines.append(f"{report['covered']:.0%} of the contact forces are within the estimate")
     if "touch" in report:
@@ -52,18 +49,6 @@ def check_parts(report: dict) -> list[Table | str]:
             far = f"{touch['wrong_beyond_margin']} of {touch['wrong']}"
             decided += f"; {far} wrong ones are farther than {1e6 * touch['margin']:g} µm from touch"
         lines.append(decided)
-    if "chosen" in report:
-        chosen = report["chosen"]
-        got = f", got {chosen['got']:.2%}" if "got" in chosen else ""
-        quantity = chosen["quantity"].replace("_", " ")
-        expected = "no error expected" if chosen["error"] is None else f"expected {chosen['error']:.2%}"
-        lines.append(f"{chosen['asked']}: {expected} of {quantity} at the 95th percentile{got}")
-    if "against" in report:
-        mesh = report["against"]["mesh"]
-        cells = " x ".join(map(str, mesh["cells"]))
-        taught = ", which told the model what its mesh errs by" if report["against"]["taught"] else ""
-        lines.append(f"against {cells} cells of order {mesh['order']}{taught}, mesh and surrogate together:")
-        lines += check_parts(report["against"])
     return lines
 
 

@@ -24,8 +24,8 @@ class Kind:
     uses: tuple[str, ...]
 
 
-SURROGATE = Kind(
-    "a surrogate",
+SEPARATED = Kind(
+    "a separated model",
     ("rom info", "rom check", "rom export .h", "rom export .fmu", "rom page .html", *_CONTROL, "fingerfem certify"),
 )
 ROD = Kind(
@@ -45,7 +45,11 @@ ROD = Kind(
 )
 AGAIN = "none any more: solve its scene again by fingerfem snapshots SCENE.toml SET/, then rom build SET/ -o FINGER.h5"
 OLD = Kind("a segment map of an earlier version", (AGAIN,))
-TRAINING_SET = Kind("a training set", ("rom build", "rom check", "rom specialise", *_SET))
+SURROGATE = Kind(
+    "a surrogate of an earlier version",
+    ("none any more: its successor is a table, by rom specialise FINGER.h5 -o TABLE.h5 or rom build SET/",),
+)
+TRAINING_SET = Kind("a training set", ("rom build", "rom check", *_SET))
 HELD_OUT_SET = Kind("a held-out set", ("rom check", "rom build --held-out", *_SET))
 SCENE = Kind(
     "a scene", ("fingerfem solve", "fingerfem snapshots", "fingerfem render", "fingerfem sketch", "rom assemble")
@@ -55,6 +59,7 @@ HEADER = Kind("a C header", ("a C compiler",))
 PAGE = Kind("a page", ("a browser",))
 # Model files by what they begin with, others by their ending and a part of their text.
 MODELS = {
+    "fingerfem separated model": SEPARATED,
     "fingerfem surrogate": SURROGATE,
     "fingerfem rod": ROD,
     "fingerfem segment map": OLD,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from rom.rod.rod import Rod
+from rom.separated.model import SeparatedModel
 from rom.snapshots.snapshot_set import SnapshotSet
-from rom.surrogate import Surrogate
 
 
 def origin(snapshots: SnapshotSet) -> dict[str, Any]:
@@ -36,15 +36,21 @@ def rod_summary(finger: Rod) -> dict[str, Any]:
     }
 
 
-def summary(model: Surrogate) -> dict:
-    """A model in plain data."""
+def finer_origin(finer: SnapshotSet) -> dict[str, Any]:
+    """The states that the error of a mesh is estimated from, in plain data."""
+    mesh = finer.description.scene["mesh"]
+    used = {"set": finer.description.held_out_id, "states": finer.states - len(finer.failures)}
+    return used | {key: mesh[key] for key in ("cells", "order")}
+
+
+def separated_summary(model: SeparatedModel) -> dict[str, Any]:
+    """A separated model in plain data."""
     return {
         "scene": model.scene["name"],
         "parameters": model.parameters,
         "terms": model.terms,
-        "regimes": [{"code": list(regime.code), "states": regime.states} for regime in model.regimes],
         "separation_error": {name: float(form.errors[-1]) for name, form in model.forms.items()},
         "accuracy": model.accuracy or "not measured: build with --held-out",
-        "nodes": len(model.nodes) or "without the displacement field",
+        "nodes": "without the displacement field" if model.displacements is None else len(model.displacements.nodes),
         "provenance": model.provenance,
     }

@@ -1,4 +1,4 @@
-/* A problem while it is solved: a finger, a workspace, and what the surrogate answered last. */
+/* A problem while it is solved: a finger, a workspace, and the model's last answer. */
 #ifndef CONTROL_PROBLEM_H
 #define CONTROL_PROBLEM_H
 #include <math.h>
@@ -84,18 +84,6 @@ static inline void control_ask(control_problem *problem, const double *tensions,
     }
 }
 
-/* What the mesh of a surrogate adds to the error of the force or pressure that was asked for last; 0 if not known. */
-static inline double control_mesh_error(const control_problem *problem)
-{
-    const control_finger *finger = problem->finger;
-    const double *out = problem->out, *shares = finger->mesh;
-    const int p = problem->parameters;
-    if (!shares || !finger->has_obstacle) return 0.0;
-    if (finger->row != FINGERFEM_FORCE) shares += 2;
-    const double way = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]);
-    return shares[0] * out[finger->row] + shares[1] * way * fabs(problem->jacobian[p * finger->row + p - 1]);
-}
-
 /* Estimated error of the contact force [N] or pad pressure [Pa] that was asked for last, inside the box. A touched segment is
  * solved once more, which takes some times as long as an answer: nothing that is iterated may ask for it. */
 static inline double control_force_error(control_problem *problem)
@@ -109,7 +97,7 @@ static inline double control_force_error(control_problem *problem)
     }
     fingerfem_contact_error(finger->kernel, finger->rates, finger->columns, finger->margin, problem->point,
                             problem->out[FINGERFEM_TOUCH], found);
-    return found[finger->row == FINGERFEM_FORCE ? 1 : 3] + control_mesh_error(problem);
+    return found[finger->row == FINGERFEM_FORCE ? 1 : 3];
 }
 
 /* Whether the model knows its answer at tensions and a distance. */

@@ -5,17 +5,15 @@
 #include "../../rom/rod/native/segment.h"
 #include "least_squares.h"
 
-/* A finger: its model, which is a surrogate, or a touched segment, with a surrogate behind it or without; its limits,
- * and an atlas of the model's answers on a grid. What it presses with is a row of the answer: contact force, or pad
+/* A finger: its model, a separated one or a finger of elements before an object; its limits, and an atlas of the model's answers on a grid. What it presses with is a row of the answer: contact force, or pad
  * pressure over a unit [1/m^2], which is about the pressure that a newton makes: both are solved for as forces. */
 typedef struct {
     int32_t parameters, has_obstacle;
     double nearest, farthest;            /* of the object's distance [m] */
-    const fingerfem_kernel *kernel;      /* of a surrogate, which may stand behind a touched segment; or NULL */
-    const fingerfem_touching *touching;  /* of a segment and an object, or NULL */
-    const double *rates;            /* (cells, columns): of the surrogate's errors in contact, see rom.components.Errors */
+    const fingerfem_kernel *kernel;      /* of a separated model, or NULL */
+    const fingerfem_touching *touching;  /* of a finger of elements and an object, or NULL */
+    const double *rates;            /* (cells, columns): of a separated model's errors in contact, see rom.separated.parts */
     double margin;                  /* likewise [m] */
-    const double *mesh; /* (4): shares of contact force, and of pad pressure, see rom.fit.mesh_error; NULL if not known */
     const double *lower, *upper;    /* (tensions): limits [N] */
     int32_t columns, row;
     double unit;

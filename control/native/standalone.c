@@ -71,7 +71,6 @@ void control_standalone(const fingerfem_model *model, double *memory, control_fi
         finger->rates = model->errors->rates;
         finger->margin = model->errors->margin;
         finger->columns = model->errors->columns;
-        finger->mesh = model->errors->mesh ? model->errors->mesh + 2 : NULL;
     }
     finger->row = FINGERFEM_FORCE;
     finger->unit = 1.0;

@@ -13,7 +13,7 @@ from rom import checked_file
 from rom.brief import brief
 from rom.elements.law import ElementLaw
 from rom.elements.outline import OutlineLaw
-from rom.fit.chebyshev import Polynomial
+from rom.elements.polynomial import Polynomial
 
 CLAMP, INTERIOR, PLATE, WHOLE = "clamp", "interior", "plate", "whole"  # kinds of elements
 UNCALIBRATED = 2.0  # times the variants' deviation: 95 % of a normal distribution [-]

@@ -12,7 +12,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.checked_file import ModelError
-from rom.fit.chebyshev import Polynomial
+from rom.elements.polynomial import Polynomial
 from rom.snapshots.grid import SHARE
 
 POSE = 6  # first values of a law: place [m], Rodrigues vector [-]

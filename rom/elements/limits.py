@@ -10,7 +10,7 @@ from rom.checked_file import require
 from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE, Elements
 from rom.elements.law import POSE, ElementLaw
 from rom.elements.outline import NUMBERS, OutlineLaw
-from rom.fit.chebyshev import Polynomial
+from rom.elements.polynomial import Polynomial
 
 KINDS = ({CLAMP, PLATE}, {CLAMP, INTERIOR, PLATE}, {WHOLE})
 WRENCH = 6

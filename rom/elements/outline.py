@@ -14,12 +14,12 @@ import numpy as np
 from rom.brief import brief
 from rom.elements.candidates import box, weights_of
 from rom.elements.law import combined
+from rom.elements.polynomial import Polynomial
 from rom.elements.regression import NormalEquations, index_set
 from rom.elements.samples.element_samples import Samples, own_samples
 from rom.elements.samples.section_states import SectionStates
 from rom.elements.samples.symmetry import Mirror, mirrors
 from rom.elements.samples.tension_map import TensionMap, of_scene
-from rom.fit.chebyshev import Polynomial
 from rom.snapshots.grid import SHARE, levels
 
 CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])  # y and z of corners, over half the side [-]

@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from rom.elements.polynomial import Polynomial, products
 from rom.elements.samples.symmetry import Mirror
-from rom.fit.chebyshev import Polynomial, products
 
 DERIVATIVES = 0.3  # weight of a derivative by an input scaled to [-1, 1], beside a value [-]
 RIDGE = 1e-13  # of the normal equations' largest entry: round-off of a double's sums [-]

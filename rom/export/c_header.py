@@ -1,6 +1,6 @@
 """A model as one C header: tip, contact force, touch distance and their derivatives, without allocation.
 
-The same C that Python calls, with the model's numbers as constants: of a surrogate here, of a finger of rod elements in
+The same C that Python calls, with the model's numbers as constants: of a separated model here, of a finger in
 rom.export.rod_header.
 """
 
@@ -15,11 +15,11 @@ from rom.export.numbers import definitions
 from rom.export.rod_header import rod_header
 from rom.native import HERE
 from rom.rod.touched_segment import TouchedSegment
-from rom.surrogate import Surrogate
+from rom.separated.model import SeparatedModel
 from rom.whole_file import write_whole
 
 
-def header(model: Surrogate | TouchedSegment, name: str = "finger") -> str:
+def header(model: SeparatedModel | TouchedSegment, name: str = "finger") -> str:
     """The text of a header whose names begin with `name`.
 
     Raises:
@@ -54,7 +54,7 @@ def header(model: Surrogate | TouchedSegment, name: str = "finger") -> str:
     return re.sub(r"@(\w+)@|@", lambda found: texts[found[1]] if found[1] else name, text)
 
 
-def export(model: Surrogate | TouchedSegment, path: Path) -> None:
+def export(model: SeparatedModel | TouchedSegment, path: Path) -> None:
     """Write the header; its names begin with the file's name."""
     text = header(model, path.stem)
     write_whole(path, lambda stream: stream.write(text.encode()))

@@ -16,18 +16,17 @@ import numpy as np
 
 from rom.checked_file import ModelError
 from rom.export.image import Image
-from rom.export.model import struct, tolerance
+from rom.export.model import struct
 from rom.rod.native import ENDS
 from rom.rod.touched_segment import TouchedSegment
-from rom.snapshots.grid import levels
-from rom.surrogate import Surrogate
+from rom.separated.model import SeparatedModel
 from rom.whole_file import write_whole
 
 VIEWER = Path(__file__).with_name("viewer.html")
-FEW = 10.0  # [N]: what a bar of forces shows of a surrogate that was not measured
+FEW = 10.0  # [N]: what a bar of forces shows of a separated model without any
 
 
-def write(model: Surrogate | TouchedSegment, path: Path) -> None:
+def write(model: SeparatedModel | TouchedSegment, path: Path) -> None:
     """Write the page of a model.
 
     Raises:
@@ -40,12 +39,12 @@ def write(model: Surrogate | TouchedSegment, path: Path) -> None:
     write_whole(path, lambda stream: stream.write(page.encode()))
 
 
-def about(model: Surrogate | TouchedSegment) -> dict[str, Any]:
+def about(model: SeparatedModel | TouchedSegment) -> dict[str, Any]:
     """What the page is told of a model, in plain data."""
     own = struct(model)
     image, root = Image.of(own)
     geometry = model.scene["geometry"]
-    surface = parts(model) if own.sections else []
+    surface = parts(model) if isinstance(model, TouchedSegment) else []
     ends = np.cumsum([len(one) for one in surface])  # sections up to every plate's front
     return {
         "title": f"{model.scene['name']}: a rubber finger, {millimetres(geometry['segments'])} long",
@@ -74,25 +73,15 @@ def about(model: Surrogate | TouchedSegment) -> dict[str, Any]:
     }
 
 
-def parts(model: Surrogate | TouchedSegment) -> list[np.ndarray]:
-    """Of every segment's sections, whether what follows up to the next is its plate; the last is its front."""
-    if isinstance(model, TouchedSegment):
-        return [np.arange(one.struct.places + ENDS) >= one.struct.places + ENDS - 2 for one in model.rod.segments]
-    geometry = model.scene["geometry"]
-    x, near = levels(model.nodes[:, 0])[0], tolerance(model)
-    fronts = np.cumsum(geometry["segments"])
-    segment = np.searchsorted(fronts + near, x)
-    metal = x > fronts[segment] - geometry["plate"] - near
-    metal[:-1] &= x[:-1] < fronts[segment[:-1]] - near  # behind a plate's front is rubber again
-    return [metal[segment == k] for k in range(len(fronts))]
+def parts(model: TouchedSegment) -> list[np.ndarray]:
+    """Of every segment's sections, whether the next interval is its plate; the last is its front."""
+    return [np.arange(one.struct.places + ENDS) >= one.struct.places + ENDS - 2 for one in model.rod.segments]
 
 
-def most_force(model: Surrogate | TouchedSegment) -> float:
+def most_force(model: SeparatedModel | TouchedSegment) -> float:
     """The largest contact force that a page shows [N]: about what was trained."""
     if isinstance(model, TouchedSegment):
         return model.rod.force
-    if not model.has_obstacle:
-        return 0.0
     lower, upper = model.limits
     pressed = upper.copy()
     pressed[-1] = lower[-1]
@@ -101,13 +90,13 @@ def most_force(model: Surrogate | TouchedSegment) -> float:
     return 10.0 ** math.ceil(math.log10(force)) / 2 if force > 0 else FEW
 
 
-def described(model: Surrogate | TouchedSegment) -> str:
+def described(model: SeparatedModel | TouchedSegment) -> str:
     """One line under the title."""
     if isinstance(model, TouchedSegment):
         states = int(model.rod.elements.provenance.get("states", 0))
         kind = f"a rod of {sum(map(len, model.rod.pieces))} elements"
         return f"{kind}, from {states} full-order states; contact with the plane is solved for as the sliders move"
-    return f"separated surrogate, {sum(model.terms.values())} products from {model.provenance['states']} " + (
+    return f"separated model, {sum(model.terms.values())} products from {model.provenance['states']} " + (
         "samples of a finger of elements" if "specialised_from" in model.provenance else "full-order states"
     )
 

@@ -1,9 +1,9 @@
-"""What a model of tensions and a distance answers, and the compiled answer of a surrogate (rom/native/evaluation.h)."""
+"""The answer of a model at tensions and a distance, and the compiled answer of a separated model (evaluation.h)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from rom.native import EVALUATION, pointer
 from rom.native.forms import memory_of
 from rom.table import COVERED, Table, as_html, components, number, quantities, row, shown
 
-TIP, FORCE, TOUCH, PAD = 0, 3, 4, 5  # rows of an answer, as in kernel.h; the pad only where a model knows it
+TIP, FORCE, TOUCH, PAD = 0, 3, 4, 5  # rows of an answer, as in kernel.h; the pad only where a model has it
 FEW = 10  # points of many that a table shows
 INSIDE = "inside what was trained; errors cover 95 of 100 states"
 OUTSIDE = "not inside what was trained: nothing says how far this is from the truth"
@@ -22,25 +22,23 @@ OUTSIDE = "not inside what was trained: nothing says how far this is from the tr
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What the surrogate says at one point, shapes without n, or at n points.
+    """A model's answer at one point, shapes without n, or at n points.
 
     Attributes:
         tip: displacement of the tip plate's centre, shape (3,) or (n, 3) [m].
         contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle.
-        touch_distance: how far the free finger reaches towards the plane [m], shape () or (n,); nan without one.
+        touch_distance: of the object, where the free finger touches it [m], shape () or (n,); nan without one.
         pad_pressure: mean contact pressure on the tactile pad [Pa], as the contact force; None if the model does not
-            know it.
+            have it.
         error: the estimated one, at most exceeded by 5 % of states, by quantity in its unit, shapes as the quantities
             without components.
-        error_parts: what it is the sum of, `surrogate` and `mesh`; without the latter where the model does not know
-            what its mesh errs by, and `error` is the surrogate's alone.
-        inside: whether the point lies in the trained box; d = inf is no plane, and inside. Outside, the answer is that
-            of the nearest point inside, and nothing says how far it is from the truth.
+        inside: whether the point lies in the model's domain; d = inf is no object, and inside. Outside, the answer is
+            that of the nearest point inside, with an error that nothing bounds.
         orientation: of the tip plate's frame, as a unit quaternion w, x, y, z with w >= 0, shape (4,) or (n, 4) [-];
-            its sign changes where the tip has turned by half a turn. None of a surrogate, which does not have it.
+            its sign changes where the tip has turned by half a turn. None of a separated model.
         orientation_error: estimated, an angle [rad], shape () or (n,).
         shortenings: how much shorter every tendon is between the clamp and its plate, shape (t,) or (n, t) [m]: how
-            far a position-driven motor has pulled it in. None of a surrogate.
+            far a position-driven motor has pulled it in. None of a separated model.
         shortening_error: estimated, of each [m], shape () or (n,).
     """
 
@@ -50,7 +48,6 @@ class Answer:
     pad_pressure: Any
     error: Mapping[str, Any]
     inside: Any
-    error_parts: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     orientation: np.ndarray | None = None
     orientation_error: Any = None
     shortenings: np.ndarray | None = None
@@ -132,7 +129,7 @@ def answer(kernel: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool
     """Answer, shape (m,), its derivatives by the parameters, shape (m, p), and whether the point is inside.
 
     The m = 5 rows are tip [m], contact force [N] and touch distance [m]; a sixth is the pad's pressure [Pa], if the
-    model knows it. A point outside is moved to the nearest inside; derivatives across a wall are then zero.
+    model has it. A point outside is moved to the nearest inside; derivatives across a wall are then zero.
 
     Args:
         kernel: a struct fingerfem_kernel.
@@ -145,32 +142,23 @@ def answer(kernel: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool
     return out, jacobian, bool(inside)
 
 
-def answers(kernel: Any, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Answers, shape (n, m), whether inside, shape (n,), and regimes, -1 without contact, of points, shape (n, p)."""
+def answers(kernel: Any, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Answers, shape (n, m), and whether inside, shape (n,), of points, shape (n, p)."""
     points, n = np.ascontiguousarray(points, float), len(points)
-    out, inside, regimes = np.empty((n, rows(kernel))), np.empty(n, np.bool_), np.empty(n, np.int32)
-    found = pointer(out), pointer(inside, "uint8_t[]"), pointer(regimes, "int32_t[]")
-    EVALUATION.functions.fingerfem_answers(kernel, n, pointer(points), memory_of(kernel.tables), *found)
-    return out, inside, regimes
-
-
-def slopes_by_distance(kernel: Any, points: np.ndarray, row: int) -> np.ndarray:
-    """Derivatives of a row of the answers by the plane's distance, shape (n,), at points, shape (n, p)."""
-    points = np.ascontiguousarray(points, float)
-    found = np.empty(len(points))
-    given = pointer(points), row, memory_of(kernel.tables), pointer(found)
-    EVALUATION.functions.fingerfem_slopes(kernel, len(points), *given)
-    return found
+    out, inside = np.empty((n, rows(kernel))), np.empty(n, np.bool_)
+    given = pointer(points), memory_of(kernel.tables), pointer(out), pointer(inside, "uint8_t[]")
+    EVALUATION.functions.fingerfem_answers(kernel, n, *given)
+    return out, inside
 
 
 def contact_errors(
     kernel: Any, rates: np.ndarray, margin: float, points: np.ndarray, touch_distances: np.ndarray
 ) -> np.ndarray:
-    """What errors of contact grow to: of tip [m], force [N], displacement [m], pad pressure [Pa]; shape (n, k).
+    """Estimated errors of contact: of tip [m], force [N], displacement [m], pad pressure [Pa]; shape (n, k).
 
     Args:
-        kernel: without an obstacle nothing grows.
-        rates: of the errors, shape (cells, k), see rom.components.Errors.
+        kernel: a struct fingerfem_kernel.
+        rates: of the errors, shape (cells, k), see rom.separated.parts.Errors.
         margin: likewise [m].
         points: they may lie outside the box, shape (n, p).
         touch_distances: there, shape (n,) [m].

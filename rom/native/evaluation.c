@@ -1,4 +1,4 @@
-/* The compiled answer of a surrogate, see evaluation.h. An exported header has this text in it (rom/c_header.py). */
+/* The compiled answer of a separated model, see evaluation.h. An exported header has this text in it. */
 #include <math.h>
 #include <stddef.h>
 #include "evaluation.h"
@@ -102,34 +102,22 @@ static inline void fingerfem_gradient(const fingerfem_tables *tables, int form, 
     for (int a = 0; a < axes; a++) gradient[a] = fingerfem_component(tables, form, j, slopes + a * terms);
 }
 
-/* How far x lies outside the box of a form, by more than an interval, as a share of the box. */
-static inline double fingerfem_outside(const fingerfem_tables *tables, int form, const double *x)
-{
-    double found = 0.0;
-    for (int a = 0; a < fingerfem_axes(tables, form); a++) {
-        const int at = 2 * (tables->most_axes * form + a);
-        const double last = tables->axes[at], t = (x[a] - tables->scales[at]) * tables->scales[at + 1];
-        if ((-1.0 - t) / last > found) found = (-1.0 - t) / last;
-        if ((t - last - 1.0) / last > found) found = (t - last - 1.0) / last;
-    }
-    return found;
-}
-
-/* Hold a point's tensions to the trained box; whether they are inside. NaN goes to the lower end. */
+/* Hold a point's tensions to the sampled box; whether they are inside. NaN goes to the lower end. */
 static inline int fingerfem_hold_tensions(const fingerfem_kernel *kernel, const double *point, double *held)
 {
-    const int tensions = kernel->parameters - kernel->has_obstacle;
+    const int d = kernel->parameters - 1;
     int inside = 1;
-    for (int j = 0; j < kernel->parameters; j++) held[j] = point[j];
-    for (int j = 0; j < tensions; j++)
-        if (!(point[j] >= kernel->lower[j] && point[j] <= kernel->upper[j])) {
-            inside = 0;
-            held[j] = point[j] > kernel->upper[j] ? kernel->upper[j] : kernel->lower[j];
-        }
+    for (int j = 0; j < d; j++) {
+        held[j] = point[j];
+        if (point[j] >= kernel->lower[j] && point[j] <= kernel->upper[j]) continue;
+        inside = 0;
+        held[j] = point[j] > kernel->upper[j] ? kernel->upper[j] : kernel->lower[j];
+    }
+    held[d] = point[d];
     return inside;
 }
 
-/* Hold the distance of a plane that is touched to the box; whether it is inside, or infinite, which is no plane. */
+/* Hold the distance of an object that is touched to the box; whether it is inside, or infinite, which is no object. */
 static inline int fingerfem_hold_distance(const fingerfem_kernel *kernel, const double *point, double touch_distance,
                                           double *held)
 {
@@ -140,146 +128,73 @@ static inline int fingerfem_hold_distance(const fingerfem_kernel *kernel, const 
     return 0;
 }
 
-/* The largest of the free form's touch heights: which corner leads. */
-static inline int fingerfem_leading(const double *heights, int count)
+/* The contact path [m] whose share of the whole, s, is the last coordinate, see rom/separated/contact_coordinates.py. */
+static inline double fingerfem_whole_path(const fingerfem_kernel *kernel, double touch_distance)
 {
-    int leading = 0;
-    for (int j = 1; j < count; j++)
-        if (heights[j] > heights[leading]) leading = j;
-    return leading;
+    return touch_distance - kernel->nearest + kernel->softening;
 }
 
-/* Cell of the regime lookup of a point in contact: even in the tensions and in the contact path. */
-static inline int fingerfem_lookup_cell(const fingerfem_kernel *kernel, const double *point, double touch_distance)
+/* Cell of a point in contact: even in the tensions and in s. */
+static inline int fingerfem_cell(const fingerfem_kernel *kernel, const double *point, double touch_distance)
 {
-    const int d = kernel->parameters - 1, cells = kernel->lookup_cells;
+    const int d = kernel->parameters - 1, cells = kernel->cells;
     int found = 0;
     for (int j = 0; j <= d; j++) {
         double t = j < d ? (point[j] - kernel->lower[j]) / (kernel->upper[j] - kernel->lower[j])
-                         : (touch_distance - point[d]) / (touch_distance - kernel->nearest + kernel->softening);
+                         : (touch_distance - point[d]) / fingerfem_whole_path(kernel, touch_distance);
         t *= cells;
         found = found * cells + (int)(t > 0.0 ? (t < cells - 1.0 ? t : cells - 1.0) : 0.0);
     }
     return found;
 }
 
-/* Whether anything is known at a point in contact. */
-static inline int fingerfem_is_known(const fingerfem_kernel *kernel, const double *point, double touch_distance)
-{
-    return kernel->possible[fingerfem_lookup_cell(kernel, point, touch_distance)] != 0;
-}
-
-/* Contact-aligned coordinates, (parameters), of a corner with this touch height, see rom/fit/contact_coordinates.py. */
-static inline void fingerfem_coordinates(const fingerfem_kernel *kernel, const double *point, double height,
-                                         double *coordinates)
-{
-    const int d = kernel->parameters - 1;
-    for (int j = 0; j < d; j++) coordinates[j] = point[j];
-    coordinates[d] = (height - point[d]) / (height - kernel->nearest + kernel->softening);
-}
-
-/* Whether a regime would begin at a corner that does not touch yet. */
-static inline int fingerfem_too_early(const fingerfem_kernel *kernel, int regime, const double *point,
-                                      const double *heights)
-{
-    return kernel->begins[regime] && heights[kernel->corners[regime]] <= point[kernel->parameters - 1];
-}
-
-/* How well the conditions of a regime hold at a point: the least of them over its size, and not outside its box; not at
- * all where it would begin too early or the plane would pull. */
-static inline double fingerfem_holds(const fingerfem_kernel *kernel, int regime, const double *point,
-                                     const double *heights, double *whole)
-{
-    const fingerfem_tables *tables = &kernel->tables;
-    const int form = 1 + regime, components = fingerfem_components(tables, form);
-    const int conditions = components - FINGERFEM_CONDITIONS - kernel->has_pad;
-    if (fingerfem_too_early(kernel, regime, point, heights)) return -INFINITY;
-    double coordinates[FINGERFEM_MOST_PARAMETERS];
-    fingerfem_coordinates(kernel, point, heights[kernel->corners[regime]], coordinates);
-    double worst = -fingerfem_outside(tables, form, coordinates);
-    fingerfem_products(tables, form, coordinates, whole);
-    if (fingerfem_component(tables, form, FINGERFEM_FORCE, whole) < 0.0) return -INFINITY;
-    for (int j = 0; j < conditions; j++) {
-        const double size = kernel->sizes[kernel->most_conditions * regime + j];
-        const double own = fingerfem_component(tables, form, FINGERFEM_CONDITIONS + j, whole) / size;
-        if (own < worst) worst = own;
-    }
-    return worst;
-}
-
-/* Regime at a point in contact: the one of the lookup if all its conditions hold, or no other is possible; else the
- * first possible one whose do; if none has, the one that fails least. Where the lookup's would begin too early, any is
- * possible. */
-static inline int fingerfem_regime(const fingerfem_kernel *kernel, const double *point, const double *heights,
-                                   double touch_distance, double *memory)
-{
-    const int cell = fingerfem_lookup_cell(kernel, point, touch_distance), first = kernel->lookup[cell];
-    const int any = fingerfem_too_early(kernel, first, point, heights);
-    const uint64_t one = 1, possible = any ? ~(uint64_t)0 : kernel->possible[cell];
-    if (possible == one << first) return first;
-    int best = first;
-    double least = fingerfem_holds(kernel, first, point, heights, memory);
-    for (int r = 0; r < kernel->regimes && least < 0.0; r++) {
-        if (r == first || !(possible >> r & one)) continue;
-        const double own = fingerfem_holds(kernel, r, point, heights, memory);
-        if (own > least) {
-            best = r;
-            least = own;
-        }
-    }
-    return best;
-}
-
-/* Row of an answer that component j of a regime's form adds to, or -1: tip and force first, the pad's pressure last. */
-static inline int fingerfem_row(const fingerfem_kernel *kernel, int regime, int j)
-{
-    if (j < FINGERFEM_CONDITIONS) return FINGERFEM_TIP + j;
-    const int last = fingerfem_components(&kernel->tables, 1 + regime) - 1;
-    return kernel->has_pad && j == last ? FINGERFEM_PAD : -1;
-}
-
-/* A plane never pulls: a fit may swing below zero just after touch. */
+/* An object never pulls: a form may swing below zero just after touch. */
 static inline void fingerfem_never_pull(const fingerfem_kernel *kernel, double *out)
 {
     if (out[FINGERFEM_FORCE] < 0.0) out[FINGERFEM_FORCE] = 0.0;
     if (kernel->has_pad && out[FINGERFEM_PAD] < 0.0) out[FINGERFEM_PAD] = 0.0;
 }
 
-/* Add what contact does to an answer and its derivatives; rising are a regime's touch height's, (tensions). */
-static inline void fingerfem_add_contact(const fingerfem_kernel *kernel, int regime, const double *point, double height,
-                                         const double *rising, double *memory, double *out, double *jacobian)
+/* Row of an answer that component j of the contact form adds to: tip and force, then the pad's pressure. */
+static inline int fingerfem_row(int j)
+{
+    return j <= FINGERFEM_FORCE ? FINGERFEM_TIP + j : FINGERFEM_PAD;
+}
+
+/* Add to an answer and its derivatives what contact adds: u = u_0 + p v(F, s), with p = D - d and s = p / (D - d_min + soft). */
+static inline void fingerfem_add_contact(const fingerfem_kernel *kernel, const double *point, double *memory, double *out,
+                                         double *jacobian)
 {
     const fingerfem_tables *tables = &kernel->tables;
-    const int p = kernel->parameters, d = p - 1, form = 1 + regime, terms = fingerfem_terms(tables, form);
-    const double path = height - point[d], whole_path = height - kernel->nearest + kernel->softening;
-    const double share = path / whole_path, size = kernel->begins[regime] ? path : 1.0;
-    const double growth = kernel->begins[regime] ? 1.0 : 0.0;
+    const int p = kernel->parameters, d = p - 1, form = FINGERFEM_CONTACT_FORM, terms = fingerfem_terms(tables, form);
+    const double touch = out[FINGERFEM_TOUCH], path = touch - point[d], whole = fingerfem_whole_path(kernel, touch);
+    const double *rising = jacobian + p * FINGERFEM_TOUCH; /* dD/dF */
     double coordinates[FINGERFEM_MOST_PARAMETERS], gradient[FINGERFEM_MOST_PARAMETERS];
     double *products = memory, *slopes = products + terms, *work = slopes + p * terms;
-    fingerfem_coordinates(kernel, point, height, coordinates);
+    for (int j = 0; j < d; j++) coordinates[j] = point[j];
+    coordinates[d] = path / whole;
     fingerfem_products_and_slopes(tables, form, coordinates, work, products, slopes);
     for (int j = 0; j < fingerfem_components(tables, form); j++) {
-        const int row = fingerfem_row(kernel, regime, j);
-        if (row < 0) continue;
+        const int row = fingerfem_row(j);
         const double value = fingerfem_component(tables, form, j, products);
         fingerfem_gradient(tables, form, j, slopes, gradient);
-        const double by_path = gradient[d] / whole_path;
+        const double by_path = gradient[d] / whole; /* dv/ds ds/dp */
         double *own = jacobian + p * row;
-        out[row] += size * value;
+        out[row] += path * value;
         for (int k = 0; k < d; k++)
-            own[k] += size * (gradient[k] + by_path * (1.0 - share) * rising[k]) + growth * value * rising[k];
-        own[d] -= size * by_path + growth * value;
+            own[k] += path * (gradient[k] + by_path * (1.0 - coordinates[d]) * rising[k]) + value * rising[k];
+        own[d] -= path * by_path + value;
     }
     fingerfem_never_pull(kernel, out);
 }
 
-/* The answer without contact: rows that are not known are NaN. */
+/* The answer without contact, from the products of the free form. */
 static inline void fingerfem_free_answer(const fingerfem_kernel *kernel, const double *products, double *out)
 {
-    for (int i = 0; i < FINGERFEM_HEIGHTS; i++)
-        out[FINGERFEM_TIP + i] = fingerfem_component(&kernel->tables, 0, i, products);
+    for (int i = 0; i < FINGERFEM_FREE_TOUCH; i++)
+        out[FINGERFEM_TIP + i] = fingerfem_component(&kernel->tables, FINGERFEM_FREE_FORM, i, products);
     out[FINGERFEM_FORCE] = 0.0;
-    out[FINGERFEM_TOUCH] = NAN;
+    out[FINGERFEM_TOUCH] = fingerfem_component(&kernel->tables, FINGERFEM_FREE_FORM, FINGERFEM_FREE_TOUCH, products);
     if (kernel->has_pad) out[FINGERFEM_PAD] = 0.0;
 }
 
@@ -287,30 +202,21 @@ FINGERFEM_API int fingerfem_answer(const fingerfem_kernel *kernel, const double 
                                    double *jacobian)
 {
     const fingerfem_tables *tables = &kernel->tables;
-    const int p = kernel->parameters, terms = fingerfem_terms(tables, 0);
-    const int corners = fingerfem_components(tables, 0) - FINGERFEM_HEIGHTS;
+    const int p = kernel->parameters, d = p - 1, form = FINGERFEM_FREE_FORM, terms = fingerfem_terms(tables, form);
     const int rows = FINGERFEM_PAD + kernel->has_pad;
-    double held[FINGERFEM_MOST_PARAMETERS], rising[FINGERFEM_MOST_PARAMETERS], *products = memory, *slopes = memory + terms;
-    double *heights = slopes + fingerfem_axes(tables, 0) * terms, *work = heights + (corners > 0 ? corners : 0);
+    double held[FINGERFEM_MOST_PARAMETERS], *products = memory, *slopes = products + terms, *work = slopes + d * terms;
     int inside = fingerfem_hold_tensions(kernel, point, held);
     for (int j = 0; j < rows * p; j++) jacobian[j] = 0.0;
-    fingerfem_products_and_slopes(tables, 0, held, work, products, slopes);
+    fingerfem_products_and_slopes(tables, form, held, work, products, slopes);
     fingerfem_free_answer(kernel, products, out);
-    for (int i = 0; i < FINGERFEM_HEIGHTS; i++)
-        fingerfem_gradient(tables, 0, i, slopes, jacobian + p * (FINGERFEM_TIP + i));
-    if (kernel->has_obstacle) {
-        for (int j = 0; j < corners; j++) heights[j] = fingerfem_component(tables, 0, FINGERFEM_HEIGHTS + j, products);
-        const int leading = fingerfem_leading(heights, corners);
-        out[FINGERFEM_TOUCH] = heights[leading];
-        fingerfem_gradient(tables, 0, FINGERFEM_HEIGHTS + leading, slopes, jacobian + p * FINGERFEM_TOUCH);
-        inside &= fingerfem_hold_distance(kernel, point, heights[leading], held);
-        if (held[p - 1] < heights[leading]) {
-            inside &= fingerfem_is_known(kernel, held, heights[leading]);
-            const int regime = fingerfem_regime(kernel, held, heights, heights[leading], work);
-            const int corner = kernel->corners[regime];
-            fingerfem_gradient(tables, 0, FINGERFEM_HEIGHTS + corner, slopes, rising);
-            fingerfem_add_contact(kernel, regime, held, heights[corner], rising, work, out, jacobian);
-        }
+    for (int i = 0; i < FINGERFEM_FREE_TOUCH; i++)
+        fingerfem_gradient(tables, form, i, slopes, jacobian + p * (FINGERFEM_TIP + i));
+    fingerfem_gradient(tables, form, FINGERFEM_FREE_TOUCH, slopes, jacobian + p * FINGERFEM_TOUCH);
+    const double touch = out[FINGERFEM_TOUCH];
+    inside &= fingerfem_hold_distance(kernel, point, touch, held);
+    if (held[d] < touch) {
+        inside &= kernel->answered[fingerfem_cell(kernel, held, touch)] != 0;
+        fingerfem_add_contact(kernel, held, memory, out, jacobian);
     }
     for (int j = 0; j < p && !inside; j++)
         if (held[j] != point[j])

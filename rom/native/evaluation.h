@@ -7,20 +7,16 @@
 int32_t fingerfem_forms_memory(const fingerfem_tables *tables);
 
 /* Answer at one point, (parameters): out, (5, or 6 with a pad), and its derivatives, (5 or 6, parameters).
- * Returns 1 if the point is inside the trained box; d = infinity is no plane, and may always be. Outside, the answer is
- * that of the nearest point inside, of a plane that is not touched that of no plane; derivatives across walls are 0. */
+ * Returns 1 if the point is inside the sampled box, where the samples support an answer; d = infinity is no object, and
+ * always inside. Outside, the answer is that of the nearest point inside; derivatives across walls are 0. */
 int fingerfem_answer(const fingerfem_kernel *kernel, const double *point, double *memory, double *out, double *jacobian);
 
-/* Answers at many points, (count, parameters), with the regimes that hold, -1 without contact. */
+/* Answers at many points, (count, parameters). */
 void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *points, double *memory, double *out,
-                       uint8_t *inside, int32_t *regimes);
+                       uint8_t *inside);
 
-/* Derivatives of a row of the answers by the plane's distance at many points, (count, parameters). */
-void fingerfem_slopes(const fingerfem_kernel *kernel, int count, const double *points, int row, double *memory,
-                      double *slopes);
-
-/* How much the errors, (columns), of contact grow past touch, at a point of the box: rates, (cells, columns), by length
- * of contact path [1/m], which has a margin [m]. */
+/* Estimated errors of contact, (columns), at a point of the box: rates, (cells^parameters, columns), times the length of
+ * the contact path and a margin [m]. */
 void fingerfem_contact_error(const fingerfem_kernel *kernel, const double *rates, int columns, double margin,
                              const double *point, double touch_distance, double *found);
 

@@ -11,7 +11,7 @@ from rom.checked_file import require
 from rom.elements.law import ElementMap
 from rom.elements.march import march
 from rom.elements.pieces import MOST_ELEMENTS
-from rom.fit.chebyshev import Polynomial
+from rom.elements.polynomial import Polynomial
 from rom.rod.wrench_products import padded
 
 if TYPE_CHECKING:

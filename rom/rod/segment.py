@@ -15,7 +15,7 @@ from rom.checked_file import ModelError
 from rom.elements.elements import Elements
 from rom.elements.law import POSE, ElementMap
 from rom.elements.pieces import Piece
-from rom.fit.chebyshev import Polynomial
+from rom.elements.polynomial import Polynomial
 from rom.native import PickledByFields
 from rom.rod import native
 

@@ -1,4 +1,4 @@
-"""A finger that an object touches: a model of tensions and the object's distance, as a surrogate is of a plane's."""
+"""A finger that an object touches: a model of tensions and the object's distance."""
 
 from __future__ import annotations
 
@@ -181,14 +181,12 @@ class TouchedSegment(PickledByFields):
         out, errors, inside, (rows, _, off) = tells(self.touching, self._points(parameters))
         if np.ndim(parameters) == 1:
             out, errors, inside, rows, off = out[0], errors[0], inside[0], rows[0], off[0]
-        error = dict(zip(QUANTITIES, errors.T, strict=True))
         return Answer(
             tip=out[..., :3],
             contact_force=out[..., 3],
             touch_distance=out[..., 4],
             pad_pressure=None,
-            error=error,
-            error_parts={"surrogate": error},
+            error=dict(zip(QUANTITIES, errors.T, strict=True)),
             inside=inside,
             orientation=rows[..., :QUATERNION],
             orientation_error=off[..., 0],

@@ -295,6 +295,11 @@ class SnapshotSet:
             return np.concatenate([self.states_of(kind, name) for kind in kinds])
         return np.concatenate([self._values(task, name)[arrays["converged"]] for task, arrays in self._tasks.items()])
 
+    def points(self) -> np.ndarray:
+        """Parameters of all states that have an answer, shape (states, p); d of a free state is infinite."""
+        parameters = self.answered("parameters")
+        return np.where(np.isnan(parameters), np.inf, parameters)
+
     @property
     def _other_shape(self) -> tuple[int, ...]:
         return tuple(len(self.description.tension_nodes[k]) for k in self.description.other_axes)

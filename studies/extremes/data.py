@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from rom.build import train
-from rom.fit.chebyshev import Samples, fit
+from rom.elements.polynomial import Samples, fit
 from rom.held_out import FELT
 from rom.separated.alternating_directions import EnrichmentOptions, compose, separate
 from rom.separated.separated_form import Separated

@@ -20,7 +20,7 @@ from rom.export.model import MODEL, errors_of
 from rom.export.numbers import definitions, literal
 from rom.native import FLAGS, compiler
 from rom.rod.touched_segment import TouchedSegment
-from rom.surrogate import Surrogate
+from rom.separated.model import SeparatedModel
 from rom.whole_file import whole_file
 
 VERSIONS = 2, 3  # of FMI
@@ -53,7 +53,7 @@ class Sources:
     units: list[str]
 
 
-def write(model: Surrogate | TouchedSegment, path: Path, version: int = 3, controller: bool = False) -> None:
+def write(model: SeparatedModel | TouchedSegment, path: Path, version: int = 3, controller: bool = False) -> None:
     """Write the FMU of a model, or of the controller that holds a contact force with it.
 
     Args:
@@ -89,7 +89,7 @@ def write(model: Surrogate | TouchedSegment, path: Path, version: int = 3, contr
     pack(files, path)
 
 
-def sources_of(model: Surrogate | TouchedSegment, interface: Interface, version: int) -> Sources:
+def sources_of(model: SeparatedModel | TouchedSegment, interface: Interface, version: int) -> Sources:
     """All that is compiled, in the folders it has in the checkout, so that files find each other.
 
     Raises:
@@ -114,7 +114,7 @@ def included(units: list[Path]) -> list[Path]:
     return [unit.parent / name for unit, found in names for name in found]
 
 
-def numbers(model: Surrogate | TouchedSegment, interface: Interface) -> str:
+def numbers(model: SeparatedModel | TouchedSegment, interface: Interface) -> str:
     """C of a model's numbers, without the shape that only a picture needs; all but the token."""
     lines, name = definitions(model_struct(model))
     starts = [one.start for one in interface.variables if one.start is not None]
@@ -140,7 +140,7 @@ def mask(outputs: list[Variable]) -> int:
     return sum(1 << (one.reference - OUTPUTS) for one in outputs)
 
 
-def model_struct(model: Surrogate | TouchedSegment) -> Any:
+def model_struct(model: SeparatedModel | TouchedSegment) -> Any:
     """A struct fingerfem_model that tells numbers, but no shape."""
     p = len(model.parameters)
     if isinstance(model, TouchedSegment):

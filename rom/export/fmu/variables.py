@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.rod.touched_segment import TouchedSegment
-from rom.surrogate import Surrogate
+from rom.separated.model import SeparatedModel
 
 INPUTS, OUTPUTS, FLAG, STATUS = 1, 101, 201, 202  # value references, as in native/fmu.h
 REPORT, REPORT_ERRORS = OUTPUTS + 10, OUTPUTS + 22  # of a model of elements, as in native/fmu_model.c
@@ -71,7 +71,7 @@ class Interface:
         return [one for one in self.variables if one.causality == causality]
 
 
-def model_interface(model: Surrogate | TouchedSegment) -> Interface:
+def model_interface(model: SeparatedModel | TouchedSegment) -> Interface:
     """Tensions and distance in; all that the model tells out.
 
     Raises:
@@ -126,7 +126,7 @@ def _reported(model: TouchedSegment) -> list[Variable]:
     ]
 
 
-def controller_interface(model: Surrogate | TouchedSegment) -> Interface:
+def controller_interface(model: SeparatedModel | TouchedSegment) -> Interface:
     """Contact force and distance in; tensions that hold the force out.
 
     Raises:

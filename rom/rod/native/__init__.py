@@ -10,7 +10,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.elements.law import ElementMap
-from rom.fit.chebyshev import Polynomial
+from rom.elements.polynomial import Polynomial
 from rom.native import SEGMENT
 from rom.rod import limits
 from rom.rod.native.arrangement import (

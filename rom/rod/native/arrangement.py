@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.fit.chebyshev import Polynomial
+from rom.elements.polynomial import Polynomial
 from rom.rod.wrench_products import padded
 
 BLOCK, POSE, SIX = 4, 8, 6  # as in segment.h; values of a law

@@ -11,7 +11,7 @@ from rom.brief import brief
 from rom.elements.elements import INTERIOR
 from rom.elements.outline import OutlineLaw
 from rom.elements.pieces import Piece
-from rom.fit.chebyshev import Polynomial
+from rom.elements.polynomial import Polynomial
 
 STEP, END_STEP = 0.55, 0.28  # of the side: most between stations, and where a plate or the clamp hinders warping [-]
 NUMBERS = 12  # of a station: four corners, -y -z, -y z, y -z and y z

@@ -16,7 +16,7 @@ enum { FINGERFEM_MOST_BODIES = FINGERFEM_MOST_PLATES + 9 };
 enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31, FINGERFEM_MOST_ELEMENTS = 64, FINGERFEM_MOST_VARIANTS = 8 };
 enum { FINGERFEM_MOST_LOADS = FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES * FINGERFEM_MOST_ELEMENTS };
 
-/* Rows of an answer, as of a surrogate: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
+/* Rows of an answer, as of a separated model: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
 enum { FINGERFEM_ROWS = 5 };
 
 /* Sections of a segment's surface besides its places: its plate's front. */

@@ -6,7 +6,7 @@ import numpy as np
 
 from rom.elements.law import ElementMap
 from rom.elements.march import Marched, march
-from rom.fit.chebyshev import Polynomial, total_degree
+from rom.elements.polynomial import Polynomial, total_degree
 
 LENGTH, SIDE, YOUNG, OFFSET = 0.006, 0.010, 1.1e6, 0.003  # of an element [m], the section [m], rubber [Pa], tendons [m]
 MOST_TENSION, MOST_FORCE, MOST_MOMENT = 12.0, 2.0, 0.03  # [N, N, N m]

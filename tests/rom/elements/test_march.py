@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rom.elements.rotation_vectors import matrices as rotations
-from rom.fit.chebyshev import Polynomial
+from rom.elements.polynomial import Polynomial
 from tests.rom.elements import laws
 
 

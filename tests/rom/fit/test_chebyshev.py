@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rom.fit import chebyshev
-from rom.fit.chebyshev import Samples, fit, total_degree
+from rom.elements.polynomial import Samples, fit, total_degree
 
 LOWER, UPPER = np.array([-1.0, 0.0, 2.0]), np.array([3.0, 1.0, 5.0])
 

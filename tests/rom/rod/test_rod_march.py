@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom.checked_file import ModelError
-from rom.fit.chebyshev import total_degree
+from rom.elements.polynomial import total_degree
 from rom.native import SEGMENT
 from rom.rod import limits, native
 from rom.rod.inverse_map import InverseMap

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from rom.brief import brief
+from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import QUANTITIES
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.specialised.table import NODES, Sampled, tabulated
-from rom.specialised.table_errors import Truth, compared, with_errors
-from rom.surrogate import Surrogate
+from rom.separated.model import SeparatedModel
+from rom.separated.table_errors import Truth, compared, with_errors
+from rom.separated.tabulated import NODES, Sampled, tabulated
 from rom.terminal import Progress, quiet
 
-RANDOM = 30_000  # points at which errors are measured; as many others calibrate the estimate
-FEWEST = 20  # of these with a contact force that is known
+CALIBRATING, MEASURING = 20_000, 8_000  # random points that calibrate the estimated errors; others that measure them
+FEWEST = 20  # of the latter with a contact force inside
 BEYOND = 2.0  # forces over the largest trained one up to which answers support a table [-]
 
 
@@ -27,6 +28,8 @@ class RodSource:
     """A finger and its object, which a table samples."""
 
     model: TouchedSegment
+    has_pad: ClassVar[bool] = False
+    modes: ClassVar[None] = None
 
     @property
     def parameters(self) -> list[dict[str, Any]]:
@@ -51,7 +54,7 @@ class RodSource:
         supports = (found.evaluations > 0) & (found.out[:, 3] < BEYOND * self.model.rod.force)
         return Sampled(found.out, found.jacobians, supports)
 
-    def truth(self, random: np.random.Generator, count: int = RANDOM) -> Truth:
+    def truth(self, random: np.random.Generator, count: int) -> Truth:
         """Answers at random points within the limits, with the finger's own estimated errors."""
         lower, upper = self.model.limits
         points = lower + random.random((count, len(lower))) * (upper - lower)
@@ -68,7 +71,7 @@ def specialise(
     *,
     seed: int = 0,
     progress: Progress = quiet,
-) -> Surrogate:
+) -> SeparatedModel:
     """The table of a finger before its object, for tensions and d within the finger's limits.
 
     It states its error against the finger at random points. Estimated errors count the finger's own, and cells in which
@@ -90,13 +93,18 @@ def specialise(
     source = RodSource(model)
     table = tabulated(source, nodes, options, progress)
     progress("measuring the errors", 0, 2)
-    table = with_errors(table, source.truth(np.random.default_rng([seed, 0])))
+    table = with_errors(table, source.truth(np.random.default_rng([seed, 0]), CALIBRATING))
     progress("measuring the errors", 1, 2)
-    measured = compared(table, source.truth(np.random.default_rng([seed, 1])))
+    measured = compared(table, source.truth(np.random.default_rng([seed, 1]), MEASURING))
     if measured["contact_force"]["count"] < FEWEST:
         raise ValueError(
-            f"the table must have contact forces at {FEWEST} of {RANDOM} points at least, got "
+            f"the table must have contact forces at {FEWEST} of {MEASURING} points at least, got "
             f"{measured['contact_force']['count']}: all others are marked; take other distances or more nodes"
         )
-    origin = {"specialised_from": model.scene["name"], "object": repr(model.obstacle)}
+    plane = facing_plane(model.scene["geometry"]["side"], model.obstacle.distances)
+    origin = {
+        "specialised_from": model.scene["name"],
+        "object": repr(model.obstacle),
+        "facing_plane": model.obstacle == plane,
+    }
     return replace(table, accuracy=measured, provenance=table.provenance | origin)

@@ -5,9 +5,9 @@ contact-aligned coordinate s, and separated,
 
     u(F, d) = u_0(F) + p sum_i m_i G_i1(F_1) G_i2(F_2) ... H_i(s),   s = p / (D(F) - d_min + soft),   p = D(F) - d,
 
-with u the tip's displacement and the contact force, u_0 the free answer, D the touch distance and p the path past it
-(Chenevier et al., PLoS ONE 13(2): e0192052, 2018; `rom.fit.contact_coordinates`). The derivatives of the samples make
-the one-dimensional functions cubic Hermite functions.
+with u the tip's displacement, the contact force, and what else the source has, u_0 the free answer, D the touch
+distance and p the path past it (Chenevier et al., PLoS ONE 13(2): e0192052, 2018; `rom.separated.contact_coordinates`).
+The derivatives of the samples make the one-dimensional functions cubic Hermite functions.
 """
 
 from __future__ import annotations
@@ -20,11 +20,12 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from rom.brief import brief
-from rom.components import Errors, Regime
-from rom.fit.contact_coordinates import SOFT, ContactCoordinates
+from rom.native.answer import FORCE, PAD, TOUCH
 from rom.separated.alternating_directions import EnrichmentOptions
+from rom.separated.contact_coordinates import SOFT, ContactCoordinates
+from rom.separated.model import SeparatedModel
+from rom.separated.parts import Errors, Field
 from rom.separated.separate import Samples, separated_samples
-from rom.surrogate import Surrogate
 from rom.terminal import Progress, quiet
 
 NODES = 32  # of every axis
@@ -40,11 +41,12 @@ LEAST_RANGE = 1e-3  # of d, over the finger's length [-]
 
 @brief
 class Sampled(NamedTuple):
-    """What a source answers at n points.
+    """A source's answers at n points.
 
     Attributes:
-        out: tip [m], contact force [N], touch distance [m], shape (n, 5).
-        jacobian: by the parameters, shape (n, 5, p).
+        out: tip [m], contact force [N], touch distance [m], pad pressure [Pa] if the source has it, and the amounts of
+            k modes of the displacement [m], shape (n, 5 + pad + k).
+        jacobian: by the parameters, shape (n, 5 + pad + k, p).
         supports: whether the answer is good enough to support a table, shape (n,).
     """
 
@@ -54,7 +56,15 @@ class Sampled(NamedTuple):
 
 
 class Source(Protocol):
-    """What a table is sampled from: tensions [N] and d [m], also nearer and farther than its parameters' range of d."""
+    """What a table is sampled from: tensions [N] and d [m], also nearer and farther than its parameters' range of d.
+
+    Attributes:
+        has_pad: whether it has the pad's pressure.
+        modes: nodes at rest, shape (nodes, 3) [m], and modes of their displacement, shape (3 nodes, k); None without.
+    """
+
+    has_pad: bool
+    modes: tuple[np.ndarray, np.ndarray] | None
 
     @property
     def parameters(self) -> list[dict[str, Any]]:
@@ -92,7 +102,7 @@ def tabulated(
     nodes: int = NODES,
     options: EnrichmentOptions | None = None,
     progress: Progress = quiet,
-) -> Surrogate:
+) -> SeparatedModel:
     """The table of a source within its parameters' limits, whose errors are still to be measured.
 
     Args:
@@ -110,27 +120,44 @@ def tabulated(
     progress("sampling", 0, 2)
     grid = _grid(source, nodes)
     progress("sampling", 1, 2)
-    contact = _contact(source, grid)
+    free, contact = _free(grid), _contact(source, grid)
+    # Contact begins at the free form's touch distance.
+    finer = replace(options, tolerance=FINER * options.tolerance)
+    fewer = replace(options, terms=determined(options.terms, contact.values[:, : FORCE + 1].size, grid.axes))
     progress("separating the samples", 0, 2)
-    free = separated_samples(_free(grid), replace(options, tolerance=FINER * options.tolerance))
+    alone = separated_samples(free.columns([0, 1, 2, TOUCH]), finer)
     progress("separating the samples", 1, 2)
-    form = separated_samples(contact, replace(options, terms=determined(options.terms, contact.values.size, grid.axes)))
+    pressed = separated_samples(contact.columns([*range(FORCE + 1), *range(PAD, PAD + source.has_pad)]), fewer)
+    moved = None if source.modes is None else _field(source.modes, free, contact, PAD + source.has_pad, fewer)
     p = len(source.parameters)
     cells = int(CELLS ** (1 / p) + 1e-9) ** p
-    return Surrogate(
+    return SeparatedModel(
         parameters=source.parameters,
-        free=free,
-        regimes=[Regime(code=(), corner=0, begins=True, states=len(contact.values), sizes=[], form=form)],
-        regime_lookup=np.zeros(cells, np.int64),
-        possible_regimes=np.ones(cells, np.uint64),
+        free=alone,
+        contact=pressed,
         coordinates=grid.coordinates,
-        errors=Errors(tip=0.0, displacement=0.0, touch_distance=0.0, contact=np.zeros((cells, 3)), margin=1.0),
-        displacements=None,
+        answered=np.ones(cells, bool),
+        errors=Errors(
+            tip=0.0, displacement=0.0, touch_distance=0.0, contact=np.zeros((cells, 3 + source.has_pad)), margin=1.0
+        ),
+        displacements=moved,
         lead=source.lead,
-        nodes=np.zeros((0, 3)),
         scene=source.scene,
         accuracy={},
         provenance={"states": len(contact.values), "nodes": nodes},
+    )
+
+
+def _field(
+    modes: tuple[np.ndarray, np.ndarray], free: Samples, contact: Samples, first: int, options: EnrichmentOptions
+) -> Field:
+    """The displacement of all nodes, whose amounts are the columns of the samples from the first one on."""
+    amounts = range(first, free.values.shape[1])
+    return Field(
+        nodes=modes[0],
+        basis=modes[1].astype(np.float32),
+        free=separated_samples(free.columns(amounts, alike=True), options),
+        contact=separated_samples(contact.columns(amounts, alike=True), options),
     )
 
 
@@ -172,37 +199,36 @@ def _grid(source: Source, nodes: int) -> Grid:
 
 
 def _free(grid: Grid) -> Samples:
-    """Tip and touch distance without contact [m]."""
+    """All columns without contact."""
     out, jacobian = grid.free.out, grid.free.jacobian
-    values, gradient = out[:, [0, 1, 2, 4]], jacobian[:, [0, 1, 2, 4], :-1]
-    return Samples(grid.axes[:-1], values, gradient, np.ones(len(values), bool), _sizes(values))
+    return Samples(grid.axes[:-1], out, jacobian[..., :-1], np.ones(len(out), bool), _sizes(out))
 
 
 def _contact(source: Source, grid: Grid) -> Samples:
-    """What contact adds to tip and force per length of its path, by tensions and s.
+    """What contact adds to all columns per length of its path, by tensions and s.
 
     Values v = (u - u_0) / p. Along an axis of the tensions d follows D: dd = (1 - s) dD and dp = s dD; along s the path
     grows by w = D - d_min + soft.
     """
     s, free, slopes = grid.axes[-1], grid.free.out, grid.free.jacobian
     n, m = len(free), len(s)
-    touch, rising = free[:, 4], slopes[:, 4, :-1]
+    touch, rising = free[:, TOUCH], slopes[:, TOUCH, :-1]
     whole = touch - grid.coordinates.nearest + grid.coordinates.soft
     path = s * whole[:, None]
     points = np.column_stack([np.repeat(_points(grid.axes[:-1]), m, axis=0), (touch[:, None] - path).ravel()])
-    found = source.sampled(points)
-    out, jacobian = found.out[:, :4].reshape(n, m, 4), found.jacobian[:, :4].reshape(n, m, 4, -1)
-    values = (out - np.column_stack([free[:, :3], np.zeros(n)])[:, None]) / path[..., None]
-    alone = np.concatenate([slopes[:, :3, :-1], np.zeros((n, 1, rising.shape[1]))], axis=1)[:, None]
+    sampled = source.sampled(points)
+    out, jacobian = sampled.out.reshape(n, m, -1), sampled.jacobian.reshape(n, m, *sampled.jacobian.shape[1:])
+    values = (out - free[:, None]) / path[..., None]
     along = s[None, :, None, None] * rising[:, None, None]
     by_tension = jacobian[..., :-1] + jacobian[..., -1:] * (rising[:, None, None] - along)
     gradient = np.empty_like(jacobian)
-    gradient[..., :-1] = (by_tension - alone - values[..., None] * along) / path[..., None, None]
+    gradient[..., :-1] = (by_tension - slopes[:, None, :, :-1] - values[..., None] * along) / path[..., None, None]
     gradient[..., -1] = -(jacobian[..., -1] + values) * (whole[:, None] / path)[..., None]
-    supports = found.supports.reshape(n, m) & np.isfinite(out).all(axis=2)
+    supports = sampled.supports.reshape(n, m) & np.isfinite(out).all(axis=2)
     supports &= touch[:, None] - path > grid.coordinates.nearest - PAST
     shape = tuple(map(len, grid.axes))
-    return _continued(grid.axes, values.reshape(*shape, -1), gradient.reshape(*shape, 4, -1), supports.reshape(shape))
+    values, gradient = values.reshape(*shape, -1), gradient.reshape(*shape, *gradient.shape[2:])
+    return _continued(grid.axes, values, gradient, supports.reshape(shape))
 
 
 def _sizes(values: np.ndarray) -> np.ndarray:
