@@ -1,9 +1,11 @@
-"""Elements of an elastic rod, trained once."""
+"""Elements of an elastic rod, trained once; and a separated model of full-order states."""
 
 import pytest
 
+from rom.build import separate_grid
 from rom.elements import training
 from rom.rod.rod import Rod
+from rom.snapshots.snapshot_set import SnapshotSet
 from tests.rom.elements import elastic_rod
 
 
@@ -21,3 +23,9 @@ def rod_elements(rod_states):
 def finger(rod_elements):
     """The elastic rod as a finger of one segment."""
     return Rod(elements=rod_elements, scene=elastic_rod.scene())
+
+
+@pytest.fixture(scope="session")
+def grid_model(trained):
+    """The paper's 4 x 4 x 4 states of the draft finger, with the pad's pressure and the displacement."""
+    return separate_grid(SnapshotSet(trained / "training"), nodes=12, held_out=SnapshotSet(trained / "heldout"))

@@ -20,12 +20,11 @@ import h5py
 import numpy as np
 
 from control import Finger, problems
-from rom import Hull, Sphere, Surrogate, TouchedSegment
-from rom.checked_file import BLOCK, ModelError, kind_of
+from rom import Hull, SeparatedModel, Sphere, TouchedSegment, load
+from rom.checked_file import BLOCK, ModelError
 from rom.export.c_header import header
 from rom.export.model import MODEL, struct
 from rom.native import pointer
-from rom.rod import rod
 from rom.rod.inverse_map import InverseMap
 from rom.rod.native import rubber_boxes
 from rom.rod.native.contacts import find_contacts, material_points
@@ -63,7 +62,7 @@ def write(source: Path, target: Path, random: np.random.Generator) -> str:
             change(file, random)
     changed = target.read_bytes()
     if random.random() < 0.03:  # of another kind
-        kinds = (b"fingerfem rod", b"fingerfem surrogate", b"fingerfem segment map", b"fingerfem")
+        kinds = (b"fingerfem rod", b"fingerfem separated model", b"fingerfem segment map", b"fingerfem")
         line = line.replace(line.split(b",")[0], kinds[random.integers(len(kinds))])
         made.append("kind")
     target.write_bytes(with_checksum(changed, line))
@@ -190,11 +189,7 @@ def wrong_somewhere(plain: Any, random: np.random.Generator) -> None:
 CHANGES = (size, axes, numbers, numbers, dtype, scale, another, without, attribute, attribute)
 
 
-def read(file: Path) -> Surrogate | TouchedSegment:
-    return TouchedSegment.load(file) if kind_of(file) == rod.KIND else Surrogate.load(file)
-
-
-def asked(model: Surrogate | TouchedSegment, random: np.random.Generator) -> None:
+def asked(model: SeparatedModel | TouchedSegment, random: np.random.Generator) -> None:
     """Everything that compiled code computes of a model, inside and outside."""
     lower, upper = model.limits
     points = lower + (1.4 * random.random((POINTS, len(lower))) - 0.2) * (upper - lower)
@@ -216,8 +211,7 @@ def asked(model: Surrogate | TouchedSegment, random: np.random.Generator) -> Non
         asked_of_a_rod(model, points)
     else:
         header(model)
-        model.regime(points[3])
-        if model.has_field:
+        if model.displacements is not None:
             model.displacement(points[3])
     asked_of_a_finger(model, points)
 
@@ -246,7 +240,7 @@ def asked_of_a_rod(model: TouchedSegment, points: np.ndarray) -> None:
         TouchedSegment(rod=model.rod, obstacle=one).evaluate(points[:4])
 
 
-def asked_of_a_finger(model: Surrogate | TouchedSegment, points: np.ndarray) -> None:
+def asked_of_a_finger(model: SeparatedModel | TouchedSegment, points: np.ndarray) -> None:
     finger = Finger(model)
     tensions = points[4, : len(finger.lower)]
     goal = finger.rest + np.array([-0.001, 0.005, 0.0])
@@ -267,7 +261,7 @@ def main(folder: Path) -> None:
     for k, file in enumerate(sorted(folder.glob("*.h5"))):
         (folder / "last").write_text(file.name)  # what a crash was at
         try:
-            asked(read(file), np.random.default_rng(k))
+            asked(load(file), np.random.default_rng(k))
             found["answered"] += 1
         except ModelError as error:
             assert "\n" not in str(error)

@@ -13,7 +13,7 @@ import pytest
 import control
 import rom
 from control import Finger, Gripper, Limits, SimulatedPlant
-from rom import Rod, Surrogate, TouchedSegment
+from rom import Rod, TouchedSegment
 from rom.brief import brief
 from rom.rod.objects.shapes import box
 from rom.rod.touched_segment import SHIPPED
@@ -27,7 +27,7 @@ MANY = (
     "Mapping",
     "Rod",
     "Elements",
-    "Surrogate",
+    "SeparatedModel",
     "Polynomial",
 )
 MOST = 400  # characters
@@ -63,30 +63,30 @@ def line(thing: object) -> str:
     return text
 
 
-def test_a_model_names_its_scene_and_its_parameters_in_one_line(surrogate):
+def test_a_model_names_its_scene_and_its_parameters_in_one_line(table):
     rod, touched = Rod.load(SHIPPED), TouchedSegment.load()
-    models = [surrogate, Surrogate.load(), rod, touched]
+    models = [table, rod, touched]
     for model in models:
         text = line(model)
         assert repr(model.scene["name"]) in text and "F1 0 to 100 N" in text
-    assert "d 0.001 to 0.031 m" in line(Surrogate.load())
+    assert " to 0.031 m" in line(table)
     assert (
         line(rod.elements)
         and line(rod.segments[0])
         and line(rod.segments[0].elements[0])
-        and line(Surrogate.load().free)
-        and line(Surrogate.load().errors)
+        and line(table.free)
+        and line(table.errors)
     )
 
 
-def test_answers_motions_and_grasps_are_one_line_at_one_point_and_at_many(surrogate):
+def test_answers_motions_and_grasps_are_one_line_at_one_point_and_at_many(table):
     point, many = [30.0, 5.0, 0.010], np.tile([30.0, 5.0, 0.010], (1000, 1))
-    for model in (surrogate, TouchedSegment.load()):
+    for model in (table, TouchedSegment.load()):
         assert "contact_force=" in line(model.evaluate(point)) and "(1000, 3)" in line(model.evaluate(many))
         finger = Finger(model)
         assert "status='converged'" in line(finger.hold(1.0, 0.010))
-    gripper = Gripper(surrogate)
-    plants = [SimulatedPlant(surrogate, distance) for distance in gripper.distances((0.0, 0.0), 0.012)]
+    gripper = Gripper(table)
+    plants = [SimulatedPlant(table, distance) for distance in gripper.distances((0.0, 0.0), 0.012)]
     grasp = gripper.grasp(1.0, plants)
     assert line(grasp) and line(grasp.history[-1])
     touched = TouchedSegment.load()

@@ -1,4 +1,4 @@
-"""What is refused instead of a model that nobody should use, and how a model answers its own training states."""
+"""A separated model of full-order states: its commands, its errors in states, and what is refused."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 from terminal import ROOT
 
-from rom import Surrogate
+from rom.build import separate_grid
 from rom.held_out import check
 from rom.snapshots.plan import Plan
 from rom.snapshots.schema import QUANTITIES
-from rom.snapshots.snapshot_set import SnapshotSet, read_description, task_file
+from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet, read_description, task_file
 
+NODES = "--nodes", "8"  # of a small model
 NAMES = {quantity.name for quantity in QUANTITIES}
 
 
@@ -54,18 +55,56 @@ def with_few(source: Path, folder: Path, count: int) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(
-    ("count", "told"),
-    [(1, "contact states"), (3, "contact states"), (14, "different tensions"), (40, "different tensions")],
-)
-def test_a_set_of_few_states_is_refused_with_what_it_needs(trained, tmp_path, count, told):
-    done = rom("build", with_few(trained / "training", tmp_path / "few", count), "-o", tmp_path / "model.h5")
+def test_build_check_and_info_agree(trained, tmp_path):
+    model = tmp_path / "model.h5"
+    built = rom("build", trained / "training", "-o", model, *NODES, "--held-out", trained / "heldout", "--json")
+    assert built.returncode == 0, built.stderr
+    checked, described = (
+        json.loads(rom(*words, "--json").stdout) for words in (("check", model, trained / "heldout"), ("info", model))
+    )
+    assert described == json.loads(built.stdout)
+    assert [p["unit"] for p in described["parameters"]] == ["N", "N", "m"]
+    assert described["provenance"]["versions"].keys() == {"fingerfem", "dolfinx", "petsc"}
+    for name in ("tip", "contact_force", "pad_pressure", "displacement"):
+        assert described["accuracy"][name]["median"] == pytest.approx(checked[name]["median"], rel=1e-2)
+    printed = rom("check", model, trained / "training").stdout
+    assert printed.startswith(f"{SnapshotSet(trained / 'training').states} training states, 0 failed")
+
+
+def test_the_paper_s_64_states_are_as_accurate_as_the_paper_s(grid_model):
+    """Its contact forces are off by 2 to 13 %; no worst case is given."""
+    errors = grid_model.accuracy
+    assert errors["contact_force"]["median"] < 0.12 and errors["tip"]["median"] < 0.01
+    assert errors["displacement"]["median"] < 0.02 and errors["pad_pressure"]["count"] > 5
+
+
+def test_estimated_errors_cover_the_true_ones_in_states_of_both_sets(grid_model, trained):
+    for folder in ("heldout", "training"):
+        found = check(grid_model, SnapshotSet(trained / folder))
+        for name in ("tip", "contact_force", "touch_distance", "displacement", "pad_pressure"):
+            assert found[name]["coverage"] >= 0.9, (folder, name)
+        assert found["touch"]["force_without_touch"] == 0
+
+
+def test_states_on_a_finer_mesh_enlarge_the_estimates_until_they_are_covered(grid_model, trained):
+    training, finer = (SnapshotSet(trained / name) for name in ("training", "finer"))
+    model = separate_grid(training, nodes=12, finer=finer)
+    assert check(model, finer)["contact_force"]["coverage"] >= 0.9
+    point = [52.5, 25.0, 0.0121]
+    for name in ("tip", "contact_force"):
+        assert model.evaluate(point).error[name] > grid_model.evaluate(point).error[name]
+    assert model.provenance["mesh_error"]["set"] == finer.description.held_out_id
+    with pytest.raises(SnapshotError, match="must be of a finer mesh than the model's"):
+        separate_grid(training, finer=SnapshotSet(trained / "heldout"))
+
+
+def test_a_set_of_too_few_states_is_refused_with_what_it_needs(trained, tmp_path):
+    done = rom("build", with_few(trained / "training", tmp_path / "few", 3), "-o", tmp_path / "model.h5", *NODES)
     assert done.returncode == 2 and "Traceback" not in done.stderr
-    assert told in done.stderr.splitlines()[-1] and "must have" in done.stderr.splitlines()[-1]
-    assert not (tmp_path / "model.h5").exists()
+    assert "must have" in done.stderr.splitlines()[-1] and not (tmp_path / "model.h5").exists()
 
 
-def test_a_model_that_expects_errors_above_itself_is_written_only_by_force(trained, tmp_path, monkeypatch):
+def test_a_model_with_expected_errors_above_itself_is_written_only_by_force(tmp_path):
     from rom import __main__ as program
 
     file = tmp_path / "model.h5"
@@ -74,44 +113,38 @@ def test_a_model_that_expects_errors_above_itself_is_written_only_by_force(train
     with pytest.raises(SystemExit) as caught:
         program.check_expected(5.2, file, force=False)
     assert caught.value.code == 3
-    monkeypatch.setattr("rom.snapshots.training_states.FEWEST", 0)
-    few = with_few(trained / "training", tmp_path / "few", 7)
-    words = {"folder": few, "output": file, "as_json": True}
-    with pytest.raises(SystemExit) as caught:
-        program.build(**words)
-    assert caught.value.code == 3 and not file.exists()
-    with pytest.raises(SystemExit) as caught:
-        program.build(**words, force=True)
-    assert caught.value.code == 0 and file.exists()
-
-
-def test_a_set_whose_scene_names_a_coarse_mesh_asks_for_the_coarse_set(trained, tmp_path):
-    fine = with_scene(trained / "training", tmp_path / "fine", coarse={"cells": [10, 4], "order": 1, "lines": 3})
-    done = rom("build", fine, "-o", tmp_path / "model.h5")
-    assert done.returncode == 2 and done.stderr.count("\n") == 1, done.stderr
-    assert done.stderr.startswith("coarse must be given") and "snapshots --coarse" in done.stderr
-    assert list(tmp_path.iterdir()) == [fine]
 
 
 @pytest.mark.parametrize("kind", ["training", "heldout"])
-def test_a_set_of_another_scene_names_the_key_that_differs(trained, tmp_path, kind):
+def test_a_set_of_another_scene_names_the_key_that_differs(grid_model, trained, tmp_path, kind):
     scene = read_description(trained / kind).scene
     other = with_scene(trained / kind, tmp_path / "other", geometry=scene["geometry"] | {"side": 0.0175})
-    done = rom("check", trained / "finger.h5", other)
+    grid_model.save(tmp_path / "model.h5")
+    done = rom("check", tmp_path / "model.h5", other)
     assert done.returncode == 2 and done.stderr.count("\n") == 1
     assert done.stderr.rstrip().endswith(f"geometry.side must be {scene['geometry']['side']}, got 0.0175")
-    if kind == "heldout":
-        done = rom("build", trained / "training", "-o", tmp_path / "model.h5", "--held-out", other)
-        assert done.returncode == 2 and "geometry.side must be" in done.stderr.splitlines()[-1]
 
 
-def test_training_states_are_within_their_estimate_and_check_counts_them(trained):
-    model, training = Surrogate.load(trained / "finger.h5"), SnapshotSet(trained / "training")
-    report = check(model, training)
-    assert report["training"] and report["states"] == training.states == 731
-    for name in ("tip", "displacement", "touch_distance", "contact_force"):
-        assert report[name]["coverage"] >= 0.945, name  # of as many states as have the quantity
-        assert report[name]["median"] < 1e-3
-    assert report["touch"]["wrong_beyond_margin"] == 0  # contact paths begin at touch
-    printed = rom("check", trained / "finger.h5", trained / "training")
-    assert printed.returncode == 0 and printed.stdout.startswith("731 training states, 0 failed")
+def test_sets_in_the_wrong_place_are_refused(trained, tmp_path):
+    for words in (
+        ("build", trained / "heldout", "-o", tmp_path / "m.h5"),
+        ("build", trained / "training", "-o", tmp_path / "m.h5", "--held-out", trained / "training"),
+        ("build", tmp_path, "-o", tmp_path / "m.h5"),
+        ("info", trained / "demo" / "report.json"),
+        ("info", tmp_path / "nowhere.h5"),
+        ("build", trained / "training", "-o", tmp_path / "nowhere" / "m.h5"),
+    ):
+        done = rom(*words)
+        assert done.returncode == 2, words
+        assert len(done.stderr.strip().splitlines()) == 1
+    with pytest.raises(SnapshotError, match="training set"):
+        SnapshotSet(trained / "training").random("tip")
+
+
+def test_a_table_of_another_object_is_not_checked_against_the_plane_s_states(trained):
+    from rom import Sphere, TouchedSegment, specialise
+
+    ball = Sphere(centre=(0.046, 0.031, 0.001), radius=0.026, direction=(0, 1, 0), distances=(0.001, 0.020))
+    table = specialise(TouchedSegment(rod=TouchedSegment.load().rod, obstacle=ball), 6)
+    with pytest.raises(SnapshotError, match=r"no plane y = side/2 \+ d"):
+        check(table, SnapshotSet(trained / "heldout"))

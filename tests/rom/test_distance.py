@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from assembled import two_segments
 
-from rom import Plane, Sphere, Surrogate, TouchedSegment
+from rom import Plane, Sphere, TouchedSegment
 from rom.export.model import MODEL, struct
 from rom.native import pointer
 
@@ -17,16 +17,15 @@ def before_a_ball() -> TouchedSegment:
 
 
 MODELS = {
-    "surrogate": Surrogate.load,
     "rod": TouchedSegment.load,
     "two segments": two_segments,
     "rod before a ball": before_a_ball,
 }
 
 
-@pytest.mark.parametrize("name", MODELS)
-def test_only_distances_of_the_parameter_and_infinity_are_inside(name):
-    model = MODELS[name]()
+@pytest.mark.parametrize("name", ["table", *MODELS])
+def test_only_distances_of_the_parameter_and_infinity_are_inside(name, table):
+    model = table if name == "table" else MODELS[name]()
     lower, upper = (float(end[-1]) for end in model.limits)
     touch = float(model.evaluate([*TENSIONS, np.inf]).touch_distance)
     assert lower < touch < upper
@@ -38,10 +37,10 @@ def test_only_distances_of_the_parameter_and_infinity_are_inside(name):
     assert many.inside.tolist() == [True, False, True]
 
 
-@pytest.mark.parametrize("name", ["surrogate", "rod", "two segments", "rod before a ball"])
-def test_c_alone_marks_the_same_distances(name):
+@pytest.mark.parametrize("name", ["table", *MODELS])
+def test_c_alone_marks_the_same_distances(name, table):
     """What an FMU and the page in a browser compute."""
-    model = MODELS[name]()
+    model = table if name == "table" else MODELS[name]()
     own, (lower, upper) = struct(model), (float(end[-1]) for end in model.limits)
     memory = np.empty(MODEL.functions.fingerfem_model_memory(own))
     for d in (np.inf, upper, 10.0, np.nextafter(upper, 1.0), np.nextafter(lower, -1.0), -1.0, np.nan):

@@ -10,7 +10,6 @@ from terminal import ROOT
 from typer.testing import CliRunner
 
 from control.__main__ import app as control
-from rom import Surrogate
 from rom.__main__ import app as rom
 from rom.export.c_header import export
 from rom.export.fmu.archive import pack
@@ -23,6 +22,7 @@ from rom.file_kinds import (
     PAGE,
     ROD,
     SCENE,
+    SEPARATED,
     SURROGATE,
     TRAINING_SET,
     Kind,
@@ -58,21 +58,24 @@ SLOW = (
     "rom specialise",
     "control campaign",
 )  # whose success other tests have
-KINDS = (SURROGATE, ROD, OLD, TRAINING_SET, HELD_OUT_SET, SCENE, FMU, HEADER, PAGE)
+KINDS = (SEPARATED, SURROGATE, ROD, OLD, TRAINING_SET, HELD_OUT_SET, SCENE, FMU, HEADER, PAGE)
 
 
 @pytest.fixture(scope="module")
-def files(trained, tmp_path_factory) -> dict[str, Path]:
+def files(trained, grid_model, tmp_path_factory) -> dict[str, Path]:
     """One file of every kind."""
-    folder, surrogate = tmp_path_factory.mktemp("files"), Surrogate.load()
+    folder = tmp_path_factory.mktemp("files")
+    grid_model.save(folder / "table.h5")
+    (folder / "surrogate.h5").write_bytes(b"fingerfem surrogate, format 4, sha256 0\n")
     shutil.copy(SHIPPED, folder / "finger.h5")
     (folder / "old.h5").write_bytes(b"fingerfem segment map, format 3, sha256 0\n")
-    export(surrogate, folder / "finger.h")
+    export(grid_model, folder / "finger.h")
     pack({"modelDescription.xml": b"<fmiModelDescription/>"}, folder / "finger.fmu")
-    write_page(surrogate, folder / "finger.html")
+    write_page(grid_model, folder / "finger.html")
     shutil.copy(ROOT / "scenes" / "draft.toml", folder / "draft.toml")
     found = {
-        SURROGATE: trained / "finger.h5",
+        SEPARATED: folder / "table.h5",
+        SURROGATE: folder / "surrogate.h5",
         ROD: folder / "finger.h5",
         OLD: folder / "old.h5",
         TRAINING_SET: trained / "training",
@@ -111,7 +114,11 @@ def test_what_is_none_of_the_project_s_is_of_no_kind(tmp_path):
 def test_a_command_takes_a_file_or_says_what_takes_it(files, trained, tmp_path, kind, command):
     if command in SLOW and accepts(kind, command):
         return
-    named = {"HELDOUT": files["a held-out set"], "MODEL": files["a surrogate"], "TRAINING": files["a training set"]}
+    named = {
+        "HELDOUT": files["a held-out set"],
+        "MODEL": files["a separated model"],
+        "TRAINING": files["a training set"],
+    }
     named |= {"SCENE": files["a scene"], "FINGER": files["a finger of rod elements"]}
     words = [
         str(named.get(word, word.replace("{}", str(files[kind.name])).replace("OUT/", f"{tmp_path}/")))
@@ -126,15 +133,16 @@ def test_a_command_takes_a_file_or_says_what_takes_it(files, trained, tmp_path, 
 
 
 @pytest.mark.parametrize("command", ["rom info", "control hold", "rom page .html"])
-def test_an_old_file_is_refused_with_how_to_make_it_anew(files, tmp_path, command):
-    words = [word.replace("{}", str(files[OLD.name])).replace("OUT/", f"{tmp_path}/") for word in COMMANDS[command]]
+@pytest.mark.parametrize("old", [OLD, SURROGATE], ids=lambda kind: kind.name)
+def test_an_old_file_is_refused_with_how_to_make_it_anew(files, tmp_path, command, old):
+    words = [word.replace("{}", str(files[old.name])).replace("OUT/", f"{tmp_path}/") for word in COMMANDS[command]]
     done = CliRunner().invoke(PROGRAMS[command.split()[0]], words)
     assert isinstance(done.exception, ValueError) and "\n" not in str(done.exception)
-    assert str(done.exception).endswith("then rom build SET/ -o FINGER.h5")
+    assert str(done.exception).endswith(old.uses[0]) and "rom build SET/" in old.uses[0]
 
 
 def test_an_export_of_another_ending_names_those_that_there_are(files, tmp_path):
-    done = CliRunner().invoke(rom, ["export", str(files["a surrogate"]), str(tmp_path / "finger.html")])
+    done = CliRunner().invoke(rom, ["export", str(files["a separated model"]), str(tmp_path / "finger.html")])
     assert str(done.exception) == (
         f"output must be named .h or .fmu, got {tmp_path / 'finger.html'}; rom page writes .html"
     )

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from assembled import in_series
 
-from rom import Rod, Surrogate, limits
+from rom import Rod, SeparatedModel
 from rom.checked_file import ModelError
 from rom.native import EVALUATION, SEGMENT, compiler
 from rom.rod import limits as rod_limits
 from rom.rod.scene_of_rod import MOST_SEGMENTS
 from rom.rod.touched_segment import SHIPPED
+from rom.separated import limits
 from tests.rom import fuzzed
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -41,12 +42,14 @@ def rods(tmp_path_factory, finger) -> list[Path]:
 
 
 @pytest.fixture(scope="module")
-def surrogates(trained) -> list[Path]:
-    """One without a field and one with it."""
-    return [SHIPPED.with_name("plane.h5"), trained / "finger.h5"]
+def tables(table_file, grid_model, tmp_path_factory) -> list[Path]:
+    """One without a field and one with it, and with a pad."""
+    file = tmp_path_factory.mktemp("grid") / "grid.h5"
+    grid_model.save(file)
+    return [table_file, file]
 
 
-@pytest.fixture(params=["rods", "surrogates"])
+@pytest.fixture(params=["rods", "tables"])
 def sources(request) -> list[Path]:
     return request.getfixturevalue(request.param)
 
@@ -109,7 +112,6 @@ def test_limits_are_those_of_the_compiled_code():
     assert found == known and lib.FINGERFEM_MOST_PLATES == MOST_SEGMENTS
     assert rod_limits.MOST_VARIANTS == lib.FINGERFEM_MOST_VARIANTS
     assert other.FINGERFEM_MOST_PARAMETERS == limits.MOST_PARAMETERS == lib.FINGERFEM_MOST_TENSIONS + 1
-    assert other.FINGERFEM_MOST_REGIMES == limits.MOST_REGIMES
 
 
 def changed(source: Path, target: Path, change) -> Path:
@@ -270,35 +272,37 @@ def test_a_rod_that_cannot_be_is_refused_by_name_and_rule(tmp_path, name):
     assert str(refused.value).startswith(f"{file}: {rule}") and "\n" not in str(refused.value)
 
 
-def more_regimes(file) -> None:
-    """Copies of the first one."""
-    for k in range(64):
-        if f"regime_{k}" not in file["contact"]:
-            file.copy("contact/regime_0", f"contact/regime_{k}")
-    file.copy("contact/regime_0", "contact/regime_64")
-
-
-def unknown_regime(file) -> None:
-    file["contact/map"][0, 0, 0] = 200
-
-
 def swapped(file) -> None:
     values = file["free/values_0"][()]
     del file["free/values_0"]
     file["free/values_0"] = values.T
 
 
-OF_SURROGATES = {
-    "more regimes than bits": (more_regimes, "regimes must be at most 64, got 65"),
-    "a regime that there is not": (unknown_regime, "map must be of regimes 0 to "),
+def another_side(file) -> None:
+    cells = file["contact/answered"][()]
+    del file["contact/answered"]
+    file["contact/answered"] = cells[:-1]
+
+
+def without_force(file) -> None:
+    for name, change in (("modes", lambda values: values[:3]), ("lost", lambda values: values[:, :3])):
+        values = file[f"contact/{name}"][()]
+        del file[f"contact/{name}"]
+        file[f"contact/{name}"] = change(values)
+
+
+OF_TABLES = {
+    "cells that are not a cube": (another_side, "cells must be as many along each of 3 parameters, got "),
+    "no contact force": (without_force, "contact must have 4 to 5 components, got 3"),
     "axes the other way round": (swapped, "values_0 and slopes_0 of free must have shape (nodes, "),
+    "no lead": (lambda file: file.attrs.__setitem__("lead", 2), "lead must be from 0 to 1, got 2"),
 }
 
 
-@pytest.mark.parametrize("name", OF_SURROGATES)
-def test_a_surrogate_beyond_what_compiled_code_holds_is_refused_by_name_and_limit(tmp_path, name):
-    change, rule = OF_SURROGATES[name]
-    file = changed(SHIPPED.with_name("plane.h5"), tmp_path / "changed.h5", change)
+@pytest.mark.parametrize("name", OF_TABLES)
+def test_a_separated_model_beyond_compiled_code_is_refused_by_name_and_limit(table_file, tmp_path, name):
+    change, rule = OF_TABLES[name]
+    file = changed(table_file, tmp_path / "changed.h5", change)
     with pytest.raises(ModelError) as refused:
-        Surrogate.load(file)
+        SeparatedModel.load(file)
     assert str(refused.value).startswith(f"{file}: {rule}") and "\n" not in str(refused.value)

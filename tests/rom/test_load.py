@@ -7,16 +7,16 @@ import rom
 from rom.checked_file import ModelError
 
 
-def test_a_file_is_read_by_its_kind_and_none_is_the_bundled_finger():
-    assert type(rom.load(ROOT / "rom" / "plane.h5")) is rom.Surrogate
+def test_a_file_is_read_by_its_kind_and_none_is_the_bundled_finger(table_file):
+    assert type(rom.load(table_file)) is rom.SeparatedModel
     point = [30.0, 0.0, 0.010]
     bundled, named = rom.load(), rom.load(str(ROOT / "rom" / "finger.h5"))
     assert type(bundled) is type(named) is rom.TouchedSegment
     assert bundled.evaluate(point).contact_force == named.evaluate(point).contact_force
 
 
-def test_a_tolerance_leaves_out_terms_of_a_surrogate_and_is_refused_for_a_finger():
-    whole, fewer = (rom.load(ROOT / "rom" / "plane.h5", tolerance) for tolerance in (0.0, 1e-2))
+def test_a_tolerance_leaves_out_terms_of_a_separated_model_and_is_refused_for_a_finger(table_file):
+    whole, fewer = (rom.load(table_file, tolerance) for tolerance in (0.0, 3e-2))
     assert sum(fewer.terms.values()) < sum(whole.terms.values())
     with pytest.raises(ValueError, match=r"tolerance must be left out for a finger of elements, got 0\.01"):
         rom.load(tolerance=0.01)

@@ -88,6 +88,6 @@ def test_a_package_that_does_not_load_says_why():
     with pytest.raises(ImportError) as caught:
         exec("raise ImportError('its dependencies are broken\\nin two lines')", anonymous)
     assert str(explained(caught.value)).startswith("dolfinx does not load (its dependencies are broken): ")
-    assert explained(ImportError("cannot import name 'x'", name="rom.surrogate")) is None  # a fault of this project
+    assert explained(ImportError("cannot import name 'x'", name="rom.separated")) is None  # a fault of this project
     with pytest.raises(MissingPackage, match="no_such_package is not installed"):
         require("numpy", "no_such_package")

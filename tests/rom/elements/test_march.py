@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rom.elements.rotation_vectors import matrices as rotations
 from rom.elements.polynomial import Polynomial
+from rom.elements.rotation_vectors import matrices as rotations
 from tests.rom.elements import laws
 
 

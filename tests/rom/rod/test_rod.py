@@ -7,7 +7,7 @@ import pytest
 
 from rom.checked_file import ModelError
 from rom.rod.rod import Rod
-from rom.surrogate import Surrogate
+from rom.separated.model import SeparatedModel
 from tests.rom.elements import elastic_rod
 
 LENGTHS = (0.021, 0.025, 0.040, 0.063, 0.080, 0.120)  # [m]
@@ -134,8 +134,8 @@ def test_a_finger_read_from_its_file_is_the_same(finger, tmp_path):
     for one, two in zip(*(elastic_rod.placed(rod, inputs) for rod in (other, read)), strict=True):
         np.testing.assert_array_equal(one, two)
     assert read.scene == other.scene and read.elements.provenance == other.elements.provenance
-    with pytest.raises(ModelError, match="must be a fingerfem surrogate, got a fingerfem rod"):
-        Surrogate.load(tmp_path / "finger.h5")
+    with pytest.raises(ModelError, match="must be a fingerfem separated model, got a fingerfem rod"):
+        SeparatedModel.load(tmp_path / "finger.h5")
 
 
 def test_a_damaged_file_is_refused(finger, tmp_path):

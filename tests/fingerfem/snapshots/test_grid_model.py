@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from farm import run
 
+from rom.build import separate_grid
 from rom.separated.alternating_directions import EnrichmentOptions
+from rom.separated.grid_model import truth_of
+from rom.separated.grid_source import GridSource
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
-from rom.specialised.grid_source import GridSource, separate_grid
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +37,7 @@ def relative_errors(source: GridSource, truth) -> np.ndarray:
 
 def test_all_states_are_those_of_the_set(whole):
     """Tip and touch distance at every state, forces at most of them: few terms cannot follow every kink."""
-    truth = whole.states()
+    truth = truth_of(whole.snapshots, False, False)
     found = whole.sampled(truth.points).out
     free = truth.out[:, 3] == 0
     assert np.abs(found - truth.out)[free][:, :3].max() < 2e-4
@@ -44,12 +46,12 @@ def test_all_states_are_those_of_the_set(whole):
 
 
 def test_every_second_node_is_less_accurate(grid, whole):
-    half = relative_errors(GridSource(grid, every=2), whole.states())
-    assert np.median(half) > 2 * np.median(relative_errors(whole, whole.states()))
+    half = relative_errors(GridSource(grid, every=2), truth_of(grid, False, False))
+    assert np.median(half) > 2 * np.median(relative_errors(whole, truth_of(grid, False, False)))
 
 
 def test_derivatives_are_those_of_the_values(whole):
-    truth = whole.states()
+    truth = truth_of(whole.snapshots, False, False)
     points = truth.points[truth.out[:, 3] > 0.5][::7]
     jacobian = whole.sampled(points).jacobian
     for k, step in enumerate((1e-4, 1e-4, 1e-8)):
@@ -74,7 +76,7 @@ def test_a_state_that_failed_is_missing(grid, whole):
 
 def test_the_table_is_its_source_and_says_by_how_much_it_may_differ(grid, whole):
     table = separate_grid(grid, 12, EnrichmentOptions(tolerance=1e-5, terms=60))
-    truth = whole.states()
+    truth = truth_of(whole.snapshots, False, False)
     answers = table.evaluate(truth.points)
     own = whole.sampled(truth.points).out[:, 3]
     felt = (truth.out[:, 3] > 0.5) & answers.inside
