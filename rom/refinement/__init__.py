@@ -1,1 +1,0 @@
-"""Where a set needs more states."""
