@@ -116,13 +116,15 @@ def snapshots(
     ] = None,
     ranks_per_finger: Annotated[int, typer.Option(min=1, help="Ranks that solve one finger together.")] = 1,
     until: Annotated[
-        str | None, typer.Option(help='Add states until this error of the contact force is expected: "1 %" or 0.01.')
+        str | None,
+        typer.Option(help='With a load: add lines until the expected error of the force is "1 %" or 0.01.'),
     ] = None,
     budget: Annotated[
-        str | None, typer.Option(help="Add states for so long: 90s, 30min, 2h; then finish lines at hand.")
+        str | None, typer.Option(help="With a load: add lines for 90s, 30min or 2h, then finish lines at hand.")
     ] = None,
     reuse: Annotated[
-        Path | None, typer.Option(metavar="SET/", help="Take the states it has from another set of the same finger.")
+        Path | None,
+        typer.Option(metavar="SET/", help="Take the states that another grid of the same finger has."),
     ] = None,
     near: Annotated[
         Path | None,
@@ -139,7 +141,11 @@ def snapshots(
     ] = "auto",
     as_json: AsJson = False,
 ) -> None:
-    """Solve what is missing of a snapshot set; run it under mpirun, as often as needed."""
+    """Solve what is missing of a snapshot set; run it under mpirun, as often as needed.
+
+    Before a plane or in free space, a training set is a grid of tension_nodes and contact_nodes. With a load, it has
+    lines of pressed states.
+    """
     os.environ.setdefault("OMPI_MCA_async_mpi_finalize", "1")  # or Open MPI would wait at its end for killed ranks
     require(*SOLVING)
     import petsc4py

@@ -1,8 +1,9 @@
-"""Mesh, sampling and terms for an accuracy, a budget or a preset: from the measured front of speed against accuracy.
+"""Mesh and lines of states for an accuracy, a budget or a preset: from the measured front of speed against accuracy.
 
-`studies/tradeoff/tradeoff.py` measures the front on the draft finger, its page writes front.json beside this module,
-and docs/tradeoff.md shows it. Other fingers get cells of the same shape and more lines of states for more tensions. The
-cost is scaled by cells and lines. The error is promised up to the number of tensions that it was measured with.
+`studies/tradeoff` measures the front with rod elements of the draft finger, its page writes front.json beside this
+module, and docs/tradeoff.md shows it. Other fingers get cells of the same shape and more lines of states for more
+tensions. The cost is scaled by cells and lines. The error is promised up to the number of tensions that it was measured
+with. A scene without a load gets the mesh alone: its sampling is its own, and its cost is not known.
 """
 
 from __future__ import annotations
@@ -18,27 +19,25 @@ from fingerfem.scene.amounts import percentage, seconds
 
 FRONT = Path(__file__).with_name("front.json")
 KEYS = ("accuracy", "budget", "preset")
-OF_MESH, OF_SAMPLING = ("cells", "order"), ("lines", "tension_nodes", "contact_nodes")
+OF_MESH = "cells", "order"
+OF_LINES = {"sampling": ("lines", "tension_nodes", "contact_nodes"), "coarse": (*OF_MESH, "lines")}
 TENSIONS, SLENDERNESS = 2, 5.0  # of the finger the front was measured on; its length over its side [-]
 # By number of tensions: lines of states over those of one tension, and errors of fingers of elements over those of two.
-# Products of polynomials grow faster than tensions. More tensions than errors here have no promise; a surrogate of a
-# plane has one up to TENSIONS.
+# Products of polynomials grow faster than tensions. More tensions than errors here have no promise.
 GROWTH, ERRORS = (1.0, 2.0, 4.0, 8.0), (1.0, 1.0, 1.0, 2.0)
 LINES = 3  # the fewest a scene may ask for
 LONGEST, PLAIN = 1e6, {"cells": [20, 5]}  # no finger is longer [-]; cells of a scene that is to be refused
 
 
 @cache
-def front(pressed: bool = False) -> list[dict[str, Any]]:
+def front() -> list[dict[str, Any]]:
     """The presets, and what no other choice beats in both cost and error of the contact force; cheapest first.
 
-    Of scenes with a load (`pressed`), which train rod elements, or of the others, trained before one plane. Each has
-    `cells`, `order`, `lines` [a tension], `tolerance`; `preset`, its name or None; and as measured `contact_force`,
-    `contact_force_of_mesh`, `contact_force_of_surrogate` and the same of `displacement` (95th percentile, relative
-    [-]), `core_seconds` [s], `states`. Of a finger of elements the whole error alone is measured, and there is no
-    `tolerance`; its `coarse` has `cells` and `order` of the mesh at whose states its own begin, or is None.
+    Each has `cells`, `order`, `lines` [a tension]; `coarse`, `cells` and `order` of the mesh at whose states its own
+    begin, or None; `preset`, its name or None; and as measured `contact_force` and `displacement` (error of the finger
+    of elements, 95th percentile, relative [-]), `core_seconds` [s], `states`.
     """
-    return json.loads(FRONT.read_text())["rods" if pressed else "choices"]
+    return json.loads(FRONT.read_text())["rods"]
 
 
 def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, Any]:
@@ -56,7 +55,8 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
         return table
     if len(asked) > 1:
         raise ValueError(f"{asked[1]} must be left out where {asked[0]} is given, got {table[asked[1]]!r}")
-    for part, keys in (("mesh", OF_MESH), ("sampling", OF_SAMPLING), ("coarse", (*OF_MESH, "lines"))):
+    pressed = bool(table.get("load"))
+    for part, keys in {"mesh": OF_MESH, **(OF_LINES if pressed else {})}.items():
         if not isinstance(table.get(part, {}), dict):
             return table  # told as such
         for key in keys:
@@ -69,26 +69,23 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
         longest = math.nan
     if not 0 < longest < LONGEST:
         return table | {"mesh": PLAIN}  # whatever is wrong with finger or tendons is told as such
-    pressed = bool(table.get("load"))
     quantity = "contact_force" if pressed or table.get("obstacle") else "displacement"
-    choices = [_fitted(one, longest, fitting, bodies, tensions, quantity) for one in front(pressed)]
-    most = len(ERRORS) if pressed else TENSIONS
-    is_promised = tensions <= most
+    choices = [_fitted(one, longest, fitting, bodies, tensions, quantity) for one in front()]
+    is_promised = tensions <= len(ERRORS)
     if asked[0] == "accuracy" and not is_promised:
         raise ValueError(
-            f"accuracy must be left out with more than {most} tendons, whose errors are not measured "
-            f"(preset or budget choose lines, rom build estimates the error), got {table['accuracy']!r}"
+            f"accuracy must be left out with more than {len(ERRORS)} tendons, whose errors are not measured "
+            f"(preset or budget choose a mesh, rom build estimates the error), got {table['accuracy']!r}"
         )
     one = _choice(asked[0], table[asked[0]], choices)
     if not is_promised:
-        one["expected"] |= dict.fromkeys(("error", "error_of_mesh", "error_of_surrogate"))
+        one["expected"]["error"] = None
+    found = table | {"mesh": table.get("mesh", {}) | {key: one[key] for key in OF_MESH}}
+    if not pressed:
+        return found | {"expected": {key: one["expected"][key] for key in ("quantity", "error")}}
     return (
-        table
-        | {
-            "mesh": table.get("mesh", {}) | {key: one[key] for key in OF_MESH},
-            "sampling": table.get("sampling", {}) | {"lines": one["lines"]},
-            "expected": one["expected"],
-        }
+        found
+        | {"sampling": table.get("sampling", {}) | {"lines": one["lines"]}, "expected": one["expected"]}
         | ({"coarse": one["coarse"]} if one["coarse"] else {})
     )
 
@@ -103,7 +100,7 @@ def _fitted(
     one: dict[str, Any], longest: float, fitting: Callable[[int], int], bodies: int, tensions: int, quantity: str
 ) -> dict[str, Any]:
     """A measured choice on another finger, with what to expect of it."""
-    cells, coarse = _cells(one, longest, fitting), one.get("coarse")
+    cells, coarse = _cells(one, longest, fitting), one["coarse"]
     lines = _lines(one["lines"], tensions)
     more_lines = lines / (one["lines"] * TENSIONS)
     more_cells = cells[0] * bodies / one["cells"][0] * (cells[1] / one["cells"][1]) ** 2
@@ -116,11 +113,8 @@ def _fitted(
         "expected": {
             "quantity": quantity,
             "error": one[quantity] * (ERRORS[tensions - 1] if tensions <= len(ERRORS) else 1.0),
-            "error_of_mesh": one.get(f"{quantity}_of_mesh"),
-            "error_of_surrogate": one.get(f"{quantity}_of_surrogate"),
             "core_seconds": one["core_seconds"] * more_lines * more_cells,
             "states": round(one["states"] * more_lines),
-            "tolerance": one.get("tolerance"),
         },
     }
 

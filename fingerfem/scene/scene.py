@@ -23,8 +23,8 @@ class SceneError(ValueError):
 class Scene(Table):
     """One scene: everything the full-order model needs to know.
 
-    In place of mesh and sampling it may have `accuracy` ("1 %" of the contact force), `budget` ("20min" of core time)
-    or `preset`; what these chose is then `mesh`, `coarse`, `sampling` and `expected`.
+    In place of mesh and lines of states it may have `accuracy` ("1 %" of the contact force), `budget` ("20min" of core
+    time) or `preset`; what these chose is then `mesh` and `expected`, and with a load `coarse` and `sampling.lines`.
     """
 
     name: str

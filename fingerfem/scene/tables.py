@@ -219,10 +219,9 @@ Quantity = Literal["displacement", "pad_pressure", "channel_shortening"]
 
 
 class Sampling(Table):
-    """How finely the parameters are sampled for training: nodes along every tension and along contact.
+    """How finely the parameters are sampled for training: nodes along every tension and along contact, a grid.
 
-    Or `lines` of states at scattered tensions, whose number does not grow like a grid's; three or more tensions are
-    sampled by these unless `tension_nodes` are given. A scene with a load has lines of a free state and of `wrenches`
+    A scene with a load has `lines` at tensions of their own in place of a grid, each of a free state and of `wrenches`
     pressed ones. Tip, contact force and touch distance of a state, or its plates' poses, are always kept; `store` says
     what else.
     """
@@ -245,30 +244,26 @@ class Coarse(Table):
     lines: Annotated[int, Field(ge=3, le=10_000)] | None = None
 
 
-class Expected(Table):
-    """What the mesh, sampling and terms that an accuracy, a budget or a preset chose are expected to give, see presets.
+class Expected(Table, extra="ignore"):  # sets and models of older versions have more
+    """What the mesh and lines that an accuracy, a budget or a preset chose are expected to give, see presets.
 
-    Errors are relative [-], of the contact force or, where nothing touches, of the displacement, at the 95th
-    percentile of states on the finger that the front was measured on. A scene with a load has the whole
-    error alone. No error is expected with more tendons than were measured.
+    The error is relative [-], of the contact force or, where nothing touches, of the displacement, at the 95th
+    percentile of states on the finger that the front was measured on. No error is expected with more tendons than were
+    measured. A scene without a load has no cost here: its error is that of rod elements on this mesh.
     """
 
     quantity: Literal["contact_force", "displacement"]
     error: float | None = None
-    error_of_mesh: float | None = None
-    error_of_surrogate: float | None = None
-    core_seconds: float
-    states: int
-    tolerance: float | None = None
+    core_seconds: float | None = None
+    states: int | None = None
 
     def __str__(self) -> str:
-        shares = {"the mesh": self.error_of_mesh, "the surrogate": self.error_of_surrogate}
-        known = ", ".join(f"{100 * share:.2g} % of {name}" for name, share in shares.items() if share is not None)
-        parts = f" ({known})" if known else ""
         quantity = self.quantity.replace("_", " ")
         promise = f"no error of the {quantity} is promised with so many tendons: rom build estimates it"
         if self.error is not None:
-            promise = f"{quantity} within {100 * self.error:.2g} % at the 95th percentile{parts}"
+            promise = f"{quantity} within {100 * self.error:.2g} % at the 95th percentile"
+        if self.core_seconds is None:
+            return f"of rod elements on this mesh: {promise}"
         return f"{promise}, {self.states} states, {self.core_seconds / 60:.2g} core-minutes"
 
 

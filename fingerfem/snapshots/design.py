@@ -56,48 +56,46 @@ class HeldOut:
         return np.column_stack([points, distances.ravel()]).tolist()
 
 
-FINEST = {"tension": 17, "contact": 33}  # nodes of a grid that is refined
-FIRST = 4  # every how many-th of them it begins with
-MOST_TENSIONS = 3  # on such a grid
 FIRST_LINES, MOST_LINES = 16, 512  # of a sequence that grows
-# Tensions from which on lines are scattered; lines per tension; nodes of a line; tensions whose corners come first.
-SCATTER, LINES, ALONG, SEED, CORNERED = 3, 40, 8, 0, 2
+# Lines per tension where a scene with a load says nothing of them; seed; tensions whose corners come first.
+LINES, SEED, CORNERED = 40, 0, 2
+NO_GRID = 2, 8  # nodes that a set without a grid names: few, as products of them are formed
 
 
 def describe(
-    scene: Scene, versions: dict[str, str], held_out: HeldOut | GivenPoints | None = None, refines: bool = False
+    scene: Scene, versions: dict[str, str], held_out: HeldOut | GivenPoints | None = None, grows: bool = False
 ) -> Description:
     """The set of states to solve for a scene.
 
     Args:
-        scene: the scene; its sampling says how fine a grid is that is not refined.
+        scene: the scene; its sampling says how fine the grid is, or how many lines a scene with a load has.
         versions: of the software.
-        held_out: points to solve instead of a grid.
-        refines: whether states are added as the surrogate's error needs them: to a coarse grid where it is largest;
-            of a scene with a load, more lines of their sequence.
+        held_out: points to solve instead of training states.
+        grows: whether lines are added, of a scene with a load, as the error of its elements needs them.
 
     Raises:
-        SceneError: no tendon bends the finger towards its plane, there are too many tensions to refine, or the obstacle
-            is not the plane y = side/2 + d.
+        SceneError: no tendon bends the finger towards its plane, the obstacle is not the plane y = side/2 + d, or lines
+            are asked for without a load.
     """
     if scene.obstacle is not None and not scene.obstacle.is_facing_plane:
         raise SceneError(
             f"obstacle must be the plane y = side/2 + d to train on it, got another {scene.obstacle.shape}"
         )
-    lead = _lead(scene)
-    if refines and scene.load is None and len(scene.tendons) > MOST_TENSIONS:
-        raise SceneError(f"tendons must be at most {MOST_TENSIONS} to refine their grid, got {len(scene.tendons)}")
+    sampling, lead = scene.sampling, _lead(scene)
+    if scene.load is None and held_out is None and sampling.lines is not None:
+        raise SceneError(
+            "lines must be left out where a scene has no load: its training states are a grid of tension_nodes and "
+            f"contact_nodes, got {sampling.lines}"
+        )
     parameters = scene.parameters
     box = np.array([[parameter["lower"], parameter["upper"]] for parameter in parameters])
     tensions = box[: len(scene.tendons)]
-    on_grid, in_order = refines and scene.load is None, refines and scene.load is not None
-    along_tension = FINEST["tension"] if on_grid else scene.sampling.tension_nodes
-    along_contact = FINEST["contact"] if on_grid else scene.sampling.contact_nodes
-    lines = MOST_LINES if in_order else _lines(scene)
-    scattered = [] if held_out or on_grid else _scattered(tensions, lines)
-    if scattered:
-        along_tension, along_contact = 2, scene.sampling.contact_nodes if _asks(scene, "contact_nodes") else ALONG
-    points = held_out.points(scene, box) if held_out else []
+    along_tension, along_contact = sampling.tension_nodes, sampling.contact_nodes
+    scattered: list[list[float]] = []
+    if scene.load is not None and held_out is None:
+        along_tension, along_contact = NO_GRID
+        lines = sampling.lines or LINES * len(tensions)
+        scattered = _scattered(tensions, MOST_LINES if grows else lines)
     return Description(
         scene=scene.model_dump(mode="json"),
         fingerprint=scene.fingerprint(),
@@ -106,27 +104,12 @@ def describe(
         tension_nodes=[_cosine(low, high, along_tension).tolist() for low, high in tensions],
         onset_nodes=_half_cosine(along_tension).tolist(),
         contact_nodes=_half_cosine(along_contact).tolist(),
-        strides=_strides(len(parameters), len(tensions), lead) if on_grid else [1] * len(parameters),
-        random=points,
+        random=held_out.points(scene, box) if held_out else [],
         scattered=scattered,
-        wrenches=_pressing(scene, len(scattered)) if scene.load is not None and scattered else [],
-        begins_with=FIRST_LINES if in_order else 0,
+        wrenches=_pressing(scene, len(scattered)) if scattered else [],
+        begins_with=FIRST_LINES if grows else 0,
         versions=versions,
     )
-
-
-def _asks(scene: Scene, name: str) -> bool:
-    return name in scene.sampling.model_fields_set
-
-
-def _lines(scene: Scene) -> int:
-    """How many scattered lines a scene asks for; none for a grid."""
-    count = len(scene.tendons)
-    if scene.sampling.lines is not None:
-        return scene.sampling.lines
-    if scene.load is None and (count < SCATTER or _asks(scene, "tension_nodes")):
-        return 0
-    return LINES * count
 
 
 def _scattered(box: np.ndarray, lines: int) -> list[list[float]]:
@@ -136,8 +119,6 @@ def _scattered(box: np.ndarray, lines: int) -> list[list[float]]:
     tensions they would be most lines of a small set, or all of them with some tendons never pulled.
     """
     count = len(box)
-    if not lines:
-        return []
     corners = [list(corner) for corner in product((0.0, 1.0), repeat=count)]
     first = corners if count <= CORNERED else corners[:1]
     # A low-discrepancy sequence: any number of its points fills the box evenly.
@@ -153,14 +134,6 @@ def _pressing(scene: Scene, lines: int) -> list[list[list[float]]]:
     return wrenches.on_plates(scene, draw).reshape(lines, each, -1).tolist()
 
 
-def _strides(parameters: int, tensions: int, lead: int) -> list[int]:
-    """The first grid: measured, a second tension wants twice the nodes of the lead, whose axis begins at onset."""
-    strides = [FIRST] * parameters
-    if tensions == 2:
-        strides[1 - lead] = FIRST // 2
-    return strides
-
-
 def _lead(scene: Scene) -> int:
     """The tendon that bends the finger most towards the plane."""
     ends = np.cumsum(scene.geometry.segments)
@@ -172,7 +145,7 @@ def _lead(scene: Scene) -> int:
 
 
 def _cosine(low: float, high: float, count: int) -> np.ndarray:
-    """Chebyshev-Lobatto nodes: dense at both ends, where splines err most."""
+    """Chebyshev-Lobatto nodes: dense at both ends, where splines are least accurate."""
     nodes = low + (high - low) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
     nodes[-1] = high
     return nodes
@@ -188,10 +161,8 @@ def _half_cosine(count: int) -> np.ndarray:
 def body(scene: Scene, nodes: np.ndarray) -> Body:
     """The finger of a scene whose mesh has these nodes, shape (nodes, 3) [m]."""
     geometry = scene.geometry
-    on_edge = np.isclose(np.abs(nodes[:, 1:]), geometry.side / 2, atol=1e-6 * geometry.side).all(axis=1)
     return Body(
         nodes=nodes,
-        edge_nodes=np.flatnonzero(on_edge),
         sections=CrossSections(nodes, scene.mesh.order, scene.is_half).positions,
         plates=np.array(scene.outline.plates),
         half_lengths=geometry.half_lengths,

@@ -33,12 +33,12 @@ class Goal:
     """When to stop.
 
     Attributes:
-        refine: what a set of lines needs next for a relative error [-].
-        error: relative error of the surrogate that is good enough [-].
+        next_round: what a set that grows needs next for a relative error [-].
+        error: relative error of the model that is good enough [-].
         seconds: after which no further line is begun.
     """
 
-    refine: Callable[[float], Round] | None = None
+    next_round: Callable[[float], Round] | None = None
     error: float = 0.0
     seconds: float = math.inf
 
@@ -71,7 +71,7 @@ def run(
         model: this group's model.
         path: the set's folder.
         progress: called on the group's first rank whenever it looks for a task.
-        goal: when to stop, and how a set is refined.
+        goal: when to stop, and how a set grows.
         known: states of other sets that save work.
 
     Raises:
@@ -158,17 +158,17 @@ class Queue:
 
     def _complete(self) -> bool:
         """Whether there is nothing left to do; if there may be, one of all plans the next round."""
-        plan, refine = self._plan, self._goal.refine
-        if refine is None or plan.ended(self._goal.error):
+        plan, next_round = self._plan, self._goal.next_round
+        if next_round is None or plan.ended(self._goal.error):
             return True
         number, place = len(plan.rounds), len(plan.lines)
         if self._claims.take(place):
             try:
                 plan.refresh()
                 if len(plan.rounds) == number:
-                    plan.add(refine(self._goal.error))
+                    plan.add(next_round(self._goal.error))
             except SnapshotError as error:  # every rank comes here, finds the same, and ends
-                self.stopped = f"not refined: {error}"
+                self.stopped = f"no lines were added: {error}"
                 return True
             finally:
                 self._claims.give_back(place)

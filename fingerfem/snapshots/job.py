@@ -5,10 +5,8 @@ from __future__ import annotations
 import logging
 import math
 import time
-from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +24,6 @@ from fingerfem.snapshots.progress import Reporter
 from fingerfem.snapshots.reuse import Donor
 from fingerfem.versions import versions
 from rom.elements import growth
-from rom.refinement.next_round import next_round
-from rom.refinement.regime_lines import between_regimes
 from rom.snapshots.description import Description
 from rom.snapshots.folder import create, set_aside_broken_rounds, set_aside_strangers
 from rom.snapshots.plan import Round
@@ -42,8 +38,8 @@ class Request:
         scene: of the finger.
         folder: of the set; begun if new, finished if not.
         held_out: points to solve instead of training states.
-        until: estimated relative error until which states are added [-].
-        budget: time after which no further line is begun [s]; states are added so long.
+        until: estimated relative error until which states are added, of a scene with a load [-].
+        budget: time after which no further line is begun [s]; so long, states are added.
         reuse: folder of a set of the same finger whose states are taken.
         near: folder of a set at whose states held-out or pressed ones begin.
     """
@@ -59,16 +55,19 @@ class Request:
     def __post_init__(self) -> None:
         if self.until is not None and not 0 < self.until < 1:
             raise ValueError(f"until must lie in (0, 1), got {self.until}")
-        if self.held_out is not None and (self.refines or self.reuse is not None):
+        if self.held_out is not None and (self.grows or self.reuse is not None):
             raise ValueError("random or points must not be given with until, budget or reuse, got both")
+        if self.grows and self.scene.load is None:
+            name, value = ("budget", self.budget) if self.until is None else ("until", self.until)
+            raise ValueError(f"{name} must be left out for a scene without a load, got {value:g}")
         if self.scene.load is not None and self.reuse is not None:
             raise ValueError(f"reuse must be left out for a scene with a load, got {self.reuse}")
         if self.near is not None and self.held_out is None and self.scene.load is None:
             raise ValueError(f"near must be given with random or points, or for a scene with a load, got {self.near}")
 
     @property
-    def refines(self) -> bool:
-        """Whether states are added as the surrogate's error needs them."""
+    def grows(self) -> bool:
+        """Whether states are added as the error of the elements needs them."""
         return self.until is not None or math.isfinite(self.budget)
 
 
@@ -90,7 +89,7 @@ class Job:
 
     def __post_init__(self) -> None:
         request, folder = self.request, self.request.folder
-        self.description = describe(request.scene, versions(), request.held_out, request.refines)
+        self.description = describe(request.scene, versions(), request.held_out, request.grows)
         self._known = Known(
             donor=Donor(request.reuse, self.description) if request.reuse is not None else None,
             near=KnownSet(request.near, self.description) if request.near is not None else None,
@@ -115,9 +114,10 @@ class Job:
         Returns, on the first rank, what came of it.
         """
         request, begun, work = self.request, time.perf_counter(), farm.Work()
-        goal = farm.Goal(refine=self._refine(), error=request.until or 0.0, seconds=request.budget)
+        next_round = self._next_round if request.grows else None
+        goal = farm.Goal(next_round=next_round, error=request.until or 0.0, seconds=request.budget)
         with Reporter(self.ledger, progress) if self.is_first else nullcontext(lambda: None) as report:
-            if self.ledger.plan.missing() or not (request.held_out or self.ledger.plan.ended(request.until or 0.0)):
+            if self.ledger.plan.missing() or (request.grows and not self.ledger.plan.ended(request.until or 0.0)):
                 model = FingerModel(request.scene, self._group())
                 work = farm.run(self.description, model, request.folder, report, goal, self._known)
         if not self.is_first:
@@ -133,23 +133,13 @@ class Job:
 
     @property
     def is_unusable(self) -> bool:
-        """Whether states failed that a surrogate needs: it can do without a held-out one, or one that refines."""
+        """Whether states failed that a model needs: it can do without a held-out one, or one that was added."""
         needed = [task for task, *_ in self.ledger.failures if task in self.description.lines]
         return bool(needed) and not (self.request.held_out and self.ledger.summary()["solved"])
 
-    def _refine(self) -> Callable[[float], Round] | None:
-        return (
-            None if self.request.held_out else lambda share: self._next_round(SnapshotSet(self.request.folder), share)
-        )
-
-    @cached_property
-    def _next_round(self) -> Callable[[SnapshotSet, float], Round]:
-        """What the set needs next for a relative error."""
-        if not self.request.refines:
-            return between_regimes
-        if not self.description.has_load:
-            return next_round
-        return growth.next_round
+    def _next_round(self, error: float) -> Round:
+        """What the set needs next for a relative error [-]."""
+        return growth.next_round(SnapshotSet(self.request.folder), error)
 
     def _group(self) -> MPI.Comm:
         count = self.ranks_per_finger
@@ -163,9 +153,9 @@ class Job:
         rounds = self.ledger.plan.rounds
         if work.stopped:
             logging.warning("%s", work.stopped)
-        elif self.request.refines and rounds and rounds[-1].finest:
+        elif self.request.grows and rounds and rounds[-1].finest:
             logging.warning("all states that may be added leave an estimated error of %.1e", found["estimated_error"])
-        elif self.request.refines and rounds and rounds[-1].stalled:
+        elif self.request.grows and rounds and rounds[-1].stalled:
             logging.warning(
                 "an estimated error of %.1e is left: more states do not make it smaller, a finer mesh may",
                 found["estimated_error"],

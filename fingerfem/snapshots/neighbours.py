@@ -75,11 +75,6 @@ class KnownSet:
             known = np.isfinite(points).all(axis=1) | (kind == "free")  # where contact begins there is no plane yet
             self._points[kind], self._fields[kind] = points[known], fields[known]
 
-    @property
-    def coarse(self) -> SnapshotSet | None:
-        """The set, if it is of another mesh."""
-        return self._snapshots if self._is_of_another_mesh else None
-
     def begin(
         self,
         model: FingerModel,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -16,37 +16,25 @@ from fingerfem.equilibrium.state import channel_shortening, pad_pressure
 from fingerfem.mechanics.rigid_plate import Pose
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.design import body as finger_at_rest
-from fingerfem.snapshots.plate_contact import PlateContacts
 from rom.snapshots import schema
 from rom.snapshots.sections import CrossSections
 
 logger = logging.getLogger(__name__)
 
 
-class ContactState(NamedTuple):
-    """A state in contact, to begin others from."""
-
-    distance: float  # of the plane [m]
-    regime: np.ndarray  # see PlateContact
-    displacement: np.ndarray  # of this rank's nodes
-
-
 class Recorder:
     """Collects the states of one line; after a load that was not reached the line's further states are failed too.
-
-    Of free lines it also keeps the long edges, of which one is the first to touch.
 
     Attributes:
         displacements: of this rank's nodes, state by state, as the model has them.
         reaches: of the finger towards the plane, state by state [m].
     """
 
-    def __init__(self, model: FingerModel, numbering: NodeOrder, edges: bool = False):
+    def __init__(self, model: FingerModel, numbering: NodeOrder):
         scene, body = model.scene, finger_at_rest(model.scene, numbering.nodes)
         self._model, self._numbering, self._broken = model, numbering, ""
         self._store, self._parameter_count = scene.sampling.store, len(scene.parameters)
-        self._edges = body.edge_nodes if edges else None
-        scopes = {"state", *self._store, *(["edges"] if edges else [])}
+        scopes = {"state", *self._store}
         scopes |= {name for name in ("obstacle", "load") if getattr(scene, name) is not None}
         self._sections = self._channels = None
         if scene.load is not None:
@@ -59,10 +47,8 @@ class Recorder:
             sections=len(body.sections),
             tendons=len(scene.tendons),
             nodes=len(body.nodes),
-            edge_nodes=len(body.edge_nodes),
         )
         self._blank = schema.blanks(scopes, sizes, self._parameter_count)
-        self._plates = PlateContacts(model.problem) if model.scene.obstacle is not None else None
         self._last_good: np.ndarray | None = None
         self._touch: dict[str, Any] = {}
         self._rows: list[dict[str, Any]] = []
@@ -166,8 +152,6 @@ class Recorder:
             row["contact_force"] = model.problem.contact.force()
             pressed = found.contact_force if found.contact_force is not None else np.zeros(0)
             row["contact_force_jacobian"] = self._padded(pressed)
-        if self._plates is not None:
-            row |= self._plate_contact(self._plates, found)
         if model.problem.plates is not None and found.plate_motion is not None:
             row |= _plate_poses(model.problem.plates.poses(model.problem.displacement), found.plate_motion)
         if "pad_pressure" in store:
@@ -180,26 +164,13 @@ class Recorder:
             row["channel_shortening_jacobian"] = self._padded(found.channel_shortening).T
         if self._channels is not None:
             row |= self._channels.quantities(found.displacement)
-        if "displacement" in store or self._edges is not None or self._sections is not None:
+        if "displacement" in store or self._sections is not None:
             changes = [numbering.gather(change) for change in found.displacement]
         if "displacement" in store:
             row |= {"displacement": field, "displacement_jacobian": self._padded(np.array(changes)).astype(np.float32)}
         if self._sections is not None and model.problem.comm.rank == 0:
             row |= self._sections.quantities(field, np.array(changes))
-        if self._edges is not None and model.problem.comm.rank == 0:
-            rest = numbering.nodes[self._edges, 1] - model.scene.geometry.side / 2
-            row["edge_heights"] = field[self._edges, 1] + rest
-            slopes = np.array([change[self._edges, 1] for change in changes])
-            row["edge_heights_jacobian"] = self._padded(slopes).T
         return row
-
-    def _plate_contact(self, plates: PlateContacts, found: Sensitivities) -> dict[str, Any]:
-        stands = plates.at(found.displacement)
-        row: dict[str, Any] = {name: getattr(stands, name) for name in (*stands.jacobians, "regime")}
-        return row | {
-            f"{name}_jacobian": np.moveaxis(self._padded(np.moveaxis(slopes, -1, 0)), 0, -1)
-            for name, slopes in stands.jacobians.items()
-        }
 
     def _padded(self, slopes: np.ndarray) -> np.ndarray:
         """Derivatives by all parameters, first axis; by d they are zero while there is no plane."""
@@ -237,15 +208,6 @@ class Recorder:
             pressed = np.zeros_like(self._model.problem.wrenches) if wrenches is None else wrenches
             return np.concatenate([tensions, np.ravel(pressed)])
         return np.append(tensions, distance) if self._model.scene.obstacle is not None else np.array(tensions)
-
-    def contacts(self) -> list[ContactState]:
-        """The states so far that have an answer and touch the plane, in the order in which they were noted."""
-        pairs = zip(self._rows, self.displacements, strict=True)
-        return [
-            ContactState(float(row["parameters"][-1]), row["regime"], displacement)
-            for row, displacement in pairs
-            if row["converged"] and row["contact_force"] > 0 and not np.isnan(displacement).any()
-        ]
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The states collected, quantity by quantity, nan where there is no answer; on the model's first rank."""

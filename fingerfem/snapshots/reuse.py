@@ -51,7 +51,7 @@ class Donor:
             stored = read_task(self._path, task)
             for k in np.flatnonzero(stored["converged"]):
                 at = int(stored["nodes"][k])
-                node = _place(ours, theirs[at]) if at >= 0 else None
+                node = _place(ours, theirs[at])
                 if node is not None:
                     row = {name: values[k] for name, values in stored.items() if name not in NOT_OF_A_STATE}
                     found[node] = row | {"iterations": 0}

@@ -24,7 +24,6 @@ class Body:
 
     Attributes:
         nodes: sorted by x, then y, then z, shape (nodes, 3) [m].
-        edge_nodes: which of them lie on the long edges, shape (edge nodes,).
         sections: cross-sections, the mesh's element boundaries along x, shape (sections,) [m].
         plates: where every segment's plate begins and ends along x, shape (segments, 2) [m].
         half_lengths: of a plate along its own axes, shape (3,) [m].
@@ -32,7 +31,6 @@ class Body:
     """
 
     nodes: np.ndarray
-    edge_nodes: np.ndarray
     sections: np.ndarray
     plates: np.ndarray
     half_lengths: np.ndarray

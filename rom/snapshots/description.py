@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import groupby, product
@@ -14,7 +14,8 @@ import numpy as np
 
 from rom.brief import brief
 
-FORMAT = 6  # of snapshot sets
+FORMAT = 7  # of snapshot sets
+FORMER = 6  # of which held-out sets and those of scenes with a load are as they are now, but for another key
 # Keys of a scene that change none of the finger's answers.
 NOT_OF_THE_FINGER = ("name", "sampling", "expected", "coarse", "accuracy", "budget", "preset")
 
@@ -43,14 +44,13 @@ class Line:
     """The states of one task, solved in their order.
 
     Attributes:
-        kind: free (along the lead tension), contact (along the contact path), scattered (a free state and the contact
-            path from there, at tensions of its own), pressed (a free state and pressed ones there) or random (held-out
-            states of the same tensions).
+        kind: free (along the lead tension), contact (along the contact path), pressed (a free state and pressed ones,
+            at tensions of its own) or random (held-out states of the same tensions).
         index: what it holds fixed, as positions: of the other tensions' combination; and for contact of the onset node.
-            A number of its own for scattered, pressed and random lines.
+            A number of its own for pressed and random lines.
         nodes: positions along the line, of `tension_nodes[lead]` or of `contact_nodes`; of a random line in `random`;
             of a pressed line 0 for the free state, then 1 and so on in its `wrenches`.
-        tensions: of a scattered or pressed line [N].
+        tensions: of a pressed line [N].
     """
 
     kind: str
@@ -71,12 +71,9 @@ class Description:
         tension_nodes: nodes of every tension [N].
         onset_nodes: nodes of the lead tension between onset (0) and its highest (1) [-].
         contact_nodes: nodes of the contact path between touch (0) and its nearest (1) [-].
-        strides: every how many-th node the first grid takes, of every tension, then of the contact path; 1 unless the
-            set is refined where its error is largest.
         random: held-out parameters, shape (count, p); empty for a training set.
-        scattered: tensions of lines of a set without a grid, shape (lines, tensions) [N]; empty for one with a grid.
-        wrenches: of these lines, on the plates in their own frames, shape (lines, states, 6 plates) [N, N m]; empty for
-            a scene without a load.
+        scattered: tensions of the lines of a scene with a load, shape (lines, tensions) [N]; empty for a grid.
+        wrenches: of these lines, on the plates in their own frames, shape (lines, states, 6 plates) [N, N m].
         begins_with: how many of these lines a set has at first to which more are added, in their order; 0 has all.
     """
 
@@ -87,7 +84,6 @@ class Description:
     tension_nodes: list[list[float]]
     onset_nodes: list[float]
     contact_nodes: list[float]
-    strides: list[int]
     random: list[list[float]]
     scattered: list[list[float]]
     versions: dict[str, str]
@@ -134,7 +130,7 @@ class Description:
     @property
     def refines(self) -> bool:
         """Whether lines are added round by round."""
-        return any(stride > 1 for stride in self.strides) or self.begins_with > 0
+        return self.begins_with > 0
 
     @cached_property
     def lines(self) -> dict[str, Line]:
@@ -143,19 +139,11 @@ class Description:
             return {f"random-{k}": Line("random", (k,), nodes) for k, nodes in enumerate(self._held_out_lines())}
         if self.wrenches:
             return {f"pressed-{k}": self.pressed_line(k) for k in range(self.begins_with or len(self.wrenches))}
-        if self.scattered:
-            return {f"scattered-{k}": self.scattered_line(k, tensions) for k, tensions in enumerate(self.scattered)}
-        lead, path = self.strides[self.lead], self.strides[-1]
-        others = [
-            j
-            for j, where in enumerate(product(*[range(len(self.tension_nodes[k])) for k in self.other_axes]))
-            if all(position % self.strides[k] == 0 for position, k in zip(where, self.other_axes, strict=True))
-        ]
-        found = {f"free-{j}": self.free_line(j) for j in others}
+        others, contact = range(len(self.others)), tuple(range(len(self.contact_nodes)))
+        found = {f"free-{j}": Line("free", (j,), tuple(range(len(self.tension_nodes[self.lead])))) for j in others}
         if self.has_obstacle:
-            nodes = tuple(range(0, len(self.contact_nodes), path))
-            for j, i in product(others, range(0, len(self.onset_nodes), lead)):
-                found[f"contact-{j}-{i}"] = Line("contact", (j, i), nodes)
+            for j, i in product(others, range(len(self.onset_nodes))):
+                found[f"contact-{j}-{i}"] = Line("contact", (j, i), contact)
         return found
 
     def _held_out_lines(self) -> list[tuple[int, ...]]:
@@ -164,37 +152,16 @@ class Description:
         return [tuple(points) for _, points in together]
 
     def has(self, line: Line) -> bool:
-        """Whether a line can be one of this set: on its grid, scattered in its box, or the next of its sequence."""
-        if line.kind == "pressed":
-            return line.index[0] < len(self.wrenches) and line == self.pressed_line(line.index[0])
-        if line.kind == "scattered":
-            box = zip(self.parameters, line.tensions, strict=False)
-            within = [one["lower"] <= tension <= one["upper"] for one, tension in box]
-            return len(line.tensions) == self.tensions and all(within)
-        contact = line.kind == "contact" and self.has_obstacle
-        limits = [len(self.others), *([len(self.onset_nodes)] if contact else [])]
-        nodes = len(self.contact_nodes) if contact else len(self.tension_nodes[self.lead])
+        """Whether a line can be added to this set: whether it is one of its sequence of pressed lines."""
         return (
-            (contact or line.kind == "free")
-            and len(line.index) == len(limits)
-            and all(0 <= k < limit for k, limit in zip(line.index, limits, strict=True))
-            and len(line.nodes) > 0
-            and all(0 <= node < nodes for node in line.nodes)
+            line.kind == "pressed"
+            and 0 <= line.index[0] < len(self.wrenches)
+            and line == self.pressed_line(line.index[0])
         )
-
-    def free_line(self, j: int) -> Line:
-        """The first line of free states at a combination of the other tensions."""
-        nodes = range(0, len(self.tension_nodes[self.lead]), self.strides[self.lead])
-        return Line("free", (j,), tuple(nodes))
 
     def pressed_line(self, k: int) -> Line:
         """The k-th line of a free state and pressed ones."""
         return Line("pressed", (k,), tuple(range(1 + len(self.wrenches[k]))), tuple(self.scattered[k]))
-
-    def scattered_line(self, k: int, tensions: Sequence[float]) -> Line:
-        """The k-th line at tensions of its own [N]."""
-        nodes = range(len(self.contact_nodes)) if self.has_obstacle else (0,)
-        return Line("scattered", (k,), tuple(nodes), tuple(tensions))
 
     @property
     def other_axes(self) -> list[int]:

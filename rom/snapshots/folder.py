@@ -50,7 +50,6 @@ def create(path: str | Path, description: Description) -> None:
         "tension_nodes",
         "onset_nodes",
         "contact_nodes",
-        "strides",
         "random",
         "scattered",
         "begins_with",
@@ -63,7 +62,6 @@ def create(path: str | Path, description: Description) -> None:
                 "random": "other held-out points",
                 "scattered": "other tensions",
                 "stored": "other quantities",
-                "strides": "another first grid",
                 "begins_with": "other first lines",
             }
             if name == "fingerprint":

@@ -1,10 +1,4 @@
-"""Two meshes, one surrogate: many states on a coarse mesh, few on a fine one.
-
-What a finer mesh changes is small, and smooth in the same coordinates: fitted by itself, regime by regime, to what the
-fine states say beyond the coarse fits, it needs a low degree and hence few states (a control variate in the sense of
-Peherstorfer, Willcox, Gunzburger, SIAM Review 60, 2018, doi:10.1137/16M1082469). Here is what tells two such sets from
-others, and what brings a field from one mesh to the other.
-"""
+"""States of one finger on two meshes: which sets are of it, and what brings a field from one mesh to the other."""
 
 from __future__ import annotations
 
@@ -15,30 +9,11 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from rom.file_kinds import uses_of
 from rom.snapshots.description import NOT_OF_THE_FINGER, difference
 from rom.snapshots.grid import SHARE, levels
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
 OWN = (*NOT_OF_THE_FINGER, "mesh")  # keys of a scene that may differ
-
-
-def check_pair(fine: SnapshotSet, coarse: SnapshotSet) -> None:
-    """Refuse sets that are not of one finger.
-
-    Raises:
-        SnapshotError: one is a held-out set, or they differ by more than mesh and sampling.
-    """
-    if coarse.description.random:
-        raise SnapshotError(f"{coarse.path}: must be a training set{uses_of(coarse.path)}")
-    check_finger(coarse, fine.description.scene, "the fine set")
-    if len(coarse.nodes) >= len(fine.nodes):
-        counts = f"{len(fine.nodes)} nodes, got {len(coarse.nodes)}"
-        raise SnapshotError(f"{coarse.path}: must be of a coarser mesh than the fine set's {counts}")
-    if fine.body.is_half != coarse.body.is_half or fine.description.has_field > coarse.description.has_field:
-        raise SnapshotError(
-            f"{coarse.path}: must model half the finger, and store the displacement, if the fine set does"
-        )
 
 
 def check_finger(snapshots: SnapshotSet, scene: dict[str, Any], of: str) -> None:

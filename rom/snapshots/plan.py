@@ -1,7 +1,7 @@
-"""The lines of states a set holds: those of its first grid, then round by round those that refine it.
+"""The lines of states a set holds: its first ones, then round by round those that are added to them.
 
 A round is `rounds/NNNN.json`: the error estimated from the states of all rounds before, and the lines to solve next.
-It has no lines where that error was small enough, or nothing was left to refine.
+It has no lines where that error was small enough, or no more may be added.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from rom.whole_file import write_whole
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Round:
-    """What refines a set next.
+    """What is added to a set next.
 
     Attributes:
-        error: estimated relative error of a surrogate of all states before [-]; 0 if nobody estimated it.
+        error: estimated relative error of a model of all states before [-].
         threshold: indicator above which lines were taken [-]; 0 if there is none.
         lines: by the names of their tasks.
-        finest: whether the grid has nothing left to refine.
+        finest: whether the sequence of lines has no more.
         stalled: whether more states no longer make the error smaller.
     """
 
@@ -72,7 +72,7 @@ class Plan:
         while (file := round_file(self._path, len(self.rounds))).exists():
             found = read_round(file)
             if not all(self._description.has(line) for line in found.lines.values()):
-                raise PlanError(f"{file}: must hold lines of its set's grid; run snapshots again, which plans it again")
+                raise PlanError(f"{file}: must hold lines of its set; run snapshots again, which plans it again")
             self.rounds.append(found)
             self.lines |= found.lines
 

@@ -29,12 +29,6 @@ def motions(poses: np.ndarray, changes: np.ndarray) -> np.ndarray:
     return np.concatenate([move, turn], axis=1)
 
 
-def gaps(poses: np.ndarray, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """How far points of the plates, in their frames, lie along directions of space, shapes (n, 3); shape (n,) [m]."""
-    places = np.einsum("nij,nj->ni", rotations(poses), points - poses[:, :3])
-    return np.asarray(np.sum(normals * places, axis=1))
-
-
 def nearest_rotations(moments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rotations R [-] and symmetric U of the polar decompositions M = R U, shapes (..., 3, 3).
 

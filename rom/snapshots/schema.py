@@ -4,8 +4,7 @@ A task's file holds them state by state, first axis n; X_jacobian holds the deri
 these it holds, of every state:
 
     parameters   (n, p)   tensions [N], then d [m] (nan in a free state) or what presses on the plates [N, N m]
-    nodes        (n,)     positions along the line, of the grid's nodes; free and contact lines. -1 for a state between
-                          two of them that differ in regime
+    nodes        (n,)     positions along the line, see rom.snapshots.description.Line; of all but held-out lines
     iterations   (n,)     Newton iterations
     converged    (n,)     bool; a state that is not is nan everywhere
     reason       (n,)     why not, empty if converged
@@ -24,11 +23,8 @@ from typing import Any, Literal
 import numpy as np
 
 # Which states have a quantity: all; those of scenes with an obstacle, or with a load, or with a load and all tendons in
-# channels; those of lines that keep the long edges' heights (free, scattered and held-out ones); or those of scenes
-# whose sampling.store names it.
-Scope = Literal[
-    "state", "obstacle", "load", "load in channels", "edges", "displacement", "pad_pressure", "channel_shortening"
-]
+# channels; or those of scenes whose sampling.store names it.
+Scope = Literal["state", "obstacle", "load", "load in channels", "displacement", "pad_pressure", "channel_shortening"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +37,7 @@ class Quantity:
         unit: of it; its derivatives have it per N and per m.
         meaning: in words.
         scope: which states have it.
-        jacobian: whether its derivatives are kept, and where the axis of the parameters stands among theirs.
+        jacobian: where the axis of the parameters stands among those of its derivatives.
     """
 
     name: str
@@ -49,63 +45,13 @@ class Quantity:
     unit: str
     meaning: str
     scope: Scope
-    jacobian: Literal["last", "first", ""] = "last"
+    jacobian: Literal["last", "first"] = "last"
 
 
 QUANTITIES = (
     Quantity(name="tip", shape=(3,), unit="m", meaning="displacement of the tip plate's centre", scope="state"),
-    Quantity(
-        name="edge_heights",
-        shape=("edge nodes",),
-        unit="m",
-        meaning="of the long edges over the face towards the plane at rest",
-        scope="edges",
-    ),
     Quantity(name="contact_force", shape=(), unit="N", meaning="integral of the contact pressure", scope="obstacle"),
     Quantity(name="touch_distance", shape=(), unit="m", meaning="free reach at these tensions", scope="obstacle"),
-    Quantity(
-        name="plate_height",
-        shape=("segments",),
-        unit="m",
-        meaning="of the plates' centres over the face towards the plane at rest",
-        scope="obstacle",
-    ),
-    Quantity(
-        name="plate_tilt",
-        shape=("segments", 3),
-        unit="-",
-        meaning="slope of that height along the plate's own x, y, z",
-        scope="obstacle",
-    ),
-    Quantity(
-        name="plate_force",
-        shape=("segments",),
-        unit="N",
-        meaning="part of the contact force that each plate carries",
-        scope="obstacle",
-    ),
-    Quantity(
-        name="centre_of_pressure",
-        shape=("segments", 3),
-        unit="-",
-        meaning="where it acts, from -1 to 1 along the plate's own x, y, z",
-        scope="obstacle",
-    ),
-    Quantity(
-        name="rubber_reach",
-        shape=("segments",),
-        unit="m",
-        meaning="how far the rubber of each segment reaches towards the plane",
-        scope="obstacle",
-    ),
-    Quantity(
-        name="regime",
-        shape=("signs",),
-        unit="-",
-        meaning="code of the contact regime, see rom.snapshots.contact_regimes",
-        scope="obstacle",
-        jacobian="",
-    ),
     Quantity(
         name="clamp_place",
         shape=("segments", 3),
@@ -171,16 +117,9 @@ QUANTITIES = (
 FIELDS = ("displacement", "displacement_jacobian")  # many times larger than all else, and read only when asked for
 
 
-def sizes(*, segments: int, sections: int, tendons: int, nodes: int, edge_nodes: int) -> dict[str, int]:
+def sizes(*, segments: int, sections: int, tendons: int, nodes: int) -> dict[str, int]:
     """The sizes that shapes name."""
-    return {
-        "segments": segments,
-        "signs": 5 * segments,
-        "sections": sections,
-        "tendons": tendons,
-        "nodes": nodes,
-        "edge nodes": edge_nodes,
-    }
+    return {"segments": segments, "sections": sections, "tendons": tendons, "nodes": nodes}
 
 
 def blanks(scopes: Collection[str], sizes: Mapping[str, int], parameters: int) -> dict[str, Any]:
@@ -193,7 +132,7 @@ def blanks(scopes: Collection[str], sizes: Mapping[str, int], parameters: int) -
         found[quantity.name] = np.full(shape, np.nan)
         if quantity.jacobian == "last":
             found[f"{quantity.name}_jacobian"] = np.full((*shape, parameters), np.nan)
-        elif quantity.jacobian == "first":
+        else:
             found[f"{quantity.name}_jacobian"] = np.full((parameters, *shape), np.nan, np.float32)
     return found
 

@@ -4,12 +4,12 @@ A set is a folder:
 
     set.json            what was asked for: scene, parameters, sampling nodes, tasks, versions
     body.npz            the finger at rest, see rom.snapshots.body
-    rounds/NNNN.json    lines that refine the set, see rom.snapshots.plan
+    rounds/NNNN.json    lines that are added to the set, see rom.snapshots.plan
     tasks/NAME.npz      one file per task, a line of states solved in a fixed order, see rom.snapshots.schema
 
 Names of tasks: `free-J` is a line along the lead tension, which bends the finger most towards the plane; `contact-J-I`
-brings the plane from touch to its nearest, where one state stands for the line if both are the same; `scattered-K` has
-tensions of its own; `random-K` is held out; `-rN` adds states to a line in round N. See rom.snapshots.description.Line.
+brings the plane from touch to its nearest, where one state stands for the line if both are the same; `pressed-K` has
+tensions of its own, and wrenches on the plates; `random-K` is held out. See rom.snapshots.description.Line.
 """
 
 from __future__ import annotations
@@ -21,16 +21,13 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from rom.file_kinds import uses_of
 from rom.snapshots.body import Body, body_file
-from rom.snapshots.description import FORMAT, Description, Line
+from rom.snapshots.description import FORMAT, FORMER, Description, Line
 from rom.snapshots.plan import Plan
 from rom.snapshots.schema import FIELDS, not_finite
 from rom.whole_file import write_whole
-
-SAME_PLACE = 1e-9  # share of a parameter's range within which states are at one place [-]
 
 
 class SnapshotError(ValueError):
@@ -45,6 +42,9 @@ def read_description(path: str | Path) -> Description:
     """
     try:
         table = json.loads((Path(path) / "set.json").read_text())
+        if table["format"] == FORMER and (table["random"] or table["wrenches"]):
+            table |= {"format": FORMAT}
+            del table["strides"]
         if table["format"] != FORMAT:
             told = f"must be a set of format {FORMAT}, got {table['format']}"
             raise SnapshotError(f"{path}: {told}; fingerfem snapshots solves it in another folder")
@@ -92,7 +92,7 @@ def read_task(
 
 
 class SnapshotSet:
-    """A set, read. Its first grid is complete; of the lines that refine it, some may still be missing."""
+    """A set, read. Its first lines are complete; of those that were added, some may still be missing."""
 
     def __init__(self, path: str | Path):
         self.path, self.description = Path(path), read_description(path)
@@ -162,86 +162,17 @@ class SnapshotSet:
         """Core time that solving took [s]."""
         return float(sum(task["seconds"] for task in self._tasks.values()))
 
-    def positions(self, kind: str) -> np.ndarray:
-        """Positions on the grid of the free or the contact states that have an answer, shape (states, axes)."""
-        return np.concatenate([self.on_grid(line)[rows] for _, line, rows in self._lines(kind)])
-
-    def values(self, kind: str, name: str) -> np.ndarray:
-        """A quantity of the same states, shape (states, *quantity)."""
-        parts = [self._values(task, name)[self._stored(task, line)[rows]] for task, line, rows in self._lines(kind)]
-        return np.concatenate(parts)
-
     def states_of(self, kind: str, name: str) -> np.ndarray:
-        """A quantity of every free or contact state that has an answer, each once, wherever it lies.
-
-        Shape (states, *quantity).
-        """
-        return np.concatenate([self._values(task, name)[rows] for task, rows in self._rows(kind)])
-
-    def count(self, kind: str) -> int:
-        """Number of free states that have an answer, or of contact states that touch."""
-        found = self._rows(kind)
-        if kind == "free":
-            return sum(len(rows) for _, rows in found)
-        return sum(int((self._tasks[task]["contact_force"][rows] > 0).sum()) for task, rows in found)
-
-    def _rows(self, kind: str) -> list[tuple[str, np.ndarray]]:
-        """Tasks that hold states of a kind, and which of their states these are; a scattered line's first is free.
-
-        States at one place count once: a fit that is judged by states left out would find each in its twin.
-        """
-        size = np.array([parameter["upper"] - parameter["lower"] for parameter in self.description.parameters])
-        listed: list[tuple[str, np.ndarray]] = []
-        for task, line in self.plan.lines.items():
-            if task not in self._tasks or line.kind not in (kind, "scattered"):
-                continue
-            rows = np.flatnonzero(self._tasks[task]["converged"])
-            if line.kind == "scattered":
-                rows = rows[(rows == 0) == (kind == "free")]
-            listed.append((task, rows))
-        if not listed:
-            return listed
-        places = [np.nan_to_num(self._tasks[task]["parameters"][rows] / size) for task, rows in listed]
-        twins = cKDTree(np.concatenate(places)).query_pairs(SAME_PLACE, p=np.inf, output_type="ndarray")
-        first = ~np.isin(np.arange(sum(map(len, places))), twins[:, 1])  # not the later of a pair
-        kept = np.split(first, np.cumsum([len(rows) for _, rows in listed])[:-1])
-        return [(task, rows[own]) for (task, rows), own in zip(listed, kept, strict=True) if own.any()]
-
-    def projected(self, kind: str, basis: np.ndarray) -> np.ndarray:
-        """The displacement's derivatives of the same states in a basis, shape (states, k, p); read task by task.
-
-        The basis has k columns of 3 nodes.
-        """
-        basis, found = basis.astype(np.float32), []
-        for task, rows in self._rows(kind):
-            slopes = self._values(task, "displacement_jacobian")[rows]
-            found.append((slopes.reshape(*slopes.shape[:2], -1) @ basis).transpose(0, 2, 1).astype(float))
-        return np.concatenate(found)
-
-    def _lines(self, kind: str) -> list[tuple[str, Line, np.ndarray]]:
-        """Tasks of a kind, their lines, and which states of these have an answer."""
-        return [
-            (task, line, np.flatnonzero(self._tasks[task]["converged"][self._stored(task, line)]))
-            for task, line in self.lines.items()
-            if line.kind == kind and task in self._tasks
-        ]
-
-    @property
-    def lines(self) -> dict[str, Line]:
-        """The lines planned; one of a single state, where the plane cannot move, has all nodes of the contact path."""
-        path, found = tuple(range(len(self.description.contact_nodes))), dict(self.plan.lines)
-        for task, stored in self._tasks.items():
-            line = found.get(task)
-            if line is not None and line.kind == "contact" and (stored["nodes"] >= 0).sum() < len(line.nodes):
-                found[task] = Line(line.kind, line.index, path if self.description.refines else line.nodes)
-        return found
+        """A quantity of every free or contact state that has an answer, each once, shape (states, *quantity)."""
+        tasks = [task for task, line in self.plan.lines.items() if line.kind == kind and task in self._tasks]
+        return np.concatenate([self._values(task, name)[self._tasks[task]["converged"]] for task in tasks])
 
     def _stored(self, task: str, line: Line) -> np.ndarray:
         """Where the states of a line stand in its task: one that stands for all is read for all."""
-        rows = np.flatnonzero(self._tasks[task]["nodes"] >= 0)
-        return rows if len(rows) == len(line.nodes) else np.zeros(len(line.nodes), int)
+        count, nodes = len(self._tasks[task]["converged"]), len(line.nodes)
+        return np.arange(nodes) if count == nodes else np.zeros(nodes, int)
 
-    def on_grid(self, line: Line) -> np.ndarray:
+    def _on_grid(self, line: Line) -> np.ndarray:
         """Positions on the grid of a line's nodes, shape (nodes, axes); of contact lines the onset node leads."""
         shape = self._other_shape
         others = [int(k) for k in np.unravel_index(line.index[0], shape)] if shape else []
@@ -277,9 +208,16 @@ class SnapshotSet:
         return self._grid("contact", name, [*shape, len(description.contact_nodes)])
 
     def _grid(self, kind: str, name: str, shape: list[int]) -> np.ndarray:
-        values = self.values(kind, name)
-        grid = np.zeros((*shape, *values.shape[1:]), values.dtype)
-        grid[tuple(self.positions(kind).T)] = values
+        places, values = [], []
+        for task, line in self.plan.lines.items():
+            if line.kind == kind and task in self._tasks:
+                rows = self._stored(task, line)
+                answered = self._tasks[task]["converged"][rows]
+                places.append(self._on_grid(line)[answered])
+                values.append(self._values(task, name)[rows[answered]])
+        found = np.concatenate(values)
+        grid = np.zeros((*shape, *found.shape[1:]), found.dtype)
+        grid[tuple(np.concatenate(places).T)] = found
         return grid
 
     def random(self, name: str) -> np.ndarray:
@@ -290,9 +228,6 @@ class SnapshotSet:
 
     def answered(self, name: str) -> np.ndarray:
         """A quantity of all states that have an answer, whatever the set, shape (states, *quantity)."""
-        if not self.description.random and not self.description.has_load:
-            kinds = ("free", "contact") if self.description.has_obstacle else ("free",)
-            return np.concatenate([self.states_of(kind, name) for kind in kinds])
         return np.concatenate([self._values(task, name)[arrays["converged"]] for task, arrays in self._tasks.items()])
 
     def points(self) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""A line of free states along the lead tension; the first of its other tensions also finds where contact begins."""
+"""A line of free states along the lead tension, which also finds where contact begins."""
 
 from __future__ import annotations
 
@@ -15,41 +15,28 @@ AT_PLANE = 1e-7  # of the side: how near to the nearest plane the onset's reach 
 
 
 def needs(setting: Setting, task: str, line: Line) -> list[str]:
-    """Tasks that must be done before: those on the same line that were planned before, if others were."""
-    if _begins(task, line):
-        return []
-    return [f"free-{line.index[0]}", *(() if task in setting.description.lines else setting.before(task))]
+    """No task must be done before."""
+    return []
 
 
 def solve(setting: Setting, task: str, line: Line) -> Arrays:
-    """The states of the line's nodes, and the onset of contact if none was planned before."""
-    (j,), record, begins = line.index, setting.recorder(edges=True), _begins(task, line)
-    given = setting.given(line)
-    if begins:
-        setting.model.continuation.rest()
+    """The states of the line's nodes, and the onset of contact."""
+    record, given = setting.recorder(), setting.given(line)
+    setting.model.continuation.rest()
     for node in line.nodes:
         if node in given:
             setting.take(record, given[node])
-            continue
-        if not begins:
-            setting.start_free(j, _tensions(setting, line, node))
-            record.restarted()
-        record.state(_tensions(setting, line, node), None)
-    arrays = record.arrays() | {"nodes": np.array(line.nodes)}
-    return arrays | _onset(setting, line, record) if begins else arrays
+        else:
+            record.state(_tensions(setting, line, node), None)
+    return record.arrays() | {"nodes": np.array(line.nodes)} | _onset(setting, line, record)
 
 
 def give_up(setting: Setting, task: str, line: Line, reason: str) -> Arrays:
     """The same without an answer."""
-    record = setting.recorder(edges=True)
+    record = setting.recorder()
     for node in line.nodes:
         record.failed(_tensions(setting, line, node), np.nan, reason)
-    arrays = record.arrays() | {"nodes": np.array(line.nodes)}
-    return arrays | _no_onset(setting) if _begins(task, line) else arrays
-
-
-def _begins(task: str, line: Line) -> bool:
-    return task == f"free-{line.index[0]}"
+    return record.arrays() | {"nodes": np.array(line.nodes)} | _no_onset(setting)
 
 
 def _tensions(setting: Setting, line: Line, node: int) -> np.ndarray:

@@ -19,7 +19,6 @@ from rom.snapshots.plan import Plan
 from rom.snapshots.snapshot_set import read_task
 
 Arrays = dict[str, np.ndarray]
-BETWEEN = -1  # in place of a node, of states between those of the grid
 SAME_PLACE = 1e-6  # of the side: a plane whose path from touch to its nearest is no longer does not move [-]
 
 
@@ -63,21 +62,15 @@ class Setting:
         """What a plane moves at least from touch to its nearest [m]; on a shorter path it does not move."""
         return SAME_PLACE * self.model.scene.geometry.side
 
-    def recorder(self, edges: bool = False) -> Recorder:
+    def recorder(self) -> Recorder:
         """What notes the states of a line."""
-        return Recorder(self.model, self.numbering, edges=edges)
+        return Recorder(self.model, self.numbering)
 
     def line(self, task: str) -> Line:
         """A task's line."""
         if task not in self.plan.lines:
             self.plan.refresh()
         return self.plan.lines[task]
-
-    def before(self, task: str) -> list[str]:
-        """Tasks that have states on the same line and were planned before."""
-        line, names = self.line(task), list(self.plan.lines)
-        same = [name for name in names[: names.index(task)] if self.plan.lines[name].index == line.index]
-        return [name for name in same if self.plan.lines[name].kind == line.kind]
 
     def given(self, line: Line) -> dict[int, dict[str, Any]]:
         """The donor's states of a line, by node."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.model import FingerModel
-from fingerfem.snapshots.lines import contact, free, held_out, pressed, scattered
+from fingerfem.snapshots.lines import contact, free, held_out, pressed
 from fingerfem.snapshots.lines.setting import NOTHING_KNOWN, Arrays, Known, Setting
 from rom.snapshots.description import Description, Line
 from rom.snapshots.plan import Plan
@@ -33,7 +33,6 @@ class Kind(Protocol):
 KINDS: dict[str, Kind] = {
     "free": free,
     "contact": contact,
-    "scattered": scattered,
     "pressed": pressed,
     "random": held_out,
 }

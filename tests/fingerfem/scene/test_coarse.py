@@ -9,11 +9,10 @@ from farm import ROOT
 
 from fingerfem.scene.presets import front
 from fingerfem.scene.scene import Scene, SceneError
-from rom.snapshots.mesh_transfer import check_pair
 from rom.snapshots.snapshot_set import SnapshotSet
 from studies.sets import as_toml
 
-RODS = front(pressed=True)
+RODS = front()
 
 
 @pytest.fixture
@@ -78,7 +77,6 @@ def test_two_commands_solve_both_meshes_of_one_scene(pressed, tmp_path):
     for folder, options in (("coarse", ["--coarse"]), ("fine", ["--near", str(tmp_path / "coarse")])):
         subprocess.run([*words, str(tmp_path / folder), *options], cwd=ROOT, check=True, capture_output=True)
     coarse, fine = SnapshotSet(tmp_path / "coarse"), SnapshotSet(tmp_path / "fine")
-    check_pair(fine, coarse)
     assert len(coarse.tasks) == 4 and len(fine.tasks) == 3 and not coarse.failures and not fine.failures
     assert coarse.description.scene["mesh"]["cells"] == [10, 5]
     assert fine.iterations / fine.states < coarse.iterations / coarse.states

@@ -86,7 +86,7 @@ def test_the_table_is_its_source_and_says_by_how_much_it_may_differ(grid, whole)
 
 
 def test_sets_without_a_grid_are_refused(grid):
-    scattered = grid.only(grid.tasks)
-    scattered.description = replace(grid.description, scattered=[[1.0, 2.0]])
+    free = grid.only(grid.tasks)
+    free.description = replace(grid.description, parameters=grid.description.parameters[:-1])
     with pytest.raises(SnapshotError, match="must be a training set before a plane, on a grid"):
-        GridSource(scattered)
+        GridSource(free)

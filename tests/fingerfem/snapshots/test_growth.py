@@ -1,6 +1,8 @@
 """Sets of pressed states that grow until their elements predict lines that are left out well enough."""
 
+import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -9,13 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from farm import ROOT, assert_same_task, command, run
+from farm import PATIENCE, ROOT, assert_same_task, command, run
 
 from rom.elements import growth
 from rom.rod.check import check_pressed
 from rom.rod.rod import Rod
 from rom.snapshots.plan import Plan
-from rom.snapshots.snapshot_set import SnapshotSet, read_description, read_task
+from rom.snapshots.snapshot_set import SnapshotSet, read_description, read_task, write_task
 
 UNTIL = "0.07 %"
 
@@ -56,6 +58,15 @@ def test_what_is_expected_covers_what_held_out_states_find(scene, grown, tmp_pat
     assert finger.errors.contact_force == pytest.approx(expected)
 
 
+def assert_same_rounds(one, other):
+    ours, theirs = (Plan(folder, read_description(folder)) for folder in (one, other))
+    assert list(ours.lines) == list(theirs.lines)
+    assert [round_.error for round_ in ours.rounds] == pytest.approx([round_.error for round_ in theirs.rounds])
+    for task in ours.lines:
+        assert_same_task(read_task(one, task), read_task(other, task))
+    return theirs
+
+
 def test_it_is_the_same_set_whoever_solves_it_and_a_smaller_error_goes_on(scene, grown, tmp_path):
     folder = tmp_path / "killed"
     job = subprocess.Popen(command(1, scene, folder, "--until", UNTIL), cwd=ROOT, start_new_session=True)
@@ -65,11 +76,7 @@ def test_it_is_the_same_set_whoever_solves_it_and_a_smaller_error_goes_on(scene,
     os.killpg(job.pid, signal.SIGKILL)
     job.wait()
     run(1, scene, folder, "--until", UNTIL)
-    ours, theirs = (Plan(one, read_description(one)) for one in (folder, grown))
-    assert list(ours.lines) == list(theirs.lines)
-    assert [one.error for one in ours.rounds] == pytest.approx([one.error for one in theirs.rounds])
-    for task in ours.lines:
-        assert_same_task(read_task(folder, task), read_task(grown, task))
+    theirs = assert_same_rounds(folder, grown)
     further = run(2, scene, folder, "--until", "5.2e-4")
     assert further["estimated_error"] <= 5.2e-4 and further["tasks"] > len(theirs.lines)
     assert run(2, scene, folder, "--until", UNTIL)["this_rank"]["lines"] == 0
@@ -98,3 +105,93 @@ def test_when_the_sequence_ends_it_says_so(grown):
     )
     found = growth.next_round(snapshots, 1e-9)
     assert found.finest and not found.lines and np.isfinite(found.error)
+
+
+def test_two_jobs_grow_one_set_together(scene, grown, tmp_path):
+    line = command(1, scene, tmp_path / "together", "--until", UNTIL)
+    jobs = [subprocess.Popen(line, cwd=ROOT, stdout=subprocess.DEVNULL) for _ in range(2)]
+    assert [job.wait(timeout=PATIENCE) for job in jobs] == [0, 0]
+    assert_same_rounds(tmp_path / "together", grown)
+
+
+def test_a_budget_ends_a_run_and_another_goes_on(scene, grown, tmp_path):
+    folder = tmp_path / "budget"
+    first = subprocess.run(command(2, scene, folder, "--budget", "0.1s"), cwd=ROOT, capture_output=True, text=True)
+    assert first.returncode == 0 and "the budget is spent" in first.stderr
+    assert json.loads(first.stdout)["missing"] > 0
+    run(2, scene, folder, "--until", UNTIL)
+    assert_same_rounds(folder, grown)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "words"),
+    [
+        ("pressed", ("--budget", "soon"), "budget must be a time such as 90s, 30min or 2h, got 'soon'"),
+        ("pressed", ("--budget", "0s"), "budget must be a time such as 90s, 30min or 2h, got '0s'"),
+        ("pressed", ("--until", "0"), "until must lie in (0, 1), got 0.0"),
+        ("pressed", ("--until", "nan"), "until must lie in (0, 1), got nan"),
+        ("pressed", ("--until", "0.1", "--random", "3"), "random or points must not be given with until, budget or"),
+        ("draft", ("--until", "1 %"), "until must be left out for a scene without a load, got 0.01"),
+        ("free", ("--budget", "2min"), "budget must be left out for a scene without a load, got 120"),
+    ],
+)
+def test_goals_that_make_no_sense_are_refused_in_one_line(name, options, words, tmp_path):
+    line = command(1, ROOT / "scenes" / f"{name}.toml", tmp_path / "set", *options)[3:]
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 2 and words in done.stderr and len(done.stderr.splitlines()) == 1
+    assert not (tmp_path / "set").exists()
+
+
+def test_a_round_that_is_not_whole_is_one_line_and_planned_again(scene, grown, tmp_path):
+    folder = tmp_path / "broken"
+    shutil.copytree(grown, folder)
+    file = folder / "rounds" / "0001.json"
+    file.write_text(file.read_text()[:100])
+    with pytest.raises(ValueError, match=r"0001\.json: is not a round of a set; run snapshots again"):
+        SnapshotSet(folder)
+    run(1, scene, folder, "--until", UNTIL)
+    assert_same_rounds(folder, grown)
+
+
+def test_a_round_of_other_lines_is_refused(grown, tmp_path):
+    folder = tmp_path / "other"
+    shutil.copytree(grown, folder)
+    file = folder / "rounds" / "0000.json"
+    table = json.loads(file.read_text())
+    for line in (["pressed", [16], [0, 1], [1.0, 2.0]], ["pressed", [-1], [0, 1], []], ["contact", [0, 3], [99], []]):
+        file.write_text(json.dumps(table | {"lines": {"pressed-16": line}}))
+        with pytest.raises(ValueError, match=r"0000\.json: must hold lines of its set"):
+            SnapshotSet(folder)
+
+
+def _fail(folder, task: str) -> None:
+    """Let all states of a task have failed."""
+    arrays = dict(read_task(folder, task))
+    for name, values in arrays.items():
+        if values.dtype.kind == "f" and values.ndim and name != "parameters":
+            values[:] = np.nan
+    arrays["converged"][:] = False
+    arrays["reason"] = np.full(len(arrays["converged"]), "a test")
+    write_task(folder, task, read_description(folder).fingerprint, arrays)
+
+
+def test_a_retry_plans_the_last_round_again(scene, grown, tmp_path):
+    folder = tmp_path / "retried"
+    shutil.copytree(grown, folder)
+    plan = Plan(folder, read_description(folder))
+    _fail(folder, next(iter(plan.rounds[0].lines)))
+    subprocess.run([sys.executable, "-m", "fingerfem", "retry", str(folder)], cwd=ROOT, check=True)
+    assert len(Plan(folder, read_description(folder)).rounds) == len(plan.rounds) - 1
+    run(1, scene, folder, "--until", UNTIL)
+    assert_same_rounds(folder, grown)
+
+
+def test_without_an_answer_no_lines_are_added_and_it_says_so(scene, grown, tmp_path):
+    folder = tmp_path / "unusable"
+    shutil.copytree(grown, folder)
+    shutil.rmtree(folder / "rounds")
+    for task in read_description(folder).lines:
+        _fail(folder, task)
+    done = subprocess.run(command(1, scene, folder, "--until", UNTIL), cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 3 and json.loads(done.stdout)["missing"] == 0
+    assert "no lines were added: " in done.stderr and "failed: pressed-0" in done.stderr and "retry" in done.stderr

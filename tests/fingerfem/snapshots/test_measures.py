@@ -1,4 +1,4 @@
-"""Fingers of any measures: their grid lines, the edges of their meshes, and what one mesh hands to another."""
+"""Fingers of any measures: their grid lines, the sections of their meshes, and what one mesh hands to another."""
 
 from collections.abc import Iterator
 
@@ -138,22 +138,20 @@ def check_lines(scene: Scene, lines: list[np.ndarray]) -> None:
         assert areas[inside].sum() == pytest.approx(whole, rel=2e-5)
 
 
-def check_edges(scene: Scene, lines: list[np.ndarray], nodes: np.ndarray) -> None:
-    """Every section has its two or four edges, and the sections that are chosen lie on the rubber."""
-    finger = body(scene, nodes)
-    x, corners = lines[0], 2 if scene.is_half else 4
-    assert len(finger.edge_nodes) == corners * len(x)
+def check_sections(scene: Scene, lines: list[np.ndarray], nodes: np.ndarray) -> None:
+    """Sections are the grid lines along x, and every node of a plate is known as one."""
+    finger, x = body(scene, nodes), lines[0]
     assert len(finger.sections) == len(x) and np.abs(finger.sections - x).max() < scene.outline.tolerance
     for k, (start, end) in enumerate(scene.outline.plates):
         layers = np.sum((x > start * (1 - 1e-9)) & (x < end * (1 + 1e-9)))
         assert in_plate(scene.outline, k, nodes.T).sum() == layers * len(lines[1]) * len(lines[2])
 
 
-def test_fingers_of_any_measures_have_lines_edges_and_a_transfer_from_mesh_to_mesh():
+def test_fingers_of_any_measures_have_lines_sections_and_a_transfer_from_mesh_to_mesh():
     for random, coarse, fine in fingers():
         (own, nodes), (_, targets) = nodes_of(coarse, random), nodes_of(fine, random)
         check_lines(coarse, list(grid_lines(coarse.outline, coarse.mesh, coarse.is_half)))
-        check_edges(coarse, own, nodes)
+        check_sections(coarse, own, nodes)
         assert [len(levels(along)[0]) for along in nodes.T] == [len(line) for line in own]
         single = nodes.astype(np.float32)
         assert [len(levels(along)[0]) for along in single.T] == [len(line) for line in own]
