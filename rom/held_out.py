@@ -42,7 +42,7 @@ def check(model: Rod | SeparatedModel, held_out: SnapshotSet, progress: Progress
         SnapshotError: a set of another finger, or without the plane.
     """
     if isinstance(model, Rod):
-        before = before_plane(model, held_out)
+        before: Model = before_plane(model, held_out)
     else:
         before = model
         if not model.provenance.get("facing_plane", True):

@@ -40,7 +40,7 @@ from fingerfem.output.pictures import Deformed, draw
 from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
 from rom.export.page import write as write_page
-from rom.held_out import before_plane, check_plane
+from rom.held_out import before_plane, check
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.snapshots.snapshot_set import SnapshotSet
@@ -133,7 +133,7 @@ def trained(out: Path, quick: bool) -> tuple[TouchedSegment, dict]:
         states = read_section_states(fine)
         rod = Rod(elements=train(states, origin(fine), progress), scene=states.scene)
         fitting = time.perf_counter() - begun
-        rod = rod.with_accuracy(check_plane(rod, fresh, progress))
+        rod = rod.with_accuracy(check(rod, fresh, progress))
     rod.save(out / "finger.h5")
     touched = before_plane(Rod.load(out / "finger.h5"), fresh)
     sets_ = {"coarse": coarse, "fine": fine}

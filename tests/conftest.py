@@ -11,15 +11,15 @@ settings.register_profile("no clock", deadline=None, derandomize=True)  # tests 
 settings.load_profile("no clock")
 
 ROOT = Path(__file__).resolve().parents[1]
-TRAIN = "make out/tests/finger.h5"
+TRAIN = "make out/tests/ready"
 
 
 @pytest.fixture(scope="session")
 def trained() -> Path:
-    """The folder of the draft finger's surrogate, finger.h5, and of its sets."""
+    """The folder of the draft finger's sets: training, heldout, finer."""
     folder = ROOT / "out" / "tests"
-    if not (folder / "finger.h5").exists():
-        pytest.fail(f"these tests need the trained draft finger: make test, or {TRAIN}")
+    if not (folder / "ready").exists():
+        pytest.fail(f"these tests need the draft finger's sets: make test, or {TRAIN}")
     return folder
 
 

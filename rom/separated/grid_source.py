@@ -20,7 +20,7 @@ from scipy.interpolate import CubicHermiteSpline
 from rom.file_kinds import uses_of
 from rom.native.answer import FORCE, PAD, TOUCH
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.separated.nodal_form import NodalForm, together
+from rom.separated.nodal_form import NodalForm
 from rom.separated.tabulated import TERMS, TOLERANCE, Sampled
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
@@ -60,8 +60,8 @@ class GridSource:
         self.tension_nodes = [self._thin(np.array(axis)) for axis in description.tension_nodes]
         self.nearest, self.highest = self.parameters[-1]["lower"], self.parameters[self.lead]["upper"]
         self._onset = self._onsets()
-        self._free = self._free_forms()
-        self._contact = self._contact_forms()
+        self._free = self._free_form()
+        self._contact = self._contact_form()
 
     def _columns(self, kind: str) -> tuple[np.ndarray, np.ndarray]:
         """Columns of `Sampled` of the free or contact states on the grid, and their derivatives; unthinned."""
@@ -75,12 +75,6 @@ class GridSource:
             values.append(field.reshape(*grid, -1) @ basis)
             slopes.append(np.moveaxis(by.reshape(*grid, by.shape[-3], -1) @ basis.astype(by.dtype), -1, -2))
         return np.concatenate(values, axis=-1), np.concatenate(slopes, axis=-2)
-
-    @property
-    def _groups(self) -> list[tuple[slice, bool]]:
-        """Columns that are separated together, and whether they are alike: quantities, then modes."""
-        first = PAD + self.has_pad
-        return [(slice(0, first), False), *([(slice(first, None), True)] if self.modes is not None else [])]
 
     def _thin(self, values: np.ndarray, *axes: int) -> np.ndarray:
         """Every so many-th entry along axes, by default the first one, and the last."""
@@ -109,25 +103,18 @@ class GridSource:
         rising[:, 1 - self.lead] = self._onset(other, 1)
         return self._onset(other), rising
 
-    def _free_forms(self) -> list[NodalForm]:
+    def _free_form(self) -> NodalForm:
         """All columns without contact."""
         t = len(self.tension_nodes)
         values, gradient = (self._thin(one, *range(t)) for one in self._columns("free"))
         gradient = gradient[..., :t]
         solved = self._thin(self.snapshots.free("converged"), *range(t))
         values[~solved], gradient[~solved] = np.nan, np.nan
-        return [
-            NodalForm.of(
-                self.tension_nodes,
-                values[..., columns],
-                gradient[..., columns, :],
-                replace(self._options, tolerance=self._options.tolerance / 10, terms=self._most(values, 1.0)),
-                alike,
-            )
-            for columns, alike in self._groups
-        ]
+        terms = self._most(values[..., : TOUCH + 1], 1.0)
+        options = replace(self._options, tolerance=self._options.tolerance / 10, terms=terms)
+        return NodalForm.of(self.tension_nodes, values, gradient, options, PAD + self.has_pad)
 
-    def _contact_forms(self) -> list[NodalForm]:
+    def _contact_form(self) -> NodalForm:
         """V = (u - u_0) / p of all columns over (tensions with eta in place of the lead, c)."""
         t, description = len(self.tension_nodes), self.snapshots.description
         axes = [*self.tension_nodes, self._thin(np.array(description.contact_nodes))[1:]]
@@ -153,10 +140,7 @@ class GridSource:
         gradient = by_point @ by_own.reshape(*good.shape, t + 1, t + 1)
         v[~good], gradient[~good] = np.nan, np.nan
         options = replace(self._options, terms=self._most(v[..., : FORCE + 1], DETERMINED))
-        return [
-            NodalForm.of(axes, v[..., columns], gradient[..., columns, :], options, alike)
-            for columns, alike in self._groups
-        ]
+        return NodalForm.of(axes, v, gradient, options, PAD + self.has_pad)
 
     def _own(self, points: np.ndarray, touch: np.ndarray, rising: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The box's coordinates of points, shape (n, p), and derivatives of the points by them, shape (n, p, p)."""
@@ -179,14 +163,14 @@ class GridSource:
     def sampled(self, points: np.ndarray) -> Sampled:
         """Answers at points, shape (n, p), of the separated states."""
         n, t = len(points), len(self.tension_nodes)
-        out, slopes = together(self._free, points[:, :t])
+        out, slopes = self._free.value_and_gradient(points[:, :t])
         jacobian = np.concatenate([slopes, np.zeros((*out.shape, 1))], axis=2)
         touch, rising = out[:, TOUCH], jacobian[:, TOUCH, :t]
         path = touch - points[:, t]
         pressed = np.flatnonzero(path > 0)
         at, depth = points[pressed], path[pressed]
         own, by_own = self._own(at, touch[pressed], rising[pressed])
-        v, gradient = together(self._contact, own)
+        v, gradient = self._contact.value_and_gradient(own)
         v[:, TOUCH], gradient[:, TOUCH] = 0.0, 0.0
         jacobian[pressed] += depth[:, None, None] * (gradient @ np.linalg.inv(by_own))
         jacobian[pressed, :, :t] += v[..., None] * rising[pressed][:, None]
@@ -200,7 +184,7 @@ class GridSource:
 def _check(snapshots: SnapshotSet) -> None:
     """Refuse a set without a grid of one or two tensions before a plane."""
     description = snapshots.description
-    if description.random or description.scattered or description.refines or not description.has_obstacle:
+    if description.random or description.has_load or not description.has_obstacle:
         raise SnapshotError(
             f"{snapshots.path}: must be a training set before a plane, on a grid (sampling.tension_nodes and "
             f"contact_nodes){uses_of(snapshots.path)}"

@@ -44,7 +44,7 @@ def check(model: SeparatedModel) -> None:
     _cells(model, p)
     _scene(model, p - 1)
     if model.displacements is not None:
-        _field(model, p)
+        _field(model)
 
 
 def _cells(model: SeparatedModel, p: int) -> None:
@@ -89,13 +89,14 @@ def _form(name: str, form: Separated, axes: int, least: int, most: int) -> None:
     )
 
 
-def _field(model: SeparatedModel, p: int) -> None:
+def _field(model: SeparatedModel) -> None:
     moved = model.displacements
     assert moved is not None
     rows = 3 * len(moved.nodes)
     require(moved.nodes.shape == (rows // 3, 3) and rows > 0, "nodes must have shape (nodes, 3)", moved.nodes.shape)
     known = moved.basis.ndim == 2 and len(moved.basis) == rows and bool(np.isfinite(moved.basis).all())
     require(known, f"basis must be finite, of shape ({rows}, modes)", moved.basis.shape)
-    modes = moved.basis.shape[1]
-    _form("free displacement", moved.free, p - 1, modes, modes)
-    _form("displacement by contact", moved.contact, p, modes, modes)
+    for name, amounts, form in (("free", moved.free, model.free), ("contact", moved.contact, model.contact)):
+        shape = (moved.basis.shape[1], form.terms)
+        fits = amounts.shape == shape and bool(np.isfinite(amounts).all())
+        require(fits, f"displacement by {name} must be finite, of shape {shape}", amounts.shape)

@@ -96,10 +96,7 @@ class SeparatedModel(PickledByFields):
     @property
     def forms(self) -> dict[str, Separated]:
         """Its separated forms by name."""
-        found = {"free": self.free, "contact": self.contact}
-        if (moved := self.displacements) is not None:
-            found |= {"free displacement": moved.free, "displacement by contact": moved.contact}
-        return found
+        return {"free": self.free, "contact": self.contact}
 
     @property
     def terms(self) -> dict[str, int]:
@@ -190,15 +187,20 @@ class SeparatedModel(PickledByFields):
         lower, upper = self.limits
         point = self._point(parameters)
         held = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
-        amounts = self.displacements.free.value(held[:-1])
-        touch = self.free.value(held[:-1])[TOUCH]
+        moved, tensions = self.displacements, held[:-1]
+        amounts = replace(self.free, modes=moved.free).value(tensions)
+        touch = self.free.value(tensions)[TOUCH]
         if point[-1] < touch:
             coordinates = self.coordinates.of(held[None], np.array([touch]))[0]
-            amounts = amounts + max(touch - held[-1], 0.0) * self.displacements.contact.value(coordinates)
-        return np.asarray((self.displacements.basis @ amounts.astype(np.float32)).astype(float).reshape(-1, 3))
+            added = replace(self.contact, modes=moved.contact).value(coordinates)
+            amounts = amounts + max(touch - held[-1], 0.0) * added
+        return np.asarray((moved.basis @ amounts.astype(np.float32)).astype(float).reshape(-1, 3))
 
     def truncated(self, tolerance: float) -> SeparatedModel:
-        """The model with only the terms needed for a relative separation error [-]; its estimated errors grow."""
+        """The model with only the terms needed for a relative separation error [-], without the displacement.
+
+        Its estimated errors grow by what the terms left out contribute.
+        """
         free, lost = self.free.truncated(FREE_SHARE * tolerance)
         contact, less = self.contact.truncated(tolerance)
         errors, rates = self.errors, self.errors.contact.copy()
@@ -206,21 +208,13 @@ class SeparatedModel(PickledByFields):
         rates[:, 1] += less[3]
         if self.has_pad:
             rates[:, 3] += less[4]
-        moved, displacement = self.displacements, errors.displacement
-        if moved is not None:
-            nodes = np.sqrt(len(moved.nodes))
-            (alone, gone), (pressed, more) = moved.free.truncated(tolerance), moved.contact.truncated(tolerance)
-            moved = replace(moved, free=alone, contact=pressed)
-            displacement += float(np.linalg.norm(gone)) / nodes
-            rates[:, 2] += np.linalg.norm(more) / nodes
         errors = replace(
             errors,
             tip=errors.tip + float(np.linalg.norm(lost[:3])),
             touch_distance=errors.touch_distance + float(lost[TOUCH]),
-            displacement=displacement,
             contact=rates,
         )
-        shorter = replace(self, free=free, contact=contact, displacements=moved, errors=errors)
+        shorter = replace(self, free=free, contact=contact, displacements=None, errors=errors)
         whole, fewer = self.terms, shorter.terms
         kept = ", ".join(f"{name} {fewer[name]} of {count}" for name, count in whole.items())
         logger.info("a tolerance of %g keeps these products of one-dimensional functions: %s", tolerance, kept)

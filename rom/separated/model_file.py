@@ -45,8 +45,8 @@ def write(model: SeparatedModel, file: h5py.File) -> None:
         moved = file.create_group("displacement")
         checked_file.dataset(moved, "nodes", model.displacements.nodes.astype(np.float32), "m")
         checked_file.dataset(moved, "basis", model.displacements.basis, "-")
-        _write_form(moved.create_group("free"), model.displacements.free, tensions, "m", [])
-        _write_form(moved.create_group("contact"), model.displacements.contact, aligned, "-", [])
+        checked_file.dataset(moved, "free", model.displacements.free, "m")
+        checked_file.dataset(moved, "contact", model.displacements.contact, "-")
 
 
 def _rounded_up(errors: np.ndarray) -> np.ndarray:
@@ -56,10 +56,9 @@ def _rounded_up(errors: np.ndarray) -> np.ndarray:
 
 
 def _write_form(group: h5py.Group, form: Separated, axes: list[tuple[str, str]], unit: str, names: list[str]) -> None:
-    """A separated form; `names` are those of its components, if they have names."""
+    """A separated form; `names` are those of its components."""
     checked_file.dataset(group, "modes", form.modes, unit)
-    if names:
-        group["modes"].attrs["components"] = ", ".join(names)
+    group["modes"].attrs["components"] = ", ".join(names)
     checked_file.dataset(group, "errors", form.errors, "-")
     checked_file.dataset(group, "lost", form.lost, unit)
     group.attrs["functions"] = "hermite"
@@ -82,8 +81,8 @@ def fields(file: h5py.File) -> dict[str, Any]:
         moved = Field(
             nodes=group["nodes"][:].astype(float),
             basis=group["basis"][:],
-            free=_read_form(group["free"]),
-            contact=_read_form(group["contact"]),
+            free=group["free"][:].astype(float),
+            contact=group["contact"][:].astype(float),
         )
     return plain | {
         "lead": int(file.attrs["lead"]),

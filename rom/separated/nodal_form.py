@@ -10,6 +10,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from rom.brief import brief
 from rom.separated.alternating_directions import EnrichmentOptions, separate, slopes
+from rom.separated.separate import further_modes
 
 
 @brief
@@ -22,24 +23,23 @@ class NodalForm:
 
     @staticmethod
     def of(
-        axes: Sequence[np.ndarray],
-        values: np.ndarray,
-        gradient: np.ndarray,
-        options: EnrichmentOptions,
-        alike: bool = False,
+        axes: Sequence[np.ndarray], values: np.ndarray, gradient: np.ndarray, options: EnrichmentOptions, leading: int
     ) -> NodalForm:
         """Separate values, shape (n_1, ..., n_k, m), nan where missing, and their gradient, shape (..., m, k).
 
-        Values that are `alike` have one unit and keep their proportions.
+        The leading values determine the functions, the others have modes of these by least squares.
         """
-        size = np.nanmax(np.abs(values).reshape(-1, values.shape[-1]), axis=0)
-        size = np.full_like(size, size.max()) if alike else size
+        own, m = values[..., :leading], values.shape[-1]
+        size = np.nanmax(np.abs(own).reshape(-1, leading), axis=0)
         size[size == 0] = 1.0
-        factors, _ = separate(np.moveaxis(values / size, -1, 0), options)
-        tensors = (np.moveaxis(gradient[..., a] / size, -1, 0) for a in range(len(axes)))
+        factors, _ = separate(np.moveaxis(own / size, -1, 0), options)
+        tensors = (np.moveaxis(gradient[..., :leading, a] / size, -1, 0) for a in range(len(axes)))
         by_axis = [slopes(factors, one, a + 1) for a, one in enumerate(tensors)]
         parts = zip(axes, factors[1:], by_axis, strict=True)
-        return NodalForm(size[:, None] * factors[0], [CubicHermiteSpline(*part, axis=0) for part in parts])
+        others = values[..., leading:].reshape(-1, m - leading)
+        known = np.isfinite(values[..., 0]).ravel()
+        modes = np.vstack([size[:, None] * factors[0], further_modes(factors[1:], others, known)])
+        return NodalForm(modes, [CubicHermiteSpline(*part, axis=0) for part in parts])
 
     def value_and_gradient(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """At points, shape (n, k): values, shape (n, m), and derivatives, shape (n, m, k)."""
@@ -49,9 +49,3 @@ class NodalForm:
             others = [function(x[:, a], 1) if b == a else one for b, one in enumerate(values)]
             gradient.append(np.prod(others, axis=0) @ self.modes.T)
         return np.prod(values, axis=0) @ self.modes.T, np.stack(gradient, axis=-1)
-
-
-def together(forms: Sequence[NodalForm], x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and derivatives of forms on the same axes at points, shape (n, k), columns side by side."""
-    values, gradients = zip(*(form.value_and_gradient(x) for form in forms), strict=True)
-    return np.concatenate(values, axis=1), np.concatenate(gradients, axis=1)

@@ -7,25 +7,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from rom.brief import brief
-from rom.separated.separated_form import Separated
 
 
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Field:
-    """The displacement of all nodes: amounts of POD modes.
+    """The displacement of all nodes: modes of the model's own products, F_i(x) = sum_k basis_xk modes_ki.
 
     Attributes:
         nodes: at rest, shape (nodes, 3) [m].
-        basis: modes, shape (3 nodes, k), single precision [-].
-        free: their amounts without contact, by tensions [m].
-        contact: the amounts that contact adds, per length of its path, by tensions and s [-].
+        basis: POD modes, shape (3 nodes, k), single precision [-].
+        free: amounts of these without contact, for every term of the free form, shape (k, terms) [m].
+        contact: amounts that contact adds per length of its path, likewise of the contact form [-].
     """
 
     nodes: np.ndarray
     basis: np.ndarray
-    free: Separated
-    contact: Separated
+    free: np.ndarray
+    contact: np.ndarray
 
 
 @brief

@@ -30,12 +30,10 @@ class Samples(NamedTuple):
     known: np.ndarray
     sizes: np.ndarray
 
-    def columns(self, chosen: Sequence[int], alike: bool = False) -> Samples:
-        """Some of the values; `alike` if they have one unit and keep their proportions."""
+    def columns(self, chosen: Sequence[int]) -> Samples:
+        """Some of the values."""
         index = list(chosen)
-        sizes = self.sizes[index]
-        sizes = np.full_like(sizes, sizes.max(initial=0.0)) if alike else sizes
-        return self._replace(values=self.values[:, index], gradient=self.gradient[:, index], sizes=sizes)
+        return self._replace(values=self.values[:, index], gradient=self.gradient[:, index], sizes=self.sizes[index])
 
 
 def separated_samples(samples: Samples, options: EnrichmentOptions) -> Separated:
@@ -60,6 +58,20 @@ def separated_samples(samples: Samples, options: EnrichmentOptions) -> Separated
         modes=_single(samples.sizes[:, None] * factors[0]),
         errors=_single(errors),
     )
+
+
+def further_modes(factors: Sequence[np.ndarray], values: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Modes of further values with the same one-dimensional functions, by least squares, shape (m, terms).
+
+    Args:
+        factors: nodal values of the functions, shapes (n_a, terms).
+        values: at all nodes of the grid, the last axis fastest, shape (n, m).
+        known: nodes that count, shape (n,).
+    """
+    products = np.ones((1, factors[0].shape[1]))
+    for factor in factors:
+        products = (products[:, None] * factor).reshape(-1, factor.shape[1])
+    return np.linalg.lstsq(products[known], values[known], rcond=None)[0].T
 
 
 def _single(values: np.ndarray) -> np.ndarray:

@@ -25,7 +25,8 @@ from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.contact_coordinates import SOFT, ContactCoordinates
 from rom.separated.model import SeparatedModel
 from rom.separated.parts import Errors, Field
-from rom.separated.separate import Samples, separated_samples
+from rom.separated.separate import Samples, further_modes, separated_samples
+from rom.separated.separated_form import Separated
 from rom.terminal import Progress, quiet
 
 NODES = 32  # of every axis
@@ -56,15 +57,7 @@ class Sampled(NamedTuple):
 
 
 class Source(Protocol):
-    """What a table is sampled from: tensions [N] and d [m], also nearer and farther than its parameters' range of d.
-
-    Attributes:
-        has_pad: whether it has the pad's pressure.
-        modes: nodes at rest, shape (nodes, 3) [m], and modes of their displacement, shape (3 nodes, k); None without.
-    """
-
-    has_pad: bool
-    modes: tuple[np.ndarray, np.ndarray] | None
+    """What a table is sampled from: tensions [N] and d [m], also nearer and farther than its parameters' range of d."""
 
     @property
     def parameters(self) -> list[dict[str, Any]]:
@@ -77,6 +70,14 @@ class Source(Protocol):
     @property
     def lead(self) -> int:
         """Which tension pushes most towards the object."""
+
+    @property
+    def has_pad(self) -> bool:
+        """Whether it has the pad's pressure."""
+
+    @property
+    def modes(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Nodes at rest, shape (nodes, 3) [m], and modes of their displacement, shape (3 nodes, k), if it has any."""
 
     def sampled(self, points: np.ndarray) -> Sampled:
         """Answers at points, shape (n, p); d = infinity is no object."""
@@ -128,7 +129,7 @@ def tabulated(
     alone = separated_samples(free.columns([0, 1, 2, TOUCH]), finer)
     progress("separating the samples", 1, 2)
     pressed = separated_samples(contact.columns([*range(FORCE + 1), *range(PAD, PAD + source.has_pad)]), fewer)
-    moved = None if source.modes is None else _field(source.modes, free, contact, PAD + source.has_pad, fewer)
+    moved = None if source.modes is None else _field(source, free, contact, alone, pressed)
     p = len(source.parameters)
     cells = int(CELLS ** (1 / p) + 1e-9) ** p
     return SeparatedModel(
@@ -148,17 +149,14 @@ def tabulated(
     )
 
 
-def _field(
-    modes: tuple[np.ndarray, np.ndarray], free: Samples, contact: Samples, first: int, options: EnrichmentOptions
-) -> Field:
-    """The displacement of all nodes, whose amounts are the columns of the samples from the first one on."""
-    amounts = range(first, free.values.shape[1])
-    return Field(
-        nodes=modes[0],
-        basis=modes[1].astype(np.float32),
-        free=separated_samples(free.columns(amounts, alike=True), options),
-        contact=separated_samples(contact.columns(amounts, alike=True), options),
-    )
+def _field(source: Source, free: Samples, contact: Samples, alone: Separated, pressed: Separated) -> Field:
+    """The displacement of all nodes by the products of the two forms."""
+    assert source.modes is not None
+    nodes, basis = source.modes
+    amounts = slice(PAD + source.has_pad, None)
+    pairs = ((alone, free), (pressed, contact))
+    own = [further_modes(form.factors, samples.values[:, amounts], samples.known) for form, samples in pairs]
+    return Field(nodes=nodes, basis=basis.astype(np.float32), free=own[0], contact=own[1])
 
 
 def determined(terms: int, values: int, axes: Sequence[np.ndarray]) -> int:

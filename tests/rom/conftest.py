@@ -29,3 +29,11 @@ def finger(rod_elements):
 def grid_model(trained):
     """The paper's 4 x 4 x 4 states of the draft finger, with the pad's pressure and the displacement."""
     return separate_grid(SnapshotSet(trained / "training"), nodes=12, held_out=SnapshotSet(trained / "heldout"))
+
+
+@pytest.fixture(scope="session")
+def grid_file(grid_model, tmp_path_factory):
+    """Its file."""
+    file = tmp_path_factory.mktemp("grid") / "grid.h5"
+    grid_model.save(file)
+    return file

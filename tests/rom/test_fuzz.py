@@ -42,11 +42,9 @@ def rods(tmp_path_factory, finger) -> list[Path]:
 
 
 @pytest.fixture(scope="module")
-def tables(table_file, grid_model, tmp_path_factory) -> list[Path]:
+def tables(table_file, grid_file) -> list[Path]:
     """One without a field and one with it, and with a pad."""
-    file = tmp_path_factory.mktemp("grid") / "grid.h5"
-    grid_model.save(file)
-    return [table_file, file]
+    return [table_file, grid_file]
 
 
 @pytest.fixture(params=["rods", "tables"])

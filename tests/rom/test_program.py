@@ -13,7 +13,7 @@ from terminal import ROOT, shown
 SMALL = 4096  # [bytes] of the largest file that may be written
 COMMANDS = {
     "rom info": ["info", "rom/finger.h5"],
-    "rom check": ["check", "{}/finger.h5", "{}/heldout"],
+    "rom check": ["check", "rom/finger.h5", "{}/heldout"],
     "control hold": ["hold", "--distance", "0.01"],
     "control reach": ["reach", "rom/finger.h5", "0", "-0.001", "0"],
     "control grasp": ["grasp"],
@@ -77,7 +77,7 @@ def limited(*words: object) -> subprocess.CompletedProcess[str]:
     [
         ["rom", "assemble", "scenes/draft.toml", "rom/finger.h5", "-o", "{}/finger.h5"],
         ["rom", "page", "rom/finger.h5", "-o", "{}/finger.html"],
-        ["rom", "export", "rom/plane.h5", "{}/finger.h"],
+        ["rom", "export", "rom/finger.h5", "{}/finger.h"],
     ],
     ids=lambda words: words[1],
 )

@@ -1,4 +1,4 @@
-"""A separated model: derivatives, continuity, marks, batches, fewer terms; of a finger's samples and of full-order states."""
+"""A separated model of a finger's samples, and one of full-order states."""
 
 from dataclasses import replace
 
