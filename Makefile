@@ -73,7 +73,7 @@ page: .venv/ready
 wheel:
 	$(PYTHON) -m pip wheel -q --disable-pip-version-check --no-deps -w dist .
 
-# All generated pages of docs/, README's numbers and the front that presets choose from: some two and a half hours on two cores. What
+# All generated pages of docs/, README's numbers and the front that presets choose from: some two hours on two cores. What
 # is measured is kept in out/docs, so that the same command goes on after an interruption; python3 -m studies.runner NAME makes one page.
 # MuJoCo, whose pictures need EGL, and other packages, which this one is compared with, come from PyPI, in environments beside.
 docs: readme .venv/ready
@@ -91,7 +91,7 @@ peers: out/peers/others/ready out/peers/felupe/ready out/peers/pypardiso/ready
 
 out/peers/others/ready:
 	$(PYTHON) -m venv out/peers/others
-	out/peers/others/bin/python -m pip install -q --disable-pip-version-check -e . ezyrb tensorly scikit-learn pyelastica mujoco jinja2
+	out/peers/others/bin/python -m pip install -q --disable-pip-version-check -e . pyelastica mujoco jinja2
 	touch $@
 
 # FElupe, the other finite element code, and PyPardiso, its faster linear solver, only ever run in processes of their own: they are

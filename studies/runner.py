@@ -36,7 +36,6 @@ DOCS = ROOT / "docs"
 STUDIES = (
     "solver",
     "training",
-    "surrogate",
     "control",
     "tradeoff",
     "separated",

@@ -1,4 +1,4 @@
-"""The scenes and snapshot sets that the studies of the surrogate share; what is solved is not solved again."""
+"""The scenes and snapshot sets that studies share; what is solved is not solved again."""
 
 from __future__ import annotations
 
@@ -6,35 +6,26 @@ import json
 import subprocess
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from rom.snapshots.snapshot_set import Description, SnapshotSet
+from rom.snapshots.snapshot_set import SnapshotSet
 from rom.whole_file import write_whole
 
 ROOT = Path(__file__).resolve().parents[1]
 STANDARD, REFERENCE = (10, 5, 2), (32, 7, 2)  # cells along and across, Lagrange order
-# Scene, its mesh if not the scene's own, and its sampling.
-SCENES = {
-    "draft": ("draft", None, "lines = 80"),
-    "draft grid": ("draft", None, "tension_nodes = 7\ncontact_nodes = 9"),
-    "standard": ("draft", STANDARD, "lines = 40"),
-    "two segments": ("two_segments", None, "lines = 20"),
-}
-HELD_OUT, QUICK_HELD_OUT = 100, 60  # random states: one half calibrates estimated errors, the other tests
+HELD_OUT, QUICK_HELD_OUT = 100, 60  # random states
 SEED = 11
-QUICK = {"draft grid": "tension_nodes = 5\ncontact_nodes = 6"}  # others have few lines
 
 
-def scene(folder: Path, name: str, quick: bool = False) -> Path:
-    """The file of a scene."""
-    source, mesh, sampling = SCENES[name]
-    text = (ROOT / "scenes" / f"{source}.toml").read_text().split("[sampling]")[0]
-    if mesh is not None:
-        text = on_mesh(text, *mesh)
-    sampling = QUICK.get(name, "lines = 20") if quick else sampling
-    return written(folder, name, text + (f"\n[sampling]\n{sampling}\n" if sampling else ""))
+def draft(folder: Path) -> Path:
+    """The file of the draft finger before its plane, of which held-out states are drawn."""
+    return written(folder, "draft", without_sampling("draft"))
+
+
+def without_sampling(name: str) -> str:
+    """The text of a scene up to its sampling."""
+    return (ROOT / "scenes" / f"{name}.toml").read_text().split("[sampling]")[0]
 
 
 def on_mesh(text: str, along: int, across: int, order: int) -> str:
@@ -44,7 +35,7 @@ def on_mesh(text: str, along: int, across: int, order: int) -> str:
 
 def grid_scene(folder: Path, tension_nodes: int, contact_nodes: int) -> Path:
     """The draft finger on another grid."""
-    text = (ROOT / "scenes" / "draft.toml").read_text().split("[sampling]")[0]
+    text = without_sampling("draft")
     text += f"\n[sampling]\ntension_nodes = {tension_nodes}\ncontact_nodes = {contact_nodes}\n"
     return written(folder, f"draft {tension_nodes} {contact_nodes}", text)
 
@@ -73,17 +64,6 @@ def as_toml(table: dict[str, Any]) -> str:
 
 def _is_table(value: Any) -> bool:
     return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
-
-
-def without_store(description: Description) -> Description:
-    """A set's description with nothing stored besides what always is."""
-    scene = description.scene
-    return replace(description, scene=scene | {"sampling": scene["sampling"] | {"store": []}})
-
-
-def first_lines(of: SnapshotSet, count: int) -> SnapshotSet:
-    """The first lines of a set of scattered lines."""
-    return of.only([f"scattered-{k}" for k in range(count)])
 
 
 def training(file: Path) -> SnapshotSet:

@@ -11,7 +11,7 @@ from control import Flaws, Gripper, Limits, Object, SimulatedPlant
 from control.grasp_forces import carries
 from control.loop import run
 from control.model import Model
-from studies.control.models import model
+from studies.control.models import finger
 from studies.runner import Run, say
 
 RATE = 1000.0  # [Hz]
@@ -104,4 +104,4 @@ def campaign(known: Model, grasps: int, seed: int) -> dict:
 
 def measure(run: Run) -> dict:
     """With the bundled finger."""
-    return campaign(model(run, "one segment"), 50 if run.quick else 500, seed=2018)
+    return campaign(finger(), 50 if run.quick else 500, seed=2018)

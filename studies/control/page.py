@@ -15,7 +15,7 @@ FORCES = 0.25, 4.0  # [N], ends of the picture
 
 def prepare(found: dict, folder: Path) -> dict:
     """Draw and copy the pictures; the page shows nothing besides what was measured."""
-    draw(found["verification"]["one segment"], DOCS / "control.png")
+    draw(found["verification"], DOCS / "control.png")
     shutil.copy(folder / "loop.png", DOCS / "loop.png")
     return {}
 

@@ -14,8 +14,7 @@ from fingerfem import FingerModel
 from fingerfem.certify import full_order_scene
 from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.scene.scene import Scene
-from rom import Surrogate, TouchedSegment
-from studies.control.models import model, names
+from studies.control.models import finger
 from studies.runner import Run
 
 CASES, QUICK_CASES, SEED = 20, 4, 2018
@@ -77,16 +76,12 @@ def summary(cases: list[dict]) -> dict:
     }
 
 
-def measure(run: Run) -> dict[str, dict]:
-    """By scene: a summary, and every case."""
-    found = {}
-    for name in names(run):
-        known = model(run, name)
-        assert isinstance(known, Surrogate | TouchedSegment)
-        full_order = FingerModel(Scene(**full_order_scene(known)))
-        cases = [
-            run.once(f"{name}, answer {k + 1}", verified, case, full_order)
-            for k, case in enumerate(answers(known, QUICK_CASES if run.quick else CASES, SEED))
-        ]
-        found[name] = summary(cases) | {"each": cases}
-    return found
+def measure(run: Run) -> dict:
+    """A summary, and every case."""
+    known = finger()
+    full_order = FingerModel(Scene(**full_order_scene(known)))
+    cases = [
+        run.once(f"answer {k + 1}", verified, case, full_order)
+        for k, case in enumerate(answers(known, QUICK_CASES if run.quick else CASES, SEED))
+    ]
+    return summary(cases) | {"each": cases}

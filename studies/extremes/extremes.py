@@ -11,7 +11,7 @@ from dataclasses import asdict
 from functools import partial
 from multiprocessing import get_context
 
-from studies.extremes import bodies, data, loads, queries
+from studies.extremes import bodies, loads, queries, tensors
 from studies.extremes.verdicts import INACCURATE, Row
 from studies.runner import Run
 
@@ -21,11 +21,11 @@ CORES = 2
 
 def parts(run: Run) -> list[Part]:
     """What yields rows, in the page's order."""
-    points = 10_000 if run.quick else 1_000_000
+    points = 10_000 if run.quick else 100_000
     fingers = [bodies.rubbers, bodies.sizes, bodies.meshes, bodies.contact_stiffness]
     return [
-        partial(data.rows, run.sets),
-        partial(queries.rows, run.sets, points),
+        tensors.rows,
+        partial(queries.rows, points),
         partial(loads.rows, run.quick),
         *fingers,
     ]

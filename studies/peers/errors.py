@@ -14,7 +14,7 @@ def errors(answers: dict[str, Any], reference: dict[str, Any]) -> dict[str, Any]
     """Median and largest relative errors of one alternative [-], and the states that it has no answer for.
 
     Tips over the way of the reference's tip, contact forces over the reference's; states without an answer are left out
-    of the numbers and told by their places: `missing_free`, `missing_contact`. A quantity that an alternative never
+    of the numbers and listed by their places: `missing_free`, `missing_contact`. A quantity that an alternative never
     answers is None and misses nothing: it is not of its kind, as the contact force of a grid of free states.
     """
     found: dict[str, Any] = {}

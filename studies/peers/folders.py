@@ -8,7 +8,5 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "bar": ("calculix",),
     "calculix": ("calculix",),
     "speed": ("felupe", "speed"),
-    "training_states": ("surrogates",),
-    "surrogates": ("surrogates",),
     "rods": ("rods",),
 }

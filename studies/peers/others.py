@@ -13,7 +13,7 @@ from pathlib import Path
 from studies.runner import OUT, finished, place, read
 
 # Module that measures, by part; each is imported where it is measured alone.
-PARTS = {"rods": "rods.comparison", "calculix": "calculix.comparison", "surrogates": "surrogates.comparison"}
+PARTS = {"rods": "rods.comparison", "calculix": "calculix.comparison"}
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Part `ours`: the two bundled models, asked the same; what a query costs in Python."""
+"""Part `ours`: the bundled finger and a table of it, asked the same; what a query costs in Python."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from rom import Surrogate, TouchedSegment
+from rom import specialise
+from studies.control.models import finger
 from studies.peers.question import CONTACT, FREE, Answers
 from studies.runner import ROOT, Run
 
 CALLS = 2000  # that are timed
-ASIDE = 0.0  # tension of F2, which both models also have [N]
+ASIDE = 0.0  # tension of F2, which both also have [N]
+NODES = 16  # of every axis of the table
+ROD, TABLE = "fingerfem, rod", "fingerfem, table"
 AFAR = 0.031  # where no state of FREE is touched [m]
 
 
@@ -30,7 +33,7 @@ def answers(name: str, ask: Callable[[np.ndarray], Any], size: int, settings: st
     tips = [np.ravel(answer.tip).tolist() for answer in said]
     return Answers(
         name=name,
-        kind="surrogate",
+        kind="reduced model",
         free_tips=tips[: len(FREE)],
         contact_tips=tips[len(FREE) :],
         contact_forces=[float(np.ravel(answer.contact_force)[0]) for answer in said[len(FREE) :]],
@@ -40,11 +43,16 @@ def answers(name: str, ask: Callable[[np.ndarray], Any], size: int, settings: st
     )
 
 
+def trained() -> dict[str, Any]:
+    """The finger of rod elements, with contact solved for at every query, and its table before the paper's plane."""
+    rod = finger()
+    return {ROD: rod, TABLE: specialise(rod, NODES)}
+
+
 def measure(run: Run) -> list[dict]:
-    """The surrogate of one plane, and the rod of elements with contact solved for at every query."""
-    plane, finger = Surrogate.load(ROOT / "rom" / "plane.h5"), TouchedSegment.load()
-    sizes = [(ROOT / "rom" / file).stat().st_size for file in ("plane.h5", "finger.h5")]
+    """Both."""
+    models, table = trained(), f"table of rom/finger.h5, {NODES} nodes of every axis"
     return [
-        answers("fingerfem, surrogate", plane.evaluate, sizes[0], "rom/plane.h5").as_json(),
-        answers("fingerfem, rod", finger.evaluate, sizes[1], "rom/finger.h5").as_json(),
+        answers(TABLE, models[TABLE].evaluate, models[TABLE].bytes, table).as_json(),
+        answers(ROD, models[ROD].evaluate, (ROOT / "rom" / "finger.h5").stat().st_size, "rom/finger.h5").as_json(),
     ]

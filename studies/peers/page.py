@@ -8,22 +8,19 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from control.model import Model
 from fingerfem.versions import versions
-from rom import Surrogate, TouchedSegment
 from studies.axes import large_letters, logarithmic
 from studies.labels import label
-from studies.peers.errors import compared, errors, relative
-from studies.peers.ours import ASIDE
+from studies.peers.errors import compared, errors
+from studies.peers.ours import ASIDE, trained
 from studies.peers.question import CONTACT, FREE, finger
-from studies.peers.surrogates.judging import best_of
-from studies.runner import DOCS, ROOT
+from studies.runner import DOCS
 
 COLOURS = {
     "finite elements": "tab:blue",
     "beam": "tab:green",
     "simulator": "tab:purple",
-    "surrogate": "tab:orange",
+    "reduced model": "tab:orange",
 }
 PANELS = {"free_tips": "tip in free space", "contact_forces": "contact force on the plane"}
 OWN = "fingerfem"
@@ -34,18 +31,14 @@ LEAST = 1e-5  # where smaller errors are drawn [-]
 
 def prepare(found: dict, folder: Path) -> dict:
     """Draw the picture; every alternative with its errors, and the tables."""
-    surrogates = found["surrogates"]
     reference = found["reference"]
-    every = [*reference["ours"], *found["ours"], *found["rods"], *surrogates["answers"]]
+    every = [*reference["ours"], *found["ours"], *found["rods"]]
     rows = compared(every, reference["finest"])
     draw(rows, DOCS / "peers.png")
-    best = best_rows(surrogates["rows"])
     return {
         "kinds": {kind: sorted((row for row in rows if row["kind"] == kind), key=_force_error) for kind in COLOURS},
         "apart": errors(reference["finer"], reference["finest"]),
         "unanswered": unanswered,
-        "budgets": budgets(),
-        "edge": edge(folder, rows),
         "free": [int(tension) for tension in FREE],
         "contact": CONTACT,
         "finger": finger(),
@@ -57,11 +50,6 @@ def prepare(found: dict, folder: Path) -> dict:
         "limits_of": limits_of,
         "line_tensions": [int(tension) for tension in LINE_TENSIONS],
         "per_iteration": per_iteration(found["speed"]),
-        "training": found["training_states"],
-        "lines": found["training_states"]["rows"][-1]["lines"],
-        "surrogates": [*best, {"way": "(F, s) on a grid"} | surrogates["grid"]],
-        "grid": surrogates["grid"],
-        "curves": [_curve(row, surrogates["curves"]) for row in best],
     }
 
 
@@ -70,22 +58,6 @@ def unanswered(row: dict[str, Any]) -> str:
     free = [f"{FREE[k]:g} N in free space" for k in row["errors"]["missing_free"]]
     pressed = [f"{CONTACT[k][0]:g} N at {1000 * CONTACT[k][1]:g} mm" for k in row["errors"]["missing_contact"]]
     return ", ".join([*free, *pressed])
-
-
-def budgets() -> dict[str, int]:
-    """From how many states the bundled models are."""
-    plane, rod = Surrogate.load().provenance, TouchedSegment.load().rod.elements.provenance
-    return {"surrogate": plane["states"], "rod": rod["states"]}
-
-
-def edge(folder: Path, rows: list[dict[str, Any]]) -> dict[str, float]:
-    """Where the test states of the surrogates end [N], and what our separated forms err by beyond, of their own mesh."""
-    tested, by_name = np.load(folder / "tested.npz"), {row["name"]: row for row in rows}
-    ours, mesh = (by_name[f"{OWN}, {name}"]["contact_forces"] for name in ("separated forms", "standard mesh"))
-    return {
-        "least": float(tested["parameters"][tested["force"] > 0, 1].min()),
-        "error": max(map(relative, ours, mesh)),
-    }
 
 
 CHANGES = "tip", "contact_force", "contact_force_max", "seconds"
@@ -121,14 +93,10 @@ def limits_of(row: dict[str, Any]) -> str:
 
 
 def within(reference: dict[str, Any]) -> list[dict[str, Any]]:
-    """How many errors of contact states the two trained models tell of, and how large they say these are."""
-    models: dict[str, Model] = {
-        "fingerfem, surrogate": Surrogate.load(ROOT / "rom" / "plane.h5"),
-        "fingerfem, rod": TouchedSegment.load(),
-    }
+    """How many errors of contact states are within the two models' estimates, and how large these are."""
     truths = list(zip(reference["contact_tips"], reference["contact_forces"], strict=True))
     found = []
-    for name, model in models.items():
+    for name, model in trained().items():
         told = [model.evaluate(np.array([tension, ASIDE, distance])) for tension, distance in CONTACT]
         pairs = list(zip(told, truths, strict=True))
         shares = [answer.error["contact_force"] / force for answer, (_, force) in pairs]
@@ -144,20 +112,6 @@ def within(reference: dict[str, Any]) -> list[dict[str, Any]]:
             }
         )
     return found
-
-
-def best_rows(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Of every method the way that errs least, most accurate first."""
-    methods = dict.fromkeys((row["package"], row["method"]) for row in rows)
-    best = [best_of([row for row in rows if (row["package"], row["method"]) == method]) for method in methods]
-    return sorted(best, key=lambda row: row["contact_force"]["median"])
-
-
-def _curve(row: dict[str, Any], curves: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    same_way = ("package", "method", "way")
-    return sorted(
-        (one for one in curves if all(one[key] == row[key] for key in same_way)), key=lambda one: one["lines"]
-    )
 
 
 def same(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

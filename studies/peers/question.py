@@ -76,12 +76,12 @@ class Answers:
 
     Attributes:
         name: for the picture and the table, two or three words.
-        kind: "finite elements", "beam", "simulator" or "surrogate".
+        kind: "finite elements", "beam", "simulator" or "reduced model".
         free_tips: displacement of the tip plate's centre, of every state of FREE, shape (5, 3) [m]; None where it has
             no answer.
         contact_tips: the same of CONTACT, shape (9, 3) [m].
-        contact_forces: on the plane, of CONTACT, shape (9,) [N]; None where it has no answer, such as a model that
-            knows no contact.
+        contact_forces: on the plane, of CONTACT, shape (9,) [N]; None where it has no answer, such as a model
+            without contact.
         seconds: core-seconds per answer, what is done once (import, compilation, training) left out.
         settings: what it was asked with: what a reader needs to do it again.
         refinement: how its own answer changes with its own resolution: rows of a table.

@@ -1,29 +1,23 @@
-"""Only what a scene requires: what each kind of scene costs from the first form to the last query."""
+"""Only what a scene requires: what each kind of scene costs from the first form to the stored state."""
 
 from __future__ import annotations
 
 from typing import Any
 
-import h5py
-
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
-from rom.build import train
-from rom.separated.alternating_directions import EnrichmentOptions
 from rom.snapshots.snapshot_set import read_task
-from rom.surrogate import Surrogate
 from studies import sets
 from studies.kinds import forms_of, kinds
-from studies.measures import call_times, random_points
 from studies.runner import Run
 
 NOT_HERE = ("straight", "incompressible", "Nitsche")  # other physics, not other requirements
 CELLS = [12, 9]  # of each segment; four channels need nine across
-LINES = 4  # of states, per tension
+STATES = 12  # random ones of every scene
 
 
 def scenes() -> dict[str, dict[str, Any]]:
-    """Scenes by what they name, one mesh, as many lines of states a tension."""
+    """Scenes by what they name, all of one mesh."""
     found = {name: table for name, table in kinds().items() if not any(word in name for word in NOT_HERE)}
     spatial = found["contact, spatial"]
     pad = spatial["obstacle"] | {"pad": {"name": "fingertip", "x": [0.049, 0.050]}}
@@ -37,30 +31,18 @@ def scenes() -> dict[str, dict[str, Any]]:
 
 def row(name: str, table: dict[str, Any], run: Run) -> dict:
     """What one scene costs."""
-    table = table | {"sampling": table.get("sampling", {}) | {"lines": LINES * len(table["tendons"])}}
     scene = Scene.model_validate(table)
     model = FingerModel(scene)
     file = sets.written(run.folder, name.replace(",", ""), sets.as_toml(scene.model_dump(mode="json")))
-    training = sets.training(file)
-    surrogate = train(training, EnrichmentOptions())
-    stored = file.with_suffix(".h5")
-    surrogate.save(stored)
-    surrogate = Surrogate.load(stored)
-    datasets: list[str] = []
-    with h5py.File(stored) as content:
-        content.visititems(lambda key, item: datasets.append(key) if isinstance(item, h5py.Dataset) else None)
+    states = sets.held_out(file, STATES)
     return {
         "scene": name,
         "parameters": len(scene.parameters),
         "unknowns": model.problem.unknowns,
         "forms": forms_of(model.problem.forms),
-        "states": training.states,
-        "quantities": len(read_task(training.path, next(iter(training.lines)))),
-        "core_seconds": training.core_seconds,
-        "datasets": len(datasets),
-        "bytes": stored.stat().st_size,
-        "terms": sum(surrogate.terms.values()),
-        "query_us": call_times(surrogate.value_and_jacobian, random_points(surrogate, 5000))["p50_us"],
+        "quantities": len(read_task(states.path, next(iter(states.description.tasks)))),
+        "core_seconds": states.core_seconds / states.states,
+        "bytes": round(sum(part.stat().st_size for part in (states.path / "tasks").glob("*.npz")) / states.states),
     }
 
 

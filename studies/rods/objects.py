@@ -71,8 +71,7 @@ def by_shape(run: Run, plan: plans.Plan, count: dict[str, int]) -> list[dict]:
 
 def papers_plane(run: Run, plan: plans.Plan) -> dict:
     """The paper's plane: held-out states of the draft scene."""
-    file = sets.scene(run.sets, "draft", run.quick)
-    held_out = sets.held_out(file, sets.QUICK_HELD_OUT if run.quick else sets.HELD_OUT)
+    held_out = sets.held_out(sets.draft(run.sets), sets.QUICK_HELD_OUT if run.quick else sets.HELD_OUT)
     return {"force": plan.force} | check_plane(plans.rod(run, plan), held_out)
 
 

@@ -11,7 +11,7 @@ from rom.rod.rod import Rod
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.summaries import origin
 from studies import sets
-from studies.runner import ROOT, Run
+from studies.runner import Run
 
 SEED = 5
 
@@ -39,8 +39,7 @@ QUICK = Plan(5.0, 12, 20)
 
 def scene(run: Run, plan: Plan) -> Path:
     """The draft finger with a load in place of the plane."""
-    text = (ROOT / "scenes" / "draft.toml").read_text().split("[sampling]")[0]
-    head, rest = text.split("[obstacle]")
+    head, rest = sets.without_sampling("draft").split("[obstacle]")
     text = f"{head}[load]\nforce = {plan.force}\n\n{rest[rest.index('[mesh]') :]}"
     if plan.mesh is not None:
         text = sets.on_mesh(text, *plan.mesh)

@@ -1,4 +1,4 @@
-"""The bundled finger and its contact, beside the surrogate of the paper's plane: same points, one core, one run."""
+"""The bundled finger and its contact with the paper's plane: compiled code alone, one core, one run."""
 
 from __future__ import annotations
 
@@ -8,10 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from control import Finger, problems
-from control.model import Model
-from rom import Surrogate, TouchedSegment
-from rom.native import EVALUATION, forms
-from rom.native import pointer as numbers
+from rom import TouchedSegment
 from rom.rod import native
 from rom.rod.objects.shapes import facing_plane
 from studies.runner import Run
@@ -38,43 +35,30 @@ def each(call, arguments: list) -> list[int]:
 
 def row(count: int) -> dict:
     """Everything, one after the other on the same points."""
-    surrogate, finger = Surrogate.load(), TouchedSegment.load().rod
+    finger = TouchedSegment.load().rod
     model = TouchedSegment(rod=finger, obstacle=facing_plane(2 * finger.half_lengths[1], (0.001, 0.031)))
     lower, upper = model.limits
     points = lower + np.random.default_rng(0).random((count, len(lower))) * (upper - lower)
     known = model.answers(points)
-    touched = known.inside & (known.out[:, 3] > 0) & surrogate.evaluate(points).inside
+    touched = known.inside & (known.out[:, 3] > 0)
     points, wrenches = np.ascontiguousarray(points[touched]), known.loads[touched]
-    out, jacobian = np.empty(8), np.empty(64)
-    work = forms.memory_of(surrogate.kernel.tables)
-    theirs = [(surrogate.kernel, numbers(p), work, numbers(out), numbers(jacobian)) for p in points]
     parts = [(np.ascontiguousarray(p[:-1]), np.ascontiguousarray(w)) for p, w in zip(points, wrenches, strict=True)]
     plate = finger.segments[0].struct
     room, found = native.memory_of(plate), [native.pointer(np.empty(size)) for size in (3, 9, 6 * (len(lower) + 5))]
     ours = [(plate, *map(native.pointer, part), room, *found) for part in parts]
-    query = each(EVALUATION.functions.fingerfem_answer, theirs)
     place = each(native.SEGMENT.functions.fingerfem_place, ours)
     cold = native.touches(model.touching, points)
     warm = native.touches(model.touching, points + MOVED * np.eye(len(lower))[-1], wrenches)
-    holds = {}
-    kinds: dict[str, Model] = {"surrogate": surrogate, "rod": model}
-    for name, one in kinds.items():
-        driven = Finger(one)
-        starts = points[:, :-1]
-        _, outcomes, taken = problems.hold_many(driven.known, starts, FORCE, points[:, -1], problems.rules(1e-6))
-        holds[name] = us(taken) | {"converged": int(np.sum(outcomes["status"] == 1)), "of": len(points)}
+    driven = Finger(model)
+    _, outcomes, taken = problems.hold_many(driven.known, points[:, :-1], FORCE, points[:, -1], problems.rules(1e-6))
     return {
         "points": len(points),
         "elements": len(finger.segments[0].elements),
         "terms": sum(len(law.polynomial.powers) for law in finger.elements.laws.values()),
-        "query": us(query),
         "place": us(place),
         "contact_cold": us(cold.nanoseconds) | {"evaluations": float(np.median(cold.evaluations))},
         "contact_warm": us(warm.nanoseconds) | {"evaluations": float(np.median(warm.evaluations))},
-        "hold": holds,
-        "place_over_query": float(np.median(place) / np.median(query)),
-        "warm_over_query": float(np.median(warm.nanoseconds) / np.median(query)),
-        "hold_over_hold": holds["rod"]["p50_us"] / holds["surrogate"]["p50_us"],
+        "hold": us(taken) | {"converged": int(np.sum(outcomes["status"] == 1)), "of": len(points)},
     }
 
 

@@ -1,7 +1,7 @@
-"""Fingers of rod elements in the same trade: by mesh, number of lines and largest force.
+"""Fingers of rod elements: cost against error, by mesh, number of lines and largest force.
 
-They are trained on wrenches, on no plane; here they answer for that of the surrogates. On meshes finer than the draft
-one every state begins at the same state on that, whose cost counts, too.
+They are trained on wrenches, on no plane; here they answer for the draft scene's. On meshes finer than the draft one
+every state begins at the same state on that, whose cost counts, too.
 """
 
 from __future__ import annotations
@@ -22,9 +22,8 @@ from studies import sets
 from studies.control.models import DISTANCES
 from studies.measures import call_times, random_points
 from studies.runner import ROOT, Run
-from studies.tradeoff.tradeoff import DRAFT, SQUARE, Mesh, Study, costs, front, full, quick
+from studies.tradeoff.tradeoff import DRAFT, FINE, SQUARE, Mesh, Study, costs, front, full, quick
 
-FINE = Mesh((24, 6), 2)
 PRESSED = ROOT / "scenes" / "demo" / "fine.toml"  # the draft scene's finger, which anything may press on
 FORCE, SMALL = 15.0, 5.0  # largest on the plate [N]
 

@@ -44,7 +44,7 @@ def scaling(folder: Path, quick: bool) -> dict:
 
 
 def long_run(folder: Path, quick: bool) -> dict:
-    """Memory while a set is solved that refinement.py uses again, and its restart once it is whole."""
+    """Memory while a set is solved, and its restart once it is whole."""
     nodes = (5, 9) if quick else (9, 9)
     file, path = grid_scene(folder, *nodes), folder / "uniform-{}-{}".format(*nodes)
     shutil.rmtree(path, ignore_errors=True)

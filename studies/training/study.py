@@ -1,5 +1,5 @@
 """The parts of docs/training.md."""
 
-from studies.training import farm, refinement
+from studies.training import farm
 
-PARTS = {"farm": farm.measure, "refinement": refinement.measure}
+PARTS = {"farm": farm.measure}

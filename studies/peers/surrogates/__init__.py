@@ -1,1 +1,0 @@
-"""Other packages' surrogates, trained on the same states as this project's."""

@@ -1,1 +1,0 @@
-"""The surrogate: docs/surrogate.md."""
