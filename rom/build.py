@@ -21,7 +21,6 @@ from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.grid_model import separated_grid, truth_of
 from rom.separated.model import SeparatedModel
 from rom.separated.table_errors import enlarged
-from rom.separated.tabulated import NODES
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.summaries import finer_origin, origin
 from rom.terminal import Progress, quiet
@@ -87,7 +86,7 @@ def with_mesh_error(rod: Rod, finer: Sequence[SnapshotSet]) -> Rod:
 
 def separate_grid(
     snapshots: SnapshotSet,
-    nodes: int = NODES,
+    nodes: int | None = None,
     options: EnrichmentOptions | None = None,
     *,
     held_out: SnapshotSet | None = None,
@@ -98,7 +97,7 @@ def separate_grid(
 
     Args:
         snapshots: a training set on a grid of one or two tensions.
-        nodes: of every axis of the model, 4 at least.
+        nodes: of every axis of the model, 4 at least; see there.
         options: of the separations.
         held_out: states before the same plane, which measure its accuracy.
         finer: held-out states on a finer mesh, which enlarge its estimated errors.

@@ -160,7 +160,7 @@ class TouchedSegment(PickledByFields):
     def _points(self, parameters: ArrayLike) -> np.ndarray:
         """Points as rows."""
         found = np.atleast_2d(np.asarray(parameters, float))
-        if found.shape[-1] != len(self.parameters):
+        if found.ndim > 2 or found.shape[-1] != len(self.parameters):
             raise ModelError(
                 f"parameters must be {', '.join(self.names)} (in that order), got shape {np.shape(parameters)}"
             )

@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.separated.grid_source import GridSource
+from rom.separated.grid_source import GridSource, check_grid
 from rom.separated.model import SeparatedModel
 from rom.separated.table_errors import Truth, with_errors
 from rom.separated.tabulated import NODES, tabulated
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.terminal import Progress, quiet
 
+FEWEST, FINER = 12, 3  # nodes of a table by default, at least, and over those of its grid
 MODES, KEPT = 40, 1e-5  # of the displacement, at most; and the share of its size that they may leave [-]
 
 
@@ -36,7 +37,7 @@ def truth_of(snapshots: SnapshotSet, has_pad: bool, has_field: bool) -> Truth:
 
 
 def separated_grid(
-    snapshots: SnapshotSet, nodes: int = NODES, options: EnrichmentOptions | None = None, progress: Progress = quiet
+    snapshots: SnapshotSet, nodes: int | None = None, options: EnrichmentOptions | None = None, progress: Progress = quiet
 ) -> SeparatedModel:
     """The table of full-order states on a grid, as the paper makes it.
 
@@ -44,7 +45,7 @@ def separated_grid(
 
     Args:
         snapshots: a training set on a grid of one or two tensions.
-        nodes: of every axis of the table, 4 at least.
+        nodes: of every axis of the table, 4 at least; by default three times the grid's, from 12 to 32.
         options: of the separations.
         progress: called with the step, how much of it is done, and how much it is.
 
@@ -52,6 +53,9 @@ def separated_grid(
         SnapshotError: a set without such a grid.
         ValueError: fewer than 4 nodes.
     """
+    check_grid(snapshots)
+    axes = (*snapshots.description.tension_nodes, snapshots.description.contact_nodes)
+    nodes = nodes or min(max(FEWEST, FINER * max(map(len, axes))), NODES)
     modes = displacement_modes(snapshots)
     whole, half = (GridSource(snapshots, every, options, modes) for every in (1, 2))
     table, fewer = (tabulated(one, nodes, options, progress) for one in (whole, half))

