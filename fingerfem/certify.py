@@ -1,16 +1,13 @@
-"""A model's answer beside the full-order model's, which begins at a surrogate's own displacement field."""
+"""A model's answer beside the full-order model's, solved from rest."""
 
 from __future__ import annotations
 
-import contextlib
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fingerfem.discretisation.node_order import NodeOrder
-from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.model import FingerModel
 from fingerfem.scene.scene import Scene
 from rom.native.answer import Answer
@@ -30,15 +27,12 @@ class Certificate:
         tip: displacement of the tip plate's centre by the full-order model, shape (3,) [m].
         contact_force: likewise [N]; None without a plane.
         factorisations: that the full-order model needed.
-        began: where it began: `field`, the surrogate's; `free`, that of the free finger, to which the plane then came;
-            or `rest`.
     """
 
     answer: Answer
     tip: np.ndarray
     contact_force: float | None
     factorisations: int
-    began: str
 
     @property
     def errors(self) -> dict[str, float]:
@@ -70,7 +64,6 @@ class Certificate:
             "inside": bool(self.answer.inside),
             "covered": self.covered,
             "factorisations": self.factorisations,
-            "began": self.began,
         }
 
 
@@ -78,58 +71,33 @@ class Certifier:
     """Solves with the full-order model what a model answers.
 
     Args:
-        model: a surrogate that knows the displacement field, at which the full-order model begins; or a segment's map
-            before the plane y = side/2 + d: its field is not near enough, and the full-order model begins at rest.
+        model: a table of full-order states; or a finger of elements before the plane y = side/2 + d.
 
     Raises:
-        ValueError: a surrogate that does not know the field.
+        ValueError: a table of a finger of elements, whose scene has no plane.
     """
 
     def __init__(self, model: Surrogate | TouchedSegment):
-        if isinstance(model, Surrogate) and not model.has_field:
-            raise ValueError("model must know the displacement to be certified (sampling.store), got one that does not")
+        if isinstance(model, Surrogate) and "specialised_from" in model.provenance:
+            raise ValueError("model must be the finger itself to be certified, got a table of one")
         self.model, self.full_order = model, FingerModel(Scene.model_validate(full_order_scene(model)))
-        self._numbering = NodeOrder(self.full_order.problem)
 
     def certify(self, tensions: ArrayLike, distance: float | None = None) -> Certificate:
         """Both answers at tensions [N], shape (t,), and the plane's distance [m]; None leaves it away.
 
         Raises:
             ValueError: a tension or distance that the scene does not allow.
-            LoadNotReached: the full-order model has no answer, from rest either.
+            LoadNotReached: the full-order model has no answer.
         """
         full_order, pulled = self.full_order, np.asarray(tensions, float)
-        full_order.check_loads(pulled, distance)
-        newton, problem = full_order.continuation.newton, full_order.problem
-        before, began = newton.factorisations, self._solve(pulled, distance)
+        newton, before = full_order.continuation.newton, full_order.continuation.newton.factorisations
+        state = full_order.solve(pulled, distance, sensitivities=False)
         return Certificate(
             answer=self.model.evaluate(_point(self.model, pulled, distance)),
-            tip=problem.tip(),
-            contact_force=None if distance is None or problem.contact is None else problem.contact.force(),
+            tip=state.tip,
+            contact_force=None if distance is None else state.contact_force,
             factorisations=newton.factorisations - before,
-            began=began,
         )
-
-    def _begin(self, model: Surrogate, pulled: np.ndarray, distance: float | None) -> None:
-        """Solve from the surrogate's field."""
-        continuation = self.full_order.continuation
-        field = model.displacement(_point(model, pulled, distance))
-        continuation.start(pulled, distance, self._numbering.scatter(field))
-        continuation.newton.solve()
-
-    def _solve(self, pulled: np.ndarray, distance: float | None) -> str:
-        """Solve from the nearest start that leads there; which it was."""
-        if isinstance(self.model, Surrogate):
-            with contextlib.suppress(NotConverged):
-                self._begin(self.model, pulled, distance)
-                return "field"
-            with contextlib.suppress(LoadNotReached, NotConverged):
-                # Which nodes press is not known to a micrometre: the plane comes.
-                self._begin(self.model, pulled, None)
-                self.full_order.continuation.advance(pulled, distance)
-                return "free"
-        self.full_order.solve(pulled, distance, sensitivities=False)
-        return "rest"
 
 
 def full_order_scene(model: Surrogate | TouchedSegment) -> dict[str, Any]:
