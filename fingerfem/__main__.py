@@ -83,15 +83,12 @@ def solve(
 @app.command()
 def certify(
     model_file: Annotated[
-        Path, typer.Argument(metavar="MODEL.h5", help="A surrogate with displacements, or a finger of elements.")
+        Path, typer.Argument(metavar="MODEL.h5", help="A table of full-order states, or a finger of elements.")
     ],
     loads: Annotated[list[str] | None, typer.Argument(help="F1=50 F2=0 [N], d=0.005 [m] (or no plane).")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Solve with the full-order model what a model answers: is it true?
-
-    A surrogate's own displacement field is where it begins; for a finger of elements that is rest.
-    """
+    """Compare a model's answer with that of the full-order model at the same loads."""
     require(*SOLVING)
     from fingerfem.certify import Certifier
     from fingerfem.scene.loads import read_loads

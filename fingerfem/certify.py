@@ -1,4 +1,4 @@
-"""A model's answer beside the full-order model's."""
+"""A model's answer beside the full-order model's, solved from rest."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from rom.rod import rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
 
-NEAREST = 1e-4  # of a plane before a finger of elements, which has no nearest one [m]
+NEAREST = 1e-4  # of a plane before a segment's map, whose model knows no nearest one [m]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Certificate:
-    """A model's answer at one point, and the full-order model's on its mesh.
+    """What a model said at one point, and what is true on its mesh.
 
     Attributes:
         answer: the model's.
@@ -68,18 +68,18 @@ class Certificate:
 
 
 class Certifier:
-    """Solves with the full-order model, from rest, what a model answers.
+    """Solves with the full-order model what a model answers.
 
     Args:
-        model: a finger of elements before the plane y = side/2 + d, or a separated model of full-order states.
+        model: a table of full-order states; or a finger of elements before the plane y = side/2 + d.
 
     Raises:
-        ValueError: a table of a finger before another object, or of one that is itself a model.
+        ValueError: a table of a finger of elements, whose scene has no plane.
     """
 
     def __init__(self, model: SeparatedModel | TouchedSegment):
         if isinstance(model, SeparatedModel) and "specialised_from" in model.provenance:
-            raise ValueError("model must be a finger or a table of full-order states, got a table of a finger")
+            raise ValueError("model must be the finger itself to be certified, got a table of one")
         self.model, self.full_order = model, FingerModel(Scene.model_validate(full_order_scene(model)))
 
     def certify(self, tensions: ArrayLike, distance: float | None = None) -> Certificate:
@@ -90,14 +90,12 @@ class Certifier:
             LoadNotReached: the full-order model has no answer.
         """
         full_order, pulled = self.full_order, np.asarray(tensions, float)
-        full_order.check_loads(pulled, distance)
-        newton, problem = full_order.continuation.newton, full_order.problem
-        before = newton.factorisations
-        full_order.solve(pulled, distance, sensitivities=False)
+        newton, before = full_order.continuation.newton, full_order.continuation.newton.factorisations
+        state = full_order.solve(pulled, distance, sensitivities=False)
         return Certificate(
             answer=self.model.evaluate(_point(self.model, pulled, distance)),
-            tip=problem.tip(),
-            contact_force=None if distance is None or problem.contact is None else problem.contact.force(),
+            tip=state.tip,
+            contact_force=None if distance is None else state.contact_force,
             factorisations=newton.factorisations - before,
         )
 

@@ -19,8 +19,11 @@ from fingerfem.scene.amounts import percentage, seconds
 
 FRONT = Path(__file__).with_name("front.json")
 KEYS = ("accuracy", "budget", "preset")
-OF_MESH = "cells", "order"
-OF_LINES = {"sampling": ("lines", "tension_nodes", "contact_nodes"), "coarse": (*OF_MESH, "lines")}
+OF_MESH: tuple[str, ...] = ("cells", "order")
+OF_LINES: dict[str, tuple[str, ...]] = {
+    "sampling": ("lines", "tension_nodes", "contact_nodes"),
+    "coarse": (*OF_MESH, "lines"),
+}
 TENSIONS, SLENDERNESS = 2, 5.0  # of the finger the front was measured on; its length over its side [-]
 # By number of tensions: lines of states over those of one tension, and errors of fingers of elements over those of two.
 # Products of polynomials grow faster than tensions. More tensions than errors here have no promise.
@@ -56,12 +59,10 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
     if len(asked) > 1:
         raise ValueError(f"{asked[1]} must be left out where {asked[0]} is given, got {table[asked[1]]!r}")
     pressed = bool(table.get("load"))
-    for part, keys in {"mesh": OF_MESH, **(OF_LINES if pressed else {})}.items():
-        if not isinstance(table.get(part, {}), dict):
-            return table  # told as such
-        for key in keys:
-            if key in table.get(part, {}):
-                raise ValueError(f"{part}.{key} must be left out where {asked[0]} chooses it, got {table[part][key]}")
+    parts = {"mesh": OF_MESH} | (OF_LINES if pressed else {})
+    if not all(isinstance(table.get(part, {}), dict) for part in parts):
+        return table  # told as such
+    _check_left_out(table, parts, asked[0])
     try:
         segments, tensions = table["geometry"]["segments"], len(table["tendons"])
         longest, bodies = max(segments) / table["geometry"]["side"] / SLENDERNESS, len(segments)
@@ -88,6 +89,14 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
         | {"sampling": table.get("sampling", {}) | {"lines": one["lines"]}, "expected": one["expected"]}
         | ({"coarse": one["coarse"]} if one["coarse"] else {})
     )
+
+
+def _check_left_out(table: dict[str, Any], parts: dict[str, tuple[str, ...]], by: str) -> None:
+    """Refuse keys, by part of a scene, that its accuracy, budget or preset chooses."""
+    for part, keys in parts.items():
+        for key in keys:
+            if key in table.get(part, {}):
+                raise ValueError(f"{part}.{key} must be left out where {by} chooses it, got {table[part][key]}")
 
 
 def _lines(per_tension: float, tensions: int) -> int:

@@ -244,7 +244,7 @@ class Coarse(Table):
     lines: Annotated[int, Field(ge=3, le=10_000)] | None = None
 
 
-class Expected(Table, extra="ignore"):  # sets and models of older versions have more
+class Expected(Table):
     """What the mesh and lines that an accuracy, a budget or a preset chose are expected to give, see presets.
 
     The error is relative [-], of the contact force or, where nothing touches, of the displacement, at the 95th
@@ -256,6 +256,12 @@ class Expected(Table, extra="ignore"):  # sets and models of older versions have
     error: float | None = None
     core_seconds: float | None = None
     states: int | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known(cls, table: Any) -> Any:
+        """Sets and models of older versions have more."""
+        return {key: table[key] for key in cls.model_fields if key in table} if isinstance(table, dict) else table
 
     def __str__(self) -> str:
         quantity = self.quantity.replace("_", " ")

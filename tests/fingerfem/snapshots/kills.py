@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from fingerfem.snapshots import ledger
-from rom import Rod, Surrogate
+from rom import Rod, TouchedSegment
 from rom.export.c_header import export
 from rom.export.page import write as write_page
 from rom.rod.touched_segment import SHIPPED
@@ -141,15 +141,14 @@ def text_of(write: Callable[[Path], object], file: Path) -> Callable[[Path], Non
 
 def main(source: Path, folder: Path) -> None:
     """Kill everything."""
-    surrogate, finger = Surrogate.load(), Rod.load(SHIPPED)
+    model, finger = TouchedSegment.load(), Rod.load(SHIPPED)
     header, page = folder / "finger.h", folder / "finger.html"
     found = {
         "set": kill_a_set(source, folder / "set"),
-        "surrogate": kill_a_file(folder / "plane.h5", surrogate.save, Surrogate.load),
         "rod": kill_a_file(folder / "finger.h5", finger.save, Rod.load),
     }
     for name, file, write in (("header", header, export), ("page", page, write_page)):
-        one = partial(write, surrogate)
+        one = partial(write, model)
         found[name] = kill_a_file(file, one, text_of(one, file))
     print(json.dumps(found))
 
