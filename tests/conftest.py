@@ -1,4 +1,4 @@
-"""The trained draft finger and the demo that tests share; `make test` makes them first, by TRAIN."""
+"""What tests share: the bundled finger, its table before the plane, and what `make test` trains first, by TRAIN."""
 
 import json
 from dataclasses import replace
@@ -12,6 +12,25 @@ settings.load_profile("no clock")
 
 ROOT = Path(__file__).resolve().parents[1]
 TRAIN = "make out/tests/finger.h5"
+
+
+@pytest.fixture(scope="session")
+def table():
+    """The table of the bundled finger before the plane y = side/2 + d, of few nodes: made in seconds."""
+    from rom import load, specialise
+    from rom.specialised.rod_source import RodSource
+
+    finger = load()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(RodSource.truth, "__defaults__", (4000,))  # points at which errors are measured
+        return specialise(replace(finger, obstacle=replace(finger.obstacle, distances=(0.004, 0.031))), nodes=10)
+
+
+@pytest.fixture(scope="session")
+def table_file(table, tmp_path_factory) -> Path:
+    """The table as a model file."""
+    table.save(file := tmp_path_factory.mktemp("table") / "table.h5")
+    return file
 
 
 @pytest.fixture(scope="session")
@@ -32,15 +51,6 @@ def demo(trained) -> Path:
 @pytest.fixture(scope="session")
 def report(demo) -> dict:
     return json.loads((demo / "report.json").read_text())
-
-
-@pytest.fixture(scope="session")
-def surrogate(trained):
-    """As it errs on its own mesh: what the draft mesh errs by hides all else."""
-    from rom import Surrogate
-
-    found = Surrogate.load(trained / "finger.h5")
-    return replace(found, errors=replace(found.errors, mesh=None))
 
 
 @pytest.fixture(scope="session")
