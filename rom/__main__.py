@@ -52,7 +52,7 @@ def build(
             "pressed ones correct the elements; may be given several times.",
         ),
     ] = None,
-    nodes: Annotated[int | None, typer.Option(min=4, max=200, help="Of a grid: nodes of every axis, 32.")] = None,
+    nodes: Annotated[int | None, typer.Option(min=4, max=200, help="Of a grid: nodes of every axis.")] = None,
     terms: Annotated[
         int | None, typer.Option(min=1, max=10_000, help="Of a grid: most products of a form, 200.")
     ] = None,
@@ -97,7 +97,7 @@ def separate_set(
     with steps() as progress:
         table = separate_grid(
             snapshots,
-            nodes or NODES,
+            nodes,
             enrichment(terms or TERMS),
             held_out=held_out,
             finer=finer[0] if finer else None,

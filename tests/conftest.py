@@ -1,4 +1,4 @@
-"""The trained draft finger and the demo that tests share; `make test` makes them first, by TRAIN."""
+"""What tests share: the bundled finger, its table before the plane, and what `make test` trains first, by TRAIN."""
 
 import json
 from dataclasses import replace
@@ -12,26 +12,6 @@ settings.load_profile("no clock")
 
 ROOT = Path(__file__).resolve().parents[1]
 TRAIN = "make out/tests/ready"
-
-
-@pytest.fixture(scope="session")
-def trained() -> Path:
-    """The folder of the draft finger's sets: training, heldout, finer."""
-    folder = ROOT / "out" / "tests"
-    if not (folder / "ready").exists():
-        pytest.fail(f"these tests need the draft finger's sets: make test, or {TRAIN}")
-    return folder
-
-
-@pytest.fixture(scope="session")
-def demo(trained) -> Path:
-    """The folder of the demo on coarse meshes."""
-    return trained / "demo"
-
-
-@pytest.fixture(scope="session")
-def report(demo) -> dict:
-    return json.loads((demo / "report.json").read_text())
 
 
 @pytest.fixture(scope="session")
@@ -52,6 +32,26 @@ def table_file(table, tmp_path_factory) -> Path:
     """The table as a model file."""
     table.save(file := tmp_path_factory.mktemp("table") / "table.h5")
     return file
+
+
+@pytest.fixture(scope="session")
+def trained() -> Path:
+    """The folder of the draft finger's sets: training, heldout, finer."""
+    folder = ROOT / "out" / "tests"
+    if not (folder / "ready").exists():
+        pytest.fail(f"these tests need the draft finger's sets: make test, or {TRAIN}")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def demo(trained) -> Path:
+    """The folder of the demo on coarse meshes."""
+    return trained / "demo"
+
+
+@pytest.fixture(scope="session")
+def report(demo) -> dict:
+    return json.loads((demo / "report.json").read_text())
 
 
 @pytest.fixture(scope="session")

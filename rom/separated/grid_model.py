@@ -37,7 +37,10 @@ def truth_of(snapshots: SnapshotSet, has_pad: bool, has_field: bool) -> Truth:
 
 
 def separated_grid(
-    snapshots: SnapshotSet, nodes: int | None = None, options: EnrichmentOptions | None = None, progress: Progress = quiet
+    snapshots: SnapshotSet,
+    nodes: int | None = None,
+    options: EnrichmentOptions | None = None,
+    progress: Progress = quiet,
 ) -> SeparatedModel:
     """The table of full-order states on a grid, as the paper makes it.
 

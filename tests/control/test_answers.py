@@ -7,15 +7,10 @@ import sys
 import numpy as np
 import pytest
 
-from control import Finger, Gripper, SimulatedPlant
-from rom import Surrogate, TouchedSegment
+import rom
+from control import Gripper, SimulatedPlant
 
 NAN = float("nan")
-
-
-@pytest.fixture(scope="module")
-def finger() -> Finger:
-    return Finger(TouchedSegment.load())
 
 
 REFUSED = {
@@ -51,21 +46,21 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_a_refusal_names_argument_value_and_range(finger, name):
+def test_a_refusal_names_argument_value_and_range(rod_finger, name):
     ask, reason = REFUSED[name]
-    motion = ask(finger)
+    motion = ask(rod_finger)
     assert motion.status == "out_of_domain" and motion.reason.startswith(reason)
     assert motion.as_json()["reason"] == motion.reason and motion.reason in motion.tables()
 
 
-def test_an_answer_has_a_reason_if_and_only_if_it_is_not_converged(finger):
+def test_an_answer_has_a_reason_if_and_only_if_it_is_not_converged(rod_finger):
     random, statuses = np.random.default_rng(0), set()
     for _ in range(150):
         force, d = 10 ** random.uniform(-2, 2), random.uniform(-0.002, 0.052)
         for motion in (
-            finger.hold(force, d),
-            finger.reach(finger.rest + random.uniform(-0.03, 0.03, 3), d),
-            finger.locate(random.uniform(0, 100, 2), force),
+            rod_finger.hold(force, d),
+            rod_finger.reach(rod_finger.rest + random.uniform(-0.03, 0.03, 3), d),
+            rod_finger.locate(random.uniform(0, 100, 2), force),
         ):
             statuses.add(motion.status)
             assert bool(motion.reason) == (not motion.converged) and "\n" not in motion.reason
@@ -75,26 +70,26 @@ def test_an_answer_has_a_reason_if_and_only_if_it_is_not_converged(finger):
     assert {"converged", "unreachable", "out_of_domain"} <= statuses
 
 
-def test_what_is_out_of_reach_is_named_with_what_misses_it(finger):
-    motion = finger.hold(500.0, 0.005)
+def test_what_is_out_of_reach_is_named_with_what_misses_it(rod_finger):
+    motion = rod_finger.hold(500.0, 0.005)
     assert motion.reason.startswith("contact_force 500 N at distance 0.005 m must be met ")
-    far = finger.reach([0.0, 0.2, 0.0])
+    far = rod_finger.reach([0.0, 0.2, 0.0])
     miss = f"the nearest of which miss it by {far.residual:.3g} m"
     assert far.reason == f"point [0, 0.2, 0] m must be met by tensions from [0, 0] to [100, 100] N, {miss}"
 
 
-def test_a_grasp_of_nothing_says_of_every_finger_why(surrogate):
-    gripper = Gripper(surrogate)
-    grasp = gripper.grasp(1.0, [SimulatedPlant(surrogate, np.inf) for _ in range(3)])
+def test_a_grasp_of_nothing_says_of_every_finger_why(table):
+    gripper = Gripper(table)
+    grasp = gripper.grasp(1.0, [SimulatedPlant(table, np.inf) for _ in range(3)])
     assert grasp.status == ["no_contact"] * 3
     expected = "contact must be felt above 0.05 N at lead tensions up to 100 N, nothing was"
     assert grasp.reason == [expected] * 3 and grasp.as_json()["reason"] == grasp.reason
-    held = gripper.grasp(1.0, [SimulatedPlant(surrogate, 0.01) for _ in range(3)])
+    held = gripper.grasp(1.0, [SimulatedPlant(table, 0.01) for _ in range(3)])
     assert held.converged and held.reason == [""] * 3
 
 
-def test_the_command_prints_the_reason():
-    words = [sys.executable, "-m", "control", "hold", "--distance", "0.005", "--contact-force", "500"]
+def test_the_command_prints_the_reason(table_file):
+    words = [sys.executable, "-m", "control", "hold", str(table_file), "--distance", "0.005", "--contact-force", "500"]
     done = subprocess.run([*words, "--json"], capture_output=True, text=True)
     assert done.returncode == 3 and json.loads(done.stdout)["reason"].startswith("contact_force 500 N at distance")
     shown = subprocess.run(words, capture_output=True, text=True)
@@ -108,7 +103,7 @@ def shown_by(*words: str) -> dict:
 
 
 def test_hold_and_reach_have_the_model_s_answer_with_units_in_names():
-    model = TouchedSegment.load()
+    model = rom.load()
     held = shown_by("hold", "--distance", "0.01")
     names = {"tip_m", "tip_error_m", "orientation_wxyz", "orientation_error_rad", "shortenings_m", "shortening_error_m"}
     names |= {"contact_force_N", "contact_force_error_N", "touch_distance_m", "touch_distance_error_m", "inside"}
@@ -120,7 +115,7 @@ def test_hold_and_reach_have_the_model_s_answer_with_units_in_names():
 
 
 def test_the_answer_of_a_reach_on_the_other_side_is_the_mirror_image():
-    model = TouchedSegment.load()
+    model = rom.load()
     tip = model.rod.rest + model.evaluate([20.0, 10.0, np.inf]).tip
     one, other = (shown_by("reach", "rom/finger.h5", *(str(x) for x in tip * side)) for side in ([1, 1, 1], [1, 1, -1]))
     assert one["sides"] == [1, 1] and other["sides"] == [1, -1]
@@ -130,8 +125,8 @@ def test_the_answer_of_a_reach_on_the_other_side_is_the_mirror_image():
     assert other["answer"]["shortenings_m"] == pytest.approx(one["answer"]["shortenings_m"], abs=1e-6)
 
 
-def test_a_surrogate_s_answer_has_no_orientation_and_no_shortenings():
-    answer = Surrogate.load().evaluate([30.0, 5.0, 0.01])
+def test_a_table_s_answer_has_no_orientation_and_no_shortenings(table):
+    answer = table.evaluate([30.0, 5.0, 0.01])
     assert answer.orientation is answer.shortenings is None
     assert set(answer.as_json(["F1", "F2"])) == {
         *("tip_m", "tip_error_m", "contact_force_N", "contact_force_error_N"),

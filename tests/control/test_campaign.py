@@ -14,32 +14,32 @@ from control.least_squares import CONVERGED, STATIONARY
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def test_every_answer_of_the_sweep_is_inside_the_limits_and_judged_rightly(surrogate):
-    result = run(surrogate, 2500, 1.0, sweep=True).as_json()
+def test_every_answer_of_the_sweep_is_inside_the_limits_and_judged_rightly(table):
+    result = run(table, 2500, 1.0, sweep=True).as_json()
     assert result["starts"] == 2500 and result["failed"] == 0 and result["out_of_limits"] == result["infinite"] == 0
-    distances = np.linspace(0.001, 0.031, 50)
+    distances = np.linspace(0.004, 0.031, 50)
     grid = [[f1, f2, d] for d in distances for f1 in np.linspace(0, 100, 41) for f2 in np.linspace(0, 100, 21)]
-    most = surrogate.evaluate(np.array(grid)).contact_force.reshape(50, -1).max(axis=1)
+    most = table.evaluate(np.array(grid)).contact_force.reshape(50, -1).max(axis=1)
     assert result["unreachable"] == 50 * np.count_nonzero(most < 1.0)
 
 
 @pytest.mark.parametrize("force", [0.02, 0.3, 5.0])
-def test_a_dense_search_agrees_with_every_flag_of_random_starts(surrogate, force):
+def test_a_dense_search_agrees_with_every_flag_of_random_starts(table, force):
     """A search that finds points above the target and below it has not yet found the target: forces may jump."""
-    found = run(surrogate, 1500, force)
+    found = run(table, 1500, force)
     axes = [np.linspace(0, 100, 101)] * 2
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
     assert np.all((found.status == CONVERGED) | (found.status == STATIONARY))
     assert found.residual[found.status == CONVERGED].max() <= 1e-6
     for i in np.flatnonzero(found.status == STATIONARY):
-        most = surrogate.evaluate(np.column_stack([grid, np.full(len(grid), found.distances[i])])).contact_force.max()
+        most = table.evaluate(np.column_stack([grid, np.full(len(grid), found.distances[i])])).contact_force.max()
         assert most < force
         assert force - found.residual[i] >= 0.95 * most  # and the answer is nearly the best there is
 
 
-def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(trained):
+def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(table_file):
     def control(*words):
-        command = [sys.executable, "-m", "control", words[0], str(trained / "finger.h5"), *words[1:], "--json"]
+        command = [sys.executable, "-m", "control", words[0], str(table_file), *words[1:], "--json"]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         return done.returncode, json.loads(done.stdout, parse_constant=lambda word: 1 / 0)
 
@@ -76,7 +76,7 @@ def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(trained):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["hold", "--distance", "10"], "distance must lie in [0.001, 0.031] m, got 10"),
+        (["hold", "--distance", "10"], "distance must lie in [0.004, 0.031] m, got 10"),
         (["hold", "--distance", "0.01", "--contact-force", "0"], "contact_force must be above 0 N, got 0"),
         (["hold", "--distance", "0.01", "--pad-pressure", "1e5"], "model must know its pad's pressure"),
         (["campaign", "--contact-force", "-1"], "contact_force must be above 0 N, got -1"),
@@ -84,8 +84,8 @@ def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(trained):
         (["grasp", "--radius", "1.0"], "must lie in the trained box"),
     ],
 )
-def test_bad_input_is_told_and_ends_with_code_2(trained, words, said):
-    command = [sys.executable, "-m", "control", words[0], str(trained / "finger.h5"), *words[1:]]
+def test_bad_input_is_told_and_ends_with_code_2(table_file, words, said):
+    command = [sys.executable, "-m", "control", words[0], str(table_file), *words[1:]]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 2 and done.stdout == ""
     assert said in done.stderr and len(done.stderr.strip().splitlines()) == 1

@@ -13,20 +13,20 @@ from control.environment import HoldEnvironment
 
 
 @pytest.mark.filterwarnings("error")
-def test_it_passes_gymnasiums_own_check(surrogate):
-    check_env(HoldEnvironment(surrogate, flaws=Flaws(noise=0.01)), skip_render_check=True)
+def test_it_passes_gymnasiums_own_check(table):
+    check_env(HoldEnvironment(table, flaws=Flaws(noise=0.01)), skip_render_check=True)
 
 
-def test_an_episode_is_the_same_again(surrogate):
-    assert_same_again(lambda: HoldEnvironment(surrogate, flaws=Flaws(noise=0.05, delay=2)), closing=np.ones(2))
+def test_an_episode_is_the_same_again(table):
+    assert_same_again(lambda: HoldEnvironment(table, flaws=Flaws(noise=0.05, delay=2)), closing=np.ones(2))
 
 
-def test_vectors_keep_the_last_observation(surrogate):
-    assert_last_observation(lambda: HoldEnvironment(surrogate, steps=4, flaws=Flaws(noise=0.05)), steps=4)
+def test_vectors_keep_the_last_observation(table):
+    assert_last_observation(lambda: HoldEnvironment(table, steps=4, flaws=Flaws(noise=0.05)), steps=4)
 
 
-def test_who_knows_the_plane_is_soon_rewarded_fully(surrogate):
-    environment, finger = HoldEnvironment(surrogate), Finger(surrogate)
+def test_who_knows_the_plane_is_soon_rewarded_fully(table):
+    environment, finger = HoldEnvironment(table), Finger(table)
     for seed in range(5):
         _, known = environment.reset(seed=seed)
         goal = finger.hold(known["target"], known["distance"]).tensions
@@ -40,8 +40,8 @@ def test_who_knows_the_plane_is_soon_rewarded_fully(surrogate):
         assert rewards[-1] == pytest.approx(0.0, abs=1e-4)
 
 
-def test_who_pulls_on_and_on_crushes_the_object(surrogate):
-    environment = HoldEnvironment(surrogate)
+def test_who_pulls_on_and_on_crushes_the_object(table):
+    environment = HoldEnvironment(table)
     environment.reset(seed=1, options={"distance": 0.010, "target": 1.0})
     for _ in range(60):
         *_, reward, ended, _, info = environment.step(np.ones(2))
@@ -50,17 +50,17 @@ def test_who_pulls_on_and_on_crushes_the_object(surrogate):
     assert ended and info["crushed"] and reward == -10.0
 
 
-def test_wrong_input_is_refused(surrogate):
+def test_wrong_input_is_refused(table):
     with pytest.raises(ValueError, match="targets must be in order above 0 N"):
-        HoldEnvironment(surrogate, targets=(3.0, 1.0))
+        HoldEnvironment(table, targets=(3.0, 1.0))
     with pytest.raises(ValueError, match=r"within reach at d = 0\.0305 m, got 5 N"):
-        HoldEnvironment(surrogate).reset(options={"distance": 0.0305, "target": 5.0})
+        HoldEnvironment(table).reset(options={"distance": 0.0305, "target": 5.0})
 
 
-def test_what_nobody_could_hold_is_refused_and_an_action_that_is_none_changes_nothing(surrogate):
+def test_what_nobody_could_hold_is_refused_and_an_action_that_is_none_changes_nothing(table):
     with pytest.raises(ValueError, match="must leave something within reach"):
-        HoldEnvironment(surrogate, targets=(100.0, 200.0)).reset(seed=1)
-    environment = HoldEnvironment(surrogate)
+        HoldEnvironment(table, targets=(100.0, 200.0)).reset(seed=1)
+    environment = HoldEnvironment(table)
     environment.reset(seed=1)
     with pytest.raises(ValueError, match="action must be 2 finite numbers"):
         environment.step(np.array([np.nan, 0.0]))

@@ -63,10 +63,10 @@ def test_an_object_that_is_none_is_refused(wrong, said):
         Object(**({"mass": 0.1, "friction": 0.5, "admissible_force": 5.0} | wrong))
 
 
-def test_a_finger_that_cannot_press_so_hard_where_the_object_is_says_so(surrogate):
+def test_a_finger_that_cannot_press_so_hard_where_the_object_is_says_so(table):
     from control import Gripper
 
-    gripper = Gripper(surrogate)
+    gripper = Gripper(table)
     held = Object(mass=0.2, friction=0.3, admissible_force=8.0)
     assert gripper.targets(held, [0.010, 0.011, 0.012]).exist
     far = gripper.targets(held, [0.010, 0.0305, 0.012])

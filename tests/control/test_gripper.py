@@ -6,43 +6,43 @@ import pytest
 from control import Flaws, GraspOptions, Gripper, SimulatedPlant
 
 
-def close(surrogate, centre, radius, force=1.0, flaws=None, **options):
-    gripper = Gripper(surrogate)
-    plants = [SimulatedPlant(surrogate, d, flaws, seed=k) for k, d in enumerate(gripper.distances(centre, radius))]
+def close(table, centre, radius, force=1.0, flaws=None, **options):
+    gripper = Gripper(table)
+    plants = [SimulatedPlant(table, d, flaws, seed=k) for k, d in enumerate(gripper.distances(centre, radius))]
     return gripper.grasp(force, plants, GraspOptions(**options))
 
 
 @pytest.mark.parametrize("centre", [(0.0, 0.0), (0.004, 0.002), (-0.003, 0.003), (0.0, -0.005)], ids=str)
-def test_the_object_is_found_and_held_wherever_it_is(surrogate, centre):
-    grasp = close(surrogate, centre, 0.012)
+def test_the_object_is_found_and_held_wherever_it_is(table, centre):
+    grasp = close(table, centre, 0.012)
     assert grasp.converged
     assert grasp.contact_forces == pytest.approx(np.ones(3), rel=0.005)
     assert grasp.centre == pytest.approx(centre, abs=1e-6)
     assert grasp.radius == pytest.approx(0.012, abs=1e-6)
 
 
-def test_the_grasp_is_in_balance(surrogate):
+def test_the_grasp_is_in_balance(table):
     """Equal forces 120 degrees apart do not push the object anywhere."""
-    grasp = close(surrogate, (0.002, -0.002), 0.012)
-    push = -grasp.contact_forces @ Gripper(surrogate).directions
+    grasp = close(table, (0.002, -0.002), 0.012)
+    push = -grasp.contact_forces @ Gripper(table).directions
     assert np.linalg.norm(push) < 0.01
 
 
-def test_no_pull_ever_crushes_the_object(surrogate):
-    grasp = close(surrogate, (0.002, 0.001), 0.012, approach_step=1.0)
+def test_no_pull_ever_crushes_the_object(table):
+    grasp = close(table, (0.002, 0.001), 0.012, approach_step=1.0)
     assert max(pull.contact_force for pull in grasp.history) < 1.1
 
 
-def test_a_noisy_sensor_still_holds(surrogate):
-    grasp = close(surrogate, (0.001, 0.001), 0.012, flaws=Flaws(noise=0.02), noise=0.02, tolerance=0.03)
+def test_a_noisy_sensor_still_holds(table):
+    grasp = close(table, (0.001, 0.001), 0.012, flaws=Flaws(noise=0.02), noise=0.02, tolerance=0.03)
     assert grasp.converged
     assert grasp.contact_forces == pytest.approx(np.ones(3), rel=0.03)
 
 
-def test_in_a_dead_band_nothing_is_corrected(surrogate):
-    """The fingers press a tenth harder than the model: a dead band leaves it so, without one it is corrected."""
+def test_in_a_dead_band_nothing_is_corrected(table):
+    """The fingers press a tenth harder than the table: a dead band leaves it so, without one it is corrected."""
     options = {"flaws": Flaws(force_error=0.1), "squeeze_steps": 10, "approach_step": 0.5, "tolerance": 0.15}
-    left, corrected = (close(surrogate, (0.0, 0.0), 0.012, dead_band=band, **options) for band in (0.15, 0.0))
+    left, corrected = (close(table, (0.0, 0.0), 0.012, dead_band=band, **options) for band in (0.15, 0.0))
     assert left.converged and corrected.converged
     held = [pull.tensions for pull in left.history if pull.finger == 0 and pull.stage == "hold"]
     assert all(tensions == held[0] for tensions in held[1:])
@@ -50,10 +50,10 @@ def test_in_a_dead_band_nothing_is_corrected(surrogate):
     assert np.abs(left.contact_forces - 1).max() < 0.15
 
 
-def test_readings_are_believed_no_faster_than_a_finger_settles(surrogate):
+def test_readings_are_believed_no_faster_than_a_finger_settles(table):
     options = GraspOptions(period=0.005, settling=0.05)
     assert options.gain(1.0) == pytest.approx(0.1) and GraspOptions(period=0.005).gain(1.0) == 1.0
-    assert close(surrogate, (0.001, 0.0), 0.012, period=0.005, settling=0.05).converged
+    assert close(table, (0.001, 0.0), 0.012, period=0.005, settling=0.05).converged
     for wrong in ({"settling": -1.0}, {"dead_band": np.nan}):
         with pytest.raises(ValueError, match="must be at least 0"):
             GraspOptions(**wrong)
@@ -61,57 +61,57 @@ def test_readings_are_believed_no_faster_than_a_finger_settles(surrogate):
         GraspOptions(dead_band=0.15)
 
 
-def test_a_touch_that_was_noise_is_not_taken_for_the_object(surrogate):
+def test_a_touch_that_was_noise_is_not_taken_for_the_object(table):
     class Nervous(SimulatedPlant):
         def pull(self, tensions):
             return super().pull(tensions) + (0.2 if tensions[0] < 5 else 0.0)
 
-    gripper = Gripper(surrogate)
-    plants = [Nervous(surrogate, d) for d in gripper.distances((0.001, 0.0), 0.012)]
+    gripper = Gripper(table)
+    plants = [Nervous(table, d) for d in gripper.distances((0.001, 0.0), 0.012)]
     grasp = gripper.grasp(1.0, plants)
     assert grasp.converged and grasp.contact_forces == pytest.approx(np.ones(3), rel=0.005)
 
 
-def test_a_finger_does_not_move_by_a_dead_sensor(surrogate):
+def test_a_finger_does_not_move_by_a_dead_sensor(table):
     class Dead:
         def pull(self, tensions):
             return float("nan")
 
-    grasp = Gripper(surrogate).grasp(1.0, [Dead(), SimulatedPlant(surrogate, 0.01), SimulatedPlant(surrogate, 0.01)])
+    grasp = Gripper(table).grasp(1.0, [Dead(), SimulatedPlant(table, 0.01), SimulatedPlant(table, 0.01)])
     assert grasp.status == ["sensor_failed", "converged", "converged"]
     assert all(pull.tensions == [0.0, 0.0] for pull in grasp.history if pull.finger == 0)
 
 
 @pytest.mark.parametrize("force", [0.0, -1.0, np.nan, np.inf])
-def test_a_force_that_is_none_is_refused(surrogate, force):
+def test_a_force_that_is_none_is_refused(table, force):
     with pytest.raises(ValueError, match="contact_force must be above 0 N"):
-        close(surrogate, (0.0, 0.0), 0.012, force=force)
+        close(table, (0.0, 0.0), 0.012, force=force)
 
 
-def test_the_object_is_not_placed_by_a_finger_that_does_not_hold(surrogate):
-    gripper = Gripper(surrogate)
-    plants = [SimulatedPlant(surrogate, d) for d in (0.010, 0.012, 0.031)]
+def test_the_object_is_not_placed_by_a_finger_that_does_not_hold(table):
+    gripper = Gripper(table)
+    plants = [SimulatedPlant(table, d) for d in (0.010, 0.012, 0.031)]
     grasp = gripper.grasp(1.0, plants)
     assert grasp.status == ["converged", "converged", "no_contact"]
     assert np.isnan(grasp.centre).all() and np.isnan(grasp.radius)
 
 
-def test_an_empty_gripper_says_no_contact(surrogate):
-    grasp = Gripper(surrogate).grasp(1.0, [SimulatedPlant(surrogate, 0.031)] * 3)
+def test_an_empty_gripper_says_no_contact(table):
+    grasp = Gripper(table).grasp(1.0, [SimulatedPlant(table, 0.031)] * 3)
     assert grasp.status == ["no_contact"] * 3 and not grasp.converged
     assert np.isnan(grasp.distances).all() and np.isnan(grasp.centre).all()
 
 
-def test_a_force_beyond_the_tendons_is_said_to_be_unreachable(surrogate):
-    grasp = close(surrogate, (0.0, 0.0), 0.012, force=200.0)
+def test_a_force_beyond_the_tendons_is_said_to_be_unreachable(table):
+    grasp = close(table, (0.0, 0.0), 0.012, force=200.0)
     assert grasp.status == ["unreachable"] * 3
 
 
-def test_one_plant_a_finger(surrogate):
+def test_one_plant_a_finger(table):
     with pytest.raises(ValueError, match="one for each of the 3 fingers, got 1"):
-        Gripper(surrogate).grasp(1.0, [SimulatedPlant(surrogate, 0.01)])
+        Gripper(table).grasp(1.0, [SimulatedPlant(table, 0.01)])
 
 
-def test_a_simulated_finger_does_not_leave_the_trained_box(surrogate):
+def test_a_simulated_finger_does_not_leave_the_trained_box(table):
     with pytest.raises(ValueError, match="trained box"):
-        SimulatedPlant(surrogate, 0.01).pull([200.0, 0.0])
+        SimulatedPlant(table, 0.01).pull([200.0, 0.0])

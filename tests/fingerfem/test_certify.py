@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from farm import ROOT
+from rom.specialised.grid_source import separate_grid
+from rom.surrogate import Surrogate
 
 from fingerfem.certify import Certifier, full_order_scene
 from rom import TouchedSegment
 from rom.snapshots.snapshot_set import SnapshotSet
-from rom.specialised.grid_source import separate_grid
-from rom.surrogate import Surrogate
 
 
 @pytest.fixture(scope="module")
