@@ -103,6 +103,13 @@ class SeparatedModel(PickledByFields):
         """Number of terms of every form."""
         return {name: form.terms for name, form in self.forms.items()}
 
+    @property
+    def bytes(self) -> int:
+        """Size of its forms and estimated errors [B]."""
+        forms = [(form.modes, *form.factors, *form.slopes) for form in self.forms.values()]
+        arrays = [*sum(forms, ()), self.answered, self.errors.contact.astype(np.float32)]
+        return int(sum(array.nbytes for array in arrays))
+
     def kernel_numbers(self) -> dict[str, Any]:
         """The fields of a struct fingerfem_kernel, by the names of rom/native/kernel.h."""
         lower, upper = self.limits

@@ -11,7 +11,7 @@ import numpy as np
 
 from rom import TouchedSegment
 from rom.error_statistics import quantiles
-from rom.held_out import check_plane
+from rom.held_out import check
 from studies import sets
 from studies.rods import plans
 from studies.rods.full_order import FullOrder
@@ -72,7 +72,7 @@ def by_shape(run: Run, plan: plans.Plan, count: dict[str, int]) -> list[dict]:
 def papers_plane(run: Run, plan: plans.Plan) -> dict:
     """The paper's plane: held-out states of the draft scene."""
     held_out = sets.held_out(sets.draft(run.sets), sets.QUICK_HELD_OUT if run.quick else sets.HELD_OUT)
-    return {"force": plan.force} | check_plane(plans.rod(run, plan), held_out)
+    return {"force": plan.force} | check(plans.rod(run, plan), held_out)
 
 
 def measure(run: Run) -> dict:

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from farm import ROOT
 from rom.specialised.grid_source import separate_grid
-from rom.surrogate import Surrogate
 
 from fingerfem.certify import Certifier, full_order_scene
-from rom import TouchedSegment
+from rom import SeparatedModel, TouchedSegment
 from rom.snapshots.snapshot_set import SnapshotSet
 
 
@@ -30,7 +29,7 @@ def table(grid, tmp_path_factory) -> Path:
 
 
 def test_the_truth_of_a_table_is_its_state_and_the_answer_its_own(grid, table):
-    model = Surrogate.load(table)
+    model = SeparatedModel.load(table)
     certifier, point = Certifier(model), grid.contact("parameters")[2, 2, 3]
     found = certifier.certify(point[:-1], float(point[-1]))
     assert found.contact_force == pytest.approx(grid.contact("contact_force")[2, 2, 3], abs=1e-4)
@@ -40,7 +39,7 @@ def test_the_truth_of_a_table_is_its_state_and_the_answer_its_own(grid, table):
 
 
 def test_a_free_finger_is_certified_too(grid, table):
-    found = Certifier(Surrogate.load(table)).certify(grid.free("parameters")[2, 2, :-1])
+    found = Certifier(SeparatedModel.load(table)).certify(grid.free("parameters")[2, 2, :-1])
     assert found.contact_force is None and found.errors.keys() == {"tip"}
     assert found.tip == pytest.approx(grid.free("tip")[2, 2], abs=1e-8)
 
@@ -85,7 +84,7 @@ def test_the_command_prints_both_answers_and_refuses_in_one_line(grid, table):
 
 
 def test_a_table_of_a_finger_is_refused(table):
-    model = Surrogate.load(table)
+    model = SeparatedModel.load(table)
     model.provenance["specialised_from"] = "a finger"
     with pytest.raises(ValueError, match="model must be the finger itself to be certified, got a table of one"):
         Certifier(model)
