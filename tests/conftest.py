@@ -1,7 +1,6 @@
 """What tests share: the bundled finger, its table before the plane, and what `make test` trains first, by TRAIN."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,14 +15,10 @@ TRAIN = "make out/tests/finger.h5"
 
 @pytest.fixture(scope="session")
 def table():
-    """The table of the bundled finger before the plane y = side/2 + d, of few nodes: made in seconds."""
-    from rom import load, specialise
-    from rom.specialised.rod_source import RodSource
+    """The bundled finger's table before the plane y = side/2 + d, of few nodes."""
+    from sampled import tabled
 
-    finger = load()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(RodSource.truth, "__defaults__", (4000,))  # points at which errors are measured
-        return specialise(replace(finger, obstacle=replace(finger.obstacle, distances=(0.004, 0.031))), nodes=10)
+    return tabled(0.004, nodes=10)
 
 
 @pytest.fixture(scope="session")
