@@ -1,7 +1,6 @@
 """What tests share: the bundled finger, its table before the plane, and what `make test` trains first, by TRAIN."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,6 +15,7 @@ TRAIN = "make out/tests/ready"
 
 @pytest.fixture(scope="session")
 def table():
+<<<<<<< HEAD
     """The table of the bundled finger before the plane y = side/2 + d, of few nodes: made in seconds."""
     from rom import load, specialise
     from rom.separated import rod_source
@@ -25,6 +25,12 @@ def table():
         for name in ("CALIBRATING", "MEASURING"):
             patch.setattr(rod_source, name, 4000)
         return specialise(replace(finger, obstacle=replace(finger.obstacle, distances=(0.004, 0.031))), nodes=10)
+=======
+    """The bundled finger's table before the plane y = side/2 + d, of few nodes."""
+    from sampled import tabled
+
+    return tabled(0.004, nodes=10)
+>>>>>>> wt-c
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,18 +12,13 @@ from typing import Any
 
 import fmpy
 import pytest
-from assembled import two_segments
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 
-from rom import Surrogate, TouchedSegment
 from rom.export.fmu import write
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
 BOTH = pytest.mark.parametrize("version", [2, 3])
-
-
-MODELS = {"rod": TouchedSegment.load, "surrogate": Surrogate.load, "two_segments": two_segments}
 
 
 class Maker:
@@ -31,16 +26,17 @@ class Maker:
 
     Args:
         folder: where they are written.
+        models: by name.
     """
 
-    def __init__(self, folder: Path):
-        self._folder, self._made = folder, {}
+    def __init__(self, folder: Path, models: Mapping[str, Any]):
+        self._folder, self._models, self._made = folder, models, {}
 
     def __call__(self, name: str, version: int, controller: bool = False) -> SimpleNamespace:
         key = f"{name}{version}{'hold' if controller else ''}"
         if key not in self._made:
             path = self._folder / f"{key}.fmu"
-            write(MODELS[name](), path, version, controller)
+            write(self._models[name], path, version, controller)
             unzipped = self._folder / key
             with zipfile.ZipFile(path) as packed:
                 packed.extractall(unzipped)

@@ -49,16 +49,16 @@ def helped() -> None:
 
 
 def worked() -> None:
-    """A model is saved and read, a force is held."""
+    """The bundled finger is saved and read, a force is held."""
+    import rom
     from control import Finger
-    from rom import Surrogate, TouchedSegment
 
     with tempfile.TemporaryDirectory() as folder:
-        surrogate = Surrogate.load()
-        surrogate.save(Path(folder) / "copy.h5")
-        force = Surrogate.load(Path(folder) / "copy.h5").evaluate([60.0, 20.0, 0.012]).contact_force
-        assert force == surrogate.evaluate([60.0, 20.0, 0.012]).contact_force > 0
-    assert Finger(TouchedSegment.load()).hold(1.0, 0.010).converged
+        finger = rom.load()
+        finger.rod.save(Path(folder) / "copy.h5")
+        force = rom.load(Path(folder) / "copy.h5").evaluate([60.0, 20.0, 0.012]).contact_force
+        assert force == finger.evaluate([60.0, 20.0, 0.012]).contact_force > 0
+    assert Finger(finger).hold(1.0, 0.010).converged
 
 
 def simulated() -> None:
@@ -66,10 +66,10 @@ def simulated() -> None:
     import gymnasium
 
     import control.mujoco.environment  # registers the second one
+    import rom
     from control.environment import HoldEnvironment
-    from rom import Surrogate
 
-    for environment in (HoldEnvironment(Surrogate.load()), gymnasium.make(control.mujoco.environment.NAME)):
+    for environment in (HoldEnvironment(rom.load()), gymnasium.make(control.mujoco.environment.NAME)):
         environment.reset(seed=1)
         observation, reward, *_ = environment.step(environment.action_space.sample())
         assert environment.observation_space.contains(observation) and -1 <= reward <= 1

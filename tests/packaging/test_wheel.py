@@ -19,9 +19,8 @@ CLEAN = {name: value for name, value in os.environ.items() if not name.startswit
 SIMULATION = ("mujoco", "gymnasium")  # extras
 HOLD = """
 from control import Finger
-from rom import TouchedSegment
 import rom
-print(Finger(TouchedSegment.load()).hold(1.0, 0.010).status, rom.__file__)
+print(Finger(rom.load()).hold(1.0, 0.010).status, rom.__file__)
 """
 
 
@@ -46,6 +45,7 @@ def test_a_wheel_holds_a_force_without_a_compiler(tmp_path):
     assert status == "converged" and place.startswith(str(tmp_path))
     assert not (tmp_path / "cache").exists()  # nothing was built
     assert len(list((tmp_path / "installed").rglob("*.so"))) == 3 * len(levels())
+    assert [file.name for file in (tmp_path / "installed").rglob("*.h5")] == ["finger.h5"]
     settings = os.environ | {"PYTHONPATH": str(tmp_path / "installed")}
     done = subprocess.run([sys.executable, str(INSTALLED)], cwd=tmp_path, env=settings, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

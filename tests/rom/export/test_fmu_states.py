@@ -99,7 +99,7 @@ def test_bytes_that_are_no_state_are_refused(made, version, controller, capsys):
 def test_states_of_other_fmus_are_refused(made, version, capsys):
     others = {
         ("rod", version, True): "the same kind",
-        ("surrogate", version, False): "model hash or version of FMI",
+        ("table", version, False): "model hash or version of FMI",
         ("rod", 5 - version, False): "model hash or version of FMI",
     }
     with driven(made("rod", version), logs=True) as fmu:
@@ -150,7 +150,7 @@ def test_a_controller_that_declares_no_derivatives_refuses_them(made, version):
 @BOTH
 @KINDS
 def test_numbers_that_are_no_variables_are_refused(made, version, controller):
-    fmu = made("surrogate", version, controller)
+    fmu = made("table", version, controller)
     declared = {one.valueReference for one in fmu.about.modelVariables if one.type in ("Real", "Float64")}
     with driven(fmu) as one:
         get = one.own.getReal if version == 2 else one.own.getFloat64

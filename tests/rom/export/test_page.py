@@ -6,16 +6,13 @@ import base64
 import re
 import shutil
 import subprocess
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from assembled import two_segments
+from sampled import some_points
 
-from rom import Surrogate, TouchedSegment
-from rom.export.model import MODEL, struct
+import rom
 from rom.export.page import write
-from rom.native import pointer
 from rom.rod.native.told import sections
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="needs selenium (the environment has it)")
@@ -55,11 +52,7 @@ def emulated(driver, method: str, **parameters) -> None:
     chromium(driver, f"Emulation.{method}", **parameters)
 
 
-MODELS = {
-    "rod": TouchedSegment.load,
-    "two segments": two_segments,
-    "surrogate": Surrogate.load,
-}
+MODELS = "rod", "two_segments", "table"
 
 
 @pytest.fixture(scope="module")
@@ -80,16 +73,16 @@ def driver():
 
 
 @pytest.fixture(scope="module")
-def opened(driver, tmp_path_factory, trained):
+def opened(driver, tmp_path_factory, models):
     """Open the page of a model, once each."""
     from selenium.webdriver.support.ui import WebDriverWait
 
     folder, pages = tmp_path_factory.mktemp("pages"), {}
 
-    def open_page(name, model):
+    def open_page(name):
         if name not in pages:
             pages[name] = folder / f"{name}.html"
-            write(model, pages[name])
+            write(models[name], pages[name])
         driver.set_window_size(1280, 800)
         driver.get(pages[name].as_uri())
         WebDriverWait(driver, 60).until(lambda page: page.execute_script("return document.body.dataset.ready"))
@@ -100,7 +93,7 @@ def opened(driver, tmp_path_factory, trained):
 
 @pytest.fixture
 def page(opened):
-    return opened("rod", TouchedSegment.load())
+    return opened("rod")
 
 
 def asked(driver, points: np.ndarray) -> np.ndarray:
@@ -113,21 +106,11 @@ def asked_at_once(driver, points: np.ndarray) -> np.ndarray:
     return np.frombuffer(base64.b64decode(driver.execute_script(ASK, sent, points.shape[1])), "<f8").reshape(-1, 9)
 
 
-def some_points(model, count: int) -> np.ndarray:
-    """In the trained box and beyond it, and what is no number."""
-    random, (lower, upper) = np.random.default_rng(0), model.limits
-    points = lower + (upper - lower) * (1.2 * random.random((count, len(lower))) - 0.1)
-    for value in (np.nan, np.inf, -np.inf):
-        for k in range(len(lower)):
-            points[random.integers(count), k] = value
-    return points
-
-
 @pytest.mark.parametrize("name", MODELS)
-def test_its_numbers_are_python_s_also_outside(opened, name):
-    model = MODELS[name]()
-    points = some_points(model, 2_000 if name == "two segments" else 10_000)
-    found, expected = asked(opened(name, model), points), model.evaluate(points)
+def test_its_numbers_are_python_s_also_outside(opened, models, name):
+    model = models[name]
+    points = some_points(model, 2_000 if name == "two_segments" else 10_000)
+    found, expected = asked(opened(name), points), model.evaluate(points)
     sizes = np.array([0.05, 0.05, 0.05, 10.0, 0.05])
     want = np.column_stack([expected.tip, expected.contact_force, expected.touch_distance])
     errors = np.column_stack([expected.error[quantity] for quantity in QUANTITIES])
@@ -143,10 +126,10 @@ def test_its_numbers_are_python_s_also_outside(opened, name):
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_it_shows_orientation_and_shortenings_of_a_rod_alone(opened, name):
-    model, shown = MODELS[name](), opened(name, MODELS[name]())
-    assert shown.find_element("id", "reports").is_displayed() == isinstance(model, TouchedSegment)
-    if not isinstance(model, TouchedSegment):
+def test_it_shows_orientation_and_shortenings_of_a_rod_alone(opened, models, name):
+    model, shown = models[name], opened(name)
+    assert shown.find_element("id", "reports").is_displayed() == (name != "table")
+    if name == "table":
         return
     point = model.limits[0] + np.array([0.3, 0.1, 0.2]) * (model.limits[1] - model.limits[0])
     told, report = (
@@ -162,38 +145,17 @@ def test_it_shows_orientation_and_shortenings_of_a_rod_alone(opened, name):
     assert [float(word) for word in words] == pytest.approx(1e3 * model.report(at).shortenings, abs=6e-4)
 
 
-@pytest.mark.parametrize("name", ["rod", "two segments", "a field"])
-def test_the_shape_is_python_s(opened, trained, name):
-    model = Surrogate.load(trained / "finger.h5") if name == "a field" else MODELS[name]()
-    shown = opened(name, model)
+@pytest.mark.parametrize("name", ["rod", "two_segments"])
+def test_the_shape_is_python_s(opened, models, name):
+    model = models[name]
+    shown = opened(name)
     lower, upper = model.limits
     for share in ([0.3, 0.2, 0.9], [0.7, 0.1, 0.2]):
         point = lower + share * (upper - lower)
         found = np.reshape(shown.execute_script(SECTIONS, point.tolist()), (-1, 4, 3))
-        if name == "a field":
-            moved = model.nodes + model.displacement(point)
-            for x, k in ((model.nodes[:, 0].max(), -1), (model.nodes[:, 0].min(), 0)):
-                own = np.isclose(model.nodes[:, 0], x) & np.isclose(np.abs(model.nodes[:, 1:]), 0.005).all(axis=1)
-                nearest = np.abs(found[k][:, None] - moved[own]).max(axis=2).min(axis=0)
-                assert nearest.max() < 1e-6  # single precision
-            continue
         wrenches = model.answers(point).loads[0]
         expected = np.concatenate(sections(model.rod.struct, point[:-1], wrenches))
         assert np.abs(found - expected).max() < 1e-9
-
-
-def test_c_alone_tells_what_python_tells_of_a_surrogate(surrogate, trained):
-    for model in (surrogate, Surrogate.load(trained / "finger.h5"), replace(surrogate, displacements=None)):
-        own, points = struct(model), some_points(model, 500)
-        expected = model.evaluate(points)
-        for i, point in enumerate(points):
-            out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty(36), np.zeros(18)
-            memory = np.empty(MODEL.functions.fingerfem_model_memory(own))
-            given = map(pointer, (point, memory, wrench, out, errors, jacobian))
-            status = MODEL.functions.fingerfem_model_tell(own, *given, MODEL.ffi.NULL)
-            assert (status == 0) == expected.inside[i]
-            assert errors[1] == pytest.approx(expected.error["contact_force"][i], rel=1e-9, abs=1e-12)
-            assert out[3] == pytest.approx(expected.contact_force[i], rel=1e-9, abs=1e-12)
 
 
 def number(driver, name: str) -> float:
@@ -214,7 +176,7 @@ def moved(driver, name: str, key: str, times: int) -> None:
 def test_sliders_bend_the_finger_and_the_readings_follow(page):
     from selenium.webdriver.common.keys import Keys
 
-    model, before = TouchedSegment.load(), page.get_screenshot_as_png()
+    model, before = rom.load(), page.get_screenshot_as_png()
     moved(page, "pull-0", Keys.ARROW_RIGHT, 60)
     moved(page, "d", Keys.ARROW_LEFT, 20)
     point = page.execute_script("return window.fingerfem.point()")
@@ -266,7 +228,7 @@ def test_a_finger_on_the_glass_moves_a_slider(page):
 def test_it_holds_a_force_while_the_plane_moves(page):
     from selenium.webdriver.common.keys import Keys
 
-    model = TouchedSegment.load()
+    model = rom.load()
     page.find_element("id", "hold").send_keys(Keys.SPACE)
     for key, times in ((Keys.ARROW_RIGHT, 1), (Keys.ARROW_LEFT, 100), (Keys.ARROW_RIGHT, 200)):
         moved(page, "d", key, times)
@@ -327,7 +289,7 @@ def test_a_hold_that_is_refused_names_the_number_and_its_range(page):
 def test_its_controller_is_the_robot_s(page):
     from control import Finger
 
-    model = TouchedSegment.load()
+    model = rom.load()
     finger, random = Finger(model), np.random.default_rng(1)
     agreed = 0
     for force, d in zip(random.uniform(0.1, 6.0, 60), random.uniform(0.0, 0.05, 60), strict=True):
