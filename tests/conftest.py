@@ -15,22 +15,10 @@ TRAIN = "make out/tests/ready"
 
 @pytest.fixture(scope="session")
 def table():
-<<<<<<< HEAD
-    """The table of the bundled finger before the plane y = side/2 + d, of few nodes: made in seconds."""
-    from rom import load, specialise
-    from rom.separated import rod_source
-
-    finger = load()
-    with pytest.MonkeyPatch.context() as patch:
-        for name in ("CALIBRATING", "MEASURING"):
-            patch.setattr(rod_source, name, 4000)
-        return specialise(replace(finger, obstacle=replace(finger.obstacle, distances=(0.004, 0.031))), nodes=10)
-=======
     """The bundled finger's table before the plane y = side/2 + d, of few nodes."""
     from sampled import tabled
 
     return tabled(0.004, nodes=10)
->>>>>>> wt-c
 
 
 @pytest.fixture(scope="session")

@@ -4,16 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rom.specialised.rod_source import RodSource
 
 import rom
+from rom.separated import rod_source
 
 
 def tabled(nearest: float, nodes: int):
     """The table of the bundled finger before the plane y = side/2 + d, d from the nearest to 0.031 m; in seconds."""
     finger = rom.load()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(RodSource.truth, "__defaults__", (4000,))  # points at which errors are measured
+        for name in ("CALIBRATING", "MEASURING"):
+            patch.setattr(rod_source, name, 4000)
         return rom.specialise(replace(finger, obstacle=replace(finger.obstacle, distances=(nearest, 0.031))), nodes)
 
 

@@ -15,8 +15,8 @@ from studies.tradeoff.tradeoff import DRAFT, FINE, SQUARE
 
 PRESETS = {
     "draft": RodTraining(SQUARE, 8),
-    "standard": RodTraining(FINE, 12),
-    "fine": RodTraining(FINE, 24),
+    "standard": RodTraining(FINE, 16),
+    "fine": RodTraining(FINE, 32),
 }
 
 

@@ -43,8 +43,9 @@ class RodTraining:
 
 
 FULL = [
-    *(RodTraining(mesh, lines) for mesh in (DRAFT, SQUARE, FINE) for lines in (8, 12, 24)),
-    *(RodTraining(mesh, 12, SMALL) for mesh in (DRAFT, SQUARE, FINE)),
+    *(RodTraining(mesh, lines) for mesh in (DRAFT, SQUARE, FINE) for lines in (8, 16)),
+    RodTraining(FINE, 32),
+    RodTraining(SQUARE, 16, SMALL),
 ]
 QUICK = [RodTraining(DRAFT, 8), RodTraining(SQUARE, 8)]
 

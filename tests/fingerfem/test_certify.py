@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from farm import ROOT
-from rom.specialised.grid_source import separate_grid
 
 from fingerfem.certify import Certifier, full_order_scene
 from rom import SeparatedModel, TouchedSegment
+from rom.build import separate_grid
 from rom.snapshots.snapshot_set import SnapshotSet
 
 

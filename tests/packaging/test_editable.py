@@ -28,7 +28,7 @@ def test_python_control_works_outside_the_checkout_and_ours_inside(tmp_path):
 
 @pytest.mark.parametrize(
     "package",
-    ["rom.rod.touched_segment", "rom.specialised.rod_source", "rom.build", "control.finger", "control.campaign"],
+    ["rom.rod.touched_segment", "rom.separated.rod_source", "rom.build", "control.finger", "control.campaign"],
 )
 def test_models_and_control_import_neither_dolfinx_nor_petsc_nor_mpi(package):
     code = f"import sys, {package}; print(*{{name.split('.')[0] for name in sys.modules}})"
