@@ -36,8 +36,8 @@ class NodalForm:
         tensors = (np.moveaxis(gradient[..., :leading, a] / size, -1, 0) for a in range(len(axes)))
         by_axis = [slopes(factors, one, a + 1) for a, one in enumerate(tensors)]
         parts = zip(axes, factors[1:], by_axis, strict=True)
-        others = values[..., leading:].reshape(-1, m - leading)
         known = np.isfinite(values[..., 0]).ravel()
+        others = values[..., leading:].reshape(known.size, m - leading)
         modes = np.vstack([size[:, None] * factors[0], further_modes(factors[1:], others, known)])
         return NodalForm(modes, [CubicHermiteSpline(*part, axis=0) for part in parts])
 

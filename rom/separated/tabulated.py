@@ -33,10 +33,10 @@ NODES = 32  # of every axis
 FINER = 0.03  # share of the tolerance that the free answer is separated to: contact begins where it says
 TOLERANCE, TERMS = 1e-5, 200  # of the separation, by default [-]
 FIRST = 1e-4  # node of s next to touch, where contact is as good as its limit [-]
-PAST = 0.01  # by how much samples that support the table go past the nearest object [m]
 STEEPEST = 3.0  # of slopes at nodes over differences between them: beyond, a cubic function is no longer monotone [-]
 DETERMINED = 3.0  # values in contact for every number of the separated form, at least [-]
 CELLS = 20_000  # of the lookup of what is known, at most
+ROUNDING = 1e-9  # share of the contact path [-]
 LEAST_RANGE = 1e-3  # of d, over the finger's length [-]
 
 
@@ -223,7 +223,8 @@ def _contact(source: Source, grid: Grid) -> Samples:
     gradient[..., :-1] = (by_tension - slopes[:, None, :, :-1] - values[..., None] * along) / path[..., None, None]
     gradient[..., -1] = -(jacobian[..., -1] + values) * (whole[:, None] / path)[..., None]
     supports = sampled.supports.reshape(n, m) & np.isfinite(out).all(axis=2)
-    supports &= touch[:, None] - path > grid.coordinates.nearest - PAST
+    # Beyond the nearest object the rubber presses, too: its forces would take most of the products.
+    supports &= touch[:, None] - path > grid.coordinates.nearest - ROUNDING * whole[:, None]
     shape = tuple(map(len, grid.axes))
     values, gradient = values.reshape(*shape, -1), gradient.reshape(*shape, *gradient.shape[2:])
     return _continued(grid.axes, values, gradient, supports.reshape(shape))
