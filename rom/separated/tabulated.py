@@ -214,17 +214,20 @@ def _contact(source: Source, grid: Grid) -> Samples:
     whole = touch - grid.coordinates.nearest + grid.coordinates.soft
     path = s * whole[:, None]
     points = np.column_stack([np.repeat(_points(grid.axes[:-1]), m, axis=0), (touch[:, None] - path).ravel()])
-    sampled = source.sampled(points)
-    out, jacobian = sampled.out.reshape(n, m, -1), sampled.jacobian.reshape(n, m, *sampled.jacobian.shape[1:])
+    # Beyond the nearest object nothing is asked: there the rubber presses, too, and would take most of the products.
+    within = points[:, -1] > grid.coordinates.nearest - ROUNDING * np.repeat(whole, m)
+    sampled = source.sampled(points[within])
+    out, jacobian = np.full((n * m, free.shape[1]), np.nan), np.zeros((n * m, *slopes.shape[1:]))
+    supports = np.zeros(n * m, bool)
+    out[within], jacobian[within], supports[within] = sampled
+    supports &= np.isfinite(out).all(axis=1)
+    out, jacobian = out.reshape(n, m, -1), jacobian.reshape(n, m, *slopes.shape[1:])
     values = (out - free[:, None]) / path[..., None]
     along = s[None, :, None, None] * rising[:, None, None]
     by_tension = jacobian[..., :-1] + jacobian[..., -1:] * (rising[:, None, None] - along)
     gradient = np.empty_like(jacobian)
     gradient[..., :-1] = (by_tension - slopes[:, None, :, :-1] - values[..., None] * along) / path[..., None, None]
     gradient[..., -1] = -(jacobian[..., -1] + values) * (whole[:, None] / path)[..., None]
-    supports = sampled.supports.reshape(n, m) & np.isfinite(out).all(axis=2)
-    # Beyond the nearest object the rubber presses, too: its forces would take most of the products.
-    supports &= touch[:, None] - path > grid.coordinates.nearest - ROUNDING * whole[:, None]
     shape = tuple(map(len, grid.axes))
     values, gradient = values.reshape(*shape, -1), gradient.reshape(*shape, *gradient.shape[2:])
     return _continued(grid.axes, values, gradient, supports.reshape(shape))
