@@ -130,3 +130,11 @@ def test_numbers_are_written_for_people():
     assert [runner.number(value) for value in (12345, 0.0123456, None)] == ["12,345", "0.0123", "-"]
     assert [runner.number(value, 2) for value in (1413.0, 14.13, 0.1413, 1e6)] == ["1,413", "14", "0.14", "1e+06"]
     assert runner.over({"seconds": 3.0}, "seconds", {"seconds": 2.0}) == "1.50"
+
+
+def test_a_page_of_an_older_study_is_stale_unless_it_says_so(study, tmp_path):
+    page = tmp_path / "docs" / "lengths.md"
+    page.write_text("# Lengths\n")
+    assert runner.stale() == ["docs/lengths.md is not of this studies/lengths: make docs"]
+    page.write_text(f"# Lengths\n\n{runner.AGED}\n")
+    assert runner.stale() == []
