@@ -17,7 +17,7 @@ from rom.separated.table_errors import Truth, compared, with_errors
 from rom.separated.tabulated import NODES, Sampled, tabulated
 from rom.terminal import Progress, quiet
 
-CALIBRATING, MEASURING = 20_000, 8_000  # random points that calibrate the estimated errors; others that measure them
+CALIBRATING, MEASURING = 30_000, 8_000  # random points that calibrate the estimated errors; others that measure them
 FEWEST = 20  # of the latter with a contact force inside
 BEYOND = 2.0  # forces over the largest trained one up to which answers support a table [-]
 

@@ -1,17 +1,24 @@
 """Laws of elements without a file: an elastic rod's linear ones, and small smooth terms of higher degree."""
 
 from collections.abc import Sequence
+from itertools import combinations_with_replacement
 
 import numpy as np
 
 from rom.elements.law import ElementMap
 from rom.elements.march import Marched, march
-from rom.elements.polynomial import Polynomial, total_degree
+from rom.elements.polynomial import Polynomial
 
 LENGTH, SIDE, YOUNG, OFFSET = 0.006, 0.010, 1.1e6, 0.003  # of an element [m], the section [m], rubber [Pa], tendons [m]
 MOST_TENSION, MOST_FORCE, MOST_MOMENT = 12.0, 2.0, 0.03  # [N, N, N m]
 AXIAL, BENDING, TORSION = YOUNG * SIDE**2, YOUNG * SIDE**4 / 12, YOUNG / 3 * 0.141 * SIDE**4
 SIZES = np.repeat([LENGTH, 1.0], 3)  # of a pose's numbers [m, -]
+
+
+def total_degree(p: int, degree: int) -> np.ndarray:
+    """Degrees of all products of p Chebyshev polynomials whose sum is at most `degree`, shape (k, p)."""
+    chosen = combinations_with_replacement(range(p + 1), degree)
+    return np.array([[one.count(a) for a in range(p)] for one in chosen], int).reshape(-1, p)
 
 
 def box(tensions: int) -> np.ndarray:

@@ -5,10 +5,11 @@ import pytest
 
 from rom.elements import candidates, training
 from rom.elements.candidates import candidates as laws_of
-from rom.elements.polynomial import Polynomial, total_degree
+from rom.elements.polynomial import Polynomial
 from rom.elements.samples.element_samples import Samples
 from rom.rod.rod import Rod
 from tests.rom.elements import elastic_rod
+from tests.rom.elements.laws import total_degree
 
 T = 4
 

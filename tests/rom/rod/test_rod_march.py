@@ -8,7 +8,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom.checked_file import ModelError
-from rom.elements.polynomial import total_degree
 from rom.native import SEGMENT
 from rom.rod import limits, native
 from rom.rod.inverse_map import InverseMap
@@ -247,7 +246,7 @@ def test_a_rod_beyond_what_compiled_code_holds_is_refused_by_name_and_limit():
 def test_corners_bent_by_few_tensions_are_taken_by_their_monomials():
     """Without the product that is 1: their rows are not the first ones."""
     element = laws.law(2, 0)
-    powers = np.pad(total_degree(2, 2)[1:], [(0, 0), (0, 6)])
+    powers = np.pad(laws.total_degree(2, 2)[1:], [(0, 0), (0, 6)])
     off = 2e-6 * np.random.default_rng(1).standard_normal((len(powers), 24))
     powers, off = powers[powers.any(axis=1)], off[powers.any(axis=1)]
     corners = replace(element, powers=powers, coefficients=off)
