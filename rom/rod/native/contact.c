@@ -83,19 +83,24 @@ static double step(const contact_problem *problem, double most, contact_state *s
     return size;
 }
 
-/* Solve from a state's wrench and forces; returns the number of evaluations, negative if it did not end. */
+/* Solve from a state's wrench and forces; returns the number of evaluations, negative if it did not end. Contacts of rubber
+ * that does not press change nothing: unless it pressed before, it takes part from where the plates' answer lies in it. */
 static int solve_from(const contact_problem *problem, double d, contact_state *state)
 {
     objects_contacts before = state->at.contacts;
+    int rubber = problem->map->count > problem->touching->chain->plates;
     double last = INFINITY;
     for (int k = 1; k <= ITERATIONS; k++) {
         double forces[FINGERFEM_MOST_CONTACTS];
         memcpy(forces, state->forces, sizeof forces);
-        if (!placed_under(problem, d, state)) return -k;
+        if (!placed_under(problem, d, rubber, state)) return -k;
         carry(&before, forces, &state->at.contacts, state->forces);
         const double size = step(problem, k > PATIENT ? SHARE : 1.0, state);
         if (size < 0.0) return -k;
-        if (size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last)) return k;
+        if (size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last)) {
+            if (rubber || !placed_in_rubber(problem, d, &state->at)) return k;
+            rubber = 1;
+        }
         last = size;
         before = state->at.contacts;
     }

@@ -54,8 +54,12 @@ typedef struct {
 /* Numbers of all wrenches. */
 static inline int contact_size(const contact_problem *problem) { return chain_size(problem->map); }
 
-/* The bodies under a state's wrenches, before an object at d: what it may touch becomes a body. Returns 0 if there is no room. */
-int placed_under(const contact_problem *problem, double d, contact_state *state);
+/* The bodies under a state's wrenches, before an object at d: what it may touch becomes a body, plates alone or `rubber`, too.
+ * Returns 0 if there is no room. */
+int placed_under(const contact_problem *problem, double d, int rubber, contact_state *state);
+
+/* Whether an object at d is in the rubber, of bodies that were placed without it. */
+int placed_in_rubber(const contact_problem *problem, double d, placed *at);
 
 /* Slices of rubber with gaps below `near` [m] before an object at d, and their contacts besides others; free, or under the
  * wrenches that the bodies were placed under last. */

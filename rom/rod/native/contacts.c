@@ -93,7 +93,7 @@ int fingerfem_find_contacts(const fingerfem_touching *touching, const double *te
     found->inside = tensions_all_clamped(chain->segments[0], tensions, held);
     chain_set_tensions(chain, held, memory, &map);
     chain_contract(&map);
-    if (!chain_take_loads(&map, loads, state.wrench) || !placed_under(&problem, d, &state)) return 0;
+    if (!chain_take_loads(&map, loads, state.wrench) || !placed_under(&problem, d, 1, &state)) return 0;
     const int ground = map.bodies[0].segment == CHAIN_GROUND, count = map.count - ground;
     found->bodies = count;
     for (int b = 0; b < count; b++) {

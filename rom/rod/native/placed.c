@@ -125,7 +125,17 @@ static void arms(const contact_problem *problem, placed *at)
     }
 }
 
-int placed_under(const contact_problem *problem, double d, contact_state *state)
+int placed_in_rubber(const contact_problem *problem, double d, placed *at)
+{
+    const int known = at->contacts.count;
+    placed_slices(problem, 0, d, 0.0, at);
+    const int found = at->contacts.count > known;
+    at->contacts.count = known;
+    at->slices = 0;
+    return found;
+}
+
+int placed_under(const contact_problem *problem, double d, int rubber, contact_state *state)
 {
     placed *at = &state->at;
     chain_rods *map = problem->map;
@@ -133,7 +143,9 @@ int placed_under(const contact_problem *problem, double d, contact_state *state)
     chain_under(map, state->wrench, &at->chain);
     at->contacts.count = 0;
     for (int plate = 0; plate < problem->touching->chain->plates; plate++) find(problem, d, plate, at);
-    placed_slices(problem, 0, d, SLICE_NEAR * problem->touching->chain->segments[0]->half_lengths[1], at);
+    at->slices = 0;
+    at->d = d;
+    if (rubber) placed_slices(problem, 0, d, SLICE_NEAR * problem->touching->chain->segments[0]->half_lengths[1], at);
     for (int k = 0; k < at->slices; k++)
         for (int end = 0; end < SLICE_ENDS; end++) {
             int segment, element;
