@@ -217,7 +217,8 @@ def _contact(source: Source, grid: Grid) -> Samples:
     # Beyond the nearest object nothing is asked: there the rubber presses, too, and would take most of the products.
     within = points[:, -1] > grid.coordinates.nearest - ROUNDING * np.repeat(whole, m)
     sampled = source.sampled(points[within])
-    out, jacobian = np.full((n * m, free.shape[1]), np.nan), np.zeros((n * m, *slopes.shape[1:]))
+    out: np.ndarray = np.full((n * m, free.shape[1]), np.nan)
+    jacobian: np.ndarray = np.zeros((n * m, *slopes.shape[1:]))
     supports = np.zeros(n * m, bool)
     out[within], jacobian[within], supports[within] = sampled
     supports &= np.isfinite(out).all(axis=1)
