@@ -43,11 +43,11 @@ ROD = Kind(
         *(*_CONTROL, "fingerfem certify"),
     ),
 )
-AGAIN = "none any more: solve its scene again by fingerfem snapshots SCENE.toml SET/, then rom build SET/ -o FINGER.h5"
+AGAIN = "no command: solve its scene again by fingerfem snapshots SCENE.toml SET/, then rom build SET/ -o FINGER.h5"
 OLD = Kind("a segment map of an earlier version", (AGAIN,))
 SURROGATE = Kind(
     "a surrogate of an earlier version",
-    ("none any more: its successor is a table, by rom specialise FINGER.h5 -o TABLE.h5 or rom build SET/",),
+    ("no command: its successor is a table, by rom specialise FINGER.h5 -o TABLE.h5 or rom build SET/",),
 )
 TRAINING_SET = Kind("a training set", ("rom build", "rom check", *_SET))
 HELD_OUT_SET = Kind("a held-out set", ("rom check", "rom build --held-out", *_SET))

@@ -128,7 +128,7 @@ static inline int fingerfem_hold_distance(const fingerfem_kernel *kernel, const 
     return 0;
 }
 
-/* The contact path [m] whose share of the whole, s, is the last coordinate, see rom/separated/contact_coordinates.py. */
+/* The contact path [m] whose share of the whole, s, is the last coordinate, see rom/separated/parts.py. */
 static inline double fingerfem_whole_path(const fingerfem_kernel *kernel, double touch_distance)
 {
     return touch_distance - kernel->nearest + kernel->softening;

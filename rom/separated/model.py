@@ -23,8 +23,7 @@ from rom.checked_file import ModelError
 from rom.native import EVALUATION, PickledByFields, answer
 from rom.native.answer import Answer
 from rom.separated import limits, model_file
-from rom.separated.contact_coordinates import ContactCoordinates
-from rom.separated.parts import Errors, Field
+from rom.separated.parts import ContactCoordinates, Errors, Field
 from rom.separated.separated_form import Separated, tables
 from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters
 

@@ -9,8 +9,7 @@ import h5py
 import numpy as np
 
 from rom import checked_file
-from rom.separated.contact_coordinates import ContactCoordinates
-from rom.separated.parts import Errors, Field
+from rom.separated.parts import ContactCoordinates, Errors, Field
 from rom.separated.separated_form import Separated
 
 if TYPE_CHECKING:

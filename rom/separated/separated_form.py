@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.interpolate import CubicHermiteSpline
 
 from rom.brief import brief
 from rom.native import EVALUATION, PickledByFields
 from rom.native.forms import AXES, COMPONENTS, MODES, ROW, TERMS, values, values_and_gradients
-from rom.separated import hermite
 
 
 @brief
@@ -63,7 +63,7 @@ class Separated(PickledByFields):
     def pieces(self) -> list[np.ndarray]:
         """Piecewise cubics of every axis, shapes (n_a - 1, 4, terms)."""
         functions = zip(self.nodes, self.factors, self.slopes, strict=True)
-        return [hermite.coefficients(nodes, factor, slope) for nodes, factor, slope in functions]
+        return [cubic_pieces(nodes, factor, slope) for nodes, factor, slope in functions]
 
     @cached_property
     def tables(self) -> Any:
@@ -122,3 +122,28 @@ def tables(forms: Sequence[Separated]) -> dict[str, Any]:
         "scales": scales,
         "data": np.concatenate(parts),
     }
+
+
+def cubic_pieces(nodes: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """Coefficients c of r piecewise cubic functions, shape (n - 1, 4, r).
+
+    On interval i, with t = (x - nodes[i]) / (nodes[i + 1] - nodes[i]) in [0, 1], one is c0 + c1 t + c2 t^2 + c3 t^3.
+
+    Args:
+        nodes: ascending positions, shape (n,).
+        values: nodal values, shape (n, r).
+        slopes: nodal derivatives, shape (n, r).
+
+    Raises:
+        ValueError: nodes, values or slopes are not what they must be.
+    """
+    nodes, values, slopes = (np.asarray(one, float) for one in (nodes, values, slopes))
+    if nodes.ndim != 1 or len(nodes) < 2 or not np.all(np.diff(nodes) > 0):
+        raise ValueError(f"nodes must ascend and be at least 2, got {nodes.tolist()}")
+    if values.ndim != 2 or len(values) != len(nodes) or not np.isfinite(values).all():
+        raise ValueError(f"values must be finite and of shape ({len(nodes)}, r), got {values.shape}")
+    if slopes.shape != values.shape or not np.isfinite(slopes).all():
+        raise ValueError(f"slopes must be finite and of shape {values.shape}, got {slopes.shape}")
+    powers = CubicHermiteSpline(nodes, values, slopes, axis=0).c[::-1]
+    scales = np.diff(nodes) ** np.arange(4)[:, None]
+    return np.ascontiguousarray((powers * scales[..., None]).transpose(1, 0, 2))

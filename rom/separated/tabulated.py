@@ -6,7 +6,7 @@ contact-aligned coordinate s, and separated,
     u(F, d) = u_0(F) + p sum_i m_i G_i1(F_1) G_i2(F_2) ... H_i(s),   s = p / (D(F) - d_min + soft),   p = D(F) - d,
 
 with u the tip's displacement, the contact force, and what else the source has, u_0 the free answer, D the touch
-distance and p the path past it (Chenevier et al., PLoS ONE 13(2): e0192052, 2018; `rom.separated.contact_coordinates`).
+distance and p the path past it (Chenevier et al., PLoS ONE 13(2): e0192052, 2018; `rom.separated.parts`).
 The derivatives of the samples make the one-dimensional functions cubic Hermite functions.
 """
 
@@ -22,9 +22,8 @@ from scipy.ndimage import distance_transform_edt
 from rom.brief import brief
 from rom.native.answer import FORCE, PAD, TOUCH
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.separated.contact_coordinates import SOFT, ContactCoordinates
 from rom.separated.model import SeparatedModel
-from rom.separated.parts import Errors, Field
+from rom.separated.parts import SOFT, ContactCoordinates, Errors, Field
 from rom.separated.separate import Samples, further_modes, separated_samples
 from rom.separated.separated_form import Separated
 from rom.terminal import Progress, quiet

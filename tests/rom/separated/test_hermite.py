@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rom.separated.hermite import coefficients
+from rom.separated.separated_form import cubic_pieces
 
 
 def value(nodes, pieces, x):
-    """Value and derivative at x, by the definition in rom.separated.hermite."""
+    """Value and derivative at x, by the definition in `cubic_pieces`."""
     i = min(max(int(np.searchsorted(nodes, x, side="right")) - 1, 0), len(pieces) - 1)
     step = nodes[i + 1] - nodes[i]
     cubic = np.polynomial.Polynomial(pieces[i][:, 0])
@@ -21,7 +21,7 @@ def value(nodes, pieces, x):
 def test_cubics_and_their_derivatives_are_reproduced(n, c, x):
     nodes = np.sort(1 - np.cos(np.linspace(0, np.pi / 2, n)))
     cubic = np.polynomial.Polynomial(c)
-    pieces = coefficients(nodes, cubic(nodes)[:, None], cubic.deriv()(nodes)[:, None])
+    pieces = cubic_pieces(nodes, cubic(nodes)[:, None], cubic.deriv()(nodes)[:, None])
     found, slope = value(nodes, pieces, x)
     assert found == pytest.approx(cubic(x), abs=1e-10)
     assert slope == pytest.approx(cubic.deriv()(x), abs=1e-8)
@@ -31,7 +31,7 @@ def test_the_error_falls_with_the_fourth_power_of_the_spacing():
     errors = []
     for n in (10, 20, 40):
         nodes = np.linspace(0, 3, n + 1)
-        pieces = coefficients(nodes, np.sin(nodes)[:, None], np.cos(nodes)[:, None])
+        pieces = cubic_pieces(nodes, np.sin(nodes)[:, None], np.cos(nodes)[:, None])
         errors.append(max(abs(value(nodes, pieces, x)[0] - np.sin(x)) for x in np.linspace(0, 3, 301)))
     rates = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all(rates > 3.7)
@@ -40,7 +40,7 @@ def test_the_error_falls_with_the_fourth_power_of_the_spacing():
 def test_nodal_values_and_slopes_are_met():
     nodes = np.array([0.0, 0.1, 0.4, 0.5, 1.0])
     values, slopes = np.random.default_rng(0).standard_normal((2, 5, 1))
-    pieces = coefficients(nodes, values, slopes)
+    pieces = cubic_pieces(nodes, values, slopes)
     assert [value(nodes, pieces, x)[0] for x in nodes] == pytest.approx(values[:, 0], abs=1e-12)
     assert [value(nodes, pieces, x)[1] for x in nodes] == pytest.approx(slopes[:, 0], abs=1e-10)
 
@@ -58,4 +58,4 @@ def test_nodal_values_and_slopes_are_met():
 )
 def test_bad_nodes_are_refused(nodes, values, slopes, rule):
     with pytest.raises(ValueError, match=rule):
-        coefficients(nodes, np.array(values), np.array(slopes))
+        cubic_pieces(nodes, np.array(values), np.array(slopes))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rom.separated.contact_coordinates import ContactCoordinates
+from rom.separated.parts import ContactCoordinates
 
 WAY = ContactCoordinates(nearest=0.001, soft=0.009)
 
