@@ -117,7 +117,7 @@ def snapshots(
         typer.Option(help='With a load: add lines until the expected error of the force is "1 %" or 0.01.'),
     ] = None,
     budget: Annotated[
-        str | None, typer.Option(help="With a load: add lines for 90s, 30min or 2h, then finish lines at hand.")
+        str | None, typer.Option(help="With a load: add lines for 90s, 30min or 2h, then finish current lines.")
     ] = None,
     reuse: Annotated[
         Path | None,
