@@ -29,9 +29,9 @@ void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *
 void fingerfem_contact_error(const fingerfem_kernel *kernel, const double *rates, int columns, double margin,
                              const double *point, double touch_distance, double *found)
 {
-    const double path = touch_distance - point[kernel->parameters - 1];
-    const int cell = path > 0.0 ? fingerfem_cell(kernel, point, touch_distance) : 0;
-    for (int i = 0; i < columns; i++) found[i] = path > 0.0 ? rates[columns * cell + i] * (path + margin) : 0.0;
+    const double length = touch_distance - point[kernel->parameters - 1] + margin;
+    const double *rate = rates + columns * (length > 0.0 ? fingerfem_cell(kernel, point, touch_distance) : 0);
+    for (int i = 0; i < columns; i++) found[i] = length > 0.0 ? rate[i] * length : 0.0;
 }
 
 void fingerfem_contact_errors(const fingerfem_kernel *kernel, const double *rates, int columns, double margin,

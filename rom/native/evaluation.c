@@ -134,14 +134,15 @@ static inline double fingerfem_whole_path(const fingerfem_kernel *kernel, double
     return touch_distance - kernel->nearest + kernel->softening;
 }
 
-/* Cell of a point in contact: even in the tensions and in s. */
+/* Cell of a point: even in the tensions and in s, which is 0 before contact. */
 static inline int fingerfem_cell(const fingerfem_kernel *kernel, const double *point, double touch_distance)
 {
     const int d = kernel->parameters - 1, cells = kernel->cells;
+    const double path = touch_distance - point[d];
     int found = 0;
     for (int j = 0; j <= d; j++) {
         double t = j < d ? (point[j] - kernel->lower[j]) / (kernel->upper[j] - kernel->lower[j])
-                         : (touch_distance - point[d]) / fingerfem_whole_path(kernel, touch_distance);
+                         : path > 0.0 ? path / fingerfem_whole_path(kernel, touch_distance) : 0.0;
         t *= cells;
         found = found * cells + (int)(t > 0.0 ? (t < cells - 1.0 ? t : cells - 1.0) : 0.0);
     }

@@ -16,7 +16,7 @@ void fingerfem_answers(const fingerfem_kernel *kernel, int count, const double *
                        uint8_t *inside);
 
 /* Estimated errors of contact, (columns), at a point of the box: rates, (cells^parameters, columns), times the length of
- * the contact path and a margin [m]. */
+ * the contact path and a margin [m]: contact may begin earlier by as much as the touch distance is off. */
 void fingerfem_contact_error(const fingerfem_kernel *kernel, const double *rates, int columns, double margin,
                              const double *point, double touch_distance, double *found);
 

@@ -15,7 +15,7 @@ from rom.native.answer import FORCE, PAD, TOUCH
 from rom.separated.model import SeparatedModel
 from rom.separated.parts import Errors
 
-MARGIN = 1e-3  # share of the range of d: contact paths below which errors do not become smaller
+MARGIN = 1e-3  # share of the range of d: the least margin of contact paths
 COVERED = 0.97  # of the calibrating points [-]
 FELT = 0.1  # force below which a relative error says nothing [N]
 COLUMNS = "tip", "contact_force", "displacement", "pad_pressure"  # of rates
@@ -55,24 +55,25 @@ def with_errors(table: SeparatedModel, truth: Truth) -> SeparatedModel:
     for name, own in zip(("tip", "contact_force", "touch_distance"), truth.errors.T, strict=True):
         off[name] = off[name] + own
     lower, upper = table.limits
-    p, margin = len(lower), MARGIN * float(upper[-1] - lower[-1])
-    path = ours[:, TOUCH] - points[:, -1]
-    free, pushed = good & (path <= 0), good & (path > 0)
+    p, late = len(lower), float(np.quantile(off["touch_distance"][good], COVERED))
+    margin = max(MARGIN * float(upper[-1] - lower[-1]), late)
+    length = ours[:, TOUCH] - points[:, -1] + margin
+    free, pushed = good & (length <= margin), good & (length > margin)
     own, side = _cells(table, points, ours[:, TOUCH]), table.cells
     without = {name: float(np.quantile(off[name][free], COVERED)) if free.any() else 0.0 for name in off.keys() & FREE}
     rates = np.zeros((side**p, 3 + table.has_pad))
     for column, name in enumerate(COLUMNS):
         if name in off:
             grown = np.maximum(off[name] - without.get(name, 0.0), 0.0)
-            rates[:, column] = _rates(own[pushed], grown[pushed] / (path[pushed] + margin), side, p)
+            rates[:, column] = _rates(own[pushed], grown[pushed] / length[pushed], side, p)
     # An estimate that is larger than all forces says nothing.
-    lost = pushed & (rates[own, 1] * (path + margin) > truth.out[pushed, FORCE].max(initial=0.0))
-    marked = _around(own[(~good & (path > 0)) | lost], side, p)
+    lost = pushed & (rates[own, 1] * length > truth.out[pushed, FORCE].max(initial=0.0))
+    marked = _around(own[(~good & (length > margin)) | lost], side, p)
     rates[marked] = np.inf
     errors = Errors(
         tip=without["tip"],
         displacement=without.get("displacement", 0.0),
-        touch_distance=float(np.quantile(off["touch_distance"][good], COVERED)),
+        touch_distance=late,
         contact=rates,
         margin=margin,
     )
@@ -84,25 +85,28 @@ def enlarged(table: SeparatedModel, truth: Truth) -> SeparatedModel:
 
     The least factor is the conformal quantile, see `rom.elements.calibration`: it holds of states drawn like these.
     """
-    answers, off = table.evaluate(truth.points), _differences(table, table.outputs(truth.points), truth)
-    inside = truth.inside & np.asarray(answers.inside, bool)
-    touched = inside & (answers.contact_force > 0)
-    factor = {}
-    for name in off.keys() & answers.error.keys():
-        own = touched if name in ("contact_force", "pad_pressure") else inside
-        own = own & (np.asarray(answers.error[name]) > 0)
-        factor[name] = max(conformal(off[name][own] / answers.error[name][own]), 1.0) if own.any() else 1.0
-    errors = table.errors
+    off = _differences(table, table.outputs(truth.points), truth)
+    late = _factor(table, truth, "touch_distance", off) * table.errors.touch_distance
+    wider = replace(table.errors, touch_distance=late, margin=max(table.errors.margin, late))
+    table = replace(table, errors=wider)
+    factor = {name: _factor(table, truth, name, off) for name in off}
     return replace(
         table,
         errors=replace(
-            errors,
-            tip=factor["tip"] * errors.tip,
-            displacement=factor.get("displacement", 1.0) * errors.displacement,
-            touch_distance=factor["touch_distance"] * errors.touch_distance,
-            contact=errors.contact * [factor.get(name, 1.0) for name in COLUMNS[: errors.contact.shape[1]]],
+            wider,
+            tip=factor["tip"] * wider.tip,
+            displacement=factor.get("displacement", 1.0) * wider.displacement,
+            contact=wider.contact * [factor.get(name, 1.0) for name in COLUMNS[: wider.contact.shape[1]]],
         ),
     )
+
+
+def _factor(table: SeparatedModel, truth: Truth, name: str, off: dict[str, np.ndarray]) -> float:
+    """What covers a quantity's differences [-], at least 1; 1 if the table estimates none."""
+    answers = table.evaluate(truth.points)
+    estimated = np.asarray(answers.error.get(name, 0.0))
+    own = truth.inside & np.asarray(answers.inside, bool) & (estimated > 0)
+    return max(conformal((off[name] / np.where(own, estimated, 1.0))[own]), 1.0) if own.any() else 1.0
 
 
 def _differences(table: SeparatedModel, ours: np.ndarray, truth: Truth) -> dict[str, np.ndarray]:

@@ -103,6 +103,15 @@ def test_states_on_a_finer_mesh_enlarge_the_estimates_until_they_are_covered(gri
         separate_grid(training, finer=SnapshotSet(trained / "heldout"))
 
 
+def test_contact_may_begin_earlier_by_as_much_as_the_touch_distance_is_off(grid_model):
+    tensions = [60.0, 10.0]
+    errors, touch = grid_model.errors, grid_model.evaluate([*tensions, 0.03]).touch_distance
+    near, far = (grid_model.evaluate([*tensions, touch + share * errors.touch_distance]) for share in (0.5, 1.5))
+    assert near.contact_force == far.contact_force == 0 and errors.margin >= errors.touch_distance
+    assert near.error["contact_force"] > 0 and near.error["tip"] > far.error["tip"]
+    assert far.error["contact_force"] == 0 and far.error["tip"] == errors.tip
+
+
 def test_a_set_of_too_few_states_is_refused_with_what_it_needs(trained, tmp_path):
     done = rom("build", with_few(trained / "training", tmp_path / "few", 3), "-o", tmp_path / "model.h5", *NODES)
     assert done.returncode == 2 and "Traceback" not in done.stderr
