@@ -80,8 +80,9 @@ def _checked(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Points and motions of the plane, as arrays."""
     obstacle = model.scene.obstacle
-    if obstacle is None or not model.problem.obstacle.is_flat or obstacle.method != "penalty":
-        raise ValueError("obstacle must be a plane with the penalty method for a history with friction")
+    bodies = model.problem.bodies
+    if obstacle is None or len(bodies) > 1 or not bodies[0].is_flat or obstacle.method != "penalty":
+        raise ValueError("obstacle must be one plane with the penalty method for a history with friction")
     rows = np.atleast_2d(np.asarray(points, float))
     ways = np.zeros((len(rows), 3)) if moved is None else np.atleast_2d(np.asarray(moved, float))
     if rows.shape[1:] != (len(model.scene.parameters),) or ways.shape != (len(rows), 3):
@@ -104,8 +105,8 @@ class _History:
         assert problem.contact is not None
         self._model, self._problem, self._mu = model, problem, coefficient
         self._contact: ObstacleContact = problem.contact
-        self._normal = problem.obstacle.normal_at(np.zeros((1, 3)), np.zeros(1))[0]
-        self._direction = np.array(problem.obstacle.direction)
+        self._normal = problem.bodies[0].normal_at(np.zeros((1, 3)), np.zeros(1))[0]
+        self._direction = np.array(problem.bodies[0].direction)
         nodes = problem.surface_nodes
         own = nodes[nodes < problem.space.dofmap.index_map.size_local]
         self._points = FrictionPoints(problem.space.tabulate_dof_coordinates(), own, self._normal)
@@ -191,7 +192,7 @@ class _History:
         distance = self._problem.distance
         assert distance is not None
         places = self._points.places(self._problem.displacement)
-        inside = -self._problem.obstacle.signed_distance(places.T, distance, obstacles.NUMPY)
+        inside = -self._problem.bodies[0].signed_distance(places.T, distance, obstacles.NUMPY)
         touches = (pressed > 0) & (inside > 0)
         stiffness = np.where(touches, pressed / np.where(touches, inside, 1.0), 1.0)
         found = np.where(touches, self._mu * pressed if bounds is None else bounds, 0.0)

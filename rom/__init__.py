@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from rom.rod.objects.search import find_object
     from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
     from rom.rod.rod import Rod
+    from rom.rod.touched_rod import AmongObjects
     from rom.rod.touched_segment import TouchedSegment
     from rom.separated.model import SeparatedModel
     from rom.separated.rod_source import specialise
@@ -26,6 +27,7 @@ _HOMES = {
     "Sphere": "rom.rod.objects.shapes",
     "SeparatedModel": "rom.separated.model",
     "TouchedSegment": "rom.rod.touched_segment",
+    "AmongObjects": "rom.rod.touched_rod",
     "box": "rom.rod.objects.shapes",
     "find_object": "rom.rod.objects.search",
     "friction_history": "rom.rod.friction.history",
@@ -40,6 +42,7 @@ __all__ = [
     "SeparatedModel",
     "Sphere",
     "TouchedSegment",
+    "AmongObjects",
     "box",
     "find_object",
     "friction_history",

@@ -65,8 +65,8 @@ void control_standalone(const fingerfem_model *model, double *memory, control_fi
     finger->kernel = kernel;
     finger->lower = touching ? touching->chain->segments[0]->lower : kernel->lower;
     finger->upper = touching ? touching->chain->segments[0]->upper : kernel->upper;
-    finger->nearest = touching ? touching->object->nearest : kernel->lower[t];
-    finger->farthest = touching ? touching->object->farthest : kernel->upper[t];
+    finger->nearest = touching ? touching->objects[0]->nearest : kernel->lower[t];
+    finger->farthest = touching ? touching->objects[0]->farthest : kernel->upper[t];
     if (model->errors) {
         finger->rates = model->errors->rates;
         finger->margin = model->errors->margin;

@@ -62,6 +62,21 @@ class Springs:
 NONE = Springs(np.zeros((0, 0), int), np.zeros((0, 0, 3)), np.zeros((0, 0, 0)), np.zeros(0), 0.0, 0.0)
 
 
+def together(parts: list[Springs]) -> Springs:
+    """The springs of several."""
+    some = [part for part in parts if len(part.gaps)]
+    if len(some) < 2:
+        return some[0] if some else NONE
+    return Springs(
+        nodes=np.concatenate([one.nodes for one in some]),
+        forces=np.concatenate([one.forces for one in some]),
+        stiffness=np.concatenate([one.stiffness for one in some]),
+        gaps=np.concatenate([one.gaps for one in some]),
+        energy=sum(one.energy for one in some),
+        work=sum(one.work for one in some),
+    )
+
+
 class ClosestPoints:
     """The springs of some of this rank's facets.
 

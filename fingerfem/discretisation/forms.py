@@ -5,7 +5,7 @@ Total potential P(u; F, d) = rubber + plates + tendons + contact.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -26,6 +26,7 @@ from fingerfem.discretisation.volume_energies import (
     volume_measure,
 )
 from fingerfem.mechanics import contact, obstacles, strain_energy, tendons
+from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene.laws import plate_law
 from fingerfem.scene.scene import Scene
 
@@ -71,7 +72,7 @@ class Forms:
     tendon_force: fem.Form  # its gradient [N]; at unit tension that of a tendon's length [-]
     tip: list[fem.Form]  # integral of the displacement over the tip plate, three components [m^4]
     tip_gradient: list[fem.Form]  # [m^3]
-    contact: ContactForms | None
+    contact: list[ContactForms]  # by body
 
 
 def quadrature_degree(order: int) -> int:
@@ -95,8 +96,8 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
     def integrals(terms: Sequence[Term]) -> list[tuple[strain_energy.Energy, Any]]:
         return [(term.energy, volume_measure(mesh, term.degree)(term.regions)) for term in terms]
 
-    bodies = integrals([*by_region(rubber), plates])
-    residual, other_tangent = residual_of([*bodies, *integrals(pulled)], u), None
+    solids = integrals([*by_region(rubber), plates])
+    residual, other_tangent = residual_of([*solids, *integrals(pulled)], u), None
     tendon_energy = total(integrals(probed), u)
     if "straight" in paths:
         holes = volume_measure(mesh, degree)((regions.PLATE_HOLE, regions.TIP_HOLE))
@@ -104,11 +105,11 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
         residual, other_tangent = residual + cables, ufl.derivative(cables, u, w)
         tendon_energy += tendons.straight(fields.probe_density, x, u) * holes
 
-    on_contact = None
+    on_contact = []
     if scene.obstacle is not None:
-        ds = surface_measure(scene, mesh)
-        on_contact = _contact(scene, ds, fields)
-        pushing, stiffening = _contact_residual_and_tangent(scene, ds, fields)
+        ds, bodies = surface_measure(scene, mesh), obstacles.bodies(scene.obstacle, scene.geometry.side)
+        on_contact = [_contact(scene, body, ds, fields) for body in bodies]
+        pushing, stiffening = _contact_residual_and_tangent(scene, bodies, ds, fields)
         residual = residual + pushing
         other_tangent = stiffening if other_tangent is None else other_tangent + stiffening
 
@@ -116,7 +117,7 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
     wanted = {
         "residual": residual,
         "other_tangent": other_tangent,
-        "strain_energy": total(bodies, u),
+        "strain_energy": total(solids, u),
         "tendon_energy": tendon_energy,
         "tendon_force": ufl.derivative(tendon_energy, u, v),
         "tip": tip,
@@ -130,7 +131,7 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
         for term in [*rubber, plates, *pulled]
         for moduli in [moduli_of(term, u, fields.previous, fields.change)]
     ]
-    return Forms(**made | {"moduli": moduli, "contact": made["contact"] and ContactForms(**made["contact"])})
+    return Forms(**made | {"moduli": moduli, "contact": [ContactForms(**one) for one in made["contact"]]})
 
 
 def surface_measure(scene: Scene, mesh: FingerMesh) -> ufl.Measure:
@@ -160,21 +161,21 @@ class ContactGroup(NamedTuple):
         return contact.energy(self.gap, self.stiffness, self.own_pressure)
 
 
-def contact_groups(scene: Scene, ds: ufl.Measure, fields: Fields, distance: Any) -> list[ContactGroup]:
-    """The groups of facets of a scene with an obstacle, which `distance` [m] moves.
+def contact_groups(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields, distance: Any) -> list[ContactGroup]:
+    """The groups of facets before a body of a scene's obstacle, which `distance` [m] moves.
 
-    Plates before a round one are not among them: see `closest_points`.
+    Plates of a scene with a round one are not among them: see `closest_points`. Those of all bodies have the same
+    measures, in the same order.
     """
     assert scene.obstacle is not None
     domain = ds.ufl_domain()
     number, x = constants(domain), ufl.SpatialCoordinate(domain)
-    obstacle = obstacles.body(scene.obstacle, scene.geometry.side)
-    g, normal, curvature = contact.gap(obstacle, fields.u, x, distance, obstacles.in_ufl(number))
+    g, normal, curvature = contact.gap(body, fields.u, x, distance, obstacles.in_ufl(number))
     q: Any = 0
     if scene.obstacle.method == "nitsche":
         energy = strain_energy.energy(scene.law, number)
         q = contact.surface_pressure(energy, fields.u, ufl.FacetNormal(domain), normal)
-    if not obstacle.is_flat:
+    if not obstacles.all_flat(obstacles.bodies(scene.obstacle, scene.geometry.side)):
         rubber = ds(regions.RUBBER_FACETS, metadata=contact.springs(contact.POINTS[0]))
         return [ContactGroup(rubber, g, normal, curvature, fields.stiffness, q)]
     if scene.obstacle.method == "penalty":
@@ -185,27 +186,33 @@ def contact_groups(scene: Scene, ds: ufl.Measure, fields: Fields, distance: Any)
     ]
 
 
-def _contact_residual_and_tangent(scene: Scene, ds: ufl.Measure, fields: Fields) -> tuple[Any, Any]:
-    """Of the contact energy; the penalty's by hand, which compiles in a fifth of the time."""
+def _contact_residual_and_tangent(scene: Scene, bodies: list[Body], ds: ufl.Measure, fields: Fields) -> tuple[Any, Any]:
+    """Of the contact energy; the penalty's by hand, which compiles in a fifth of the time.
+
+    Bodies share integrals: DOLFINx 0.9 takes one of a region.
+    """
     assert scene.obstacle is not None
     u, space = fields.u, fields.u.function_space
     v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
-    groups = contact_groups(scene, ds, fields, fields.distance)
+    each = [contact_groups(scene, body, ds, fields, fields.distance) for body in bodies]
+    alike = list(zip(*each, strict=True))  # groups of facets, of every body
+
+    def integrated(density: Callable[[ContactGroup], Any]) -> Any:
+        return sum(sum(map(density, groups)) * groups[0].measure for groups in alike)
+
     if scene.obstacle.method == "nitsche":
-        residual = ufl.derivative(sum(one.energy * one.measure for one in groups), u, v)
+        residual = ufl.derivative(integrated(lambda one: one.energy), u, v)
         return residual, ufl.derivative(residual, u, w)
-    residual = sum(contact.penalty_residual(one.gap, one.normal, one.stiffness, v) * one.measure for one in groups)
-    tangent = sum(
-        contact.penalty_tangent(one.gap, one.normal, one.curvature, one.stiffness, v, w) * one.measure for one in groups
-    )
+    residual = integrated(lambda one: contact.penalty_residual(one.gap, one.normal, one.stiffness, v))
+    tangent = integrated(lambda one: contact.penalty_tangent(one.gap, one.normal, one.curvature, one.stiffness, v, w))
     return residual, tangent
 
 
-def _contact(scene: Scene, ds: ufl.Measure, fields: Fields) -> dict[str, Any]:
+def _contact(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields) -> dict[str, Any]:
     """What is compiled of contact besides residual and tangent, see ContactForms, in UFL."""
     u, v = fields.u, ufl.TestFunction(fields.u.function_space)
     distance = ufl.variable(fields.distance)
-    groups = contact_groups(scene, ds, fields, distance)
+    groups = contact_groups(scene, body, ds, fields, distance)
     densities = [(one, one.pressure * ufl.diff(one.gap, distance)) for one in groups]  # of N
     energy = sum(one.energy * one.measure for one in groups)
     force = sum(density * one.measure for one, density in densities)

@@ -9,7 +9,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fingerfem.discretisation.assembly import Assembly
-from fingerfem.discretisation.closest_points import NONE, ClosestPoints, Springs
+from fingerfem.discretisation.closest_points import NONE, ClosestPoints, Springs, together
 from fingerfem.discretisation.forms import ContactForms, Fields
 from fingerfem.discretisation.friction_points import FrictionPoints
 from fingerfem.mechanics.obstacles import Body
@@ -22,31 +22,26 @@ class StiffFacets(NamedTuple):
     stiffness: float
 
 
-class ObstacleContact:
-    """Contact of a finger in the state that its fields are in (all methods are collective).
+class BodyContact:
+    """Contact with one body (all methods are collective).
 
     Args:
-        assembly: of its space.
-        forms: its contact's.
+        assembly: of the finger's space.
+        forms: of this contact.
         fields: displacement and distance.
-        obstacle: what it touches.
+        body: what the finger touches.
         stiff: of its facets, those that are not in the forms.
     """
 
-    def __init__(
-        self, assembly: Assembly, forms: ContactForms, fields: Fields, obstacle: Body, stiff: StiffFacets | None
-    ):
-        self._assembly, self._forms, self._fields, self._held = assembly, forms, fields, False
-        self._direction = np.array(obstacle.direction)
-        self._points = None if stiff is None else ClosestPoints(assembly.space, *stiff, obstacle)
+    def __init__(self, assembly: Assembly, forms: ContactForms, fields: Fields, body: Body, stiff: StiffFacets | None):
+        self.forms, self.direction = forms, np.array(body.direction)
+        self._assembly, self._fields, self._held = assembly, fields, False
+        self._points = None if stiff is None else ClosestPoints(assembly.space, *stiff, body)
         self._known: tuple[np.ndarray, float, bool] = np.zeros(0), 0.0, False  # what `_found` is of
         self._found = NONE
-        self.friction: FrictionPoints | None = None  # of a history with friction
 
     def springs(self) -> Springs:
         """Those of this rank that press."""
-        if self.friction is not None:
-            return self.friction.springs(self._fields.u.x.array)
         if self._points is None:
             return NONE
         now = self._fields.u.x.array, float(self._fields.distance.value), self._held
@@ -57,68 +52,120 @@ class ObstacleContact:
         return self._found
 
     def hold(self, held: bool) -> None:
-        """Whether plates that press on a round obstacle now keep contact during Newton's iterations.
-
-        Otherwise an iterate that leaves it by a nanometre would lose all contact, and the next one would be the free
-        finger's.
-        """
+        """See ObstacleContact."""
         self._held = False
         pressed = held and len(self.springs().gaps) > 0
         self._held = self._assembly.comm.allreduce(pressed, op=MPI.LOR)
 
     def lets_go(self) -> bool:
-        """Let go of what is held, if the obstacle would have to pull; whether it was so."""
+        """See ObstacleContact."""
         pulls = self._held and bool((self.springs().gaps > 0).any())
         pulls = self._assembly.comm.allreduce(pulls, op=MPI.LOR)
         self._held = self._held and not pulls
         return pulls
 
-    def energy(self) -> float:
-        """[J]."""
-        return self._assembly.scalar(self._forms.energy) + self._assembly.summed(self.springs().energy)
-
     def force(self) -> float:
         """N = -dP/dd [N]; of a plane the integral of the pressure."""
-        along = self.springs().forces.sum(axis=(0, 1)) @ self._direction
-        return self._assembly.scalar(self._forms.force) + self._assembly.summed(float(along))
+        along = self.springs().forces.sum(axis=(0, 1)) @ self.direction
+        return self._assembly.scalar(self.forms.force) + self._assembly.summed(float(along))
+
+    def moved(self) -> np.ndarray:
+        """How the springs' force along the body's direction changes with their nodes, shape (m, n, 3) [N/m]."""
+        found = self.springs()
+        m, n = found.nodes.shape
+        return np.einsum("i,maibj->mbj", self.direction, found.stiffness.reshape(m, n, 3, n, 3))
+
+
+class ObstacleContact:
+    """Contact of a finger in the state that its fields are in, with all bodies (all methods are collective).
+
+    Args:
+        assembly: of its space.
+        bodies: its contact with each.
+        fields: displacement and distance.
+    """
+
+    def __init__(self, assembly: Assembly, bodies: list[BodyContact], fields: Fields):
+        self._assembly, self._bodies, self._fields = assembly, bodies, fields
+        self.friction: FrictionPoints | None = None  # of a history with friction
+
+    def springs(self) -> Springs:
+        """Those of this rank that press."""
+        if self.friction is not None:
+            return self.friction.springs(self._fields.u.x.array)
+        return together([one.springs() for one in self._bodies])
+
+    def hold(self, held: bool) -> None:
+        """Whether plates that press on a round body now keep contact during Newton's iterations.
+
+        Otherwise an iterate that leaves it by a nanometre would lose all contact, and the next one would be the free
+        finger's.
+        """
+        for one in self._bodies:
+            one.hold(held)
+
+    def lets_go(self) -> bool:
+        """Let go of what is held, where a body would have to pull; whether it was so."""
+        pulled = [one.lets_go() for one in self._bodies]  # of all of them: each is collective
+        return any(pulled)
+
+    def energy(self) -> float:
+        """[J]."""
+        return self._scalar("energy") + self._assembly.summed(self.springs().energy)
+
+    def forces(self) -> np.ndarray:
+        """Of every body, along the direction in which d moves it, N = -dP/dd, shape (bodies,) [N]."""
+        return np.array([one.force() for one in self._bodies])
+
+    def force(self) -> float:
+        """Their sum [N]; of a plane the integral of the pressure."""
+        return float(self.forces().sum())
 
     def stiffness(self) -> float:
         """-dN/dd at a fixed displacement [N/m]."""
-        moved = self._moved() @ self._direction
-        return self._assembly.scalar(self._forms.stiffness) + self._assembly.summed(float(moved.sum()))
+        moved = sum(float((one.moved() @ one.direction).sum()) for one in self._bodies)
+        return self._scalar("stiffness") + self._assembly.summed(moved)
 
     def force_gradient(self) -> PETSc.Vec:
         """dN/du [N/m], zero where held. The caller destroys the vector."""
-        return self._assembly.gradient(self._forms.force_gradient, self._nodal(self._moved()))
-
-    def _moved(self) -> np.ndarray:
-        """How the force along the obstacle's direction changes with the nodes of facets that press, (m, n, 3) [N/m]."""
-        found = self.springs()
-        m, n = found.nodes.shape
-        return np.einsum("i,maibj->mbj", self._direction, found.stiffness.reshape(m, n, 3, n, 3))
+        found: PETSc.Vec | None = None
+        for one in self._bodies:
+            own = self._assembly.gradient(one.forms.force_gradient, self._nodal(one.springs().nodes, one.moved()))
+            if found is None:
+                found = own
+                continue
+            found.axpy(1.0, own)
+            own.destroy()
+        return found
 
     def penetration(self) -> float:
-        """How far plates are inside a round obstacle at most [m]."""
+        """How far plates are inside a round body at most [m]."""
         return -float(self._assembly.comm.allreduce(float(self.springs().gaps.min(initial=0.0)), op=MPI.MIN))
 
     def gap_work(self) -> float:
         """Integral of pressure times |gap| [J], zero of an exact solution."""
-        return self._assembly.scalar(self._forms.gap_work) + self._assembly.summed(self.springs().work)
+        return self._scalar("gap_work") + self._assembly.summed(self.springs().work)
 
     def nodal_force(self) -> np.ndarray:
         """What this rank's nodes, ghosts included, press on the obstacle with, shape (nodes, 3) [N]."""
-        return self._assembly.nodal(self._forms.nodal_force, self.spring_forces())
+        first, *others = (one.forms.nodal_force for one in self._bodies)
+        pressed = self._assembly.nodal(first, self.spring_forces())
+        return np.asarray(pressed + sum(map(self._assembly.nodal, others)))
 
     def normal_force(self) -> np.ndarray:
         """What this rank's nodes press on a plane with along its normal, ghosts included, shape (nodes, 3) [N]."""
-        return self._assembly.nodal(self._forms.nodal_force)
+        return np.asarray(sum(self._assembly.nodal(one.forms.nodal_force) for one in self._bodies))
 
     def spring_forces(self) -> np.ndarray:
         """This rank's springs' part of it, before it is summed over ranks, shape (nodes, 3) [N]."""
-        return self._nodal(self.springs().forces)
+        found = self.springs()
+        return self._nodal(found.nodes, found.forces)
 
-    def _nodal(self, values: np.ndarray) -> np.ndarray:
-        found, nodes = np.zeros((len(self._fields.u.x.array) // 3, 3)), self.springs().nodes
+    def _scalar(self, name: str) -> float:
+        return sum(self._assembly.scalar(getattr(one.forms, name)) for one in self._bodies)
+
+    def _nodal(self, nodes: np.ndarray, values: np.ndarray) -> np.ndarray:
+        found = np.zeros((len(self._fields.u.x.array) // 3, 3))
         if nodes.size:
             np.add.at(found, nodes, values)
         return found

@@ -16,7 +16,7 @@ from fingerfem.discretisation.contact_points import ContactPoints
 from fingerfem.discretisation.deformation_limits import DeformationLimits
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_measure
 from fingerfem.discretisation.mesh import build_mesh
-from fingerfem.discretisation.obstacle_contact import ObstacleContact, StiffFacets
+from fingerfem.discretisation.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
 from fingerfem.discretisation.tangent import Tangent, VolumeTangent
 from fingerfem.mechanics import contact, obstacles
@@ -56,8 +56,11 @@ class Problem(Assembly):
         degree = quadrature_degree(scene.mesh.order)
         self.limits = DeformationLimits(self.law, self.mesh, self.fields.u, degree)
         self.contact: ObstacleContact | None = None
-        if self.forms.contact is not None:
-            self.contact = ObstacleContact(self, self.forms.contact, self.fields, self.obstacle, self._stiff_facets())
+        if scene.obstacle is not None:
+            each = zip(self.forms.contact, self.bodies, strict=True)
+            stiff = self._stiff_facets()
+            contacts = [BodyContact(self, forms, self.fields, one, stiff) for forms, one in each]
+            self.contact = ObstacleContact(self, contacts, self.fields)
         self._volume_tangent = VolumeTangent(self.forms.moduli, self.mesh, self.space)
         self._tangent = self.tangent_with(self.supports)
         self.tensions = np.zeros(len(scene.tendons))
@@ -76,8 +79,8 @@ class Problem(Assembly):
         return contact.stiffness(obstacle.stiffness_factor, modulus, self.mesh.smallest)
 
     def _stiff_facets(self) -> StiffFacets | None:
-        """Those of plates before a round obstacle."""
-        if self.scene.obstacle is None or self.obstacle.is_flat:
+        """Those of plates, if a body is round."""
+        if self.scene.obstacle is None or obstacles.all_flat(self.bodies):
             return None
         facets = np.concatenate([self.mesh.facets.find(kind) for kind in regions.PLATE_FACETS])
         stiffer = contact.PLATES if self.scene.obstacle.method == "nitsche" else 1.0
@@ -248,14 +251,14 @@ class Problem(Assembly):
         return fem.locate_dofs_topological(self.space, dim, np.sort(np.concatenate(facets)))
 
     @cached_property
-    def obstacle(self) -> Body:
-        """The scene's obstacle; of a scene without one, the plane y = side/2 + d."""
-        return obstacles.body(self.scene.obstacle, self.scene.geometry.side)
+    def bodies(self) -> list[Body]:
+        """What the scene's finger may touch; of a scene without an obstacle, the plane y = side/2 + d."""
+        return obstacles.bodies(self.scene.obstacle, self.scene.geometry.side)
 
     @cached_property
     def contact_points(self) -> ContactPoints:
-        """Where this rank's surface may touch: at the nodes, or against a round obstacle between them too."""
-        if self.obstacle.is_flat:
+        """Where this rank's surface may touch: at the nodes, or against a round body between them too."""
+        if obstacles.all_flat(self.bodies):
             return contact_points.at_nodes(self.space, self.surface_nodes)
         kinds = (regions.RUBBER_FACETS, regions.PLATE_FACETS)
         facets = [np.concatenate([self.mesh.facets.find(kind) for kind in those]) for those in kinds]
@@ -270,15 +273,17 @@ class Problem(Assembly):
 
         In free space this is the distance at which the obstacle is touched; -inf if it passes by.
         """
-        found = self.obstacle.touch_distance(self.surface_places()).max(initial=-np.inf)
-        return float(self.comm.allreduce(float(found), op=MPI.MAX))
+        places = self.surface_places()
+        found = max(float(one.touch_distance(places).max(initial=-np.inf)) for one in self.bodies)
+        return float(self.comm.allreduce(found, op=MPI.MAX))
 
     def penetration(self) -> float:
         """How far the surface is inside the obstacle at most [m]; 0 if it is away."""
         if self.distance is None:
             return 0.0
-        gaps = self.obstacle.signed_distance(self.surface_places().T, self.distance, obstacles.NUMPY)
-        found = -float(self.comm.allreduce(float(gaps.min(initial=np.inf)), op=MPI.MIN))
+        places = self.surface_places().T
+        gaps = [one.signed_distance(places, self.distance, obstacles.NUMPY) for one in self.bodies]
+        found = -float(self.comm.allreduce(float(np.min(gaps, initial=np.inf)), op=MPI.MIN))
         return max(found, 0.0 if self.contact is None else self.contact.penetration(), 0.0)
 
     def smallest_volume_ratio(self) -> float:

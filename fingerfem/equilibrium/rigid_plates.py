@@ -22,7 +22,7 @@ class RigidPlates:
         owned = problem.space.dofmap.index_map.size_local
         for k in range(len(problem.scene.geometry.segments)):
             nodes = np.flatnonzero(in_plate(problem.scene.outline, k, points.T))
-            mirrored, towards = problem.scene.is_half, np.array(problem.obstacle.direction)
+            mirrored, towards = problem.scene.is_half, np.array(problem.bodies[0].direction)
             self._plates.append(Plate(problem.comm, nodes, nodes < owned, points[nodes], towards, mirrored=mirrored))
 
     def move(self, before: np.ndarray) -> None:

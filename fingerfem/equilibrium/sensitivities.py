@@ -57,15 +57,16 @@ def differentiate(problem: Problem, linearisation: Linearisation) -> Sensitiviti
     lengths = [_owned(problem.load_gradient(unit)) for unit in np.eye(count)]
     tips = [_owned(problem.tip_gradient(i)) for i in range(3)]
     contact_force = touch_distance = pad_pressure = None
-    if plane and problem.contact is not None and forms.contact is not None:
+    if plane and problem.contact is not None:
         contact_force = _along(problem, [_owned(problem.contact.force_gradient())], changes)[:, 0]
         contact_force[-1] -= problem.contact.stiffness()  # at fixed displacement
-        if forms.contact.pad_gradient is not None and forms.contact.pad_area is not None:
+        pad = forms.contact[0]
+        if pad.pad_gradient is not None and pad.pad_area is not None:
             # A plane that moves away is a finger that moves in the other direction: only the gap between them counts.
-            lifted = problem.nodal(forms.contact.pad_gradient)[: changes.shape[1] // 3, 1].sum()
-            pad_pressure = _along(problem, [_owned(problem.gradient(forms.contact.pad_gradient))], changes)[:, 0]
+            lifted = problem.nodal(pad.pad_gradient)[: changes.shape[1] // 3, 1].sum()
+            pad_pressure = _along(problem, [_owned(problem.gradient(pad.pad_gradient))], changes)[:, 0]
             pad_pressure[-1] -= problem.copies * problem.comm.allreduce(lifted)
-            pad_pressure /= problem.scalar(forms.contact.pad_area)
+            pad_pressure /= problem.scalar(pad.pad_area)
     elif scene.obstacle is not None and np.isfinite(problem.reach()):
         touch_distance = np.array([_reach_change(problem, change) for change in changes])
     return Sensitivities(
@@ -97,13 +98,15 @@ def _reach_change(problem: Problem, change: np.ndarray) -> float:
     whole = fem.Function(problem.space)
     whole.x.array[: len(change)] = change
     whole.x.scatter_forward()
-    places = problem.surface_places()
-    reaches = problem.obstacle.touch_distance(places)
-    leads = reaches > problem.reach() - 1e-9 * problem.scene.geometry.side
-    normal = problem.obstacle.normal_at(places[leads], reaches[leads])
-    moved = np.sum(normal * problem.contact_points.field(whole.x.array)[leads], axis=1)
-    moved /= normal @ problem.obstacle.direction
-    return float(problem.comm.allreduce(moved.max() if moved.size else -np.inf, op=MPI.MAX))
+    places, field = problem.surface_places(), problem.contact_points.field(whole.x.array)
+    farthest, found = problem.reach() - 1e-9 * problem.scene.geometry.side, -np.inf
+    for body in problem.bodies:
+        reaches = body.touch_distance(places)
+        leads = reaches > farthest
+        normal = body.normal_at(places[leads], reaches[leads])
+        moved = np.sum(normal * field[leads], axis=1) / (normal @ body.direction)
+        found = max(found, float(moved.max(initial=-np.inf)))
+    return float(problem.comm.allreduce(found, op=MPI.MAX))
 
 
 def _owned(b: PETSc.Vec) -> np.ndarray:

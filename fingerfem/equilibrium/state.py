@@ -26,6 +26,7 @@ class State:
         touch_distance: d at which the finger touches the obstacle in free space at these tensions [m]; None if never.
         contact_force: what the obstacle feels along the direction in which d moves it [N]; of a plane that d moves
             along its normal, the integral of the contact pressure.
+        contact_forces: of each of several bodies, whose sum is `contact_force`, shape (bodies,) [N]; None of one.
         pad, pad_pressure: name of the scene's tactile pad, and the mean contact pressure on it [Pa].
         penetration: how far the surface's nodes are inside the obstacle at most [m].
         complementarity: integral of contact pressure times |gap| over contact force times side [-]; exactly zero would
@@ -52,6 +53,7 @@ class State:
     tip: np.ndarray
     touch_distance: float | None = None
     contact_force: float | None = None
+    contact_forces: np.ndarray | None = None
     pad: str | None = None
     pad_pressure: float | None = None
     penetration: float | None = None
@@ -154,8 +156,8 @@ def channel_shortening(problem: Problem) -> np.ndarray:
 
 def pad_pressure(problem: Problem) -> float:
     """Mean contact pressure on the pad of a scene that has one [Pa] (collective)."""
-    forms = problem.forms.contact
-    assert forms is not None and forms.pad_force is not None
+    forms = problem.forms.contact[0]
+    assert forms.pad_force is not None
     return problem.scalar(forms.pad_force) / problem.scalar(forms.pad_area)
 
 
@@ -164,8 +166,11 @@ def _contact(problem: Problem) -> dict[str, Any]:
     contact, obstacle = problem.contact, problem.scene.obstacle
     if contact is None or obstacle is None:
         return {}
-    force = contact.force()
+    forces = contact.forces()
+    force = float(forces.sum())
     found: dict[str, Any] = {"contact_force": force}
+    if len(forces) > 1:
+        found["contact_forces"] = forces
     if obstacle.pad is not None:
         found |= {"pad": obstacle.pad.name, "pad_pressure": pad_pressure(problem)}
     if problem.distance is not None:

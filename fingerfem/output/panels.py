@@ -25,7 +25,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
-from fingerfem.mechanics.obstacles import Box, Cylinder, Plane, Sphere
+from fingerfem.mechanics.obstacles import Body, Box, Cylinder, Plane, Sphere
 from fingerfem.output.pictures import FIELDS, Deformed
 
 MM = 1e3  # millimetres per metre
@@ -199,10 +199,16 @@ def tendon_paths(panel: Deformed) -> list[np.ndarray]:
 
 
 def _obstacle(panel: Deformed) -> Any:
-    """The obstacle; a plane is the face of a slab ruled by squares as wide as the finger, drawn where the finger is."""
+    """The obstacle."""
     if panel.obstacle is None:
         return None
-    body, d = panel.obstacle
+    bodies, d = panel.obstacle
+    meshes = [_body(panel, body, d) for body in bodies]
+    return meshes[0] if len(meshes) == 1 else pyvista.merge(meshes)
+
+
+def _body(panel: Deformed, body: Body, d: float) -> Any:
+    """A body; a plane is the face of a slab ruled by squares as wide as the finger, drawn where the finger is."""
     centre = np.array(body.centre) + d * np.array(body.direction)
     length, side = panel.points[:, 0].max(), np.ptp(panel.points[:, 1])
     columns = round(1.05 * length / side) + 1

@@ -59,7 +59,7 @@ class Deformed:
         displacement: shape (nodes, 3) [m].
         field: one of FIELDS.
         values: of the field in each cell, shape (cells,), in SI units; nan in plates.
-        obstacle: and its d [m]; None if there is none.
+        obstacle: bodies and their d [m]; None if there are none.
         half: the mesh is the half z >= 0, to be drawn with its mirror image.
         tendons: to be drawn as they run through the deformed finger.
     """
@@ -71,7 +71,7 @@ class Deformed:
     displacement: np.ndarray
     field: str
     values: np.ndarray
-    obstacle: tuple[Body, float] | None
+    obstacle: tuple[list[Body], float] | None
     half: bool
     tendons: tuple[Line, ...]
 
@@ -99,7 +99,7 @@ class Deformed:
             displacement=state.displacement.reshape(-1, 3),
             field=field,
             values=cell_fields(model)[field],
-            obstacle=None if d is None else (model.problem.obstacle, d),
+            obstacle=None if d is None else (model.problem.bodies, d),
             half=model.scene.is_half,
             tendons=tuple(_line(model.scene, tendon, state.parameters[tendon.name]) for tendon in model.scene.tendons),
         )

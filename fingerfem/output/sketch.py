@@ -199,12 +199,13 @@ def _obstacle(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
 
 
 def _cut(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
-    """Where another obstacle, at the nearest of its distances, cuts the plane z = 0."""
-    from fingerfem.mechanics.obstacles import NUMPY, body
+    """Where other bodies, at the nearest of their distances, cut the plane z = 0."""
+    from fingerfem.mechanics.obstacles import NUMPY, bodies
 
     reach = 1.5 * frame.length / MM
     x, y = np.meshgrid(np.linspace(-0.2 * reach, reach, 301), np.linspace(-reach, reach, 301))
-    outside = body(obstacle, frame.geometry.side).signed_distance((x, y, 0 * x), obstacle.distance[0], NUMPY)
+    d, all_of_them = obstacle.distance[0], bodies(obstacle, frame.geometry.side)
+    outside = np.min([one.signed_distance((x, y, 0 * x), d, NUMPY) for one in all_of_them], axis=0)
     if outside.min() < 0:
         axes.contourf(MM * x, MM * y, outside, [-np.inf, 0.0], colors=[PLANE], alpha=0.5)
 
@@ -261,9 +262,8 @@ def _explain(axes: Axes, scene: Scene, frame: Frame) -> None:
         lines.append((f"plane: y = side/2 + d; drawn at d = {drawn}", ON_PLANE))
     elif obstacle is not None:
         near, far = (MM * value for value in obstacle.distance)
-        lines.append(
-            (f"{obstacle.shape}: d = {near:g} to {millimetres(far)}; cut z = 0, at {millimetres(near)}", ON_PLANE)
-        )
+        shapes = ", ".join(one.shape for one in obstacle.bodies)
+        lines.append((f"{shapes}: d = {near:g} to {millimetres(far)}; cut z = 0, at {millimetres(near)}", ON_PLANE))
     if obstacle is not None and obstacle.pad is not None:
         start, stop = (MM * value for value in obstacle.pad.x)
         lines.append((f"pad {obstacle.pad.name}: x = {start:g} to {millimetres(stop)}", PAD))

@@ -98,7 +98,7 @@ class Scene(Table):
             raise ValueError(f"{where} must be left out where load says what may press, got both")
         if self.obstacle is not None:
             self._check_obstacle(self.obstacle)
-            if self.mesh.symmetry and not self.obstacle.is_mirrored:
+            if self.mesh.symmetry and not self._is_mirrored:
                 raise ValueError("mesh.symmetry must be false where the obstacle is not its own mirror image, got true")
         grid_lines(self.outline, self.mesh, self.is_half)
         if self.coarse is not None:
@@ -149,11 +149,16 @@ class Scene(Table):
         return Outline(self.geometry, self.tendons, self.obstacle.pad if self.obstacle else None)
 
     @property
+    def _is_mirrored(self) -> bool:
+        """Whether what may touch is its own mirror image in z = 0."""
+        return self.obstacle is None or all(one.is_mirrored for one in self.obstacle.bodies)
+
+    @property
     def is_half(self) -> bool:
         """Whether only the half z >= 0 is modelled."""
         if self.mesh.symmetry is not None:
             return self.mesh.symmetry
-        return self.outline.is_planar and self.load is None and (self.obstacle is None or self.obstacle.is_mirrored)
+        return self.outline.is_planar and self.load is None and self._is_mirrored
 
     @property
     def law(self) -> Law:

@@ -98,8 +98,8 @@ NEEDS |= {"box": ("centre", "sides", "rounding")}
 MAY_HAVE = {"plane": ("centre", "normal"), "sphere": (), "cylinder": (), "box": ("rotation",)}
 
 
-class Obstacle(Table):
-    """A frictionless rigid body: the plane y = side/2 + d, or another shape that d moves along `direction`."""
+class Shape(Table):
+    """A rigid body: the plane y = side/2 + d, or another shape that d moves along `direction`."""
 
     shape: Literal["plane", "sphere", "cylinder", "box"] = "plane"
     centre: Place | None = None  # where it is at d = 0 [m]; of a plane, a point on it
@@ -110,13 +110,9 @@ class Obstacle(Table):
     sides: Annotated[list[Length], Field(min_length=3, max_length=3)] | None = None  # of a box [m]
     rotation: Vector | None = None  # of a box, about its centre: axis times angle [rad]
     rounding: Length | None = None  # radius of a box's edges [m]
-    distance: Annotated[list[Distance], Field(min_length=2, max_length=2)]  # [nearest, farthest] [m]
-    method: Literal["penalty", "nitsche"] = "penalty"
-    stiffness: Annotated[float, Field(ge=1, le=1e6)] | None = None  # of contact, times mesh size over a modulus [-]
-    pad: Pad | None = None
 
     @model_validator(mode="after")
-    def _shape_is_placed(self) -> Obstacle:
+    def _is_placed(self) -> Shape:
         for name in NEEDS[self.shape]:
             if getattr(self, name) is None:
                 raise ValueError(f"{name} must be given for a {self.shape}, got none")
@@ -134,10 +130,6 @@ class Obstacle(Table):
                 f"rounding must be at most half the shortest side, {min(self.sides) / 2:g} m, got {self.rounding}"
             )
         self._check_direction()
-        if self.is_facing_plane and self.distance[0] <= 0:
-            raise ValueError(f"distance.0 must be above 0 m for the plane y = side/2 + d, got {self.distance[0]}")
-        if self.pad is not None and not self.is_facing_plane:
-            raise ValueError("pad must be left out unless the obstacle is the plane y = side/2 + d")
         return self
 
     def _check_direction(self) -> None:
@@ -153,7 +145,11 @@ class Obstacle(Table):
     def _without_its_usual_place(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Of the plane y = side/2 + d, nothing places it: its scenes are those from before there were other shapes."""
         table = serialise(self)
-        return {key: value for key, value in table.items() if not (self.is_facing_plane and key in PLACING)}
+        return {
+            key: value
+            for key, value in table.items()
+            if not (self.faces and key in PLACING) and (key != "others" or value)
+        }
 
     @property
     def leaving(self) -> list[float]:
@@ -163,7 +159,7 @@ class Obstacle(Table):
         return [0.0, 1.0, 0.0] if self.normal is None else [-part for part in self.normal]
 
     @property
-    def is_facing_plane(self) -> bool:
+    def faces(self) -> bool:
         """Whether it is the plane y = side/2 + d."""
         return self.shape == "plane" and self.centre is None and self.direction is None
 
@@ -176,6 +172,34 @@ class Obstacle(Table):
         if self.rotation is not None:
             across += self.rotation[:2]
         return not any(across)
+
+
+class Obstacle(Shape):
+    """What the finger touches without friction: one rigid body, or several that d moves, each along its direction."""
+
+    distance: Annotated[list[Distance], Field(min_length=2, max_length=2)]  # [nearest, farthest] [m]
+    method: Literal["penalty", "nitsche"] = "penalty"
+    stiffness: Annotated[float, Field(ge=1, le=1e6)] | None = None  # of contact, times mesh size over a modulus [-]
+    pad: Pad | None = None
+    others: Annotated[list[Shape], Field(max_length=7)] = []  # further bodies: [[obstacle.others]]
+
+    @model_validator(mode="after")
+    def _is_beyond_the_side(self) -> Obstacle:
+        if any(one.faces for one in self.bodies) and self.distance[0] <= 0:
+            raise ValueError(f"distance.0 must be above 0 m for the plane y = side/2 + d, got {self.distance[0]}")
+        if self.pad is not None and not self.is_facing_plane:
+            raise ValueError("pad must be left out unless the obstacle is the plane y = side/2 + d alone")
+        return self
+
+    @property
+    def bodies(self) -> list[Shape]:
+        """All of them."""
+        return [self, *self.others]
+
+    @property
+    def is_facing_plane(self) -> bool:
+        """Whether it is the plane y = side/2 + d alone."""
+        return self.faces and not self.others
 
     @property
     def stiffness_factor(self) -> float:

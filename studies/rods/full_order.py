@@ -86,8 +86,8 @@ class FullOrder:
         assert contact is not None
         return contact.force(), rubber_touches(model)
 
-    def approached(self, touched: Table, pulled: np.ndarray, d: float) -> float | None:
-        """Contact force of an object that comes to d [m] from afar [N]; None without a converged state."""
+    def approached(self, touched: Table, pulled: np.ndarray, d: float) -> np.ndarray | None:
+        """Contact forces of objects that come to d [m] from afar, shape (objects,) [N]; None if it did not converge."""
         from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 
         model = self._before(touched)
@@ -97,7 +97,7 @@ class FullOrder:
             model.continuation.advance(pulled, d)
         except (LoadNotReached, NotConverged):
             return None
-        return float(model.problem.contact.force())
+        return np.asarray(model.problem.contact.forces())
 
     def _before(self, touched: Table) -> Any:
         """The finger before an obstacle, in place of its load."""

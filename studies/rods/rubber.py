@@ -88,10 +88,11 @@ def compared(run: Run, plan: plans.Plan, shape: str, count: int) -> dict:
         elif not any(one.rubber for one in model.contact_forces(point)) or force < FELT:
             counts["weak"] += 1
         else:
-            true = full.approached(table, pulled, float(point[-1]))
-            if true is None:
+            found_forces = full.approached(table, pulled, float(point[-1]))
+            if found_forces is None:
                 counts["failed"] += 1
                 continue
+            true = float(found_forces[0])
             expected = float(model.evaluate(point).error["contact_force"])
             rows.append((abs(force - true), expected, true))
     off, expected, true = np.array(rows).T

@@ -1,12 +1,13 @@
 """The parts of docs/segment.md."""
 
-from studies.rods import accuracy, histories, lengths, objects, robustness, rubber, speed
+from studies.rods import accuracy, histories, lengths, objects, robustness, rubber, several, speed
 
 PARTS = {
     "accuracy": accuracy.measure,
     "lengths": lengths.measure,
     "objects": objects.measure,
     "rubber": rubber.measure,
+    "several": several.measure,
     "histories": histories.measure,
     "robustness": robustness.measure,
     "speed": speed.measure,

@@ -44,8 +44,7 @@ def from_rest(model: FingerModel) -> dict:
 
 def contact_force(model: FingerModel) -> float:
     """Of the state that the model is in [N]."""
-    assert model.problem.forms.contact is not None
-    return model.problem.scalar(model.problem.forms.contact.force)
+    return model.problem.scalar(model.problem.forms.contact[0].force)
 
 
 def contact_line(model: FingerModel, tensions: list[float]) -> dict:

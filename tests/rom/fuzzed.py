@@ -203,7 +203,7 @@ def asked(model: SeparatedModel | TouchedSegment, random: np.random.Generator) -
     corners = np.empty((max(own.sections, 1), 4, 3))
     for point in points[:6]:
         out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty((6, len(point))), np.zeros(WRENCHES)
-        report = Reports.empty(1, len(point) - 1)
+        report = Reports.empty(1, len(point) - 1, 1)
         given = map(pointer, (point.copy(), memory, wrench, out, errors, jacobian))
         MODEL.functions.fingerfem_model_tell(own, *given, report.struct)
         MODEL.functions.fingerfem_model_sections(own, *map(pointer, (point.copy(), wrench, memory, corners)))

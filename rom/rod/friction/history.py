@@ -14,7 +14,8 @@ from rom.checked_file import ModelError
 from rom.rod.friction.contact_law import OPEN, SLIDES
 from rom.rod.friction.increment import Loads, Resting, advance, free
 from rom.rod.objects.shapes import Cylinder, Plane, Sphere
-from rom.rod.touched_segment import ContactForce, TouchedSegment
+from rom.rod.touched_rod import ContactForce
+from rom.rod.touched_segment import TouchedSegment
 
 HALVINGS = 8  # of an increment that finds no equilibrium, or one too far away
 SUSPECT, JUMP = 3.0, 30.0  # motion of the plates over what drives it, above which an increment is halved; refused

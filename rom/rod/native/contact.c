@@ -33,7 +33,8 @@ static void carry(const objects_contacts *before, const double *forces, const ob
     for (int k = 0; k < now->count; k++) {
         found[k] = 0.0;
         for (int j = 0; j < before->count; j++)
-            if (before->names[j] == now->names[k] && before->plates[j] == now->plates[k]) found[k] = forces[j];
+            if (before->names[j] == now->names[k] && before->plates[j] == now->plates[k] && before->objects[j] == now->objects[k])
+                found[k] = forces[j];
     }
 }
 
@@ -162,8 +163,10 @@ static int approach(const contact_problem *problem, double touch, double d, cont
 /* Solve at d: from a wrench that is known; or at once, where that is near enough; or from where the object touches. */
 int contact_solve(const contact_problem *problem, double touch, double d, contact_state *state)
 {
-    const double shallow = objects_shallow(problem->touching->object, problem->touching->chain->segments[0]->half_lengths);
+    double shallow = INFINITY;
     int evaluations = 0;
+    for (int j = 0; j < problem->touching->count; j++)
+        shallow = fmin(shallow, objects_shallow(contact_object(problem, j), problem->touching->chain->segments[0]->half_lengths));
     if (any(contact_size(problem), state->wrench) || touch - d < shallow) {
         state->at.contacts.count = 0;
         evaluations = solve_from(problem, d, state);

@@ -1,6 +1,7 @@
 /* Plates somewhere, and what an object and they do to each other: what the parts of the contact solve share. */
 #ifndef FINGERFEM_CONTACT_H
 #define FINGERFEM_CONTACT_H
+#include <math.h>
 #include "chain.h"
 #include "objects.h"
 
@@ -32,7 +33,7 @@ typedef struct {
     chain_state chain;
     objects_contacts contacts;
     contact_arms arms[FINGERFEM_MOST_CONTACTS];
-    double d;                             /* of the object [m] */
+    double d;                             /* of the objects, see contact_distance [m] */
     int slices;
     rubber_slice slice[FINGERFEM_MOST_CONTACTS];
 } placed;
@@ -45,25 +46,31 @@ typedef struct {
     chain_matrix following, soft, yielding;
 } contact_state;
 
-/* What the solve is about. */
+/* What the solve is about. All objects come together: where one is at d, object j is at d + ahead[j], and infinity says that it is
+ * not there. */
 typedef struct {
     const fingerfem_touching *touching;
     chain_rods *map;
+    double ahead[FINGERFEM_MOST_OBJECTS]; /* [m] */
 } contact_problem;
+
+static inline const fingerfem_object *contact_object(const contact_problem *problem, int j) { return problem->touching->objects[j]; }
+
+static inline int contact_is_there(const contact_problem *problem, int j) { return isfinite(problem->ahead[j]); }
 
 /* Numbers of all wrenches. */
 static inline int contact_size(const contact_problem *problem) { return chain_size(problem->map); }
 
-/* The bodies under a state's wrenches, before an object at d: what it may touch becomes a body, plates alone or `rubber`, too.
+/* The bodies under a state's wrenches, before objects at d: what they may touch becomes a body, plates alone or `rubber`, too.
  * Returns 0 if there is no room. */
 int placed_under(const contact_problem *problem, double d, int rubber, contact_state *state);
 
-/* Whether an object at d is in the rubber, of bodies that were placed without it. */
+/* Whether objects at d are in the rubber, of bodies that were placed without it. */
 int placed_in_rubber(const contact_problem *problem, double d, placed *at);
 
-/* Slices of rubber with gaps below `near` [m] before an object at d, and their contacts besides others; free, or under the
+/* Slices of rubber with gaps below `near` [m] before object j at its own d, and their contacts besides others; free, or under the
  * wrenches that the bodies were placed under last. */
-void placed_slices(const contact_problem *problem, int free, double d, double near, placed *at);
+void placed_slices(const contact_problem *problem, int j, int free, double d, double near, placed *at);
 
 /* The slice of a contact; NULL if it is a plate's. */
 const rubber_slice *placed_slice_of(const placed *at, int contact);
@@ -73,8 +80,8 @@ const rubber_slice *placed_slice_of(const placed *at, int contact);
 void slices_change(const contact_problem *problem, double d, const placed *at, int k, const double *force,
                    double (*change)[SLICE_INPUTS]);
 
-/* The direction in which d moves the object, (3), seen from a body. */
-void placed_leaving(const contact_problem *problem, const chain_body *body, double *found);
+/* The direction in which d moves object j, (3), seen from a body. */
+void placed_leaving(const contact_problem *problem, int j, const chain_body *body, double *found);
 
 /* How the point of contact k moves as the tensions bend its plate, or change the shape of its slice, (tensions, 3). */
 void placed_bend(const contact_problem *problem, const placed *at, int k, double *found);
@@ -85,9 +92,9 @@ int placed_crowded(const objects_contacts *contacts);
 /* The contact with the least gap. */
 int placed_nearest(const objects_contacts *contacts);
 
-/* The largest d at which the object touches one of the free plates, of which the contacts are left there; -infinity if it
+/* The largest d at which object j touches one of the free plates, of which the contacts are left there; -infinity if it
  * passes by. */
-double placed_touch_distance(const contact_problem *problem, placed *at);
+double placed_touch_distance(const contact_problem *problem, int j, placed *at);
 
 /* Solve at d: from wrenches that are known, if they are not zero; or at once, where d is near the touch distance; or from
  * where the object touches. Returns the number of evaluations of the map, negative without an answer. */

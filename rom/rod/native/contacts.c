@@ -29,7 +29,7 @@ static void of_plate(const contact_problem *problem, const placed *at, int k, fi
         objects_cross(p, f, arm + 3);
         for (int m = 0; m < W; m++) {
             double dp[3], dn[3], df[3], by_point[3], by_force[3];
-            objects_change_with(problem->touching->object, &at->contacts, k, m, dp, dn);
+            objects_change_with(contact_object(problem, at->contacts.objects[k]), &at->contacts, k, m, dp, dn);
             for (int i = 0; i < 3; i++) df[i] = objects_dot(f, n) * dn[i] - objects_dot(f, dn) * n[i];
             objects_cross(dp, f, by_point);
             objects_cross(p, df, by_force);
@@ -83,11 +83,12 @@ int fingerfem_find_contacts(const fingerfem_touching *touching, const double *te
                             const double *loads, double *memory, fingerfem_contacts *found)
 {
     const fingerfem_chain *chain = touching->chain;
-    fingerfem_object object = *touching->object;
-    const fingerfem_touching there = {chain, &object};
+    fingerfem_object object = *touching->objects[0];
+    const fingerfem_object *objects[] = {&object};
+    const fingerfem_touching there = {chain, 1, objects};
     chain_rods map;
     contact_state state;
-    const contact_problem problem = {&there, &map};
+    const contact_problem problem = {&there, &map, {0.0}};
     double held[TENSIONS_MOST];
     for (int i = 0; i < 3; i++) object.centre[i] += moved[i];
     found->inside = tensions_all_clamped(chain->segments[0], tensions, held);

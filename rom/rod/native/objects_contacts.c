@@ -32,6 +32,7 @@ static int room_for(objects_contacts *all, double gap)
 static void put(objects_contacts *all, int at, int name, const objects_feature *feature, double gap, const double *p, const double *n)
 {
     all->plates[at] = all->plate;
+    all->objects[at] = all->object;
     all->names[at] = name;
     all->features[at] = *feature;
     all->gaps[at] = gap;

@@ -19,9 +19,10 @@ typedef struct {
 
 /* Contacts that may be. */
 typedef struct {
-    int count, plate; /* contacts are being found of this plate, or slice of rubber */
+    int count, plate, object; /* contacts are being found of this plate, or slice of rubber, with this object */
     double half_lengths[3];
     int plates[FINGERFEM_MOST_CONTACTS];                        /* of which plate, or slice */
+    int objects[FINGERFEM_MOST_CONTACTS];                       /* with which object */
     int names[FINGERFEM_MOST_CONTACTS];                         /* the same wherever the plate is */
     double halves[FINGERFEM_MOST_CONTACTS][3];                  /* lengths of that [m] */
     objects_feature features[FINGERFEM_MOST_CONTACTS];

@@ -15,36 +15,38 @@ static void point_off(const fingerfem_segment *segment, const double *corners, c
     else tensions_bent(segment, corners, contacts->points[k], off);
 }
 
-/* Contact k of an object at d with a plate that is no box: its point is off, as if the plate stood so far away. A round
+/* Contact k of object j at its d with a plate that is no box: its point is off, as if the plate stood so far away. A round
  * object that is near is seen from there. */
-static void bend(const contact_problem *problem, double d, int plate, int k, placed *at)
+static void bend(const contact_problem *problem, int j, double d, int plate, int k, placed *at)
 {
     objects_contacts *contacts = &at->contacts, seen;
     const fingerfem_segment *segment = problem->touching->chain->segments[plate];
     const chain_body *own = at->chain.bodies + chain_plate_of(problem->map, plate);
     double place[3], *off = contacts->bent[k], *wrench = contacts->wrenches[k];
     point_off(segment, problem->map->corners[plate], contacts, k, off);
-    int j = 0;
+    int same = 0;
     seen.count = 0; /* zeros in all of it would take longer than the rest */
     if (contacts->features[k].kind != OBJECTS_FACE && contacts->gaps[k] < NEAR) {
         for (int i = 0; i < 3; i++) place[i] = own->centre[i] + objects_dot(own->rotation + 3 * i, off);
-        objects_find(problem->touching->object, segment->half_lengths, d, plate, place, own->rotation, &seen);
+        objects_find(contact_object(problem, j), segment->half_lengths, d, plate, place, own->rotation, &seen);
     }
-    while (j < seen.count && seen.names[j] != contacts->names[k]) j++;
-    if (j < seen.count) objects_copy(&seen, j, contacts, k);
+    while (same < seen.count && seen.names[same] != contacts->names[k]) same++;
+    if (same < seen.count) objects_copy(&seen, same, contacts, k);
     else contacts->gaps[k] += objects_dot(off, wrench);
     for (int i = 0; i < 3; i++) place[i] = contacts->points[k][i] + off[i];
     objects_cross(place, wrench, wrench + 3);
 }
 
-/* The contacts of an object at d with one plate, a box but for what tensions bend it. */
-static void find(const contact_problem *problem, double d, int plate, placed *at)
+/* The contacts of object j at its d with one plate, a box but for what tensions bend it. */
+static void find(const contact_problem *problem, int j, double d, int plate, placed *at)
 {
     const chain_body *own = at->chain.bodies + chain_plate_of(problem->map, plate);
     const fingerfem_segment *segment = problem->touching->chain->segments[plate];
-    objects_find(problem->touching->object, segment->half_lengths, d, plate, own->centre, own->rotation, &at->contacts);
-    for (int k = 0; k < at->contacts.count && segment->corner_monomials; k++)
-        if (at->contacts.plates[k] == plate) bend(problem, d, plate, k, at);
+    objects_contacts *contacts = &at->contacts;
+    contacts->object = j;
+    objects_find(contact_object(problem, j), segment->half_lengths, d, plate, own->centre, own->rotation, contacts);
+    for (int k = 0; k < contacts->count && segment->corner_monomials; k++)
+        if (contacts->plates[k] == plate && contacts->objects[k] == j) bend(problem, j, d, plate, k, at);
 }
 
 /* Slices that contacts are with, of a segment of which the corners are known; others go. */
@@ -60,12 +62,11 @@ static void keep_slices(const contact_problem *problem, int segment, const doubl
     }
 }
 
-void placed_slices(const contact_problem *problem, int free, double d, double close, placed *at)
+void placed_slices(const contact_problem *problem, int j, int free, double d, double close, placed *at)
 {
-    const fingerfem_object *object = problem->touching->object;
+    const fingerfem_object *object = contact_object(problem, j);
     const fingerfem_chain *chain = problem->touching->chain;
-    at->slices = 0;
-    at->d = d;
+    at->contacts.object = j;
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
         unsigned char near[FINGERFEM_MOST_ELEMENTS + 2]; /* 1: what may touch; 2: its neighbour, which takes part in its shape */
@@ -125,10 +126,18 @@ static void arms(const contact_problem *problem, placed *at)
     }
 }
 
+/* Slices with gaps below `close` before all objects, and no others. */
+static void all_slices(const contact_problem *problem, double d, double close, placed *at)
+{
+    at->slices = 0;
+    for (int j = 0; j < problem->touching->count; j++)
+        if (contact_is_there(problem, j)) placed_slices(problem, j, 0, d + problem->ahead[j], close, at);
+}
+
 int placed_in_rubber(const contact_problem *problem, double d, placed *at)
 {
     const int known = at->contacts.count;
-    placed_slices(problem, 0, d, 0.0, at);
+    all_slices(problem, d, 0.0, at);
     const int found = at->contacts.count > known;
     at->contacts.count = known;
     at->slices = 0;
@@ -142,10 +151,12 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
     const int before = map->count;
     chain_under(map, state->wrench, &at->chain);
     at->contacts.count = 0;
-    for (int plate = 0; plate < problem->touching->chain->plates; plate++) find(problem, d, plate, at);
+    for (int plate = 0; plate < problem->touching->chain->plates; plate++)
+        for (int j = 0; j < problem->touching->count; j++)
+            if (contact_is_there(problem, j)) find(problem, j, d + problem->ahead[j], plate, at);
     at->slices = 0;
     at->d = d;
-    if (rubber) placed_slices(problem, 0, d, SLICE_NEAR * problem->touching->chain->segments[0]->half_lengths[1], at);
+    if (rubber) all_slices(problem, d, SLICE_NEAR * problem->touching->chain->segments[0]->half_lengths[1], at);
     for (int k = 0; k < at->slices; k++)
         for (int end = 0; end < SLICE_ENDS; end++) {
             int segment, element;
@@ -163,9 +174,9 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
     return 1;
 }
 
-void placed_leaving(const contact_problem *problem, const chain_body *body, double *found)
+void placed_leaving(const contact_problem *problem, int j, const chain_body *body, double *found)
 {
-    const double *e = problem->touching->object->direction, *r = body->rotation;
+    const double *e = contact_object(problem, j)->direction, *r = body->rotation;
     for (int i = 0; i < 3; i++) found[i] = r[i] * e[0] + r[3 + i] * e[1] + r[6 + i] * e[2];
 }
 
@@ -202,15 +213,15 @@ void placed_bend(const contact_problem *problem, const placed *at, int k, double
     }
 }
 
-/* Of one plate, by Newton's method from far away: the distance of convex bodies is convex in d, so that it never goes too
+/* Of one plate and object j, by Newton's method from far away: the distance of convex bodies is convex in d, so that it never goes too
  * far. */
-static double touch_distance(const contact_problem *problem, int plate, placed *at)
+static double touch_distance(const contact_problem *problem, int j, int plate, placed *at)
 {
     double e[3], d = 1.0;
-    placed_leaving(problem, at->chain.bodies + chain_plate_of(problem->map, plate), e);
+    placed_leaving(problem, j, at->chain.bodies + chain_plate_of(problem->map, plate), e);
     for (int step = 0; step < MARCHES; step++) {
         at->contacts.count = 0;
-        find(problem, d, plate, at);
+        find(problem, j, d, plate, at);
         const int k = placed_nearest(&at->contacts);
         const double *n = at->contacts.wrenches[k], gap = at->contacts.gaps[k];
         const double slope = -(n[0] * e[0] + n[1] * e[1] + n[2] * e[2]);
@@ -221,15 +232,15 @@ static double touch_distance(const contact_problem *problem, int plate, placed *
     return -INFINITY;
 }
 
-double placed_touch_distance(const contact_problem *problem, placed *at)
+double placed_touch_distance(const contact_problem *problem, int j, placed *at)
 {
     const int plates = problem->touching->chain->plates;
     int first = 0;
     double farthest = -INFINITY;
     for (int plate = 0; plate < plates; plate++) {
-        const double d = touch_distance(problem, plate, at);
+        const double d = touch_distance(problem, j, plate, at);
         if (d > farthest) farthest = d, first = plate;
     }
-    if (plates > 1 && isfinite(farthest)) touch_distance(problem, first, at);
+    if (plates > 1 && isfinite(farthest)) touch_distance(problem, j, first, at);
     return farthest;
 }

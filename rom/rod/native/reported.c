@@ -37,7 +37,7 @@ void reported_rows(const contact_problem *problem, const contact_state *state, i
                    const fingerfem_report *report)
 {
     const fingerfem_chain *chain = problem->touching->chain;
-    const int t = chain->tensions, p = t + 1, tip = contact_size(problem) - W;
+    const int t = chain->tensions, p = t + problem->touching->count, tip = contact_size(problem) - W;
     double *shortenings = report->rows + QUATERNION;
     shortenings_segment segments[MOST_BODIES];
     const int known = shortenings_of(problem->map, free, segments);
@@ -45,8 +45,8 @@ void reported_rows(const contact_problem *problem, const contact_state *state, i
     if (known) shortenings_together(problem->map, segments, shortenings);
     for (int j = 0; j < t && !known; j++) shortenings[j] = NAN;
     for (int c = 0; c < p; c++) {
-        double by_tensions[TENSIONS_MOST + 1] = {0.0}, column[QUATERNION + TENSIONS_MOST];
-        by_tensions[c] = 1.0; /* the last one is of d, and of no tension */
+        double by_tensions[TENSIONS_MOST + FINGERFEM_MOST_OBJECTS] = {0.0}, column[QUATERNION + TENSIONS_MOST];
+        by_tensions[c] = 1.0; /* the last ones are of objects, and of no tension */
         quaternion_change(report->rows, changes[c].motion + tip + 3, column);
         for (int j = 0; j < t; j++) column[QUATERNION + j] = NAN;
         if (known)

@@ -9,7 +9,7 @@ typedef struct {
 } reported_change;
 
 /* Rows and derivatives of a report at a state that has been solved, or, if `free`, of the free finger; `changes`, (tensions +
- * 1), by tensions and d. */
+ * count), by tensions and the objects' d. */
 void reported_rows(const contact_problem *problem, const contact_state *state, int free, const reported_change *changes,
                    const fingerfem_report *report);
 #endif

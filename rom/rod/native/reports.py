@@ -15,11 +15,11 @@ QUATERNION, ERRORS = 4, 2  # numbers of an orientation, and of errors, as in seg
 
 @brief
 class Reports(NamedTuple):
-    """What a finger with t tendons reports at n points of tensions and d, and the derivatives by these.
+    """What a finger with t tendons before m objects reports at n points, and the derivatives by tensions and every d.
 
     Attributes:
         rows: tip orientation w, x, y, z [-], then shortenings [m], shape (n, 4 + t).
-        jacobians: of the rows by tensions and d, shape (n, 4 + t, t + 1).
+        jacobians: of the rows by tensions and every d, shape (n, 4 + t, t + m).
         errors: estimated, of the orientation [rad] and of shortenings [m], shape (n, 2).
     """
 
@@ -28,9 +28,9 @@ class Reports(NamedTuple):
     errors: np.ndarray
 
     @classmethod
-    def empty(cls, n: int, t: int) -> Reports:
+    def empty(cls, n: int, t: int, m: int) -> Reports:
         """Arrays to be filled."""
-        return cls(np.empty((n, QUATERNION + t)), np.empty((n, QUATERNION + t, t + 1)), np.empty((n, ERRORS)))
+        return cls(np.empty((n, QUATERNION + t)), np.empty((n, QUATERNION + t, t + m)), np.empty((n, ERRORS)))
 
     @property
     def struct(self) -> Any:

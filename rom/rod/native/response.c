@@ -8,24 +8,52 @@
 #define PULL 1e-12 /* [N] below zero that is rounding */
 #define INSIDE 1e-14 /* [m] */
 
-/* G: how W f changes as the plates move. */
-static void follow(const contact_problem *problem, contact_state *state)
+/* How what a unit force at contact k puts on its bodies changes as these move: (6 bodies, 6 bodies). */
+static void changes_of(const contact_problem *problem, const contact_state *state, int k, double (*found)[SLICE_INPUTS])
 {
     const objects_contacts *contacts = &state->at.contacts;
+    double own[W][W];
+    if (state->at.arms[k].count > 1) {
+        slices_change(problem, state->at.d, &state->at, k, NULL, found);
+        return;
+    }
+    objects_change(contact_object(problem, contacts->objects[k]), contacts, k, own);
+    for (int i = 0; i < W; i++) memcpy(found[i], own[i], sizeof own[i]);
+}
+
+/* G: how W f changes as the bodies move. */
+static void follow(const contact_problem *problem, contact_state *state)
+{
     const int size = contact_size(problem);
     for (int i = 0; i < size; i++) memset(state->following[i], 0, (size_t)size * sizeof **state->following);
-    for (int k = 0; k < contacts->count; k++) {
+    for (int k = 0; k < state->at.contacts.count; k++) {
         const contact_arms *arms = state->at.arms + k;
-        double own[W][W], both[SLICE_INPUTS][SLICE_INPUTS];
+        double own[SLICE_INPUTS][SLICE_INPUTS];
         if (state->forces[k] == 0.0) continue;
-        if (arms->count == 1) objects_change(problem->touching->object, contacts, k, own);
-        else slices_change(problem, state->at.d, &state->at, k, NULL, both);
+        changes_of(problem, state, k, own);
         for (int a = 0; a < arms->count; a++)
             for (int b = 0; b < arms->count; b++)
                 for (int i = 0; i < W; i++)
                     for (int j = 0; j < W; j++)
                         state->following[W * arms->bodies[a] + i][W * arms->bodies[b] + j] +=
-                            state->forces[k] * (arms->count == 1 ? own[i][j] : both[W * a + i][W * b + j]);
+                            state->forces[k] * own[W * a + i][W * b + j];
+    }
+}
+
+/* Its part of the contacts with one object, times a motion. */
+static void follow_one(const contact_problem *problem, const contact_state *state, int object, const double *motion, double *wrench)
+{
+    memset(wrench, 0, (size_t)contact_size(problem) * sizeof *wrench);
+    for (int k = 0; k < state->at.contacts.count; k++) {
+        const contact_arms *arms = state->at.arms + k;
+        double own[SLICE_INPUTS][SLICE_INPUTS];
+        if (state->forces[k] == 0.0 || state->at.contacts.objects[k] != object) continue;
+        changes_of(problem, state, k, own);
+        for (int a = 0; a < arms->count; a++)
+            for (int b = 0; b < arms->count; b++)
+                for (int i = 0; i < W; i++)
+                    for (int j = 0; j < W; j++)
+                        wrench[W * arms->bodies[a] + i] += state->forces[k] * own[W * a + i][W * b + j] * motion[W * arms->bodies[b] + j];
     }
 }
 
@@ -168,14 +196,41 @@ static void bend(const contact_problem *problem, const contact_state *state, int
     if (state->at.arms[k].count > 1) return; /* a slice's shape by tensions does not count beside the bending */
     const int first = W * state->at.arms[k].bodies[0];
     double own[W][W], moment[3];
-    objects_change(problem->touching->object, contacts, k, own);
+    objects_change(contact_object(problem, contacts->objects[k]), contacts, k, own);
     objects_cross(v, contacts->wrenches[k], moment);
     for (int i = 0; i < W; i++)
         turned[first + i] += state->forces[k] * (objects_dot(own[i], v) + (i < 3 ? 0.0 : moment[i - 3]));
 }
 
-int response_follow(const contact_problem *problem, const contact_state *state, const double *drift, const double *bends,
-                    double *wrench_change)
+void response_wrenches(const contact_problem *problem, const contact_state *state, int object, double *wrench)
+{
+    memset(wrench, 0, (size_t)contact_size(problem) * sizeof *wrench);
+    for (int k = 0; k < state->at.contacts.count; k++)
+        if (state->at.contacts.objects[k] == object) response_press(&state->at, k, state->forces[k], wrench);
+}
+
+/* What the wrenches of every object's contacts change, as pressing contacts' forces change and bodies move besides their drift. */
+static void follow_each(const contact_problem *problem, const contact_state *state, int only, const double *drift, const double *bends,
+                        int count, const int *rows, const double *forces, const double *change, double (*by_object)[CHAIN_WRENCH])
+{
+    const int w = contact_size(problem);
+    for (int j = 0; j < problem->touching->count; j++) {
+        double motion[CHAIN_WRENCH];
+        for (int i = 0; i < w; i++) {
+            motion[i] = only < 0 || only == j ? drift[i] : 0.0;
+            for (int k = 0; k < w; k++) motion[i] += state->at.chain.bodies[i / W].motion[i % W][k] * change[k];
+        }
+        follow_one(problem, state, j, motion, by_object[j]);
+        for (int k = 0; k < count; k++) {
+            if (state->at.contacts.objects[rows[k]] != j) continue;
+            if (bends) bend(problem, state, rows[k], bends + 3 * rows[k], by_object[j]);
+            response_press(&state->at, rows[k], forces[k], by_object[j]);
+        }
+    }
+}
+
+int response_follow(const contact_problem *problem, const contact_state *state, int only, const double *drift, const double *bends,
+                    double *wrench_change, double (*by_object)[CHAIN_WRENCH])
 {
     const objects_contacts *contacts = &state->at.contacts;
     const int w = contact_size(problem);
@@ -183,17 +238,21 @@ int response_follow(const contact_problem *problem, const contact_state *state, 
     double columns[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH], turned[CHAIN_WRENCH], motion[CHAIN_WRENCH];
     double forces[FINGERFEM_MOST_CONTACTS];
     const int count = pressing(problem, state, rows, columns);
-    response_product(w, state->following, drift, turned);
+    if (only >= 0) follow_one(problem, state, only, drift, turned);
+    else response_product(w, state->following, drift, turned);
     for (int k = 0; k < count && bends; k++) bend(problem, state, rows[k], bends + 3 * rows[k], turned);
     response_product(w, state->yielding, turned, motion);
-    for (int i = 0; i < w; i++) motion[i] += drift[i];
+    for (int i = 0; i < w && only < 0; i++) motion[i] += drift[i];
     for (int k = 0; k < count; k++) {
         forces[k] = -opening(&state->at, rows[k], motion);
+        if (contacts->objects[rows[k]] == only) forces[k] -= opening(&state->at, rows[k], drift);
         if (bends) forces[k] -= objects_dot(contacts->wrenches[rows[k]], bends + 3 * rows[k]);
     }
     if (!forces_for(&state->at, count, rows, columns, forces)) return 0;
     for (int k = 0; k < count; k++) response_press(&state->at, rows[k], forces[k], turned);
     response_product(w, state->soft, turned, wrench_change);
+    if (problem->touching->count == 1) memcpy(by_object[0], wrench_change, (size_t)w * sizeof *wrench_change);
+    else follow_each(problem, state, only, drift, bends, count, rows, forces, wrench_change, by_object);
     return 1;
 }
 

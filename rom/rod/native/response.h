@@ -16,11 +16,15 @@ int response_balance(const contact_problem *problem, const contact_state *state,
 /* Add what a force at contact k puts on all bodies. */
 void response_press(const placed *at, int k, double force, double *wrench);
 
-/* How wrenches and bodies move with a tension, or with d: drift is the motion at fixed wrenches, of the plates or relative
- * to the object; unless it is NULL, contacts' points of the plates move by `bends`, (contacts, 3), besides. Contacts that
- * press stay closed. Returns 0 if nothing is known of it. */
-int response_follow(const contact_problem *problem, const contact_state *state, const double *drift, const double *bends,
-                    double *wrench_change);
+/* How wrenches and bodies move with a tension, or with an object: drift is the motion at fixed wrenches, of the bodies, or
+ * relative to the object `only`, which no others see; it is negative for all. Unless it is NULL, contacts' points of the plates
+ * move by `bends`, (contacts, 3), besides. Contacts that press stay closed. What the wrenches of every object's contacts change
+ * is (count, CHAIN_WRENCH). Returns 0 if nothing is known of it. */
+int response_follow(const contact_problem *problem, const contact_state *state, int only, const double *drift, const double *bends,
+                    double *wrench_change, double (*by_object)[CHAIN_WRENCH]);
+
+/* The wrenches of an object's contacts on all bodies. */
+void response_wrenches(const contact_problem *problem, const contact_state *state, int object, double *wrench);
 
 /* Whether the plates rest there: the stiffness K = 1/C - G is positive along all motions that keep the pressing contacts
  * closed. With A = W^T 1/K W over these, that is so where K and A have as many negative eigenvalues (Haynsworth 1968). */

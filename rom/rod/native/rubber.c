@@ -218,10 +218,10 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
 }
 
 /* How far the surface may be from what is sampled of it before an object [m]. */
-static double margin_of(const contact_problem *problem)
+static double margin_of(const contact_problem *problem, int j)
 {
     const double half = problem->touching->chain->segments[0]->half_lengths[1];
-    return (problem->touching->object->shape == FINGERFEM_PLANE ? BULGING : BETWEEN) * half;
+    return (contact_object(problem, j)->shape == FINGERFEM_PLANE ? BULGING : BETWEEN) * half;
 }
 
 /* Whether no point of a section comes as near as a margin at d or beyond: the distance from a convex body is convex, and nowhere
@@ -238,12 +238,12 @@ static int passes(const fingerfem_object *object, double (*corners)[3], double m
 
 /* The largest d at which an object is as near to sampled points of the free rubber as it may be to any other: an upper bound of
  * the touch distance; or `least` if that is larger. */
-static double upper_bound(const contact_problem *problem, const chain_state *free, double least)
+static double upper_bound(const contact_problem *problem, int number, const chain_state *free, double least)
 {
     const fingerfem_chain *chain = problem->touching->chain;
-    const fingerfem_object *object = problem->touching->object;
+    const fingerfem_object *object = contact_object(problem, number);
     const int count = parts(object);
-    const double margin = margin_of(problem);
+    const double margin = margin_of(problem, number);
     double corners[EDGES + 1][3], place[3], farthest = least;
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
@@ -277,16 +277,16 @@ double rubber_off(const contact_problem *problem, const placed *at, int k)
 
 /* By Newton's method from an upper bound: of every slice the gap is convex in d, so that no step goes below its root. The next d
  * is the largest of all slices' steps. */
-double rubber_reach(const contact_problem *problem, placed *free, double least, touched_point *first)
+double rubber_reach(const contact_problem *problem, int j, placed *free, double least, touched_point *first)
 {
-    const double *direction = problem->touching->object->direction;
-    double d = upper_bound(problem, &free->chain, least), seen[3];
+    const double *direction = contact_object(problem, j)->direction;
+    double d = upper_bound(problem, j, &free->chain, least), seen[3];
     for (int step = 0; step < STEPS && d > least; step++) {
         const objects_contacts *contacts = &free->contacts;
         double next = -INFINITY;
         int touched = -1;
-        free->contacts.count = 0;
-        placed_slices(problem, 1, d, NEARER * margin_of(problem), free);
+        free->contacts.count = free->slices = 0;
+        placed_slices(problem, j, 1, d, NEARER * margin_of(problem, j), free);
         for (int k = 0; k < contacts->count; k++) {
             objects_turned_back(placed_slice_of(free, k)->rotation, direction, seen);
             const double slope = -objects_dot(contacts->wrenches[k], seen), own = d - contacts->gaps[k] / slope;
@@ -317,12 +317,12 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     double held[TENSIONS_MOST], d = point[chain->tensions], least = INFINITY;
     chain_rods map;
     placed at;
-    const contact_problem problem = {touching, &map};
+    const contact_problem problem = {touching, &map, {0.0}};
     if (d == INFINITY) return INFINITY;
-    d = fmax(touching->object->nearest, fmin(touching->object->farthest, d));
+    d = fmax(touching->objects[0]->nearest, fmin(touching->objects[0]->farthest, d));
     chain_placed(chain, point, loads, memory, held, &map, &at.chain);
-    at.contacts.count = 0;
-    placed_slices(&problem, 0, d, INFINITY, &at);
+    at.contacts.count = at.slices = 0;
+    placed_slices(&problem, 0, 0, d, INFINITY, &at);
     for (int k = 0; k < at.contacts.count; k++) {
         const rubber_slice *slice = placed_slice_of(&at, k);
         const int place = slices_place(&map, slice->segment, slice->number);

@@ -13,9 +13,9 @@ typedef struct {
     double off; /* how well the surface is known there, beside the plates' place [m] */
 } touched_point;
 
-/* The largest d [m] at which the object touches the rubber of the free plates, if that is above `least`, with the point;
+/* The largest d [m] at which object j touches the rubber of the free plates, if that is above `least`, with the point;
  * else `least`. Contacts are spoilt. */
-double rubber_reach(const contact_problem *problem, placed *free, double least, touched_point *first);
+double rubber_reach(const contact_problem *problem, int j, placed *free, double least, touched_point *first);
 
 /* Corners of all stations of a segment's rubber, (stations, 4, 3) [m], seen from its plate, where the rod has been placed
  * last, by `rod_under` or, if `free`, by `rod_free`; they lie in the rod's work. */

@@ -9,15 +9,15 @@
 enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 48, FINGERFEM_MOST_PLATES = 8 };
 
 /* Plates, loaded sections, and the ground: what may bear wrenches at once. */
-enum { FINGERFEM_MOST_BODIES = FINGERFEM_MOST_PLATES + 9 };
-
+enum { FINGERFEM_MOST_BODIES = FINGERFEM_MOST_PLATES + 9, FINGERFEM_MOST_OBJECTS = 8 };
 
 /* Limits of a segment, which are checked before its struct is made. */
 enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31, FINGERFEM_MOST_ELEMENTS = 64, FINGERFEM_MOST_VARIANTS = 8 };
 enum { FINGERFEM_MOST_LOADS = FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES * FINGERFEM_MOST_ELEMENTS };
 
-/* Rows of an answer, as of a separated model: tip displacement x, y, z [m], contact force [N], touch distance [m]. */
-enum { FINGERFEM_ROWS = 5 };
+/* Rows of an answer before one object, as of a separated model: tip displacement x, y, z [m], contact force [N], touch
+ * distance [m]. Before several there are the forces of all, then their touch distances: 3 + 2 count rows. */
+enum { FINGERFEM_ROWS = 5, FINGERFEM_MOST_ROWS_TOUCHED = 3 + 2 * FINGERFEM_MOST_OBJECTS };
 
 /* Sections of a segment's surface besides its places: its plate's front. */
 enum { FINGERFEM_FRONTS = 1 };
@@ -152,14 +152,15 @@ typedef struct {
 enum { FINGERFEM_QUATERNION = 4, FINGERFEM_REPORT_ERRORS = 2 };
 typedef struct {
     double *rows;     /* (FINGERFEM_QUATERNION + tensions) */
-    double *jacobian; /* (FINGERFEM_QUATERNION + tensions, tensions + 1): by tensions and d, contact included */
+    double *jacobian; /* (FINGERFEM_QUATERNION + tensions, tensions + count): by tensions and d, contact included */
     double *errors;   /* (FINGERFEM_REPORT_ERRORS): estimated, of the orientation [rad] and of shortenings [m] */
 } fingerfem_report;
 
-/* A chain that an object touches, as a model of tensions and d. */
+/* A chain that objects touch, as a model of tensions and of every object's d. */
 typedef struct {
     const fingerfem_chain *chain;
-    const fingerfem_object *object;
+    int32_t count;
+    const fingerfem_object *const *objects; /* (count) */
 } fingerfem_touching;
 
 /* Numbers of a chain's loads: wrenches on the plates, (plates, 6), then on the sections where the other elements of each
@@ -204,20 +205,20 @@ int fingerfem_chain_shortenings(const fingerfem_chain *chain, const double *tens
 int fingerfem_chain_elements(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                              double *places, double *rotations, double *transmitted);
 
-/* Answer at a point, (tensions + 1), of tensions and d: out, (FINGERFEM_ROWS), its derivatives, (FINGERFEM_ROWS,
- * tensions + 1), and, unless it is NULL, by_object, (FINGERFEM_ROWS, 6), by the object's place and by its turning
- * about axes through its centre. The touch distance is that at which the object, coming along its direction, touches the
- * free finger first, a plate or the rubber. The loads are where the solve begins, and what it ends with; zero
- * begins without contact. Returns the number of evaluations of the map, negative without an equilibrium on the object's
+/* Answer at a point, (tensions + count), of tensions and the d of every object: out, (3 + 2 count), its derivatives, (3 + 2 count,
+ * tensions + count), and, unless it is NULL, by_object, (3 + 2 count, count, 6), by the place of every object and by its turning
+ * about axes through its centre. The touch distance is that at which the object, coming along its direction alone, touches the
+ * free finger first, a plate or the rubber. All objects come together. The loads are where the solve begins, and what it ends
+ * with; zero begins without contact. Returns the number of evaluations of the map, negative without an equilibrium on the objects'
  * approach; inside is 1 if tensions, wrench and d lie where the map was trained and d may be, and the finger would rest
  * there; d = infinity is no object, and may always be. */
 int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
                     double *jacobian, double *by_object, int32_t *inside);
 
-/* Contacts that press: of which plate, or of the rubber of which segment, place [m] and normal in space, out of the object, and
+/* Contacts that press: of which plate, or of the rubber of which segment, with which object, place [m] and normal in space, out of the object, and
  * the force along it on the finger [N]. */
 typedef struct {
-    int32_t count, plates[FINGERFEM_MOST_CONTACTS], rubber[FINGERFEM_MOST_CONTACTS];
+    int32_t count, plates[FINGERFEM_MOST_CONTACTS], rubber[FINGERFEM_MOST_CONTACTS], objects[FINGERFEM_MOST_CONTACTS];
     double places[FINGERFEM_MOST_CONTACTS][3], normals[FINGERFEM_MOST_CONTACTS][3], forces[FINGERFEM_MOST_CONTACTS];
 } fingerfem_pressing;
 
@@ -243,7 +244,7 @@ typedef struct {
     double changes[FINGERFEM_MOST_CONTACTS][3][12][12];
 } fingerfem_contacts;
 
-/* These at tensions, of an object at d that is moved by (3) [m] besides. Returns 0 if there are more bodies than there is room for. */
+/* These at tensions, of the first object at d that is moved by (3) [m] besides. Returns 0 if there are more bodies than there is room for. */
 int fingerfem_find_contacts(const fingerfem_touching *touching, const double *tensions, double d, const double *moved,
                             const double *loads, double *memory, fingerfem_contacts *found);
 
@@ -251,12 +252,12 @@ int fingerfem_find_contacts(const fingerfem_touching *touching, const double *te
 void fingerfem_material_points(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                                const fingerfem_contacts *contacts, double *points);
 
-/* Estimated errors of an answer at a point, (3) [m, N, m], as of `fingerfem_tell`; the loads are where the solve begins, and
+/* Estimated errors of an answer at a point, (1 + 2 count) [m, N, m], as of `fingerfem_tell`; the loads are where the solve begins, and
  * what it ends with. */
 void fingerfem_touch_errors(const fingerfem_touching *touching, const double *point, double *memory, double *loads,
                             double *errors);
 
-/* Least distance of the rubber, but for the slices next to plates, from the object under loads [m]; infinite without an object,
+/* Least distance of the rubber, but for the slices next to plates, from the first object under loads [m]; infinite without it,
  * and where nothing is known of it. */
 double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *loads, double *memory);
 
@@ -272,18 +273,17 @@ int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *input
 int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                              double *corners);
 
-/* An answer with its errors: that of `fingerfem_touch`; errors, (3) [m, N, m], are the estimated ones of tip, contact force and touch distance: infinite without an equilibrium. The
- * report is computed unless it is NULL. */
+/* An answer with its errors: that of `fingerfem_touch`; errors, (1 + 2 count) [m, N, m], are the estimated ones of the tip, the forces and the touch
+ * distances: infinite without an equilibrium. The report is computed unless it is NULL. */
 int fingerfem_tell(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
                    double *jacobian, double *errors, int32_t *inside, const fingerfem_report *report);
 
-/* The same at many points, (count, tensions + 1), each from rest: out, (count, FINGERFEM_ROWS), errors, (count, 3); the
- * arrays of the report have `count` as their first axis. */
+/* The same at many points, each from rest; all arrays have their number, `count`, as their first axis. */
 void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
                      double *errors, int32_t *inside, const fingerfem_report *reports);
 
-/* Answers at many points, (count, tensions + 1): out, (count, FINGERFEM_ROWS), with their derivatives, of which by_objects
- * may be NULL, loads where they begin and end, inside and evaluations, (count), and the time of each [ns], (count). */
+/* Answers at many points, `count`, with their derivatives, of which by_objects may be NULL, loads where they begin and end, inside
+ * and evaluations, and the time of each [ns]. */
 void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
                        double *jacobians, double *by_objects, double *loads, int32_t *inside,
                        int32_t *evaluations, int64_t *nanoseconds);

@@ -572,7 +572,7 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
     memcpy(f, force_of ? force_of : n, sizeof f);
     arms_to(slice, &at->chain, &here, x, g);
     arms_to(slice, &at->chain, &middle, slice->centre, centres);
-    sliding(slice, problem->touching->object, d, contacts, k, from);
+    sliding(slice, contact_object(problem, contacts->objects[k]), d + problem->ahead[contacts->objects[k]], contacts, k, from);
     for (int column = 0; column < SLICE_INPUTS; column++) {
         const int moving = column / W;
         const chain_body *mover = at->chain.bodies + slice->bodies[moving];

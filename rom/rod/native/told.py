@@ -8,7 +8,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.native import SEGMENT
-from rom.rod.native import ENDS, loads, memory_of, pointer
+from rom.rod.native import ENDS, loads, memory_of, pointer, rows_of
 from rom.rod.native.reports import Reports
 
 
@@ -18,7 +18,7 @@ class Told(NamedTuple):
 
     Attributes:
         out: as in `Touched`; the touch distance is the rubber's where that touches first.
-        errors: estimated, of tip, contact force and touch distance, shape (n, 3) [m, N, m].
+        errors: estimated, of the tip, contact forces and touch distances, shape (n, 1 + 2 m) [m, N, m].
         inside: as in `Touched`.
         reports: what the finger reports there besides.
     """
@@ -30,10 +30,10 @@ class Told(NamedTuple):
 
 
 def tells(touching: Any, points: np.ndarray) -> Told:
-    """Answers and their estimated errors at tensions and d, shape (n, t + 1), each solved from rest."""
-    points, n = np.ascontiguousarray(points, float), len(points)
-    out, errors, inside = np.empty((n, 5)), np.empty((n, 3)), np.empty(n, np.int32)
-    memory, reports = memory_of(touching.chain), Reports.empty(n, points.shape[1] - 1)
+    """Answers and their estimated errors at tensions and every d, shape (n, t + m), each solved from rest."""
+    points, n, rows = np.ascontiguousarray(points, float), len(points), rows_of(touching)
+    out, errors, inside = np.empty((n, rows)), np.empty((n, rows - 2)), np.empty(n, np.int32)
+    memory, reports = memory_of(touching.chain), Reports.empty(n, touching.chain.tensions, touching.count)
     given = pointer(points), memory, pointer(out), pointer(errors), pointer(inside, "int32_t[]")
     SEGMENT.functions.fingerfem_tells(touching, n, *given, reports.struct)
     return Told(out, errors, inside.astype(bool), reports)

@@ -7,6 +7,15 @@
 
 #define ROUNDING 1e-8 /* of the touch distance, below which a contact may have no force [m] */
 
+enum { MOST_ROWS = FINGERFEM_MOST_ROWS_TOUCHED, MOST_PARAMETERS = TENSIONS_MOST + FINGERFEM_MOST_OBJECTS };
+
+/* The wrenches of object j's contacts on all bodies; what bodies bear, where there is no other object. */
+static void wrenches_with(const contact_problem *problem, const contact_state *state, int j, double *wrench)
+{
+    if (problem->touching->count == 1) memcpy(wrench, state->wrench, (size_t)contact_size(problem) * sizeof *wrench);
+    else response_wrenches(problem, state, j, wrench);
+}
+
 /* A vector of space as a body sees it. */
 static void seen_by(const chain_body *plate, const double *v, double *found)
 {
@@ -14,40 +23,46 @@ static void seen_by(const chain_body *plate, const double *v, double *found)
     for (int i = 0; i < 3; i++) found[i] = r[i] * v[0] + r[3 + i] * v[1] + r[6 + i] * v[2];
 }
 
-/* Tip displacement and contact force, (4), at a state that has been solved. */
+/* The tip's displacement and every object's force, (3 + count), at a state that has been solved. */
 static void report(const contact_problem *problem, const contact_state *state, double *out)
 {
     const fingerfem_chain *chain = problem->touching->chain;
     const chain_body *bodies = state->at.chain.bodies, *tip = bodies + problem->map->count - 1;
-    out[3] = 0.0;
     for (int i = 0; i < 3; i++) out[i] = tip->centre[i] - chain->rest[i];
-    for (int q = 0; q < problem->map->count; q++) {
-        double e[3];
-        placed_leaving(problem, bodies + q, e);
-        for (int i = 0; i < 3; i++) out[3] -= e[i] * state->wrench[W * q + i];
+    for (int j = 0; j < problem->touching->count; j++) {
+        double wrench[CHAIN_WRENCH], e[3];
+        wrenches_with(problem, state, j, wrench);
+        out[3 + j] = 0.0;
+        for (int q = 0; q < problem->map->count; q++) {
+            placed_leaving(problem, j, bodies + q, e);
+            out[3 + j] -= objects_dot(e, wrench + W * q);
+        }
     }
 }
 
-int report_change(const contact_problem *problem, const contact_state *state, const double *drift, const double *bends,
+int report_change(const contact_problem *problem, const contact_state *state, int only, const double *drift, const double *bends,
                   reported_change *all, double *found)
 {
     const chain_body *bodies = state->at.chain.bodies;
-    double *change = all->wrench;
-    if (!response_follow(problem, state, drift, bends, change)) return 0;
-    found[3] = 0.0;
+    double *change = all->wrench, own[FINGERFEM_MOST_OBJECTS][CHAIN_WRENCH];
+    if (!response_follow(problem, state, only, drift, bends, change, own)) return 0;
     for (int q = 0; q < problem->map->count; q++) {
-        double *motion = all->motion + W * q, e[3];
-        const double *r = bodies[q].rotation;
-        placed_leaving(problem, bodies + q, e);
+        double *motion = all->motion + W * q;
         for (int i = 0; i < W; i++) {
             motion[i] = bends ? drift[W * q + i] : 0.0;
             for (int j = 0; j < contact_size(problem); j++) motion[i] += bodies[q].motion[i][j] * change[j];
         }
-        for (int i = 0; i < 3; i++) {
-            const int j = (i + 1) % 3, l = (i + 2) % 3;
-            const double turned = e[j] * motion[3 + l] - e[l] * motion[3 + j];
-            found[3] -= e[i] * change[W * q + i] + turned * state->wrench[W * q + i];
-            found[i] = r[3 * i] * motion[0] + r[3 * i + 1] * motion[1] + r[3 * i + 2] * motion[2]; /* of the tip, at last */
+    }
+    const double *r = bodies[problem->map->count - 1].rotation, *tip = all->motion + W * (problem->map->count - 1);
+    for (int i = 0; i < 3; i++) found[i] = objects_dot(r + 3 * i, tip);
+    for (int j = 0; j < problem->touching->count; j++) {
+        double wrench[CHAIN_WRENCH], e[3], turned[3];
+        wrenches_with(problem, state, j, wrench);
+        found[3 + j] = 0.0;
+        for (int q = 0; q < problem->map->count; q++) {
+            placed_leaving(problem, j, bodies + q, e);
+            objects_cross(e, all->motion + W * q + 3, turned);
+            found[3 + j] -= objects_dot(e, own[j] + W * q) + objects_dot(turned, wrench + W * q);
         }
     }
     return 1;
@@ -62,31 +77,30 @@ static void carried(const fingerfem_object *object, double d, const double *moti
     for (int i = 0; i < 3; i++) found[i] += motion[i];
 }
 
-/* The same with such a motion of the object. */
-static int report_object(const contact_problem *problem, const contact_state *state, double d, const double *motion,
+/* As `report_change`, with such a motion of object j, which is at d. */
+static int report_object(const contact_problem *problem, const contact_state *state, int j, double d, const double *motion,
                          reported_change *all, double *found)
 {
     double drift[CHAIN_WRENCH] = {0.0}, v[3];
     for (int q = 0; q < problem->map->count; q++) {
         const chain_body *plate = state->at.chain.bodies + q;
-        carried(problem->touching->object, d, motion, plate->centre, v);
+        carried(contact_object(problem, j), d, motion, plate->centre, v);
         seen_by(plate, v, drift + W * q);
         seen_by(plate, motion + 3, drift + W * q + 3);
         for (int i = 0; i < W; i++) drift[W * q + i] = -drift[W * q + i];
     }
-    return report_change(problem, state, drift, NULL, all, found);
+    return report_change(problem, state, problem->touching->count == 1 ? -1 : j, drift, NULL, all, found);
 }
 
-/* Derivatives of tip and contact force by the tensions and, where it matters, by d and by the object's motion; and, unless it
- * is NULL, all changes by the former, (tensions + 1). */
-static int report_derivatives(const contact_problem *problem, const contact_state *state, double d, int d_moves,
+/* Derivatives of the tip and of all forces by the tensions and, where it matters, by every object's d and motion; and, unless it
+ * is NULL, all changes by the former, (tensions + count). */
+static int report_derivatives(const contact_problem *problem, const contact_state *state, const double *d, const int *d_moves,
                               double *jacobian, double *by_object, reported_change *changes)
 {
-    const int t = problem->touching->chain->tensions, p = t + 1;
-    double drift[CHAIN_WRENCH], found[4], away[W] = {0.0}, bends[FINGERFEM_MOST_CONTACTS][3 * TENSIONS_MOST];
+    const int t = problem->touching->chain->tensions, m = problem->touching->count, p = t + m, rows = 3 + m;
+    double drift[CHAIN_WRENCH], found[3 + FINGERFEM_MOST_OBJECTS], bends[FINGERFEM_MOST_CONTACTS][3 * TENSIONS_MOST];
     double along[3 * FINGERFEM_MOST_CONTACTS] = {0.0};
     reported_change own;
-    memcpy(away, problem->touching->object->direction, 3 * sizeof *away);
     for (int c = 0; c < state->at.contacts.count; c++)
         if (state->forces[c] > 0.0) placed_bend(problem, &state->at, c, bends[c]);
     for (int k = 0; k < t; k++) {
@@ -94,18 +108,23 @@ static int report_derivatives(const contact_problem *problem, const contact_stat
             drift[i] = state->at.chain.bodies[i / W].motion[i % W][contact_size(problem) + k];
         for (int c = 0; c < state->at.contacts.count; c++)
             if (state->forces[c] > 0.0) memcpy(along + 3 * c, bends[c] + 3 * k, 3 * sizeof *along);
-        if (!report_change(problem, state, drift, along, changes ? changes + k : &own, found)) return 0;
-        for (int i = 0; i < 4; i++) jacobian[p * i + k] = found[i];
+        if (!report_change(problem, state, -1, drift, along, changes ? changes + k : &own, found)) return 0;
+        for (int i = 0; i < rows; i++) jacobian[p * i + k] = found[i];
     }
-    if (d_moves) {
-        if (!report_object(problem, state, d, away, changes ? changes + t : &own, found)) return 0;
-        for (int i = 0; i < 4; i++) jacobian[p * i + t] = found[i];
-    }
-    for (int k = 0; k < W && by_object; k++) {
-        double unit[W] = {0.0};
-        unit[k] = 1.0;
-        if (!report_object(problem, state, d, unit, &own, found)) return 0;
-        for (int i = 0; i < 4; i++) by_object[W * i + k] = found[i];
+    for (int j = 0; j < m; j++) {
+        double away[W] = {0.0};
+        memcpy(away, contact_object(problem, j)->direction, 3 * sizeof *away);
+        if (d_moves[j]) {
+            if (!report_object(problem, state, j, d[j], away, changes ? changes + t + j : &own, found)) return 0;
+            for (int i = 0; i < rows; i++) jacobian[p * i + t + j] = found[i];
+        }
+        for (int k = 0; k < W && by_object; k++) {
+            double unit[W] = {0.0};
+            unit[k] = 1.0;
+            if (!contact_is_there(problem, j)) continue;
+            if (!report_object(problem, state, j, d[j], unit, &own, found)) return 0;
+            for (int i = 0; i < rows; i++) by_object[W * m * i + W * j + k] = found[i];
+        }
     }
     return 1;
 }
@@ -122,30 +141,30 @@ static void touched_by_plates(const contact_problem *problem, const placed *at, 
     placed_bend(problem, at, nearest, first->bends);
 }
 
-/* Touch distance and its derivatives by the tensions and by the object's motion, of the point that is touched first. */
-static void report_touch(const contact_problem *problem, const touched_point *first, double touch, double *out,
+/* Touch distance of object j and its derivatives by the tensions and by the object's motion, of the point that is touched first. */
+static void report_touch(const contact_problem *problem, int j, const touched_point *first, double touch, double *out,
                          double *jacobian, double *by_object)
 {
-    const int t = problem->touching->chain->tensions;
+    const int t = problem->touching->chain->tensions, m = problem->touching->count, row = 3 + m + j;
     const chain_body *plate = first->plate;
     const double *normal = first->wrench;
     double e[3];
-    out[4] = touch;
+    out[row] = touch;
     if (!isfinite(touch)) return;
-    placed_leaving(problem, plate, e);
+    placed_leaving(problem, j, plate, e);
     const double down = objects_dot(normal, e);
     for (int k = 0; k < t; k++) {
         double opened = objects_dot(normal, first->bends + 3 * k);
         for (int i = 0; i < W; i++) opened += normal[i] * plate->motion[i][contact_size(problem) + k];
-        jacobian[(t + 1) * 4 + k] = opened / down;
+        jacobian[(t + m) * row + k] = opened / down;
     }
     for (int k = 0; k < W && by_object; k++) {
         double unit[W] = {0.0}, place[3], v[3], seen[3];
         unit[k] = 1.0;
         for (int i = 0; i < 3; i++) place[i] = plate->centre[i] + objects_dot(plate->rotation + 3 * i, first->p);
-        carried(problem->touching->object, touch, unit, place, v);
+        carried(contact_object(problem, j), touch, unit, place, v);
         seen_by(plate, v, seen);
-        by_object[W * 4 + k] = -objects_dot(normal, seen) / down;
+        by_object[W * m * row + W * j + k] = -objects_dot(normal, seen) / down;
     }
 }
 
@@ -163,7 +182,7 @@ static void leave_free(const contact_problem *problem, contact_state *state)
 /* A report, and what it is computed from: zeros where an input changes nothing. */
 typedef struct {
     const fingerfem_report *wanted;
-    reported_change changes[TENSIONS_MOST + 1];
+    reported_change changes[TENSIONS_MOST + FINGERFEM_MOST_OBJECTS];
 } reported;
 
 /* Contacts that press at a state that has been solved. */
@@ -184,46 +203,75 @@ static void report_pressing(const placed *at, const double *forces, fingerfem_pr
         }
         found->plates[found->count] = slice ? slice->segment : contacts->plates[k];
         found->rubber[found->count] = slice != NULL;
+        found->objects[found->count] = contacts->objects[k];
         found->forces[found->count++] = forces[k];
     }
 }
 
-/* As fingerfem_touch. Contacts that press and rows of a report are computed unless it is NULL, and so are estimated errors, (3). */
+/* Every object's d within its range, (count), and how far ahead of the first one that is there; that one, or 0. Tells besides which
+ * objects touch the free finger, and which derivatives by d matter. */
+typedef struct {
+    int lead, any, touches[FINGERFEM_MOST_OBJECTS], moves[FINGERFEM_MOST_OBJECTS];
+    double d[FINGERFEM_MOST_OBJECTS], touch; /* [m]; the latter of the leading one, where all come together and one touches */
+} approached;
+
+static void approach_of(const fingerfem_touching *touching, const double *distances, const double *touch, contact_problem *problem,
+                        approached *found)
+{
+    found->lead = -1;
+    found->any = 0;
+    found->touch = -INFINITY;
+    for (int j = 0; j < touching->count; j++) {
+        const fingerfem_object *object = touching->objects[j];
+        const double given = distances[j], d = given > object->nearest ? given : object->nearest;
+        found->d[j] = d < object->farthest ? d : object->farthest;
+        found->touches[j] = found->d[j] < touch[j] && !(given >= touch[j]);
+        found->any |= found->touches[j];
+        found->moves[j] = found->touches[j] && found->d[j] == given;
+        if (found->lead < 0 && given != INFINITY) found->lead = j;
+    }
+    for (int j = 0; j < touching->count && found->lead >= 0; j++) {
+        problem->ahead[j] = distances[j] == INFINITY ? INFINITY : found->d[j] - found->d[found->lead];
+        if (contact_is_there(problem, j)) found->touch = fmax(found->touch, touch[j] - problem->ahead[j]);
+    }
+}
+
+/* As fingerfem_touch. Contacts that press and rows of a report are computed unless it is NULL, and so are estimated errors, (1 + 2
+ * count): of the tip, of every object's force, and of every touch distance. */
 static int touch_by(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
                     double *jacobian, double *by_object, int32_t *inside, reported *more, double *errors, fingerfem_pressing *pressing)
 {
     const fingerfem_chain *chain = touching->chain;
-    const fingerfem_object *object = touching->object;
-    const int t = chain->tensions, p = t + 1;
-    double held[TENSIONS_MOST];
+    const int t = chain->tensions, m = touching->count, p = t + m, rows = 3 + 2 * m;
+    double held[TENSIONS_MOST], by_plates[FINGERFEM_MOST_OBJECTS], *touch = out + 3 + m, pressed = 0.0;
     chain_rods map;
     contact_state state;
-    touched_point first;
-    const contact_problem problem = {touching, &map};
-    memset(jacobian, 0, (size_t)(FINGERFEM_ROWS * p) * sizeof *jacobian);
-    if (by_object) memset(by_object, 0, W * FINGERFEM_ROWS * sizeof *by_object);
+    touched_point first[FINGERFEM_MOST_OBJECTS];
+    approached now;
+    contact_problem problem = {touching, &map, {0.0}};
+    memset(jacobian, 0, (size_t)(rows * p) * sizeof *jacobian);
+    if (by_object) memset(by_object, 0, (size_t)(W * m * rows) * sizeof *by_object);
     *inside = tensions_all_clamped(chain->segments[0], point, held);
     chain_set_tensions(chain, held, memory, &map);
     memset(state.wrench, 0, sizeof state.wrench);
     memset(state.forces, 0, sizeof state.forces);
     chain_free(&map, &state.at.chain);
-    const double by_plates = placed_touch_distance(&problem, &state.at);
-    if (isfinite(by_plates)) touched_by_plates(&problem, &state.at, &first);
-    const double touch = rubber_reach(&problem, &state.at, by_plates, &first);
-    report_touch(&problem, &first, touch, out, jacobian, by_object);
-    double d = point[t] > object->nearest ? point[t] : object->nearest;
-    d = d < object->farthest ? d : object->farthest;
-    const int touches = d < touch && !(point[t] >= touch), d_moves = d == point[t];
-    *inside &= d_moves || point[t] == INFINITY;
+    for (int j = 0; j < m; j++) {
+        by_plates[j] = placed_touch_distance(&problem, j, &state.at);
+        if (isfinite(by_plates[j])) touched_by_plates(&problem, &state.at, first + j);
+        report_touch(&problem, j, first + j, rubber_reach(&problem, j, &state.at, by_plates[j], first + j), out, jacobian, by_object);
+    }
+    approach_of(touching, point + t, touch, &problem, &now);
+    for (int j = 0; j < m; j++) *inside &= now.d[j] == point[t + j] || point[t + j] == INFINITY;
     int evaluations = 1;
-    if (touches) {
+    if (now.any) {
         if (errors) {
             chain_by_variants(&map, 0, &state.at.chain);
-            errors[2] = touch_distance_error(&problem, &first);
+            for (int j = 0; j < m; j++) errors[1 + m + j] = isfinite(touch[j]) ? touch_distance_error(&problem, j, first + j) : 0.0;
         }
         chain_take_loads(&map, loads, state.wrench);
         chain_contract(&map);
-        evaluations = contact_solve(&problem, touch, d, &state);
+        evaluations = contact_solve(&problem, now.touch, now.d[now.lead], &state);
         if (evaluations <= 0) state.at.contacts.count = 0; /* those of the last pose, which no forces are known of */
         chain_by_tensions(&map, &state.at.chain);
     } else {
@@ -232,26 +280,27 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     for (int k = 0; k < map.count; k++)
         if (map.bodies[k].segment != CHAIN_GROUND) *inside &= state.at.chain.bodies[k].end.inside;
     report(&problem, &state, out);
-    if (!report_derivatives(&problem, &state, d, touches && d_moves, jacobian, touches ? by_object : NULL,
-                            more ? more->changes : NULL) &&
+    if (!report_derivatives(&problem, &state, now.d, now.moves, jacobian, now.any ? by_object : NULL, more ? more->changes : NULL) &&
         evaluations > 0)
         evaluations = -evaluations;
-    if (more) reported_rows(&problem, &state, !touches, more->changes, more->wanted);
-    *inside &= evaluations > 0 && (!touches || (response_stable(&problem, &state) && !placed_crowded(&state.at.contacts)));
-    if (touches && touch > by_plates && touch - d > ROUNDING && out[3] == 0.0) *inside = 0; /* the object is in the rubber, or passed it */
+    if (more) reported_rows(&problem, &state, !now.any, more->changes, more->wanted);
+    *inside &= evaluations > 0 && (!now.any || (response_stable(&problem, &state) && !placed_crowded(&state.at.contacts)));
+    for (int j = 0; j < m; j++) pressed += out[3 + j];
+    for (int j = 0; j < m && pressed == 0.0; j++) /* an object is in the rubber, or passed it */
+        if (now.touches[j] && touch[j] > by_plates[j] && touch[j] - now.d[j] > ROUNDING) *inside = 0;
     for (int k = 0; k < t; k++)
         if (held[k] != point[k]) {
-            for (int i = 0; i < FINGERFEM_ROWS; i++) jacobian[p * i + k] = 0.0;
+            for (int i = 0; i < rows; i++) jacobian[p * i + k] = 0.0;
             for (int i = 0; more && i < FINGERFEM_QUATERNION + t; i++) more->wanted->jacobian[p * i + k] = 0.0;
         }
     chain_leave_loads(&map, state.wrench, loads);
     if (pressing) pressing->count = 0;
-    if (pressing && touches && evaluations > 0) report_pressing(&state.at, state.forces, pressing);
+    if (pressing && now.any && evaluations > 0) report_pressing(&state.at, state.forces, pressing);
     if (errors) {
-        chain_by_variants(&map, touches, &state.at.chain);
-        if (!touches) errors[2] = isfinite(touch) ? touch_distance_error(&problem, &first) : 0.0;
-        report_errors(&problem, &state, out[3], jacobian, errors);
-        for (int i = 0; i < 2 && evaluations <= 0; i++) errors[i] = INFINITY;
+        chain_by_variants(&map, now.any, &state.at.chain);
+        for (int j = 0; j < m && !now.any; j++) errors[1 + m + j] = isfinite(touch[j]) ? touch_distance_error(&problem, j, first + j) : 0.0;
+        report_errors(&problem, &state, out + 3, jacobian, errors);
+        for (int i = 0; i < 1 + m && evaluations <= 0; i++) errors[i] = INFINITY;
     }
     return evaluations;
 }
@@ -265,7 +314,7 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
 int fingerfem_touch_pressing(const fingerfem_touching *touching, const double *point, double *memory, double *loads,
                              fingerfem_pressing *pressing)
 {
-    double out[FINGERFEM_ROWS], jacobian[FINGERFEM_ROWS * (TENSIONS_MOST + 1)];
+    double out[MOST_ROWS], jacobian[MOST_ROWS * MOST_PARAMETERS];
     int32_t inside;
     return touch_by(touching, point, memory, loads, out, jacobian, NULL, &inside, NULL, NULL, pressing);
 }
@@ -274,13 +323,12 @@ void fingerfem_touches(const fingerfem_touching *touching, int count, const doub
                        double *jacobians, double *by_objects, double *loads, int32_t *inside,
                        int32_t *evaluations, int64_t *nanoseconds)
 {
-    const int p = touching->chain->tensions + 1, size = fingerfem_chain_loads(touching->chain);
+    const int m = touching->count, p = touching->chain->tensions + m, rows = 3 + 2 * m, size = fingerfem_chain_loads(touching->chain);
     for (int i = 0; i < count; i++) {
         struct timespec begun, ended;
         clock_gettime(CLOCK_MONOTONIC, &begun);
-        evaluations[i] = fingerfem_touch(touching, points + p * i, memory, loads + size * i, out + FINGERFEM_ROWS * i,
-                                         jacobians + FINGERFEM_ROWS * p * i,
-                                         by_objects ? by_objects + W * FINGERFEM_ROWS * i : NULL, inside + i);
+        evaluations[i] = fingerfem_touch(touching, points + p * i, memory, loads + size * i, out + rows * i, jacobians + rows * p * i,
+                                         by_objects ? by_objects + W * m * rows * i : NULL, inside + i);
         clock_gettime(CLOCK_MONOTONIC, &ended);
         nanoseconds[i] = (ended.tv_sec - begun.tv_sec) * 1000000000LL + ended.tv_nsec - begun.tv_nsec;
     }
@@ -304,7 +352,7 @@ int fingerfem_tell(const fingerfem_touching *touching, const double *point, doub
 void fingerfem_touch_errors(const fingerfem_touching *touching, const double *point, double *memory, double *loads,
                             double *errors)
 {
-    double out[FINGERFEM_ROWS], jacobian[FINGERFEM_ROWS * (TENSIONS_MOST + 1)];
+    double out[MOST_ROWS], jacobian[MOST_ROWS * MOST_PARAMETERS];
     int32_t inside;
     touch_by(touching, point, memory, loads, out, jacobian, NULL, &inside, NULL, errors, NULL);
 }
@@ -312,12 +360,12 @@ void fingerfem_touch_errors(const fingerfem_touching *touching, const double *po
 void fingerfem_tells(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
                      double *errors, int32_t *inside, const fingerfem_report *reports)
 {
-    const int p = touching->chain->tensions + 1, rows = FINGERFEM_QUATERNION + p - 1;
-    double jacobian[FINGERFEM_ROWS * (TENSIONS_MOST + 1)], loads[FINGERFEM_MOST_LOADS];
+    const int t = touching->chain->tensions, m = touching->count, p = t + m, rows = FINGERFEM_QUATERNION + t;
+    double jacobian[MOST_ROWS * MOST_PARAMETERS], loads[FINGERFEM_MOST_LOADS];
     for (int i = 0; i < count; i++) {
         const fingerfem_report own = {reports->rows + rows * i, reports->jacobian + rows * p * i,
                                       reports->errors + FINGERFEM_REPORT_ERRORS * i};
         memset(loads, 0, (size_t)fingerfem_chain_loads(touching->chain) * sizeof *loads);
-        fingerfem_tell(touching, points + p * i, memory, loads, out + FINGERFEM_ROWS * i, jacobian, errors + 3 * i, inside + i, &own);
+        fingerfem_tell(touching, points + p * i, memory, loads, out + (3 + 2 * m) * i, jacobian, errors + (1 + 2 * m) * i, inside + i, &own);
     }
 }

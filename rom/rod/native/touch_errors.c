@@ -11,11 +11,11 @@ static double size_of(int count, const double *values)
     return sqrt(square);
 }
 
-double touch_distance_error(const contact_problem *problem, const touched_point *first)
+double touch_distance_error(const contact_problem *problem, int j, const touched_point *first)
 {
     const fingerfem_chain *chain = problem->touching->chain;
     double e[3], opened[FINGERFEM_MOST_VARIANTS + 1] = {0.0};
-    placed_leaving(problem, first->plate, e);
+    placed_leaving(problem, j, first->plate, e);
     for (int v = 0; v < chain->segments[0]->deviating; v++) {
         for (int i = 0; i < W; i++) opened[v] += first->wrench[i] * first->plate->motion[i][contact_size(problem) + v];
         opened[v] /= objects_dot(first->wrench, e);
@@ -38,26 +38,31 @@ static double rubber_place(const contact_problem *problem, const contact_state *
     return all > 0.0 ? sum / all : 0.0;
 }
 
-void report_errors(const contact_problem *problem, const contact_state *state, double force_now, const double *jacobian, double *errors)
+void report_errors(const contact_problem *problem, const contact_state *state, const double *forces, const double *jacobian,
+                   double *errors)
 {
     enum { MOST = FINGERFEM_MOST_VARIANTS };
     const fingerfem_chain *chain = problem->touching->chain;
-    const int p = chain->tensions + 1;
-    const double place = chain->place_floor, stiffness = fabs(jacobian[p * 3 + p - 1]), off = rubber_place(problem, state);
-    const double *by_d = jacobian + p - 1, tip_by_d = sqrt(by_d[0] * by_d[0] + by_d[p] * by_d[p] + by_d[2 * p] * by_d[2 * p]);
-    double tip[3 * MOST + 3] = {0.0}, force[MOST + 2] = {0.0}, known = 0.0;
+    const int t = chain->tensions, m = problem->touching->count, p = t + m;
+    const double place = chain->place_floor, off = rubber_place(problem, state);
+    double tip[3 * MOST + 3] = {0.0}, force[FINGERFEM_MOST_OBJECTS][MOST + 2] = {{0.0}}, known = 0.0, tip_by_d = 0.0;
     for (int v = 0; v < chain->segments[0]->deviating; v++) {
-        double drift[CHAIN_WRENCH], still[3 * FINGERFEM_MOST_CONTACTS] = {0.0}, found[4] = {0.0};
+        double drift[CHAIN_WRENCH], still[3 * FINGERFEM_MOST_CONTACTS] = {0.0}, found[3 + FINGERFEM_MOST_OBJECTS] = {0.0};
         reported_change all;
         for (int i = 0; i < contact_size(problem); i++)
             drift[i] = state->at.chain.bodies[i / W].motion[i % W][contact_size(problem) + v];
-        if (!report_change(problem, state, drift, still, &all, found)) known = INFINITY;
+        if (!report_change(problem, state, -1, drift, still, &all, found)) known = INFINITY;
         memcpy(tip + 3 * v, found, 3 * sizeof *tip);
-        force[v] = found[3];
+        for (int j = 0; j < m; j++) force[j][v] = found[3 + j];
     }
     for (int i = 0; i < 3; i++) tip[3 * MOST + i] = place;
-    force[MOST] = chain->force_floor * force_now;
-    force[MOST + 1] = place * stiffness;
+    for (int d = t; d < p; d++) tip_by_d += sqrt(jacobian[d] * jacobian[d] + jacobian[p + d] * jacobian[p + d] + jacobian[2 * p + d] * jacobian[2 * p + d]);
     errors[0] = chain->tip_factor * size_of(3 * MOST + 3, tip) + off * tip_by_d + known;
-    errors[1] = chain->force_factor * size_of(MOST + 2, force) + off * stiffness + known;
+    for (int j = 0; j < m; j++) {
+        double stiffness = 0.0;
+        for (int d = t; d < p; d++) stiffness += fabs(jacobian[p * (3 + j) + d]);
+        force[j][MOST] = chain->force_floor * forces[j];
+        force[j][MOST + 1] = place * stiffness;
+        errors[1 + j] = chain->force_factor * size_of(MOST + 2, force[j]) + off * stiffness + known;
+    }
 }

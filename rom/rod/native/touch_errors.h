@@ -6,16 +6,18 @@
 #include "response.h"
 #include "rubber.h"
 
-/* How tip and contact force change, (4), and the plates and wrenches, `all`, with what moves the plates by `drift` at fixed wrenches and bends them besides, or,
- * without `bends`, moves them relative to the object. Returns 0 if nothing is known of it. */
-int report_change(const contact_problem *problem, const contact_state *state, const double *drift, const double *bends,
+/* How the tip and the force of every object change, (3 + count), and the plates and wrenches, `all`, with what moves the plates by
+ * `drift` at fixed wrenches and bends them besides, or, without `bends`, moves them relative to the object `only`, see
+ * response_follow. Returns 0 if nothing is known of it. */
+int report_change(const contact_problem *problem, const contact_state *state, int only, const double *drift, const double *bends,
                   reported_change *all, double *found);
 
-/* Estimated error of the touch distance, of free plates whose motions by the variants are known. A point of the rubber that
- * touches first counts as the plate's; what is known of the surface there is added. */
-double touch_distance_error(const contact_problem *problem, const touched_point *first);
+/* Estimated error of the touch distance of object j, of free plates whose motions by the variants are known. A point of the
+ * rubber that touches first counts as the plate's; what is known of the surface there is added. */
+double touch_distance_error(const contact_problem *problem, int j, const touched_point *first);
 
-/* Estimated errors of tip and contact force, (2), of plates whose motions by the variants are known; infinite if nothing is known
- * of how they follow. The force [N] and the derivatives are those of the answer. */
-void report_errors(const contact_problem *problem, const contact_state *state, double force, const double *jacobian, double *errors);
+/* Estimated errors of the tip and of every object's force, (1 + count), of plates whose motions by the variants are known;
+ * infinite if nothing is known of how they follow. The forces, (count) [N], and the derivatives are those of the answer. */
+void report_errors(const contact_problem *problem, const contact_state *state, const double *forces, const double *jacobian,
+                   double *errors);
 #endif

@@ -36,7 +36,7 @@ def residual(problem: Problem) -> Any:
     bodies.append(Term(tendons.channelled(fields.tension_density), regions.CHANNELS, degree))
     integrals = [(one.energy, volume_measure(problem.mesh, one.degree)(one.regions)) for one in bodies]
     v = ufl.TestFunction(problem.space)
-    groups = contact_groups(scene, surface_measure(scene, problem.mesh), fields, fields.distance)
+    groups = contact_groups(scene, problem.bodies[0], surface_measure(scene, problem.mesh), fields, fields.distance)
     pushing = [contact.penalty_residual(one.gap, one.normal, one.stiffness, v) * one.measure for one in groups]
     return residual_of(integrals, fields.u) + sum(pushing)
 

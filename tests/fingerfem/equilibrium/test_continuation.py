@@ -212,7 +212,7 @@ def test_a_nan_never_leaves_as_a_result(draft):
 def test_without_an_obstacle_no_contact_is_compiled_and_no_distance_taken(table):
     del table["obstacle"]
     model = FingerModel(Scene.model_validate(table))
-    assert model.problem.forms.contact is None
+    assert model.problem.forms.contact == []
     state = model.solve([50.0, 0.0], sensitivities=False)
     assert state.contact_force is None and "contact_force" not in state.as_json()
     with pytest.raises(ValueError, match="d must be left out"):

@@ -89,7 +89,7 @@ def test_forces_and_moments_balance(pressed):
     assert state.clamp_reaction == pytest.approx(force, abs=1e-9 * problem.force_scale)
     moments = [np.cross(places, nodal).sum(axis=0) for nodal in (reaction, on_obstacle)]
     assert np.abs(moments[0] - moments[1]).max() < 1e-8 * problem.force_scale * 0.05
-    assert state.contact_force == pytest.approx(float(pushed @ problem.obstacle.direction), rel=1e-9)
+    assert state.contact_force == pytest.approx(float(pushed @ problem.bodies[0].direction), rel=1e-9)
     assert 0 < state.penetration < 2e-5 and state.stable
 
 

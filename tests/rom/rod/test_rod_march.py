@@ -115,10 +115,17 @@ def test_two_rods_stand_one_on_the_other_and_carry_its_wrench():
         assert motions[:, :3, k] == pytest.approx(moves, abs=1e-6 * np.abs(moves).max())
 
 
+def before(chain, one):
+    """A struct fingerfem_touching of a chain and one object."""
+    return SEGMENT.struct(
+        "fingerfem_touching", chain=chain, count=1, objects=SEGMENT.pointers("fingerfem_object", [one])
+    )
+
+
 def touching(elements, obstacle):
     """A struct fingerfem_touching, and what it needs."""
     struct = SEGMENT.struct("fingerfem_object", **obstacle.numbers())
-    return SEGMENT.struct("fingerfem_touching", chain=chained([elements]), object=struct)
+    return before(chained([elements]), struct)
 
 
 def test_a_free_rod_and_its_derivatives_are_those_without_a_wrench():
@@ -255,7 +262,7 @@ def test_corners_bent_by_few_tensions_are_taken_by_their_monomials():
     chain = native.chain_struct(
         [compiled([element], corners=corners)], np.array([[0, 1]]), np.zeros(3), errors.pop("skin_error"), errors
     )
-    own = SEGMENT.struct("fingerfem_touching", chain=chain, object=SEGMENT.struct("fingerfem_object", **far.numbers()))
+    own = before(chain, SEGMENT.struct("fingerfem_object", **far.numbers()))
     pull = np.array([7.0, 3.0])
     ((free, rotation, _, _),) = placed([element], pull[None], np.zeros((1, 6)))
     places = CORNERS + corners.value(np.append(pull, np.zeros(6))[None]).reshape(8, 3)

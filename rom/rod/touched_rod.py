@@ -1,0 +1,254 @@
+"""A finger that objects touch: a model of tensions and of every object's distance."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rom.brief import brief
+from rom.checked_file import ModelError
+from rom.native import PickledByFields
+from rom.native.answer import Answer
+from rom.rod import native
+from rom.rod.native import SEGMENT, Touched
+from rom.rod.native.reports import QUATERNION
+from rom.rod.native.told import tells
+from rom.rod.objects.shapes import Object
+from rom.rod.report import Report
+from rom.rod.rod import QUANTITIES, Rod
+from rom.rod.shape import Sections
+from rom.table import Table, as_html, parameters
+
+MOST = 8  # objects, as in segment.h
+
+
+@brief
+class ContactForce(NamedTuple):
+    """What an object does to the finger at a point.
+
+    Attributes:
+        plate: which, from the clamp; or the one that the touched rubber ends at.
+        place: of the point in space, shape (3,) [m].
+        normal: out of the object, shape (3,) [-].
+        force: on the plate, shape (3,) [N].
+        slides: or sticks; without friction it slides.
+        rubber: whether the point is of the rubber.
+        object: which, of several.
+    """
+
+    plate: int
+    place: np.ndarray
+    normal: np.ndarray
+    force: np.ndarray
+    slides: bool
+    rubber: bool = False
+    object: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class TouchedRod(PickledByFields):
+    """A finger of one segment or several, and m rigid objects without friction that touch it anywhere.
+
+    Attributes:
+        rod: the finger.
+    """
+
+    rod: Rod
+
+    @property
+    @abstractmethod
+    def objects(self) -> tuple[Object, ...]:
+        """What may touch."""
+
+    @property
+    def distance_names(self) -> list[str]:
+        """Of the objects' distances."""
+        return [f"d{k + 1}" for k in range(len(self.objects))]
+
+    @property
+    def parameters(self) -> list[dict[str, Any]]:
+        """Name, unit, lower and upper of tensions and of every d."""
+        ends = [(name, *one.distances) for name, one in zip(self.distance_names, self.objects, strict=True)]
+        return [
+            *self.rod.parameters,
+            *({"name": name, "unit": "m", "lower": nearest, "upper": farthest} for name, nearest, farthest in ends),
+        ]
+
+    @property
+    def names(self) -> list[str]:
+        """Of the parameters."""
+        return [parameter["name"] for parameter in self.parameters]
+
+    @property
+    def limits(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper ends of the parameters, shapes (p,) [N, m]."""
+        ends = np.array([[parameter["lower"], parameter["upper"]] for parameter in self.parameters])
+        return ends[:, 0], ends[:, 1]
+
+    def tables(self) -> list[Table | str]:
+        """For people: its segments, and where objects may be."""
+        return [
+            *self.rod.tables(),
+            parameters(self.parameters, "with objects" if len(self.objects) > 1 else "with the object"),
+        ]
+
+    def _repr_html_(self) -> str:
+        return as_html(self.tables())
+
+    @cached_property
+    def touching(self) -> Any:
+        """For compiled code, a struct fingerfem_touching."""
+        objects = [SEGMENT.struct("fingerfem_object", **one.numbers()) for one in self.objects]
+        return SEGMENT.struct(
+            "fingerfem_touching",
+            chain=self.rod.struct,
+            count=len(objects),
+            objects=SEGMENT.pointers("fingerfem_object", objects),
+        )
+
+    def answers(self, points: ArrayLike, by_object: bool = False) -> Touched:
+        """Answers, with all that is known of them, at points, shape (n, p) [N, m].
+
+        Derivatives by the objects' poses, if wanted, are those with a motion along x, y, z, then with a turning about
+        axes through the centre, of one object after another.
+
+        Raises:
+            ModelError: the wrong number of parameters.
+        """
+        return native.touches(self.touching, self._points(points), by_object=by_object)
+
+    def _points(self, parameters: ArrayLike) -> np.ndarray:
+        """Points as rows."""
+        found = np.atleast_2d(np.asarray(parameters, float))
+        if found.ndim > 2 or found.shape[-1] != len(self.parameters):
+            raise ModelError(
+                f"parameters must be {', '.join(self.names)} (in that order), got shape {np.shape(parameters)}"
+            )
+        return found
+
+    def evaluate(self, parameters: ArrayLike) -> Answer:
+        """Tip, its orientation, contact forces, touch distances and tendon shortenings at tensions [N] and every d [m].
+
+        Args:
+            parameters: shape (p,) or (n, p).
+
+        All objects come together. Where no equilibrium was found on their approach, the answer is not inside, and its
+        error infinite. It is not inside either where the equilibrium is not stable. What belongs to an object has a
+        last axis of m.
+
+        Raises:
+            ModelError: the wrong number of parameters.
+        """
+        m = len(self.objects)
+        out, errors, inside, (rows, _, off) = tells(self.touching, self._points(parameters))
+        if np.ndim(parameters) == 1:
+            out, errors, inside, rows, off = out[0], errors[0], inside[0], rows[0], off[0]
+        return Answer(
+            tip=out[..., :3],
+            contact_force=out[..., 3 : 3 + m],
+            touch_distance=out[..., 3 + m :],
+            pad_pressure=None,
+            error=dict(zip(QUANTITIES, (errors[..., 0], errors[..., 1 : 1 + m], errors[..., 1 + m :]), strict=True)),
+            inside=inside,
+            orientation=rows[..., :QUATERNION],
+            orientation_error=off[..., 0],
+            shortenings=rows[..., QUATERNION:],
+            shortening_error=off[..., 1],
+        )
+
+    def report(self, parameters: ArrayLike) -> Report:
+        """Tip orientation and tendon shortenings, with their derivatives by tensions [N] and every d [m].
+
+        Args:
+            parameters: shape (p,) or (n, p).
+
+        Raises:
+            ModelError: the wrong number of parameters.
+
+        Example:
+            >>> TouchedSegment.load().report([30.0, 0.0, 0.010]).shortening_jacobian
+        """
+        found = Report.of(tells(self.touching, self._points(parameters)))
+        return Report(*(one[0] for one in found)) if np.ndim(parameters) == 1 else found
+
+    def contact_forces(self, parameters: ArrayLike) -> list[ContactForce]:
+        """Where objects press at one point, shape (p,), and how much; none without an equilibrium.
+
+        A plate is rigid: of more contacts than its wrench tells apart, the forces are one way of making it.
+        """
+        (point,) = self._points(parameters)
+        found = native.pressing(self.touching, point)
+        least = 1e-6 * found.forces.max(initial=0.0)
+        return [
+            ContactForce(int(plate), place, normal, force * normal, True, bool(rubber), int(number))
+            for plate, number, rubber, place, normal, force in zip(*found, strict=True)
+            if force > least
+        ]
+
+    def displacement(self, parameters: ArrayLike, points: ArrayLike | None = None) -> np.ndarray:
+        """Of material points at one point of the parameters, shape (p,); shape (points, 3) [m].
+
+        Args:
+            parameters: tensions [N] and every d [m].
+            points: of the finger at rest, shape (points, 3) [m]; by default the long edges' at even cross-sections.
+        """
+        tensions, wrenches = self._loads(parameters)
+        return self.rod.displacement(tensions, wrenches, points)
+
+    def sections(self, parameters: ArrayLike, at: ArrayLike | None = None) -> Sections:
+        """Poses of cross-sections at one point of the parameters, shape (p,), pressed or free; see `Rod.sections`.
+
+        Args:
+            parameters: tensions [N] and every d [m].
+            at: positions along the finger at rest, shape (m,) [m].
+        """
+        return self.rod.sections(*self._loads(parameters), at)
+
+    def shortening(self, parameters: ArrayLike) -> np.ndarray:
+        """How much shorter the tendons have become at one point, shape (p,); shape (t,) [m]."""
+        return self.rod.shortening(*self._loads(parameters))
+
+    def _loads(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Tensions and loads in contact, shapes (t,) [N] and (m,) [N, N m]."""
+        return np.asarray(parameters, float)[: -len(self.objects)], self.answers(parameters).loads[0]
+
+    def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Tip x, y, z [m], contact forces [N], touch distances [m], shape (3 + 2 m,); and `jacobian`."""
+        found = self.answers(parameters)
+        return found.out[0], found.jacobians[0]
+
+    def jacobian(self, parameters: ArrayLike) -> np.ndarray:
+        """The derivatives alone, shape (3 + 2 m, p)."""
+        return self.answers(parameters).jacobians[0]
+
+
+@brief
+@dataclass(frozen=True, kw_only=True)
+class AmongObjects(TouchedRod):
+    """A finger among several objects, each with its own distance: d1, d2, and so on.
+
+    Attributes:
+        obstacles: one to eight objects.
+
+    Example:
+        >>> post = Cylinder(centre=(0.08, 0.02, 0.0), direction=(0.0, 1.0, 0.0), radius=0.008)
+        >>> model = AmongObjects(rod=Rod.load("finger.h5"), obstacles=[post, another])  # doctest: +SKIP
+        >>> model.evaluate([60.0, 0.0, 0.0, 0.02]).contact_force  # doctest: +SKIP
+    """
+
+    obstacles: Sequence[Object]
+
+    def __post_init__(self) -> None:
+        if not 1 <= len(self.obstacles) <= MOST:
+            raise ModelError(f"obstacles must be 1 to {MOST}, got {len(self.obstacles)}")
+
+    @property
+    def objects(self) -> tuple[Object, ...]:
+        """The obstacles."""
+        return tuple(self.obstacles)
