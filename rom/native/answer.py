@@ -26,7 +26,8 @@ class Answer:
 
     Attributes:
         tip: displacement of the tip plate's centre, shape (3,) or (n, 3) [m].
-        contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle.
+        contact_force: [N], shape () or (n,); zero before touch and in scenes without an obstacle. Among m objects, of
+            each: shape (m,) or (n, m); so are the touch distance and both errors.
         touch_distance: of the object, where the free finger touches it [m], shape () or (n,); nan without one.
         pad_pressure: mean contact pressure on the tactile pad [Pa], as the contact force; None if the model does not
             have it.
@@ -72,7 +73,7 @@ class Answer:
             ("pad_pressure", "Pa", self.pad_pressure),
         ):
             if value is not None and name in self.error:
-                found |= {f"{name}_{unit}": float(value), f"{name}_error_{unit}": float(self.error[name])}
+                found |= {f"{name}_{unit}": _plain(value), f"{name}_error_{unit}": _plain(self.error[name])}
         if self.orientation is not None:
             found |= {
                 "orientation_wxyz": self.orientation.tolist(),
@@ -92,9 +93,9 @@ class Answer:
         found = {"contact_force": (self.contact_force, "N"), "touch_distance": (self.touch_distance, "m")}
         if self.pad_pressure is not None:
             found["pad_pressure"] = self.pad_pressure, "Pa"
-        named = {name: (name.replace("_", " "), *one, self.error.get(name)) for name, one in found.items()}
+        named = [part for name, one in found.items() for part in self._by_object(name, *one)]
         if np.ndim(self.tip) > 1:
-            return self._many(list(named.values()))
+            return self._many(named)
         rows = components("tip", self.tip, "m", self.error["tip"])
         if self.orientation is not None:
             off = self.orientation_error / 2  # a turn by an angle changes the quaternion by half as much
@@ -103,8 +104,16 @@ class Answer:
             names = tendons or range(1, 1 + len(self.shortenings))
             each = zip(names, self.shortenings, strict=True)
             rows += [row(f"shortening {name}", one, "m", self.shortening_error) for name, one in each]
-        rows += [row(*one) for one in named.values() if not np.isnan(one[1])]
+        rows += [row(*one) for one in named if not np.isnan(one[1])]
         return [quantities(rows), INSIDE if self.inside else OUTSIDE]
+
+    def _by_object(self, name: str, value: Any, unit: str) -> list[tuple[str, Any, str, Any]]:
+        """A quantity with its words, unit and error; of several objects, each one's."""
+        words, error = name.replace("_", " "), self.error.get(name)
+        if np.ndim(value) < np.ndim(self.tip):
+            return [(words, value, unit, error)]
+        errors = np.full_like(value, np.nan) if error is None else error
+        return [(f"{words} {k + 1}", value[..., k], unit, errors[..., k]) for k in range(value.shape[-1])]
 
     def _many(self, named: list[tuple[str, Any, str, Any]]) -> list[Table | str]:
         units = [(name, values, shown(unit)[1], errors, unit) for name, values, unit, errors in named]
@@ -118,6 +127,11 @@ class Answer:
 
     def _repr_html_(self) -> str:
         return as_html(self.tables())
+
+
+def _plain(value: Any) -> Any:
+    """A number, or a list of one for each object."""
+    return np.asarray(value, float).tolist()
 
 
 def rows(kernel: Any) -> int:

@@ -101,6 +101,6 @@ class TouchedSegment(TouchedRod):
         As `TouchedRod.evaluate`, without an axis of the objects.
         """
         found = super().evaluate(parameters)
-        error = {name: one if name == "tip" else one[..., 0] for name, one in found.error.items()}
-        force, touch = found.contact_force[..., 0], found.touch_distance[..., 0]
+        error = {name: one if name == "tip" else one[..., 0][()] for name, one in found.error.items()}
+        force, touch = found.contact_force[..., 0][()], found.touch_distance[..., 0][()]
         return replace(found, contact_force=force, touch_distance=touch, error=error)
