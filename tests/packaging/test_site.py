@@ -46,7 +46,8 @@ def is_all(targets: list[ast.expr]) -> bool:
 
 def keys(table: type[BaseModel], prefix: str = "") -> Iterator[str]:
     for name, field in table.model_fields.items():
-        inner = [one for one in tables(field.annotation) if one is not Expected]
+        # Of further bodies the keys are those of the first one.
+        inner = [one for one in tables(field.annotation) if one is not Expected and not issubclass(table, one)]
         if not inner:
             yield prefix + name
         for one in inner:

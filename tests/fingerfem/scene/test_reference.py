@@ -53,6 +53,7 @@ ADDED: dict[str, tuple[str, Any]] = {
     "obstacle.rotation": ("box", [0.1, 0.2, 0.3]),
     "obstacle.method": ("plane", "nitsche"),
     "obstacle.stiffness": ("plane", 1000.0),
+    "obstacle.others": ("plane", [{"shape": "sphere", "centre": [0.05, -0.02, 0.0], "radius": 0.01}]),
     "obstacle.pad.width": ("pad", 0.006),
     "load.friction_angle": ("load", 0.4),
     "load.moment": ("load", 0.05),
