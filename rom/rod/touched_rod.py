@@ -51,6 +51,7 @@ class ContactForce(NamedTuple):
     object: int = 0
 
 
+@brief
 @dataclass(frozen=True, kw_only=True)
 class TouchedRod(PickledByFields):
     """A finger of one segment or several, and m rigid objects without friction that touch it anywhere.
