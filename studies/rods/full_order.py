@@ -99,6 +99,18 @@ class FullOrder:
             return None
         return np.asarray(model.problem.contact.forces())
 
+    def pulled_against(self, touched: Table, pulled: np.ndarray, d: float) -> np.ndarray | None:
+        """The same of objects that stand at d [m] beside the straight finger, which is then pulled."""
+        from fingerfem.equilibrium.failures import LoadNotReached
+
+        model = self._before(touched)
+        model.continuation.start(np.zeros(len(pulled)), d, np.zeros_like(model.problem.displacement))
+        try:
+            model.continuation.advance(pulled, d)
+        except LoadNotReached:
+            return None
+        return np.asarray(model.problem.contact.forces())
+
     def _before(self, touched: Table) -> Any:
         """The finger before an obstacle, in place of its load."""
         table = {key: value for key, value in self._table.items() if key != "load"} | {"obstacle": touched}

@@ -58,7 +58,7 @@ def draw(rod: Rod, rubber: bool, random: np.random.Generator) -> History:
         pulled = np.array([random.uniform(*ends) for ends in PULLED])
         model, d = (rubber_first if rubber else plate_first)(rod, pulled, random)
         first, normal = np.array([*pulled, d]), np.array(model.obstacle.numbers()["axis"])
-        if not clear_of_clamp(model, d):
+        if not clear_of_clamp(rod, obstacle(model.obstacle), d):
             continue
         answer = model.evaluate(first)
         if not (answer.inside and FORCES[0] < answer.contact_force < FORCES[1]):

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import os
-import tomllib
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
+from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
 from rom import Cylinder, Plane, Rod, Sphere, TouchedSegment
-from rom.error_statistics import quantiles
 from rom.rod.objects.shapes import Object
 from studies.rods import plans
-from studies.rods.full_order import FullOrder, Table, obstacle, random_box
-from studies.rods.objects import CORES, FELT
+from studies.rods.full_order import Table, obstacle, random_box
+from studies.rods.pressed_objects import Pressed, by_core, summary
 from studies.rods.scattered_objects import DISTANCE, SHAPES, tensions
 from studies.runner import Run
 
@@ -57,58 +54,32 @@ def anywhere(finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape
     return found, obstacle(found, own)
 
 
-def clear_of_clamp(model: TouchedSegment, d: float) -> bool:
-    """Whether the object is no plane that presses on the clamp too."""
-    if not isinstance(model.obstacle, Plane):
-        return True
-    half = model.rod.half_lengths[1]
-    clamp = np.array([[0.0, y, z] for y in (-half, half) for z in (-half, half)])
-    return bool(((clamp - model.obstacle.centre - d * model.direction) @ model.obstacle.normal).min() > CLEAR)
+def clear_of_clamp(finger: Rod, table: Table, d: float) -> bool:
+    """Whether an object, as the table of a scene, at d [m] is away from where the finger is clamped."""
+    from fingerfem.mechanics.obstacles import NUMPY, bodies
+    from fingerfem.scene.tables import Obstacle
+
+    half, along = finger.half_lengths[1], np.linspace(-1.0, 1.0, 21)
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
+    outline = [((1 - s) * one + (1 + s) * two) / 2 for one, two in pairwise(corners) for s in along]
+    y, z = half * np.array(outline).T
+    (body,) = bodies(Obstacle.model_validate(table), 2 * half)
+    return bool(body.signed_distance((0 * y, y, z), d, NUMPY).min() > CLEAR)
 
 
-def compared(run: Run, plan: plans.Plan, shape: str, count: int) -> dict:
-    """Random objects of one shape."""
-    finger, random = plans.rod(run, plan), np.random.default_rng(21)
-    full = FullOrder(tomllib.loads(plans.scene(run, plan).read_text()))
-    rows: list[tuple[float, float, float]] = []
-    counts = dict.fromkeys(("no answer", "marked", "weak", "failed"), 0)
-    while len(rows) < count:
-        pulled = tensions(finger, random)
-        found, table = anywhere(finger, pulled, random, shape)
-        model = TouchedSegment(rod=finger, obstacle=found)
-        point = np.array([*pulled, DISTANCE - float(np.exp(random.uniform(*np.log(DEPTHS))))])
-        if not clear_of_clamp(model, float(point[-1])):
-            continue
-        answers = model.answers(point)
-        force = float(answers.out[0, 3])
-        if answers.evaluations[0] < 0:
-            counts["no answer"] += 1
-        elif not answers.inside[0] or force > MOST:
-            counts["marked"] += 1
-        elif not any(one.rubber for one in model.contact_forces(point)) or force < FELT:
-            counts["weak"] += 1
-        else:
-            found_forces = full.approached(table, pulled, float(point[-1]))
-            if found_forces is None:
-                counts["failed"] += 1
-                continue
-            true = float(found_forces[0])
-            expected = float(model.evaluate(point).error["contact_force"])
-            rows.append((abs(force - true), expected, true))
-    off, expected, true = np.array(rows).T
-    return {
-        "shape": shape,
-        **counts,
-        "error": quantiles(off / true),
-        "covered": float((off <= expected).mean()),
-        "ratio": float(np.median(expected) / np.median(off)),
-    }
+def pressed(finger: Rod, random: np.random.Generator, shape: str) -> Pressed | None:
+    """One object of a shape, pressed in by a random depth."""
+    pulled = tensions(finger, random)
+    found, table = anywhere(finger, pulled, random, shape)
+    d = DISTANCE - float(np.exp(random.uniform(*np.log(DEPTHS))))
+    if not clear_of_clamp(finger, table, d):
+        return None
+    return Pressed(pulled, [(found, table)], d)
 
 
 def measure(run: Run) -> list[dict]:
-    """Every shape, a shape a process, each on one core."""
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    """Every shape, a shape a process."""
     plan, count = (plans.QUICK, 2) if run.quick else (plans.LARGE, 10)
-    plans.rod(run, plan)
-    with ProcessPoolExecutor(CORES, mp_context=get_context("spawn")) as pool:
-        return [one.result() for one in [pool.submit(compared, run, plan, shape, count) for shape in SHAPES]]
+    calls = [(partial(pressed, shape=shape), [21], count, MOST, True) for shape in SHAPES]
+    parts = zip(SHAPES, by_core(run, plan, calls), strict=True)
+    return [{"shape": shape, **summary([part])} for shape, part in parts]

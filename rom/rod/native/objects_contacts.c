@@ -6,19 +6,6 @@
 
 typedef double vector[3];
 
-double objects_dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-void objects_cross(const double *a, const double *b, double *out)
-{
-    const vector found = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    memcpy(out, found, sizeof found);
-}
-
-void objects_turned_back(const double *rotation, const double *v, double *out)
-{
-    for (int i = 0; i < 3; i++) out[i] = rotation[i] * v[0] + rotation[3 + i] * v[1] + rotation[6 + i] * v[2];
-}
-
 /* Room for a contact with a gap: the place of that with the largest gap if there is none; -1 if all are nearer. */
 static int room_for(objects_contacts *all, double gap)
 {

@@ -34,6 +34,22 @@ typedef struct {
     double wrenches[FINGERFEM_MOST_CONTACTS][FINGERFEM_WRENCH]; /* n and (p + bent) x n, of a unit force along the normal n */
 } objects_contacts;
 
+static inline double objects_dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static inline void objects_cross(const double *a, const double *b, double *out)
+{
+    const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    out[0] = x;
+    out[1] = y;
+    out[2] = z;
+}
+
+/* R^T v. */
+static inline void objects_turned_back(const double *rotation, const double *v, double *out)
+{
+    for (int i = 0; i < 3; i++) out[i] = rotation[i] * v[0] + rotation[3 + i] * v[1] + rotation[6 + i] * v[2];
+}
+
 /* How deep an object may lie in the free plate for its sides to be told apart [m]. */
 double objects_shallow(const fingerfem_object *object, const double *half_lengths);
 
@@ -54,12 +70,6 @@ void objects_copy(const objects_contacts *from, int j, objects_contacts *to, int
 
 /* A rounded point s: the plate's point nearest to it; if it is inside the plate, out through the nearest face. */
 void objects_note_point(objects_contacts *all, int name, const double *s, double radius);
-
-double objects_dot(const double *a, const double *b);
-void objects_cross(const double *a, const double *b, double *out);
-
-/* R^T v. */
-void objects_turned_back(const double *rotation, const double *v, double *out);
 
 void objects_corner(int k, const double *half_lengths, double *p);
 #endif
