@@ -15,10 +15,10 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.native.answer import Answer
-from rom.rod import native
-from rom.rod.native import SEGMENT, Touched
+from rom.rod.native import SEGMENT
 from rom.rod.native.reports import QUATERNION
 from rom.rod.native.told import tells
+from rom.rod.native.touched import Touched, pressing, touches
 from rom.rod.objects.shapes import Object
 from rom.rod.report import Report
 from rom.rod.rod import QUANTITIES, Rod
@@ -122,7 +122,7 @@ class TouchedRod(PickledByFields):
         Raises:
             ModelError: the wrong number of parameters.
         """
-        return native.touches(self.touching, self._points(points), by_object=by_object)
+        return touches(self.touching, self._points(points), by_object=by_object)
 
     def _points(self, parameters: ArrayLike) -> np.ndarray:
         """Points as rows."""
@@ -184,7 +184,7 @@ class TouchedRod(PickledByFields):
         A plate is rigid: of more contacts than its wrench tells apart, the forces are one way of making it.
         """
         (point,) = self._points(parameters)
-        found = native.pressing(self.touching, point)
+        found = pressing(self.touching, point)
         least = 1e-6 * found.forces.max(initial=0.0)
         return [
             ContactForce(int(plate), place, normal, force * normal, True, bool(rubber), int(number))

@@ -14,6 +14,7 @@ from rom.brief import brief
 from rom.native.answer import Answer
 from rom.rod import native
 from rom.rod.native import SEGMENT
+from rom.rod.native.touched import touches
 from rom.rod.objects.shapes import Object, facing_plane
 from rom.rod.rod import Rod
 from rom.rod.touched_rod import TouchedRod
@@ -73,7 +74,7 @@ class TouchedSegment(TouchedRod):
         """The tension that pushes most towards the object, in the middle of the others' range."""
         lower, upper = self.limits
         middle = np.append((lower + upper)[:-1] / 2, np.inf)
-        return int(np.argmax(native.touches(self.touching, middle[None]).jacobians[0, 4, :-1]))
+        return int(np.argmax(touches(self.touching, middle[None]).jacobians[0, 4, :-1]))
 
     @property
     def direction(self) -> np.ndarray:

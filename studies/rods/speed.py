@@ -9,7 +9,7 @@ import numpy as np
 
 from control import Finger, problems
 from rom import TouchedSegment
-from rom.rod import native
+from rom.rod.native import touched as native
 from rom.rod.objects.shapes import facing_plane
 from studies.runner import Run
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from rom.brief import brief
 from rom.native import SEGMENT
-from rom.rod.native import ENDS, loads, memory_of, pointer, rows_of
+from rom.rod.native import ENDS, loads, memory_of, pointer
 from rom.rod.native.reports import Reports
+from rom.rod.native.touched import rows_of
 
 
 @brief

@@ -12,6 +12,7 @@ from rom.native import SEGMENT
 from rom.rod import limits, native
 from rom.rod.inverse_map import InverseMap
 from rom.rod.native.arrangement import BLOCK, POSE
+from rom.rod.native.touched import touches
 from rom.rod.objects.shapes import Plane
 from tests.rom.elements import laws
 
@@ -132,7 +133,7 @@ def test_a_free_rod_and_its_derivatives_are_those_without_a_wrench():
     elements, pulled = laws.finger(), laws.inputs(2, 10, 12)[0]
     far = Plane(centre=(0.0, 1.0, 0.0), normal=(0.0, -1.0, 0.0), direction=(0.0, 1.0, 0.0), distances=(0.0, 1.0))
     own = touching(elements, far)
-    found = native.touches(own, np.column_stack([pulled, np.full(10, np.inf)]))
+    found = touches(own, np.column_stack([pulled, np.full(10, np.inf)]))
     assert found.inside.all() and not found.wrenches.any()
     for tip, jacobian, (centre, rotation, motion, _) in zip(
         found.out[:, :3], found.jacobians, placed(elements, pulled, np.zeros((10, 6))), strict=True
@@ -150,7 +151,7 @@ def test_a_plane_presses_on_a_rod_where_they_touch_and_by_what_it_bears():
         touched = min(free + CORNERS @ rotation.T, key=lambda corner: corner @ normal)
         plane = Plane(centre=tuple(touched), normal=tuple(normal), direction=tuple(-normal), distances=(-0.01, 0.01))
         own, point = touching(elements, plane), np.append(pull, -3e-4)
-        found = native.touches(own, point[None])
+        found = touches(own, point[None])
         if not found.inside[0]:
             continue
         pressed += 1
@@ -164,7 +165,7 @@ def test_a_plane_presses_on_a_rod_where_they_touch_and_by_what_it_bears():
             moment = np.cross(CORNERS[at[0]], found.wrenches[0, :3])
             assert found.wrenches[0, 3:] == pytest.approx(moment, abs=1e-6 * laws.MOST_MOMENT)
         for k, h in enumerate((1e-4, 1e-4, 2e-8)):
-            after, before = (native.touches(own, (point + sign * h * np.eye(3)[k])[None]).out[0] for sign in (1, -1))
+            after, before = (touches(own, (point + sign * h * np.eye(3)[k])[None]).out[0] for sign in (1, -1))
             differences = (after - before) / (2 * h)
             near = 2e-3 * np.abs(differences[:3]).max()
             assert found.jacobians[0, :4, k] == pytest.approx(differences[:4], rel=2e-3, abs=near)
@@ -267,4 +268,4 @@ def test_corners_bent_by_few_tensions_are_taken_by_their_monomials():
     ((free, rotation, _, _),) = placed([element], pull[None], np.zeros((1, 6)))
     places = CORNERS + corners.value(np.append(pull, np.zeros(6))[None]).reshape(8, 3)
     highest = (free + places @ rotation.T)[:, 1].max()
-    assert native.touches(own, np.array([[*pull, 0.9]])).out[0, 4] == pytest.approx(highest - 0.01, abs=1e-10)
+    assert touches(own, np.array([[*pull, 0.9]])).out[0, 4] == pytest.approx(highest - 0.01, abs=1e-10)

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom import Cylinder, Plane, Sphere, TouchedSegment, box
-from rom.rod import native
 from rom.rod.native import reports
+from rom.rod.native.touched import touches
 from rom.rod.rod import Rod
 from tests.rom.rod.plates import touch_of_plates
 
@@ -144,7 +144,7 @@ def test_a_warm_start_on_the_rubber_finds_the_same_sooner(bundled):
     for _ in range(5):
         model, point = pressed(bundled, random, "sphere")
         cold, moved = model.answers(point), point - [0.0, 0.0, 2e-5]
-        near = native.touches(model.touching, moved[None], cold.loads)
+        near = touches(model.touching, moved[None], cold.loads)
         again = model.answers(moved)
         assert near.out == pytest.approx(again.out, rel=1e-5, abs=1e-9) and near.evaluations[0] <= again.evaluations[0]
 

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from control import Finger
 from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment, box
-from rom.rod import native
+from rom.rod.native.touched import touches
 from rom.rod.objects.shapes import facing_plane
 from tests.rom.elements import elastic_rod as rod
 from tests.rom.rod.plates import bare, touch_of_plates
@@ -239,7 +239,7 @@ def test_a_warm_start_finds_the_same_sooner(finger):
     model, point = touched(finger, np.random.default_rng(4), "plane")
     cold = model.answers(point)
     moved = point + np.array([0, 0, 1e-5])
-    near = native.touches(model.touching, moved[None], cold.wrenches)
+    near = touches(model.touching, moved[None], cold.wrenches)
     assert near.evaluations[0] <= cold.evaluations[0]
     assert near.out == pytest.approx(model.answers(moved).out, rel=1e-6)
 
