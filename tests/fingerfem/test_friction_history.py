@@ -79,7 +79,7 @@ def test_other_obstacles_and_bad_input_are_refused(table, draft):
     ball = {"shape": "sphere", "centre": [0.045, 0.02, 0.0], "radius": 0.008, "direction": [0, 1, 0]}
     table["obstacle"] = ball | {"distance": [-0.01, 0.02], "method": "penalty"}
     model = FingerModel(Scene.model_validate(table))
-    with pytest.raises(ValueError, match="obstacle must be a plane with the penalty method"):
+    with pytest.raises(ValueError, match="obstacle must be one plane with the penalty method"):
         friction_history(model, [PRESSED], 0.3)
     with pytest.raises(ValueError, match="points must be tensions and d"):
         friction_history(draft, [[1.0, 2.0]], 0.3)
