@@ -40,6 +40,10 @@ def pulled(plant) -> list:
 # Of every class: how one is made, of a table if it needs a model; and what is asked of it, which makes what compiled
 # code reads.
 CLASSES = {
+    "AmongObjects": (
+        lambda table: rom.AmongObjects(rod=rod(), obstacles=[rom.load().obstacle, rom.Sphere(radius=0.01, **WHERE)]),
+        lambda one: [one.evaluate([*POINT, np.inf]).contact_force, one.jacobian([*POINT, 0.02])],
+    ),
     "Answer": (lambda table: table.evaluate(POINT), lambda one: [one.tip, one.contact_force]),
     "Cylinder": (lambda table: rom.Cylinder(radius=0.01, **WHERE), lambda one: [one.numbers()["axis"]]),
     "Hull": (lambda table: rom.Hull(**HULL, **WHERE), lambda one: [one.numbers()["heights"]]),
