@@ -15,7 +15,7 @@ import numpy as np
 import ufl
 from scipy.spatial.transform import Rotation
 
-from fingerfem.scene.tables import Obstacle, Shape, unit
+from fingerfem.scene.obstacle import Obstacle, Shape, unit
 
 Vector = tuple[float, ...]  # of three
 Coordinates = Any  # x, y, z: UFL scalars, or arrays of shape (n,) [m]
@@ -270,18 +270,16 @@ def _larger_root(arms: np.ndarray, direction: np.ndarray, radius: float) -> np.n
 
 def bodies(obstacle: Obstacle | None, side: float) -> list[Body]:
     """The bodies of a scene's obstacle; without one, the plane on the finger's side, y = side/2 + d."""
-    return [body(None, side)] if obstacle is None else [body(one, side) for one in obstacle.bodies]
+    return [body(one, side) for one in (obstacle.bodies if obstacle else [Shape()])]
 
 
 def all_flat(bodies: list[Body]) -> bool:
-    """Whether nodes alone touch them; a round one is touched between them, and others then by the same rule."""
+    """Whether all are planes, which touch at nodes. If one is round, contact with every body is between nodes too."""
     return all(one.is_flat for one in bodies)
 
 
-def body(obstacle: Shape | None, side: float) -> Body:
+def body(obstacle: Shape, side: float) -> Body:
     """The body of a shape; a plane stands on the finger's side, y = side/2, unless it says where."""
-    if obstacle is None:
-        return Plane(centre=(0.0, side / 2, 0.0), direction=(0.0, 1.0, 0.0), normal=(0.0, -1.0, 0.0))
     direction = unit(obstacle.leaving)
     if obstacle.shape == "plane":
         centre = tuple(obstacle.centre or (0.0, side / 2, 0.0))

@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from fingerfem.output.dimensions import FONT, arrow, dimension, finish, label, millimetres
+from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.scene import Scene
-from fingerfem.scene.tables import Geometry, Obstacle, Pad, Tendon
+from fingerfem.scene.tables import Geometry, Pad, Tendon
 
 MM = 1e3  # millimetres per metre
 COLOURS = ("#1565c0", "#2e7d32", "#e07000", "#6a1b9a", "#5d4037", "#00838f", "#827717", "#ad1457")  # of tendons

@@ -10,8 +10,9 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 
 from fingerfem.scene.grid_lines import fitting, grid_lines
 from fingerfem.scene.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff
+from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.presets import KEYS, chosen
-from fingerfem.scene.tables import Coarse, Expected, Geometry, Load, Mesh, Obstacle, Outline, Sampling, Table, Tendon
+from fingerfem.scene.tables import Coarse, Expected, Geometry, Load, Mesh, Outline, Sampling, Table, Tendon
 
 NOT_OF_THE_FINGER = {"name", "sampling", "expected", "coarse", *KEYS}
 

@@ -78,9 +78,9 @@ def describe(
             are asked for without a load.
     """
     if scene.obstacle is not None and not scene.obstacle.is_facing_plane:
-        raise SceneError(
-            f"obstacle must be the plane y = side/2 + d to train on it, got another {scene.obstacle.shape}"
-        )
+        bodies = scene.obstacle.bodies
+        got = f"another {bodies[0].shape}" if len(bodies) == 1 else f"{len(bodies)} bodies"
+        raise SceneError(f"obstacle must be the plane y = side/2 + d to train on it, got {got}")
     sampling, lead = scene.sampling, _lead(scene)
     if scene.load is None and held_out is None and sampling.lines is not None:
         raise SceneError(

@@ -69,7 +69,7 @@ class Errors:
         touch_distance: [m].
         contact: of tip, contact force, displacement and, if the model has it, pad pressure, per length of contact path
             [-, N/m, -, Pa/m], by cell, shape (cells, 3 or 4).
-        margin: added to the contact path [m]: at least `touch_distance`, by which contact may begin earlier.
+        margin: added to the contact path [m]. It is at least the error of the touch distance.
     """
 
     tip: float

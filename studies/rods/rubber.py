@@ -57,7 +57,7 @@ def anywhere(finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape
 def clear_of_clamp(finger: Rod, table: Table, d: float) -> bool:
     """Whether an object, as the table of a scene, at d [m] is away from where the finger is clamped."""
     from fingerfem.mechanics.obstacles import NUMPY, bodies
-    from fingerfem.scene.tables import Obstacle
+    from fingerfem.scene.obstacle import Obstacle
 
     half, along = finger.half_lengths[1], np.linspace(-1.0, 1.0, 21)
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])

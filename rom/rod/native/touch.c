@@ -208,11 +208,14 @@ static void report_pressing(const placed *at, const double *forces, fingerfem_pr
     }
 }
 
-/* Every object's d within its range, (count), and how far ahead of the first one that is there; that one, or 0. Tells besides which
- * objects touch the free finger, and which derivatives by d matter. */
+/* Where all objects are, and where they come from together: their offsets from one of them, the lead, stay as they are. */
 typedef struct {
-    int lead, any, touches[FINGERFEM_MOST_OBJECTS], moves[FINGERFEM_MOST_OBJECTS];
-    double d[FINGERFEM_MOST_OBJECTS], touch; /* [m]; the latter of the leading one, where all come together and one touches */
+    int lead;                             /* the first object at a finite d; -1 if there is none */
+    int any;                              /* whether an object reaches the free finger */
+    int touches[FINGERFEM_MOST_OBJECTS];  /* whether this one does */
+    int moves[FINGERFEM_MOST_OBJECTS];    /* and its d is within its range, so that derivatives by it are not zero */
+    double d[FINGERFEM_MOST_OBJECTS];     /* clamped to the range [m] */
+    double touch;                         /* d of the lead at which the first object touches the free finger [m] */
 } approached;
 
 static void approach_of(const fingerfem_touching *touching, const double *distances, const double *touch, contact_problem *problem,

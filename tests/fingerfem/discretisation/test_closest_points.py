@@ -8,8 +8,8 @@ from fingerfem import FingerModel
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.closest_points import ClosestPoints
 from fingerfem.mechanics.obstacles import body
+from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.scene import Scene
-from fingerfem.scene.tables import Obstacle
 
 END, SIDE = 0.05, 0.010  # of the finger [m]
 STIFFNESS = 1e10  # [N/m^3]

@@ -4,6 +4,8 @@ import pytest
 
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene, SceneError
+from fingerfem.snapshots.design import describe
+from fingerfem.versions import versions
 
 ABOVE = {"shape": "sphere", "centre": [0.046, 0.018, 0.0], "radius": 0.012}
 BELOW = {"shape": "sphere", "centre": [0.046, -0.018, 0.0], "radius": 0.012, "direction": [0.0, -1.0, 0.0]}
@@ -85,3 +87,9 @@ def test_several_bodies_are_written_as_they_are_read_and_wrong_ones_refused(draf
         model(draft, ABOVE, {"shape": "sphere", "centre": [0.0, 0.1, 0.0]})
     with pytest.raises((SceneError, ValueError), match="pad must be left out"):
         model(draft, {"shape": "plane"}, POST, distance=[0.001, 0.03], pad=draft["obstacle"]["pad"])
+
+
+def test_several_bodies_are_not_trained_on(draft):
+    scene = model(draft, {"shape": "plane"}, POST, distance=[0.001, 0.03]).scene
+    with pytest.raises(SceneError, match=r"obstacle must be the plane .* to train on it, got 2 bodies"):
+        describe(scene, versions())

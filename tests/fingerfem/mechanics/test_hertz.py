@@ -11,7 +11,7 @@ from petsc4py import PETSc
 
 from fingerfem.mechanics import contact, obstacles, strain_energy
 from fingerfem.scene.laws import neo_hookean_from
-from fingerfem.scene.tables import Obstacle
+from fingerfem.scene.obstacle import Obstacle
 
 E, NU = 1e6, 0.3  # [Pa], [-]
 RADIUS, TOUCH = 0.5, 1e-3  # of the ball, of the contact [m]: strains are so small that the law does not matter

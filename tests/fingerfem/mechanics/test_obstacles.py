@@ -5,7 +5,7 @@ import pytest
 from pydantic import ValidationError
 
 from fingerfem.mechanics.obstacles import NUMPY, body
-from fingerfem.scene.tables import Obstacle
+from fingerfem.scene.obstacle import Obstacle
 
 SIDE = 0.010
 USUAL = {"distance": [0.001, 0.031], "method": "penalty"}
