@@ -1,4 +1,4 @@
-"""A finger before a plane with friction, along a history of tensions and of the plane's positions.
+"""A finger before an obstacle with friction, along a history of tensions and of the obstacle's positions.
 
 An increment ends where Newton's method has converged for bounds mu N that are those of its own normal forces N: a fixed
 point (`mechanics.friction`). An increment that finds none is halved. Stick and slip depend on the history, so that
@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 from fingerfem.discretisation.friction_points import FrictionPoints
 from fingerfem.discretisation.obstacle_contact import ObstacleContact
 from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
-from fingerfem.mechanics import obstacles
 from fingerfem.model import FingerModel
 
 ITERATIONS = 60  # towards the fixed point of one increment
@@ -31,8 +30,8 @@ class FrictionState:
 
     Attributes:
         tip: displacement of the tip plate's centre, shape (3,) [m].
-        force: of the plane on the finger, shape (3,) [N].
-        normal_force: its part along the plane's normal [N].
+        force: of the obstacle on the finger, shape (3,) [N].
+        normal_force: sum of the nodes' forces along the obstacle's normals there [N].
         nodal: by every node that may touch: normal force, and size of the tangential one, shape (m, 2) [N].
         sticks: share of the normal force at nodes that stick [-]; nan without contact.
         dissipated: by sliding, from the history's beginning [J].
@@ -51,19 +50,20 @@ class FrictionState:
 def friction_history(
     model: FingerModel, points: ArrayLike, coefficient: float, moved: ArrayLike | None = None, increments: int = 8
 ) -> list[FrictionState]:
-    """States along a history, from point to point in straight lines, of plates and rubber before a plane.
+    """States along a history, from point to point in straight lines, of plates and rubber before an obstacle.
 
-    A first point in contact is reached by the plane coming along its direction, with the tensions as they are there.
+    A first point in contact is reached by the obstacle coming along its direction, with the tensions as they are there.
+    Where that is oblique to the surface, d drags a round obstacle along.
 
     Args:
-        model: a finger whose scene has a plane, with the penalty method.
+        model: a finger whose scene has one obstacle, with the penalty method.
         points: tensions [N] and d [m], shape (n, t + 1).
         coefficient: of friction [-].
-        moved: of the plane besides, shape (n, 3) [m]; not at all if left out.
+        moved: of a plane besides, shape (n, 3) [m]; not at all if left out.
         increments: from point to point; one that finds no equilibrium is halved.
 
     Raises:
-        ValueError: another obstacle or method, wrong shapes, loads beyond the scene's ranges, a coefficient below 0, no
+        ValueError: several obstacles, another method, a round one that is moved, wrong shapes, loads beyond the scene's ranges, a coefficient below 0, no
             increment.
         LoadNotReached: an increment without an equilibrium.
 
@@ -81,8 +81,8 @@ def _checked(
     """Points and motions of the plane, as arrays."""
     obstacle = model.scene.obstacle
     bodies = model.problem.bodies
-    if obstacle is None or len(bodies) > 1 or not bodies[0].is_flat or obstacle.method != "penalty":
-        raise ValueError("obstacle must be one plane with the penalty method for a history with friction")
+    if obstacle is None or len(bodies) > 1 or obstacle.method != "penalty":
+        raise ValueError("obstacle must be one, with the penalty method, for a history with friction")
     rows = np.atleast_2d(np.asarray(points, float))
     ways = np.zeros((len(rows), 3)) if moved is None else np.atleast_2d(np.asarray(moved, float))
     if rows.shape[1:] != (len(model.scene.parameters),) or ways.shape != (len(rows), 3):
@@ -90,6 +90,8 @@ def _checked(
             f"points must be tensions and d, shape (n, {len(model.scene.parameters)}), and moved of shape "
             f"(n, 3), got {rows.shape} and {ways.shape}"
         )
+    if ways.any() and not bodies[0].is_flat:
+        raise ValueError("moved must be 0 for a round obstacle, which d moves alone")
     if not (np.isfinite(rows).all() and np.isfinite(ways).all() and 0 <= coefficient < np.inf and increments >= 1):
         raise ValueError("points, moved and coefficient must be finite, coefficient at least 0, increments at least 1")
     for row in rows:
@@ -105,12 +107,13 @@ class _History:
         assert problem.contact is not None
         self._model, self._problem, self._mu = model, problem, coefficient
         self._contact: ObstacleContact = problem.contact
-        self._normal = problem.bodies[0].normal_at(np.zeros((1, 3)), np.zeros(1))[0]
-        self._direction = np.array(problem.bodies[0].direction)
+        self._body = problem.bodies[0]
+        self._direction = np.array(self._body.direction)
         nodes = problem.surface_nodes
         own = nodes[nodes < problem.space.dofmap.index_map.size_local]
-        self._points = FrictionPoints(problem.space.tabulate_dof_coordinates(), own, self._normal)
-        self._found = self._points.at(problem.displacement)
+        self._points = FrictionPoints(problem.space.tabulate_dof_coordinates(), own, self._normals)
+        self._stiffness = problem.nodal_stiffness()[own]
+        self._found, self._bounds = self._points.at(problem.displacement), np.zeros(len(own))
         self.iterations, self.dissipated = 0, 0.0
 
     def states(self, rows: np.ndarray, ways: np.ndarray, increments: int) -> Iterator[FrictionState]:
@@ -135,8 +138,15 @@ class _History:
             self._contact.friction = None
 
     def _along(self, way: np.ndarray) -> float:
-        """How far d would move the plane as a motion along its normal does [m]."""
-        return float(way @ self._normal / (self._direction @ self._normal))
+        """How far d would move the plane as a motion along its normal does [m]; 0 of what is round."""
+        if not self._body.is_flat:
+            return 0.0
+        (normal,) = self._body.normal_at(np.zeros((1, 3)), np.zeros(1))
+        return float(way @ normal / (self._direction @ normal))
+
+    def _normals(self, places: np.ndarray) -> np.ndarray:
+        """Of the obstacle at places, shapes (m, 3) [-] and (m, 3) [m]."""
+        return self._body.normal_at(places, np.full(len(places), self._problem.distance or 0.0))
 
     def _reach(self, begun: np.ndarray, goal: np.ndarray, halvings: int) -> None:
         """One increment, or two halves of it."""
@@ -157,15 +167,21 @@ class _History:
         """Equilibrium with bounds that are those of its own normal forces."""
         t, problem = len(self._model.scene.tendons), self._problem
         carried = goal[t + 1 :] - begun[t + 1 :] + (goal[t] - begun[t]) * self._direction
-        self._points.anchors += carried - (carried @ self._normal) * self._normal
-        problem.set_loads(goal[:t], goal[t] + self._along(goal[t + 1 :]))
-        bounds, step, share = self._bound(), np.zeros(len(self._points.nodes)), 1.0
+        self._points.anchors += carried
+        ends = [(one[:t], one[t] + self._along(one[t + 1 :])) for one in (begun, goal)]
+        problem.set_loads(*ends[0])
+        grown = problem.load_gradient(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
+        predicted = self._model.continuation.newton.linearise().solve(grown)
+        problem.set_loads(*ends[1])
+        problem.displacement[: len(predicted)] -= predicted
+        problem.fields.u.x.scatter_forward()
+        bounds, step, share = self._bound(self._bounds), np.zeros(len(self._points.nodes)), 1.0
         for _ in range(ITERATIONS):
             self._solve()
             last, step = step, self._mu * np.maximum(self._normal_forces(), 0.0) - bounds
             total, change = (problem.comm.allreduce(float(np.abs(one).sum())) for one in (bounds, step))
             if change <= SETTLED * total + self._mu * LEAST:
-                self._found = self._points.at(problem.displacement)
+                self._found, self._bounds = self._points.at(problem.displacement), bounds
                 self.dissipated += problem.summed(self._points.settle(problem.displacement))
                 return
             share = self._relaxation(share, step, last)
@@ -189,25 +205,21 @@ class _History:
     def _bound(self, bounds: np.ndarray | None = None) -> np.ndarray:
         """Set the bounds, by default those of the present normal forces; what they are, shape (m,) [N]."""
         pressed = self._normal_forces()
-        distance = self._problem.distance
-        assert distance is not None
-        places = self._points.places(self._problem.displacement)
-        inside = -self._problem.bodies[0].signed_distance(places.T, distance, obstacles.NUMPY)
-        touches = (pressed > 0) & (inside > 0)
-        stiffness = np.where(touches, pressed / np.where(touches, inside, 1.0), 1.0)
-        found = np.where(touches, self._mu * pressed if bounds is None else bounds, 0.0)
-        self._points.bound(found, stiffness)
+        found = np.where(pressed > 0, self._mu * pressed if bounds is None else bounds, 0.0)
+        self._points.bound(found, self._stiffness)
         return found
 
     def _normal_forces(self) -> np.ndarray:
         """Of the nodes, shape (m,) [N]."""
-        return np.asarray(-(self._contact.normal_force()[self._points.nodes] @ self._normal))
+        pressed = self._contact.normal_force()[self._points.nodes]
+        normals = self._normals(self._points.places(self._problem.displacement))
+        return np.asarray(-np.einsum("mi,mi->m", pressed, normals))
 
     def _state(self) -> FrictionState:
         """What is reported of the present state."""
         problem, found = self._problem, self._found
         normal = self._normal_forces()
-        own = -(found.forces.sum(axis=0)) + normal.sum() * self._normal
+        own = -found.forces.sum(axis=0) - self._contact.normal_force()[self._points.nodes].sum(axis=0)
         force = problem.copies * problem.comm.allreduce(own)
         if problem.scene.is_half:
             force[2] = 0.0

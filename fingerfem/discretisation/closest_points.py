@@ -19,7 +19,7 @@ over the facet's size, by a millionth of that size at the edge. The nearest poin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import basix
 import numpy as np
@@ -67,6 +67,8 @@ def together(parts: list[Springs]) -> Springs:
     some = [part for part in parts if len(part.gaps)]
     if len(some) < 2:
         return some[0] if some else NONE
+    n = max(part.nodes.shape[1] for part in some)
+    some = [_of_nodes(part, n) for part in some]
     return Springs(
         nodes=np.concatenate([one.nodes for one in some]),
         forces=np.concatenate([one.forces for one in some]),
@@ -75,6 +77,18 @@ def together(parts: list[Springs]) -> Springs:
         energy=sum(one.energy for one in some),
         work=sum(one.work for one in some),
     )
+
+
+def _of_nodes(part: Springs, n: int) -> Springs:
+    """The same with n nodes a facet, of which the last do nothing."""
+    m, own = part.nodes.shape
+    if own == n:
+        return part
+    stiffness = np.zeros((m, 3 * n, 3 * n))
+    stiffness[:, : 3 * own, : 3 * own] = part.stiffness
+    more = [(0, 0), (0, n - own)]
+    nodes, forces = np.pad(part.nodes, more, "edge"), np.pad(part.forces, [*more, (0, 0)])
+    return replace(part, nodes=nodes, forces=forces, stiffness=stiffness)
 
 
 class ClosestPoints:

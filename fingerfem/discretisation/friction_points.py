@@ -1,6 +1,12 @@
-"""Friction at the nodes that press on a plane: springs for the tangent and the residual, and their anchors."""
+"""Friction at the nodes that press on an obstacle: springs for the tangent and the residual, and their anchors.
+
+What presses between the nodes is shared by those of its facet. That the normals of a round obstacle turn as the nodes
+move is left out of the tangent: springs are much shorter than its radius.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 
@@ -14,11 +20,11 @@ class FrictionPoints:
     Args:
         rest: places of all nodes of this rank at rest, shape (nodes, 3) [m].
         nodes: those that may touch and are this rank's own, shape (m,).
-        normal: of the plane towards the finger, shape (3,) [-].
+        normals: of the obstacle towards the finger at places, shapes (m, 3) [-] and (m, 3) [m].
     """
 
-    def __init__(self, rest: np.ndarray, nodes: np.ndarray, normal: np.ndarray):
-        self.nodes, self._rest, self._normal = nodes, rest[nodes], normal
+    def __init__(self, rest: np.ndarray, nodes: np.ndarray, normals: Callable[[np.ndarray], np.ndarray]):
+        self.nodes, self._rest, self._normals = nodes, rest[nodes], normals
         self.anchors, self._bounds, self._k = self._rest.copy(), np.zeros(len(nodes)), np.ones(len(nodes))
 
     def places(self, displacement: np.ndarray) -> np.ndarray:
@@ -31,7 +37,8 @@ class FrictionPoints:
 
     def at(self, displacement: np.ndarray) -> friction.Tangential:
         """What the springs do at displacements."""
-        return friction.springs(self.places(displacement), self.anchors, self._normal, self._k, self._bounds)
+        places = self.places(displacement)
+        return friction.springs(places, self.anchors, self._normals(places), self._k, self._bounds)
 
     def springs(self, displacement: np.ndarray) -> Springs:
         """Those that press, as the tangent and the residual take them."""

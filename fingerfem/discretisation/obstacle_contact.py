@@ -91,9 +91,10 @@ class ObstacleContact:
 
     def springs(self) -> Springs:
         """Those of this rank that press."""
+        found = [one.springs() for one in self._bodies]
         if self.friction is not None:
-            return self.friction.springs(self._fields.u.x.array)
-        return together([one.springs() for one in self._bodies])
+            found.append(self.friction.springs(self._fields.u.x.array))
+        return together(found)
 
     def hold(self, held: bool) -> None:
         """Whether plates that press on a round body now keep contact during Newton's iterations.
@@ -153,8 +154,11 @@ class ObstacleContact:
         return np.asarray(pressed + sum(map(self._assembly.nodal, others)))
 
     def normal_force(self) -> np.ndarray:
-        """What this rank's nodes press on a plane with along its normal, ghosts included, shape (nodes, 3) [N]."""
-        return np.asarray(sum(self._assembly.nodal(one.forms.nodal_force) for one in self._bodies))
+        """The same without friction."""
+        pressed = [(one.forms.nodal_force, one.springs()) for one in self._bodies]
+        return np.asarray(
+            sum(self._assembly.nodal(form, self._nodal(own.nodes, own.forces)) for form, own in pressed)
+        )
 
     def spring_forces(self) -> np.ndarray:
         """This rank's springs' part of it, before it is summed over ranks, shape (nodes, 3) [N]."""

@@ -38,19 +38,19 @@ class Tangential(NamedTuple):
 
 
 def springs(
-    places: np.ndarray, anchors: np.ndarray, normal: np.ndarray, k: np.ndarray, bounds: np.ndarray
+    places: np.ndarray, anchors: np.ndarray, normals: np.ndarray, k: np.ndarray, bounds: np.ndarray
 ) -> Tangential:
     """The springs at places and from anchors, shapes (m, 3) [m].
 
     Args:
         places: of the points.
         anchors: of their springs.
-        normal: of the obstacle, shape (3,) [-].
+        normals: of the obstacle where the points are, shape (m, 3) [-].
         k: stiffnesses, shape (m,) [N/m].
         bounds: the largest forces, shape (m,) [N].
     """
-    across = np.eye(3) - np.outer(normal, normal)
-    s = (places - anchors) @ across
+    across = np.eye(3) - normals[:, :, None] * normals[:, None]
+    s = np.einsum("mij,mj->mi", across, places - anchors)
     length = np.linalg.norm(s, axis=1)
     slides = k * length > bounds
     size = np.where(slides, length, 1.0)

@@ -19,9 +19,6 @@ from rom.elements.polynomial import Polynomial
 from rom.native import PickledByFields
 from rom.rod import native
 
-# Of rubber pressed by a line along the segment, on a face and on an edge: force per length and depth, over Young's
-# modulus [-]. Fitted to full-order states on 20 x 5 cells of order 2 (studies/rods/rubber.py).
-INDENTED = 0.75, 0.35
 UNDER = 0.4  # over half the side: largest depth of a tendon that raises a ridge on the face above it [-]
 
 
@@ -88,7 +85,7 @@ class Segment(PickledByFields):
             half_lengths=self.half_lengths,
             outlines=self.outlines,
             shortenings=[shortenings[id(one)] for one in self.elements],
-            stiffness=(self.young_modulus * INDENTED[0], self.young_modulus * INDENTED[1]),
+            young_modulus=self.young_modulus,
             ridges=np.where(np.abs(self.offsets) > (1 - UNDER) * self.half_lengths[1:], np.sign(self.offsets), 0.0)
             / self.young_modulus,
         )

@@ -58,7 +58,7 @@ def test_the_plane_does_the_work_that_friction_dissipates(draft):
 
 def test_shorter_increments_change_less(draft):
     ways = [[0.0, 0.0, 0.0], [0.001, 0.0, 0.001]]
-    ends = [friction_history(draft, [PRESSED] * 2, 0.4, moved=ways, increments=n)[-1].force for n in (1, 2, 6)]
+    ends = [friction_history(draft, [PRESSED] * 2, 0.4, moved=ways, increments=n)[-1].force for n in (2, 6, 16)]
     errors = [np.linalg.norm(end - ends[2]) for end in ends[:2]]
     assert errors[1] < 0.7 * errors[0] < 0.05
 
@@ -75,11 +75,46 @@ def test_a_rod_has_the_full_order_history(draft, touched, friction):
         assert np.linalg.norm(one.force - other.force) < 0.005 * one.normal_force + 0.005
 
 
-def test_other_obstacles_and_bad_input_are_refused(table, draft):
-    ball = {"shape": "sphere", "centre": [0.045, 0.02, 0.0], "radius": 0.008, "direction": [0, 1, 0]}
-    table["obstacle"] = ball | {"distance": [-0.01, 0.02], "method": "penalty"}
-    model = FingerModel(Scene.model_validate(table))
-    with pytest.raises(ValueError, match="obstacle must be one plane with the penalty method"):
+def before(table, shape):
+    """The draft finger under a round object that d brings obliquely: down and along the finger."""
+    way = np.array([-0.6, 0.8, 0.0])
+    place = {"centre": [0.03, 0.016, 0.0], "direction": way.tolist(), "distance": [-0.006, 0.03], "method": "penalty"}
+    return FingerModel(Scene.model_validate(table | {"obstacle": shape | place}))
+
+
+SHAPES = {
+    "sphere": {"shape": "sphere", "radius": 0.008},
+    "cylinder": {"shape": "cylinder", "radius": 0.008, "axis": [0.0, 0.0, 1.0]},
+    "box": {"shape": "box", "sides": [0.014, 0.014, 0.014], "rotation": [0.0, 0.0, 0.3], "rounding": 0.002},
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_round_objects_drag_the_rubber_along(table, shape):
+    """What slides is on the cone of its nodes; without friction it is the frictionless state; work is dissipated."""
+    friction, model = 0.3, before(table, SHAPES[shape])
+    touch = model.solve([10.0, 0.0], None, sensitivities=False).touch_distance
+    points = [[10.0, 0.0, touch - depth] for depth in (0.0005, 0.001, 0.0015)]
+    states = friction_history(model, points, friction, increments=4)
+    for state in states:
+        normal, tangential = state.nodal.T
+        assert (tangential <= friction * normal + 1e-6).all() and state.normal_force > 0.1
+    assert tangential.sum() == pytest.approx(friction * states[-1].normal_force, rel=1e-4)
+    assert states[-1].sticks == 0.0 and states[-1].dissipated > states[0].dissipated > 0
+    smooth = friction_history(model, points[-1:], 0.0, increments=2)[0]
+    state = model.solve(points[-1][:2], points[-1][2], sensitivities=False)
+    np.testing.assert_allclose(smooth.tip, state.tip, atol=1e-8)
+    assert smooth.force @ model.problem.bodies[0].direction == pytest.approx(-state.contact_force, rel=1e-6)
+    dragged = states[-1].force - smooth.force
+    assert dragged[0] > 0.05  # along the object's way: it moves towards the tip as d decreases
+
+
+def test_several_obstacles_and_bad_input_are_refused(table, draft):
+    model = before(table, SHAPES["sphere"])
+    with pytest.raises(ValueError, match="moved must be 0 for a round obstacle"):
+        friction_history(model, [PRESSED[:2] + [0.003]], 0.3, moved=[[0.001, 0.0, 0.0]])
+    model = before(table, SHAPES["sphere"] | {"others": [{"shape": "sphere", "radius": 0.008, "centre": [0.03, -0.02, 0], "direction": [0, -1, 0]}]})
+    with pytest.raises(ValueError, match="obstacle must be one, with the penalty method"):
         friction_history(model, [PRESSED], 0.3)
     with pytest.raises(ValueError, match="points must be tensions and d"):
         friction_history(draft, [[1.0, 2.0]], 0.3)

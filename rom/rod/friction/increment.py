@@ -167,9 +167,16 @@ def _law(model: TouchedSegment, last: Resting, loads: Loads, at: Contacts, parts
     # By its own force a contact's point yields so much, at least.
     normals = at.arms[:, ::AXES]
     yielding = np.einsum("im,ij,jm->m", normals, at.motions, normals)
-    stiffness = 1 / np.maximum(np.abs(yielding) + at.compliances, 1e-6)
+    own = np.diagonal(at.compliances)
+    stiffness = 1 / np.maximum(np.abs(yielding) + own, 1e-6)
     earlier = _parts(at, last.by_label)[:, 1:]
-    return law(parts, np.column_stack([at.gaps, slips]), earlier, at.compliances, stiffness, friction)
+    gaps = at.gaps + _shared(at) @ parts[:, 0]
+    return law(parts, np.column_stack([gaps, slips]), earlier, own, stiffness, friction)
+
+
+def _shared(at: Contacts) -> np.ndarray:
+    """How far contacts yield with unit forces at others, shape (m, m) [m/N]."""
+    return at.compliances - np.diag(np.diagonal(at.compliances))
 
 
 def _jacobian(at: Contacts, found: Law, parts: np.ndarray) -> np.ndarray:
@@ -178,12 +185,13 @@ def _jacobian(at: Contacts, found: Law, parts: np.ndarray) -> np.ndarray:
     following = np.zeros((size + 1, size + 1))  # the clamp's row and column are the last
     for k in range(m):
         following[np.ix_(at.on[k], at.on[k])] += np.einsum("a,aij->ij", parts[k], at.changes[k])
-    jacobian = np.eye(size + AXES * m)
-    jacobian[:size, :size] -= following[:-1, :-1] @ at.motions
+    jacobian = np.zeros((size + AXES * m, size + AXES * m))
+    jacobian[:size, :size] = np.eye(size) - following[:-1, :-1] @ at.motions
     jacobian[:size, size:] = -at.arms
-    opening = (at.arms.T @ at.motions).reshape(m, AXES, size)
+    opening, shared = (at.arms.T @ at.motions).reshape(m, AXES, size), _shared(at)
     for k in range(m):
         rows = slice(size + AXES * k, size + AXES * (k + 1))
         jacobian[rows, :size] = found.by_motions[k] @ opening[k]
-        jacobian[rows, rows] = found.by_forces[k]
+        jacobian[rows, size::AXES] = found.by_motions[k][:, :1] * shared[k]
+        jacobian[rows, rows] += found.by_forces[k]
     return jacobian

@@ -23,6 +23,7 @@ from rom.rod.native.arrangement import (
     tension_monomials,
     variants,
 )
+from rom.rod.native.indentation import indentations
 from rom.rod.native.outlines import Outline, outline_of, stations_of
 
 CORNERS = 24  # as in segment.h
@@ -43,7 +44,7 @@ class Segment:
             vector of that rotation [-], 6 values. Elements that share a law are one and the same object; all have one
             map of the tensions to what their polynomials are of.
         half_lengths: of the plate along its own axes, shape (3,) [m].
-        stiffness: of rubber pressed by a line along the segment, on a face and on an edge [Pa].
+        young_modulus: of the rubber [Pa]; 0 where nothing is known of it.
         ridges: height of the ridge above each tendon, over its tension and the curvature, for faces across y and
             across z; negative for the faces at -y and -z, shape (t, 2) [1/Pa]; None without ridges.
         corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
@@ -54,7 +55,7 @@ class Segment:
 
     elements: Sequence[ElementMap]
     half_lengths: np.ndarray
-    stiffness: tuple[float, float] = (0.0, 0.0)
+    young_modulus: float = 0.0
     ridges: np.ndarray | None = None
     corners: Polynomial | None = None
     outlines: Sequence[Outline] | None = None
@@ -100,7 +101,11 @@ def struct(segment: Segment) -> Any:
     if segment.outlines is not None:
         corners_of = [SEGMENT.struct("fingerfem_outline", **outline(one.polynomial, monomials)) for one in outlines]
         lengths = np.array([one.length for one in segment.outlines])
-        known = places_between(stations_of(segment.outlines, segment.half_lengths[0]), lengths)
+        stations = stations_of(segment.outlines, segment.half_lengths[0])
+        known = places_between(stations, lengths)
+        slices = known["places"] - 1
+        pitch = np.ptp(stations) / slices
+        known |= indentations(segment.young_modulus, segment.half_lengths[1], pitch, slices)
         known["outline"] = SEGMENT.pointers("fingerfem_outline", corners_of)
     if segment.shortenings is not None:
         sixes = [six for k in first for six in in_sixes(segment.shortenings[k])]
@@ -127,8 +132,6 @@ def struct(segment: Segment) -> Any:
         law_of=law_of,
         **known,
         half_lengths=segment.half_lengths.tolist(),
-        face_stiffness=segment.stiffness[0],
-        edge_stiffness=segment.stiffness[1],
         ridges=np.zeros((t, 2)) if segment.ridges is None else segment.ridges,
         corner_monomials=len(bent),
         corner_coefficients=bent,

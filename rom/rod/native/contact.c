@@ -13,8 +13,9 @@
 #include "response.h"
 
 #define ITERATIONS 40
-#define PATIENT 12   /* iterations until steps are cut, as contacts come and go in turns, */
-#define SHARE 0.5    /* to this [-] */
+#define PATIENT 8    /* iterations until steps are cut, as contacts come and go in turns: by half after a step */
+#define SHORTER 0.8  /* that was not so much shorter than the last [-]; after others they double again, */
+#define SHORTEST 0.1 /* at least this share [-] */
 #define STEPS 4      /* of an object that is brought to where it is, at first */
 #define HALVINGS 10  /* of such a step until there is no answer */
 #define EVALUATIONS 500 /* most of the map for one answer */
@@ -90,18 +91,19 @@ static int solve_from(const contact_problem *problem, double d, contact_state *s
 {
     objects_contacts before = state->at.contacts;
     int rubber = problem->map->count > problem->touching->chain->plates;
-    double last = INFINITY;
+    double last = INFINITY, share = 1.0;
     for (int k = 1; k <= ITERATIONS; k++) {
         double forces[FINGERFEM_MOST_CONTACTS];
         memcpy(forces, state->forces, sizeof forces);
         if (!placed_under(problem, d, rubber, state)) return -k;
         carry(&before, forces, &state->at.contacts, state->forces);
-        const double size = step(problem, k > PATIENT ? SHARE : 1.0, state);
+        const double size = step(problem, share, state);
         if (size < 0.0) return -k;
         if (size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last)) {
             if (rubber || !placed_in_rubber(problem, d, &state->at)) return k;
             rubber = 1;
         }
+        if (k >= PATIENT) share = size > SHORTER * last ? fmax(SHORTEST, 0.5 * share) : fmin(1.0, 2.0 * share);
         last = size;
         before = state->at.contacts;
     }

@@ -12,6 +12,7 @@
 enum { SLICE_ENDS = 2, SLICE_INPUTS = SLICE_ENDS * W, SLICE_CORNERS = 8 };
 typedef struct {
     int number, segment, element, bodies[SLICE_ENDS];
+    double dome;                  /* curvature along it besides its own, over its thickness [-] */
     double share;                 /* of the middle, from the element's end, 0, to its begin, 1 */
     double length;                /* of the element at rest [m] */
     double slender;               /* 12 E I / (k G A length^2): how much its shear yields beside its bending [-] */
@@ -69,8 +70,8 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
 int placed_in_rubber(const contact_problem *problem, double d, placed *at);
 
 /* Slices of rubber with gaps below `near` [m] before object j at its own d, and their contacts besides others; free, or under the
- * wrenches that the bodies were placed under last. */
-void placed_slices(const contact_problem *problem, int j, int free, double d, double near, placed *at);
+ * wrenches that the bodies were placed under last. Slices are domed along the finger by so much over their thickness [-]. */
+void placed_slices(const contact_problem *problem, int j, int free, double dome, double d, double near, placed *at);
 
 /* The slice of a contact; NULL if it is a plate's. */
 const rubber_slice *placed_slice_of(const placed *at, int contact);

@@ -1,6 +1,7 @@
 /* Contacts at given loads, with how forces along normals and tangents act on the bodies there. */
 #include <math.h>
 #include "contact.h"
+#include "response.h"
 #include "slices.h"
 
 /* Two unit vectors across a third. */
@@ -70,8 +71,8 @@ static void note(const contact_problem *problem, const placed *at, int k, int gr
     found->names[k] = contacts->names[k];
     found->segments[k] = slice ? slice->segment : contacts->plates[k];
     found->rubber[k] = slice != NULL;
-    found->gaps[k] = contacts->gaps[k];
-    found->compliances[k] = contacts->compliance[k];
+    found->gaps[k] = contacts->gaps[k] + contacts->domes[k];
+    for (int j = 0; j < contacts->count; j++) found->compliances[contacts->count * k + j] = response_yields(problem, contacts, k, j);
     for (int end = 0; end < SLICE_ENDS; end++) found->on[k][end] = end < at->arms[k].count ? at->arms[k].bodies[end] - ground : -1;
     memset(found->arms[k], 0, sizeof found->arms[k]);
     memset(found->changes[k], 0, sizeof found->changes[k]);

@@ -27,7 +27,7 @@ class Contacts(NamedTuple):
         segments: at which each is, shape (m,).
         rubber: whether it is rubber that may touch, shape (m,).
         gaps: negative inside the object, shape (m,) [m].
-        compliances: local, of each contact, shape (m,) [m/N].
+        compliances: how far each yields by itself with a unit force at every one, shape (m, m) [m/N].
         places: of the finger's points, shape (m, 3) [m].
         axes: normals out of the object and two tangents, shape (m, 3, 3).
         arms: the wrenches on all bodies of unit forces along these axes, shape (6 B, 3 m).
@@ -94,7 +94,7 @@ def find_contacts(
         segments=numbers("segments", m),
         rubber=numbers("rubber", m).astype(bool),
         gaps=numbers("gaps", m),
-        compliances=numbers("compliances", m),
+        compliances=numbers("compliances", m * m).reshape(m, m),
         places=numbers("places", m, (3,)),
         axes=numbers("axes", m, (AXES, 3)),
         arms=arms[:-1],

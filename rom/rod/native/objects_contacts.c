@@ -19,6 +19,8 @@ static int room_for(objects_contacts *all, double gap)
 static void put(objects_contacts *all, int at, int name, const objects_feature *feature, double gap, const double *p, const double *n)
 {
     all->plates[at] = all->plate;
+    all->segments[at] = -1;
+    all->domes[at] = 0.0;
     all->objects[at] = all->object;
     all->names[at] = name;
     all->features[at] = *feature;
@@ -38,7 +40,7 @@ void objects_note(objects_contacts *all, int name, const objects_feature *featur
     if (at >= 0) put(all, at, name, feature, gap, p, n);
 }
 
-void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, const double *p,
+void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, double dome, const double *p,
                          const double *n)
 {
     const objects_feature none = {.kind = OBJECTS_FACE};
@@ -46,6 +48,8 @@ void objects_note_rubber(objects_contacts *all, int name, double gap, const doub
     if (at < 0) return;
     put(all, at, name, &none, gap, p, n);
     memcpy(all->material[at], material, sizeof(vector));
+    all->segments[at] = all->segment;
+    all->domes[at] = dome;
     all->compliance[at] = compliance;
 }
 

@@ -19,14 +19,16 @@ typedef struct {
 
 /* Contacts that may be. */
 typedef struct {
-    int count, plate, object; /* contacts are being found of this plate, or slice of rubber, with this object */
+    int count, plate, segment, object; /* contacts are being found of this plate, or slice of rubber of a segment, with this object */
     double half_lengths[3];
     int plates[FINGERFEM_MOST_CONTACTS];                        /* of which plate, or slice */
     int objects[FINGERFEM_MOST_CONTACTS];                       /* with which object */
+    int segments[FINGERFEM_MOST_CONTACTS];                      /* of which the slice is; -1 for a plate */
     int names[FINGERFEM_MOST_CONTACTS];                         /* the same wherever the plate is */
     double halves[FINGERFEM_MOST_CONTACTS][3];                  /* lengths of that [m] */
     objects_feature features[FINGERFEM_MOST_CONTACTS];
     double gaps[FINGERFEM_MOST_CONTACTS];                       /* [m], negative inside the object */
+    double domes[FINGERFEM_MOST_CONTACTS];                      /* what gaps of slices grow by where they are solved for, see slices.c [m] */
     double material[FINGERFEM_MOST_CONTACTS][3];                /* of a slice: where p is in it, -1 to 1 [-] */
     double compliance[FINGERFEM_MOST_CONTACTS];                       /* what it yields by itself [m/N] */
     double points[FINGERFEM_MOST_CONTACTS][3];                  /* p, of a plate that is a box [m] */
@@ -59,7 +61,7 @@ void objects_note(objects_contacts *all, int name, const objects_feature *featur
                   const double *n);
 
 /* Add a contact of a slice of rubber, as `objects_note`: where it is, the point and the normal in the slice's axes. */
-void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, const double *p,
+void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, double dome, const double *p,
                          const double *n);
 
 /* Whether there are contacts of a plate, or slice. */

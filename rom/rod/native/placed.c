@@ -62,7 +62,7 @@ static void keep_slices(const contact_problem *problem, int segment, const doubl
     }
 }
 
-void placed_slices(const contact_problem *problem, int j, int free, double d, double close, placed *at)
+void placed_slices(const contact_problem *problem, int j, int free, double dome, double d, double close, placed *at)
 {
     const fingerfem_object *object = contact_object(problem, j);
     const fingerfem_chain *chain = problem->touching->chain;
@@ -78,6 +78,7 @@ void placed_slices(const contact_problem *problem, int j, int free, double d, do
         for (int n = 0; n < segment->places - 1; n++) {
             if (near[segment->place_elements[n]] != 1 || slices_least_gap(segment, points, n, object, d) > close + highest[segment->place_elements[n]]) continue;
             slices_make(problem->map, &at->chain, q, points, n, &slice);
+            slice.dome = dome;
             slices_find(segment, &slice, object, d, close, &at->contacts);
         }
         keep_slices(problem, q, points, at);
@@ -131,7 +132,7 @@ static void all_slices(const contact_problem *problem, double d, double close, p
 {
     at->slices = 0;
     for (int j = 0; j < problem->touching->count; j++)
-        if (contact_is_there(problem, j)) placed_slices(problem, j, 0, d + problem->ahead[j], close, at);
+        if (contact_is_there(problem, j)) placed_slices(problem, j, 0, SLICE_DOME, d + problem->ahead[j], close, at);
 }
 
 int placed_in_rubber(const contact_problem *problem, double d, placed *at)
@@ -202,7 +203,7 @@ void placed_bend(const contact_problem *problem, const placed *at, int k, double
     const int plate = contacts->plates[k];
     memset(found, 0, (size_t)(3 * chain->tensions) * sizeof *found);
     if (plate >= FINGERFEM_MOST_PLATES) {
-        slices_bend(problem->map, placed_slice_of(at, k), &at->chain, contacts->material[k], found);
+        slices_bend(problem->map, placed_slice_of(at, k), &at->chain, contacts->names[k], contacts->material[k], found);
         return;
     }
     const fingerfem_segment *segment = chain->segments[plate];

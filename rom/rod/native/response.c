@@ -1,5 +1,6 @@
 #include "response.h"
 #include <math.h>
+#include <stdlib.h>
 #include "small.h"
 
 #define INLINE __attribute__((always_inline)) static inline
@@ -128,14 +129,35 @@ void response_press(const placed *at, int k, double force, double *wrench)
         for (int i = 0; i < W; i++) wrench[W * arms->bodies[a] + i] += force * arms->wrenches[a][i];
 }
 
+/* Of two slices, by the parts of both normals that press on the same face, and on opposite ones. */
+double response_yields(const contact_problem *problem, const objects_contacts *contacts, int k, int other)
+{
+    const int segment = contacts->segments[k], away = abs(contacts->plates[k] - contacts->plates[other]);
+    const double *n = contacts->wrenches[k], *m = contacts->wrenches[other];
+    double sum = 0.0;
+    if (k == other) return contacts->compliance[k];
+    if (segment < 0 || segment != contacts->segments[other] || contacts->compliance[k] == OBJECTS_COMPLIANCE) return 0.0;
+    const fingerfem_segment *own = problem->touching->chain->segments[segment];
+    for (int i = 1; i < 3; i++) sum += n[i] * m[i] > 0.0 ? n[i] * m[i] * own->sinks[away] : -n[i] * m[i] * own->meets[away];
+    return sum;
+}
+
+double response_indented(const contact_problem *problem, const objects_contacts *contacts, const double *forces, int k)
+{
+    double sum = 0.0;
+    for (int j = 0; j < contacts->count; j++)
+        if (forces[j] > 0.0) sum += response_yields(problem, contacts, k, j) * forces[j];
+    return sum;
+}
+
 /* Solve for forces, (count), at some contacts whose gaps open by them as much as is wanted. */
-static int forces_for(const placed *at, int count, const int *rows,
+static int forces_for(const contact_problem *problem, const placed *at, int count, const int *rows,
                       double (*columns)[CHAIN_WRENCH], double *wanted)
 {
     double a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = opening(at, rows[i], columns[rows[j]]) + (i == j ? at->contacts.compliance[rows[i]] : 0.0);
+            a[count * i + j] = opening(at, rows[i], columns[rows[j]]) + response_yields(problem, &at->contacts, rows[i], rows[j]);
     return small_solve(count, a, 1, wanted);
 }
 
@@ -154,10 +176,10 @@ int response_balance(const contact_problem *problem, const contact_state *state,
             if (!active[k]) continue;
             if (!known[k]) yield(problem, state, k, columns[k]);
             known[k] = 1;
-            found[count] = opening(&state->at, k, still) - contacts->gaps[k];
+            found[count] = opening(&state->at, k, still) - contacts->gaps[k] - contacts->domes[k];
             rows[count++] = k;
         }
-        if (!forces_for(&state->at, count, rows, columns, found)) return 0;
+        if (!forces_for(problem, &state->at, count, rows, columns, found)) return 0;
         memset(forces, 0, (size_t)all * sizeof *forces);
         for (int i = 0; i < w; i++) motion[i] = -still[i];
         for (int k = 0; k < count; k++) {
@@ -165,7 +187,9 @@ int response_balance(const contact_problem *problem, const contact_state *state,
             for (int i = 0; i < w; i++) motion[i] += found[k] * columns[rows[k]][i];
         }
         for (int k = 0; k < all; k++)
-            if (active[k] ? forces[k] < -PULL : contacts->gaps[k] + opening(&state->at, k, motion) < -INSIDE) wrong[wrongs++] = k;
+            if (active[k] ? forces[k] < -PULL
+                          : contacts->gaps[k] + contacts->domes[k] + opening(&state->at, k, motion) + response_indented(problem, contacts, forces, k) < -INSIDE)
+                wrong[wrongs++] = k;
         if (!wrongs) return 1;
         tries = wrongs < fewest ? 0 : tries + 1;
         fewest = wrongs < fewest ? wrongs : fewest;
@@ -248,7 +272,7 @@ int response_follow(const contact_problem *problem, const contact_state *state, 
         if (contacts->objects[rows[k]] == only) forces[k] -= opening(&state->at, rows[k], drift);
         if (bends) forces[k] -= objects_dot(contacts->wrenches[rows[k]], bends + 3 * rows[k]);
     }
-    if (!forces_for(&state->at, count, rows, columns, forces)) return 0;
+    if (!forces_for(problem, &state->at, count, rows, columns, forces)) return 0;
     for (int k = 0; k < count; k++) response_press(&state->at, rows[k], forces[k], turned);
     response_product(w, state->soft, turned, wrench_change);
     if (problem->touching->count == 1) memcpy(by_object[0], wrench_change, (size_t)w * sizeof *wrench_change);
@@ -266,6 +290,6 @@ int response_stable(const contact_problem *problem, const contact_state *state)
     for (int i = 0; i < w; i++) memcpy(yielding + w * i, state->yielding[ground + i] + ground, (size_t)w * sizeof *yielding);
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = opening(&state->at, rows[i], columns[rows[j]]) + (i == j ? state->at.contacts.compliance[rows[i]] : 0.0);
+            a[count * i + j] = opening(&state->at, rows[i], columns[rows[j]]) + response_yields(problem, &state->at.contacts, rows[i], rows[j]);
     return small_negative(w, yielding) == small_negative(count, a); /* of 1/K as of K */
 }

@@ -268,7 +268,7 @@ static double upper_bound(const contact_problem *problem, int number, const chai
 double rubber_off(const contact_problem *problem, const placed *at, int k)
 {
     const fingerfem_segment *segment = problem->touching->chain->segments[placed_slice_of(at, k)->segment];
-    const int face = at->contacts.names[k] - OUTLINE_CORNERS; /* across y, then across z; negative of an edge */
+    const int name = at->contacts.names[k], face = name < SLICE_FACES ? -1 : name % OUTLINE_CORNERS; /* across y, then across z; negative of an edge */
     const rubber_slice *slice = placed_slice_of(at, k);
     const double across = face < 0 ? 1.0 : at->contacts.material[k][face < 2 ? 2 : 1];
     const double ridge = face < 0 ? 0.0 : slice->ridges[face / 2][face % 2];
@@ -286,7 +286,7 @@ double rubber_reach(const contact_problem *problem, int j, placed *free, double 
         double next = -INFINITY;
         int touched = -1;
         free->contacts.count = free->slices = 0;
-        placed_slices(problem, j, 1, d, NEARER * margin_of(problem, j), free);
+        placed_slices(problem, j, 1, SLICE_FLAT, d, NEARER * margin_of(problem, j), free);
         for (int k = 0; k < contacts->count; k++) {
             objects_turned_back(placed_slice_of(free, k)->rotation, direction, seen);
             const double slope = -objects_dot(contacts->wrenches[k], seen), own = d - contacts->gaps[k] / slope;
@@ -322,7 +322,7 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     d = fmax(touching->objects[0]->nearest, fmin(touching->objects[0]->farthest, d));
     chain_placed(chain, point, loads, memory, held, &map, &at.chain);
     at.contacts.count = at.slices = 0;
-    placed_slices(&problem, 0, 0, d, INFINITY, &at);
+    placed_slices(&problem, 0, 0, SLICE_FLAT, d, INFINITY, &at);
     for (int k = 0; k < at.contacts.count; k++) {
         const rubber_slice *slice = placed_slice_of(&at, k);
         const int place = slices_place(&map, slice->segment, slice->number);

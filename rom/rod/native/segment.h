@@ -6,7 +6,7 @@
 
 /* Six numbers of an element's pose, in rows of FINGERFEM_POSE: place of its proximal section seen from the distal one [m],
  * and the Gibbs vector tan(angle / 2) axis of that rotation [-]. */
-enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 48, FINGERFEM_MOST_PLATES = 8 };
+enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 96, FINGERFEM_MOST_PLATES = 8 };
 
 /* Plates, loaded sections, and the ground: what may bear wrenches at once. */
 enum { FINGERFEM_MOST_BODIES = FINGERFEM_MOST_PLATES + 9, FINGERFEM_MOST_OBJECTS = 8 };
@@ -103,7 +103,8 @@ typedef struct {
     const double *place_shares;          /* (places - 1): where its middle is, from the element's end, 0, to its begin, 1 */
     const double *element_lengths;       /* (elements): at rest [m] */
     double half_lengths[3];              /* of the plate along its own axes [m] */
-    double face_stiffness, edge_stiffness; /* of rubber pressed by a line along the segment, on a face and on an edge, per length [Pa] */
+    double face_compliance, edge_compliance, line_compliance; /* of a slice: of a face's point, of an edge, and of the line across a face; 0: rigid [m/N] */
+    const double *sinks, *meets;         /* (places - 1): how far a unit force on a slice lowers the same face, and the opposite one, so many slices away [m/N] */
     const double *ridges;                /* (tensions, 2): height of the ridge above each tendon, over its tension and the curvature, for
                                             faces across y and across z; negative for the faces at -y and -z [1/Pa] */
     int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */
@@ -229,7 +230,7 @@ int fingerfem_touch_pressing(const fingerfem_touching *touching, const double *p
 /* Bodies under loads, and their possible contacts with an object, for contact laws that are solved by the caller.
  * Of each body: the index of its load, and its motion R^T dc, R^T dtheta by the wrenches on all bodies, (6 bodies, 6 bodies).
  * Of each contact: the plate or slice of rubber (`parts`), its corner, edge or face (`names`), and the segment; the loaded bodies
- * (`on`), -1 for the ground; the gap [m] and the local compliance [m/N]; the material point, in the plate's frame [m] or in
+ * (`on`), -1 for the ground; the gap [m]; how far each yields by a unit force on every one, (contacts, contacts) [m/N]; the material point, in the plate's frame [m] or in
  * coordinates of the slice [-]; the place in space [m]; the normal out of the object and two tangents; the wrenches of unit forces
  * along these on both bodies (`arms`); and the derivatives of these wrenches by the motions of both bodies (`changes`), where the tangents
  * rotate with the normal. */
@@ -239,7 +240,7 @@ typedef struct {
     double motions[FINGERFEM_WRENCH * FINGERFEM_MOST_BODIES * FINGERFEM_WRENCH * FINGERFEM_MOST_BODIES];
     int32_t parts[FINGERFEM_MOST_CONTACTS], names[FINGERFEM_MOST_CONTACTS], segments[FINGERFEM_MOST_CONTACTS];
     int32_t rubber[FINGERFEM_MOST_CONTACTS], on[FINGERFEM_MOST_CONTACTS][2];
-    double gaps[FINGERFEM_MOST_CONTACTS], compliances[FINGERFEM_MOST_CONTACTS], material[FINGERFEM_MOST_CONTACTS][3];
+    double gaps[FINGERFEM_MOST_CONTACTS], compliances[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], material[FINGERFEM_MOST_CONTACTS][3];
     double places[FINGERFEM_MOST_CONTACTS][3], axes[FINGERFEM_MOST_CONTACTS][3][3], arms[FINGERFEM_MOST_CONTACTS][3][12];
     double changes[FINGERFEM_MOST_CONTACTS][3][12][12];
 } fingerfem_contacts;

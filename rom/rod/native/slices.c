@@ -11,11 +11,11 @@
 #include <math.h>
 #include "rubber.h"
 
-#define DOME 1e-6    /* curvature of edges and faces besides their own, over their length [-] */
 #define STEPS 40     /* towards the nearest point */
 #define FLAT 1e-9    /* slope of the gap where it is least [-] */
 #define SHORT 1e-12  /* a last step, of coordinates [-] */
 #define FADE 5e-3    /* of half the side: how much nearer than its edges a face that presses half as hard as it may is [-] */
+#define FLUSH 0.4     /* of half the side: how far edges may be from an object, at most, that presses on the line between them [-] */
 #define WAY 1e-6     /* by which normals are compared [m] */
 #define RIDGE 1.1    /* of F k / E: how far a tendon lifts the face that it lies under [-] */
 #define NEAR_END 0.6 /* a ridge has half its height where the square of the distance from an end, over half the side, is this [-] */
@@ -272,7 +272,7 @@ static void look(const rubber_slice *slice, const fingerfem_object *object, doub
     double x[3], t[3][3];
     point_at(slice, point->at, x, t);
     point->gap = objects_distance(object, d, x, point->normal);
-    for (int j = 0; j < 3; j++) point->slopes[j] = objects_dot(point->normal, t[j]) + DOME * slice->thickness * point->at[j];
+    for (int j = 0; j < 3; j++) point->slopes[j] = objects_dot(point->normal, t[j]) + (j ? SLICE_FLAT : slice->dome) * slice->thickness * point->at[j];
 }
 
 /* Bring a point to where an object is nearest along its axis x, between the slice's ends: the slope grows along it, as the
@@ -298,7 +298,7 @@ static void nearest_along(const rubber_slice *slice, const fingerfem_object *obj
     }
 }
 
-static void note_point(const rubber_slice *slice, int name, const near_point *point, double stiffness, objects_contacts *all)
+static void note_point(const rubber_slice *slice, int name, const near_point *point, double compliance, objects_contacts *all)
 {
     double x[3], t[3][3], p[3], n[3];
     point_at(slice, point->at, x, t);
@@ -306,7 +306,8 @@ static void note_point(const rubber_slice *slice, int name, const near_point *po
     objects_turned_back(slice->rotation, x, p);
     objects_turned_back(slice->rotation, point->normal, n);
     all->plate = slice->number;
-    objects_note_rubber(all, name, point->gap, point->at, stiffness > 0.0 ? 1.0 / (slice->thickness * stiffness) : OBJECTS_COMPLIANCE, p, n);
+    all->segment = slice->segment;
+    objects_note_rubber(all, name, point->gap, point->at, fmax(compliance, OBJECTS_COMPLIANCE), 0.5 * slice->dome * slice->thickness * point->at[0] * point->at[0], p, n);
 }
 
 /* The face between two edges that lie along x, from one to the other along axis j: a point nearer than both. It presses the
@@ -331,24 +332,49 @@ static void face(const fingerfem_segment *segment, const rubber_slice *slice, co
     }
     const double nearer = fmin(edges[0].gap, edges[1].gap) - point.gap;
     if (point.gap < near && nearer > 0.0)
-        note_point(slice, name, &point, segment->face_stiffness * nearer / (nearer + FADE * segment->half_lengths[1]), all);
+        note_point(slice, name, &point, segment->face_compliance * (1.0 + FADE * segment->half_lengths[1] / nearer), all);
+}
+
+/* The line across a face, from one of these edges to the other along axis j. It presses where the mean of its gaps closes, by
+ * Simpson's rule along and across the slice; `middles` are the edges' gaps midway between the slice's ends. */
+static void line(const fingerfem_segment *segment, const rubber_slice *slice, const fingerfem_object *object, double d, double near,
+                 int name, int j, const near_point *edges, const double *middles, objects_contacts *all)
+{
+    static const double places[3] = {-1.0, 1.0, 0.0};
+    const double aside = 0.5 * (middles[0] + middles[1]);
+    near_point point = edges[0];
+    double gaps[3], x[3], t[3][3];
+    if (aside > 3.0 * near + FLUSH * segment->half_lengths[1]) return;
+    point.at[j] = 0.0;
+    for (int k = 0; k < 3; k++) {
+        point.at[0] = places[k];
+        point_at(slice, point.at, x, t);
+        gaps[k] = objects_distance(object, d, x, point.normal);
+    }
+    point.gap = (gaps[0] + gaps[1] + 2.0 * gaps[2] + 2.0 * aside) / 6.0;
+    if (point.gap < near) note_point(slice, name, &point, segment->line_compliance, all);
 }
 
 void slices_find(const fingerfem_segment *segment, const rubber_slice *slice, const fingerfem_object *object, double d, double near,
                  objects_contacts *all)
 {
+    double middles[OUTLINE_CORNERS];
     near_point edges[OUTLINE_CORNERS]; /* -y -z, y -z, -y z, y z */
     for (int k = 0; k < OUTLINE_CORNERS; k++) {
         edges[k] = (near_point){.at = {0.0, k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0}};
         look(slice, object, d, edges + k);
+        middles[k] = edges[k].gap;
         if (edges[k].gap > near + slice->thickness) continue;
         nearest_along(slice, object, d, edges + k);
-        if (edges[k].gap < near) note_point(slice, k, edges + k, segment->edge_stiffness, all);
+        if (edges[k].gap < near) note_point(slice, k, edges + k, segment->edge_compliance, all);
     }
     for (int side = 0; side < 2; side++) {
         const near_point across_y[2] = {edges[side], edges[side + 2]}, across_z[2] = {edges[2 * side], edges[2 * side + 1]};
-        face(segment, slice, object, d, near, OUTLINE_CORNERS + side, 2, across_y, all);
-        face(segment, slice, object, d, near, OUTLINE_CORNERS + 2 + side, 1, across_z, all);
+        const double middles_y[2] = {middles[side], middles[side + 2]}, middles_z[2] = {middles[2 * side], middles[2 * side + 1]};
+        face(segment, slice, object, d, near, SLICE_FACES + side, 2, across_y, all);
+        face(segment, slice, object, d, near, SLICE_FACES + 2 + side, 1, across_z, all);
+        line(segment, slice, object, d, near, SLICE_LINES + side, 2, across_y, middles_y, all);
+        line(segment, slice, object, d, near, SLICE_LINES + 2 + side, 1, across_z, middles_z, all);
     }
 }
 
@@ -428,7 +454,7 @@ static void sliding(const rubber_slice *slice, const fingerfem_object *object, d
     point_at(slice, at, x, t);
     for (int j = 0; j < 3; j++) {
         objects_turned_back(slice->rotation, t[j], tangents[j]);
-        if (count < 2 && fabs(at[j]) < 1.0) free[count++] = j;
+        if (contacts->names[k] < SLICE_LINES && count < 2 && fabs(at[j]) < 1.0) free[count++] = j;
     }
     const int least = fabs(n[0]) < fabs(n[1]) ? (fabs(n[0]) < fabs(n[2]) ? 0 : 2) : (fabs(n[1]) < fabs(n[2]) ? 1 : 2);
     const double pick[3] = {least == 0, least == 1, least == 2};
@@ -450,7 +476,7 @@ static void sliding(const rubber_slice *slice, const fingerfem_object *object, d
     }
     for (int a = 0; a < count; a++)
         for (int b = 0; b < count; b++) {
-            double sum = a == b ? DOME * slice->thickness : 0.0;
+            double sum = a == b ? (free[a] ? SLICE_FLAT : SLICE_DOME) * slice->thickness : 0.0;
             for (int i = 0; i < 3; i++) sum += tangents[free[a]][i] * objects_dot(H[i], tangents[free[b]]);
             if (a == b && free[a]) {
                 const int across = 3 - free[a]; /* of the face: along z if it is off along y */
@@ -498,7 +524,7 @@ static void moved_by(const rubber_slice *slice, const chain_body *body, int end,
 }
 
 /* The same of a point of the element's nearest station, seen from its begin. */
-void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_state *state, const double *material, double *found)
+void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_state *state, int name, const double *material, double *found)
 {
     const fingerfem_chain *chain = map->chain;
     const int q = slice->segment, e = slice->element, w = chain_size(map), count = rubber_stations(chain->segments[q], e);
@@ -508,6 +534,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     const beam here = beam_at(slice, ((station + 0.5) / count - slice->share) * slice->length);
     const double to_plate = e ? 1.0 : 1.0 - slice->share, to_clamp = e < segment->elements - 1 ? 1.0 : slice->share;
     const double share = fmin(1.0, 2.0 * count * fmin(to_plate, to_clamp)); /* where it is held, it has its shape */
+    const double middle = name < SLICE_LINES ? 1.0 : 2.0 / 3.0; /* of how far a face's middle is off, in its mean */
     double place[3], rotation[9], x[3], weights[OUTLINE_CORNERS], seen[3] = {0.0}, g[SLICE_ENDS][3], axes[2][3];
     double *corners = rod->work + OUTLINE_STATION * segment->stations, *own = corners + OUTLINE_STATION * station;
     section_of(map, state, q, e, place, rotation);
@@ -537,8 +564,8 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
         turned(rotation, change, way);
         turned(rotation, twist, turned_twist);
         slices_bulge(axes, turned_twist, material, bulge);
-        for (int i = 0; i < 3; i++) way[i] += bulge[i];
-        for (int i = 0; i < 3 && across; i++) way[i] += axes[across - 1][i] * ridges[j] * (1.0 - material[other] * material[other]);
+        for (int i = 0; i < 3; i++) way[i] += middle * bulge[i];
+        for (int i = 0; i < 3 && across; i++) way[i] += middle * axes[across - 1][i] * ridges[j] * (1.0 - material[other] * material[other]);
         for (int end = 0; end < SLICE_ENDS; end++) {
             const chain_body *body = state->bodies + slice->bodies[end];
             double moved[3], spun[3], v[3], t[3];

@@ -4,6 +4,14 @@
 #define FINGERFEM_SLICES_H
 #include "contact.h"
 
+/* Curvature that slices are given besides their own, over their thickness [-]: what makes the middle of a flush one the nearest; and,
+ * where contact is solved for, along the finger, for its point not to jump from one end to the other. */
+#define SLICE_FLAT 1e-6
+#define SLICE_DOME 4e-3
+
+/* Names of a slice's contacts: its edges, points of its faces across y and across z, and the lines across these. */
+enum { SLICE_FACES = OUTLINE_CORNERS, SLICE_LINES = 2 * OUTLINE_CORNERS };
+
 /* The place of a slice of a segment by its number; -1 if it is another one's. */
 int slices_place(const chain_rods *map, int segment, int number);
 
@@ -26,8 +34,8 @@ void slices_find(const fingerfem_segment *segment, const rubber_slice *slice, co
                  objects_contacts *all);
 
 /* How a point of a slice, by its coordinates, moves with the tensions beside what its ends' motions do, (tensions, 3), in its
- * axes: as the rubber changes its shape. Motions by the tensions must be known. */
-void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_state *state, const double *material, double *found);
+ * axes: as the rubber changes its shape; of the line across a face, the mean. Motions by the tensions must be known. */
+void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_state *state, int name, const double *material, double *found);
 
 /* How far a point of a slice, by its coordinates, moves as the faces bulge, (3), where the sum of the corners' motions, each
  * with these weights, is `twist`, (3); y and z axes, (2, 3), in the same frame. */

@@ -1,5 +1,6 @@
 #include <math.h>
 #include "touch_errors.h"
+#include "response.h"
 
 #define INDENTED 0.25 /* how well it is known how deep rubber is pressed in [-] */
 
@@ -33,7 +34,7 @@ static double rubber_place(const contact_problem *problem, const contact_state *
         const double force = state->forces[k];
         if (!(force > 0.0)) continue;
         all += force;
-        if (state->at.arms[k].count > 1) sum += force * (rubber_off(problem, &state->at, k) + INDENTED * force * state->at.contacts.compliance[k]);
+        if (state->at.arms[k].count > 1) sum += force * (rubber_off(problem, &state->at, k) + INDENTED * response_indented(problem, &state->at.contacts, state->forces, k));
     }
     return all > 0.0 ? sum / all : 0.0;
 }

@@ -86,7 +86,10 @@ def test_loads_on_sections_are_the_contact_forces_where_they_are(bundled, shape)
 
 @pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder"])
 def test_contacts_are_in_the_object_as_deep_as_rubber_yields_to_them(bundled, shape):
-    """Every point is behind the surface along its normal; no point of the rubber is deeper than all of them."""
+    """Every point is behind the surface along its normal; no point of the rubber is deeper than all of them.
+
+    A line presses where the mean of its gaps closes; slices are domed by up to 2e-3 of their thickness.
+    """
     random = np.random.default_rng(2)
     for _ in range(8):
         model, point = pressed(bundled, random, shape)
@@ -102,10 +105,10 @@ def test_contacts_are_in_the_object_as_deep_as_rubber_yields_to_them(bundled, sh
                     arm = arm - (arm @ axis) * axis
                 gap, normal = float(np.linalg.norm(arm) - obstacle.radius), arm / np.linalg.norm(arm)
             assert one.normal == pytest.approx(normal, abs=1e-6)
-            assert -2e-3 < gap < 1e-7
+            assert -2e-3 < gap < 5e-5
             depths.append(-gap)
         loads = model.answers(point).loads[0]
-        assert -model.rubber_gap(point, loads) < max(depths) + 1e-7
+        assert -model.rubber_gap(point, loads) < max(depths) + 2e-6
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -129,14 +132,16 @@ def test_the_force_begins_at_the_touch_distance_and_has_no_jump(bundled, shape):
     for _ in range(5):
         model, point = pressed(bundled, random, shape)
         touch = float(model.outputs(point[None])[0, 4])
-        depths = np.array([0.0, 1e-9, 1e-7, *np.linspace(1e-6, touch - point[-1], 40)])
-        rows = np.column_stack([np.tile(point[:-1], (len(depths), 1)), touch - depths])
-        answers = model.answers(rows)
-        forces = answers.out[:, 3]
-        assert forces[0] == 0.0 and forces[1] < 1e-4 and (answers.evaluations > 0).all()
-        assert (np.diff(forces) > -1e-9).all()
-        steps = np.diff(forces[2:]) / np.diff(depths[2:])
-        assert steps.max() < 20 * np.median(steps)
+        steepest = []
+        for count in (40, 400):  # of a jump, shorter steps would be steeper
+            depths = np.array([0.0, 1e-9, 1e-7, *np.linspace(1e-6, touch - point[-1], count)])
+            rows = np.column_stack([np.tile(point[:-1], (len(depths), 1)), touch - depths])
+            answers = model.answers(rows)
+            forces = answers.out[:, 3]
+            assert forces[0] == 0.0 and forces[1] < 1e-4 and (answers.evaluations > 0).all()
+            assert (np.diff(forces) > -1e-9).all()
+            steepest.append(np.max(np.diff(forces[2:]) / np.diff(depths[2:])))
+        assert steepest[1] < 1.5 * steepest[0]
 
 
 def test_a_warm_start_on_the_rubber_finds_the_same_sooner(bundled):
@@ -225,5 +230,5 @@ def test_a_ball_of_any_size_touches_where_it_meets_the_face_and_none_passes_into
     model = TouchedSegment(rod=bundled, obstacle=Sphere(radius=radius, **where))
     answer = model.answers([0.0, 0.0, -0.0012])
     assert answer.out[0, 4] == pytest.approx(-0.001, abs=3e-5)
-    assert not answer.inside[0] or 0.1 < answer.out[0, 3] < 15.0
+    assert not answer.inside[0] or 0.1 < answer.out[0, 3] < 40.0
     assert answer.inside[0] == (radius >= 1e-3)

@@ -136,13 +136,13 @@ def test_finer_increments_change_less(bundled: Rod):
 
 
 def test_more_contacts_than_there_is_room_for_are_marked(bundled: Rod):
-    """A plane that leans lies 0.6 mm deep along half of the finger: 48 contacts of some hundred are known."""
+    """A plane that leans lies 0.6 mm deep along half of the finger: 96 contacts of some hundred are known."""
     normal = (-np.sin(0.1), -np.cos(0.1), 0.0)
     where = {"direction": (0.0, 1.0, 0.0), "distances": (-0.02, 0.05)}
     model = TouchedSegment(rod=bundled, obstacle=Plane(centre=(0.0, 0.0055, 0.0), normal=normal, **where))
     point = np.array([15.0, 0.0, 0.0])
     found = at_loads(model, point, np.zeros_like(model.answers(point).loads[0]))
-    assert len(found.gaps) == 48 and found.gaps.max() < 0.0 and not found.inside
+    assert len(found.gaps) == 96 and found.gaps.max() < 0.0 and not found.inside
     assert at_loads(model, point - np.array([0.0, 0.0, -0.02]), np.zeros_like(model.answers(point).loads[0])).inside
 
 

@@ -1,0 +1,53 @@
+"""How deep forces press into rubber by themselves, beside what bends and stretches the finger.
+
+The rubber is cut into slices of thickness p along a finger of half its side h, with Young's modulus E. A slice yields
+
+    on an edge, or at a point of a face      1 / (EDGE E p),  1 / (FACE E p)           [m/N]
+
+as the one-dimensional springs that press on a ball as its contact of Hertz does (Popov, Contact Mechanics and Friction,
+2010, chapter 19). A force f on a line across a face lowers the face at the distance x along the finger by
+
+    f / (E h) ROW / 2 ln(1 + (DEPTH h / x)^2),
+
+which is a line load on a half-space, ROW = (1 - nu^2) / pi at nu = 0.3, beside its opposite as deep below as the finger
+is thick; over the line's own slice, by f / (E h) ROW (ln(DEPTH h / p) + 3/2). The opposite face comes to meet it by
+
+    f / (E h) OPPOSITE exp(-x / (REACH h)).
+
+DEPTH, OPPOSITE and REACH are those of linear elasticity on 40 x 10 cells, EDGE and FACE of balls and cylinders that squeeze
+a finger from two sides (studies/rods/indentation.py).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+FACE, EDGE = 0.9, 0.4  # [-]
+ROW, DEPTH = 0.29, 0.42
+OPPOSITE, REACH = 0.187, 0.44
+FIRM = 1e-2  # of what a line yields: beside what it shares with others, for forces to be unique [-]
+
+
+def indentations(young_modulus: float, half: float, pitch: float, count: int) -> dict[str, Any]:
+    """What slices of rubber yield, as values of a struct fingerfem_segment.
+
+    Args:
+        young_modulus: of the rubber [Pa]; 0 where nothing is known of it.
+        half: of the finger's side [m].
+        pitch: thickness of a slice [m].
+        count: of slices.
+    """
+    if young_modulus == 0.0:
+        return {}
+    away = pitch * np.arange(1, count)
+    unit = 1 / (young_modulus * half)
+    own = max(np.log(DEPTH * half / pitch) + 1.5, 0.5)
+    return {
+        "face_compliance": 1 / (FACE * young_modulus * pitch),
+        "edge_compliance": 1 / (EDGE * young_modulus * pitch),
+        "line_compliance": (1 + FIRM) * ROW * own * unit,
+        "sinks": ROW * unit * np.append(own, np.log1p((DEPTH * half / away) ** 2) / 2),
+        "meets": OPPOSITE * unit * np.exp(-np.append(0.0, away) / (REACH * half)),
+    }
