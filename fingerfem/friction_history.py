@@ -63,8 +63,8 @@ def friction_history(
         increments: from point to point; one that finds no equilibrium is halved.
 
     Raises:
-        ValueError: several obstacles, another method, a round one that is moved, wrong shapes, loads beyond the scene's ranges, a coefficient below 0, no
-            increment.
+        ValueError: several obstacles, another method, a round one that is moved, wrong shapes, loads beyond the
+            scene's ranges, a coefficient below 0, no increment.
         LoadNotReached: an increment without an equilibrium.
 
     Example:

@@ -156,9 +156,7 @@ class ObstacleContact:
     def normal_force(self) -> np.ndarray:
         """The same without friction."""
         pressed = [(one.forms.nodal_force, one.springs()) for one in self._bodies]
-        return np.asarray(
-            sum(self._assembly.nodal(form, self._nodal(own.nodes, own.forces)) for form, own in pressed)
-        )
+        return np.asarray(sum(self._assembly.nodal(form, self._nodal(own.nodes, own.forces)) for form, own in pressed))
 
     def spring_forces(self) -> np.ndarray:
         """This rank's springs' part of it, before it is summed over ranks, shape (nodes, 3) [N]."""

@@ -14,7 +14,14 @@ from fingerfem.discretisation import contact_points, regions
 from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.contact_points import ContactPoints
 from fingerfem.discretisation.deformation_limits import DeformationLimits
-from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_area, surface_measure
+from fingerfem.discretisation.forms import (
+    Fields,
+    compile_forms,
+    pad_areas,
+    quadrature_degree,
+    surface_area,
+    surface_measure,
+)
 from fingerfem.discretisation.mesh import build_mesh
 from fingerfem.discretisation.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads

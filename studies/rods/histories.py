@@ -1,4 +1,4 @@
-"""Histories with friction of the assembled finger, against the full-order model with friction, before planes."""
+"""Histories with friction of the assembled finger, against the full-order model with friction."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rom import Rod, TouchedSegment, friction_history
 from rom.error_statistics import quantiles
 from rom.rod.objects.shapes import facing_plane
 from studies.rods import plans
-from studies.rods.full_order import obstacle
+from studies.rods.full_order import Table, obstacle
 from studies.rods.rubber import anywhere, clear_of_clamp
 from studies.rods.scattered_objects import DISTANCE
 from studies.runner import Run
@@ -23,57 +23,67 @@ from studies.runner import Run
 CORES, INCREMENTS = 2, 4
 PULLED, FORCES = ((15.0, 80.0), (0.0, 40.0)), (0.3, 6.0)  # tensions, and force without friction at first [N]
 FRICTION, ASIDE, CHANGED = (0.2, 0.8), 1.5e-3, 8.0  # coefficients [-]; motions of the plane [m] and of tensions [N]
-NEARER = 2e-4  # and of the plane towards the finger [m]
+NEARER, DRAGGED = 2e-4, 5e-4  # and of a plane, and of a round object, along its direction [m]
+PLATE, RUBBER, ROUND = "plate", "rubber", "rubber, by a ball, a cylinder or a box"  # what is touched first
 DEPTHS = 2e-4, 4e-3  # beyond touch [m]
 MOST = 1000  # draws for one history
 
 
 @dataclass(frozen=True)
 class History:
-    """Points, motions of the plane, and coefficient of friction: it presses, is dragged, pulled, and dragged back."""
+    """Points, motions of a plane besides, and coefficient of friction.
+
+    A plane presses, is dragged, the finger is pulled, and the plane is dragged back. A round object moves along its
+    direction alone, which is oblique to the surface.
+    """
 
     model: TouchedSegment
+    table: Table
     points: np.ndarray
     moved: np.ndarray
     friction: float
 
 
-def plate_first(rod: Rod, pulled: np.ndarray, random: np.random.Generator) -> tuple[TouchedSegment, float]:
-    """The paper's plane, where d has it pressed."""
-    model = TouchedSegment(rod=rod, obstacle=facing_plane(2 * rod.half_lengths[1], (1e-4, rod.rest[0])))
+def pressing(
+    rod: Rod, touched: str, pulled: np.ndarray, random: np.random.Generator
+) -> tuple[TouchedSegment, Table, float]:
+    """The paper's plane, or an object that touches the finger anywhere; its table, and d that has it pressed."""
+    if touched != PLATE:
+        shape = "plane" if touched == RUBBER else str(random.choice(["sphere", "cylinder", "box"]))
+        found, table = anywhere(rod, pulled, random, shape)
+        return TouchedSegment(rod=rod, obstacle=found), table, DISTANCE - random.uniform(*DEPTHS)
+    plane = facing_plane(2 * rod.half_lengths[1], (1e-4, rod.rest[0]))
+    model = TouchedSegment(rod=rod, obstacle=plane)
     touch = float(model.outputs(np.array([[*pulled, np.inf]]))[0, 4])
-    return model, touch - random.uniform(*DEPTHS)
+    return model, obstacle(plane), touch - random.uniform(*DEPTHS)
 
 
-def rubber_first(rod: Rod, pulled: np.ndarray, random: np.random.Generator) -> tuple[TouchedSegment, float]:
-    """A plane that touches the finger anywhere."""
-    return TouchedSegment(rod=rod, obstacle=anywhere(rod, pulled, random, "plane")[0]), DISTANCE - random.uniform(
-        *DEPTHS
-    )
-
-
-def draw(rod: Rod, rubber: bool, random: np.random.Generator) -> History:
+def draw(rod: Rod, touched: str, random: np.random.Generator) -> History:
     """A random one, that begins with contact on the rubber, or on the plate alone."""
     for _ in range(MOST):
         pulled = np.array([random.uniform(*ends) for ends in PULLED])
-        model, d = (rubber_first if rubber else plate_first)(rod, pulled, random)
-        first, normal = np.array([*pulled, d]), np.array(model.obstacle.numbers()["axis"])
-        if not clear_of_clamp(rod, obstacle(model.obstacle), d):
+        model, table, d = pressing(rod, touched, pulled, random)
+        first = np.array([*pulled, d])
+        if not clear_of_clamp(rod, table, d):
             continue
         answer = model.evaluate(first)
         if not (answer.inside and FORCES[0] < answer.contact_force < FORCES[1]):
             continue
-        if any(one.rubber for one in model.contact_forces(first)) == rubber:
+        if any(one.rubber for one in model.contact_forces(first)) == (touched != PLATE):
             break
-    change = np.array([*random.uniform(-CHANGED, CHANGED, 2), random.uniform(-NEARER, NEARER)])
+    along = DRAGGED if touched == ROUND else NEARER
+    change = np.array([*random.uniform(-CHANGED, CHANGED, 2), random.uniform(-along, along)])
     second = np.append(np.clip((first + change)[:-1], 0.0, None), first[-1] + change[-1])
-    way = random.uniform(-ASIDE, ASIDE, 3)
-    way -= (way @ normal) * normal
+    way = np.zeros(3)
+    if touched != ROUND:
+        normal = np.array(model.obstacle.numbers()["axis"])
+        way = random.uniform(-ASIDE, ASIDE, 3)
+        way -= (way @ normal) * normal
     moved = np.array([0 * way, way, way, 0 * way])
-    return History(model, np.array([first, first, second, second]), moved, float(random.uniform(*FRICTION)))
+    return History(model, table, np.array([first, first, second, second]), moved, float(random.uniform(*FRICTION)))
 
 
-def compared(rod: Rod, table: dict[str, Any], rubber: bool, seeds: list[int]) -> list[dict[str, Any]]:
+def compared(rod: Rod, table: Table, touched: str, seeds: list[int]) -> list[dict[str, Any]]:
     """Histories of some seeds, of both models."""
     from fingerfem import FingerModel, LoadNotReached
     from fingerfem.friction_history import friction_history as full_order
@@ -81,12 +91,12 @@ def compared(rod: Rod, table: dict[str, Any], rubber: bool, seeds: list[int]) ->
 
     rows = []
     for seed in seeds:
-        one = draw(rod, rubber, np.random.default_rng([21, seed]))
+        one = draw(rod, touched, np.random.default_rng([21, seed]))
         ours = friction_history(one.model, one.points, one.friction, one.moved, INCREMENTS)
         row: dict[str, Any] = {"status": next((one.status for one in ours if one.status != "converged"), "converged")}
         if row["status"] == "converged":
             scene = {key: value for key, value in table.items() if key != "load"}
-            scene |= {"obstacle": obstacle(one.model.obstacle)}
+            scene |= {"obstacle": one.table}
             try:
                 full = FingerModel(Scene.model_validate(scene))
                 theirs = full_order(full, one.points, one.friction, one.moved, INCREMENTS)
@@ -123,11 +133,11 @@ def table_row(rows: list[dict[str, Any]], touched: str) -> dict[str, Any]:
 def measure(run: Run) -> list[dict[str, Any]]:
     """Histories that begin on the plate, and on the rubber."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    plan, count = (plans.QUICK, 2) if run.quick else (plans.LARGE, 30)
+    plan, count = (plans.QUICK, 2) if run.quick else (plans.LARGE, 20)
     rod, table = plans.rod(run, plan), tomllib.loads(plans.scene(run, plan).read_text())
     parts, found = [list(range(k, count, CORES)) for k in range(CORES)], []
     with ProcessPoolExecutor(CORES, mp_context=get_context("spawn")) as pool:
-        for touched in ("plate", "rubber"):
-            given = [rod] * CORES, [table] * CORES, [touched == "rubber"] * CORES, parts
+        for touched in (PLATE, RUBBER, ROUND):
+            given = [rod] * CORES, [table] * CORES, [touched] * CORES, parts
             found.append(table_row([row for part in pool.map(compared, *given) for row in part], touched))
     return found

@@ -1,4 +1,4 @@
-"""How deep forces press into the rubber: two objects squeeze the straight finger, so that it neither bends nor moves."""
+"""How deep forces press into the rubber: two objects squeeze the straight finger, which neither bends nor moves."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def squeezing(kind: str, length: float, half: float) -> list[Object]:
     return found
 
 
-def measure(run: Run) -> list[dict[str, Any]]:
+def measure(run: Run) -> dict[str, Any]:
     """Forces of both models, by object and depth, of the full-order one on several meshes [N]."""
     plan = plans.QUICK if run.quick else plans.LARGE
     rod, scene = plans.rod(run, plan), plans.scene(run, plan).read_text()
@@ -59,4 +59,4 @@ def measure(run: Run) -> list[dict[str, Any]]:
                 "full_order": [None if one is None else float(one[0]) for one in forces],
             }
         )
-    return rows
+    return {"meshes": [f"{along} x {across}" for along, across in meshes], "rows": rows}

@@ -1,11 +1,12 @@
 """The parts of docs/segment.md."""
 
-from studies.rods import accuracy, histories, lengths, objects, robustness, rubber, several, speed
+from studies.rods import accuracy, histories, indentation, lengths, objects, robustness, rubber, several, speed
 
 PARTS = {
     "accuracy": accuracy.measure,
     "lengths": lengths.measure,
     "objects": objects.measure,
+    "indentation": indentation.measure,
     "rubber": rubber.measure,
     "several": several.measure,
     "histories": histories.measure,

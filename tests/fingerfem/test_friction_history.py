@@ -112,8 +112,12 @@ def test_round_objects_drag_the_rubber_along(table, shape):
 def test_several_obstacles_and_bad_input_are_refused(table, draft):
     model = before(table, SHAPES["sphere"])
     with pytest.raises(ValueError, match="moved must be 0 for a round obstacle"):
-        friction_history(model, [PRESSED[:2] + [0.003]], 0.3, moved=[[0.001, 0.0, 0.0]])
-    model = before(table, SHAPES["sphere"] | {"others": [{"shape": "sphere", "radius": 0.008, "centre": [0.03, -0.02, 0], "direction": [0, -1, 0]}]})
+        friction_history(model, [[*PRESSED[:2], 0.003]], 0.3, moved=[[0.001, 0.0, 0.0]])
+    model = before(
+        table,
+        SHAPES["sphere"]
+        | {"others": [{"shape": "sphere", "radius": 0.008, "centre": [0.03, -0.02, 0], "direction": [0, -1, 0]}]},
+    )
     with pytest.raises(ValueError, match="obstacle must be one, with the penalty method"):
         friction_history(model, [PRESSED], 0.3)
     with pytest.raises(ValueError, match="points must be tensions and d"):

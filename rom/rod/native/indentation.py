@@ -14,8 +14,8 @@ is thick; over the line's own slice, by f / (E h) ROW (ln(DEPTH h / p) + 3/2). T
 
     f / (E h) OPPOSITE exp(-x / (REACH h)).
 
-DEPTH, OPPOSITE and REACH are those of linear elasticity on 40 x 10 cells, EDGE and FACE of balls and cylinders that squeeze
-a finger from two sides (studies/rods/indentation.py).
+DEPTH, OPPOSITE and REACH are those of linear elasticity on 40 x 10 cells, EDGE and FACE of balls and cylinders that
+squeeze a finger from two sides (studies/rods/indentation.py).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-FACE, EDGE = 0.9, 0.4  # [-]
+FACE, EDGE = 0.9, 0.37  # [-]
 ROW, DEPTH = 0.29, 0.42
 OPPOSITE, REACH = 0.187, 0.44
 FIRM = 1e-2  # of what a line yields: beside what it shares with others, for forces to be unique [-]

@@ -47,7 +47,7 @@ def test_an_anchor_that_follows_leaves_the_spring_with_its_bound(points):
 
 @pytest.mark.parametrize("slope", [0.9, 1.1])
 def test_a_block_on_a_slope_slides_beyond_the_friction_angle(slope):
-    """Its weight, shared by the springs: what sticks bears it all; what slides bears mu N, and the rest accelerates it."""
+    """The springs share its weight: what sticks bears it all; what slides bears mu N."""
     friction, weight = 0.4, 2.0
     angle = slope * np.arctan(friction)
     normal, down = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, 0.0, -1.0])
