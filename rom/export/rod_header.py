@@ -25,7 +25,7 @@ EXAMPLE, DEEP = 0.3, 2 / 3  # of the leading tension's range, and of the touch d
 # The stack that gcc takes, times 1.25 or so, which tests measure: by the bodies that may bear wrenches, plates and
 # sections of rubber, and their square, for matrices of all wrenches, and by the powers of a polynomial [kB].
 SECTIONS = 9  # besides plates, as in segment.h
-STACK, BY_BODY, BY_BODIES, BY_POWER = 60.0, 12.0, 3.2, 0.35
+STACK, BY_BODY, BY_BODIES, BY_POWER = 160.0, 18.0, 3.2, 0.35
 
 
 def rod_header(model: TouchedSegment, name: str) -> str:
