@@ -33,11 +33,14 @@ test: .venv/ready out/peers/felupe/ready
 	OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -q $(BOTH_CORES) tests/rom tests/control tests/packaging
 
 # Faults once more, under every kind of lock and kill; a thousand solves; three hundred wrong files; the oldest and newest versions
-# allowed; rom and control with the environment's packages.
+# allowed; rom and control with the environment's packages; contact with the compiler's checks of memory and arithmetic.
+SANITIZED = XDG_CACHE_HOME=$(CURDIR)/out/sanitized CC="gcc -g -fsanitize=address,undefined -fno-sanitize-recover=undefined" \
+	LD_PRELOAD=$$(gcc -print-file-name=libasan.so) ASAN_OPTIONS=detect_leaks=0
 test-long: .venv/ready out/tests/ready
 	docker/run python3 -m pytest -q $(BOTH_CORES) -m long tests/fingerfem tests/studies
 	OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -q $(BOTH_CORES) -m long tests/rom tests/control tests/packaging
 	docker/run python3 -m pytest -q $(BOTH_CORES) tests/rom tests/control
+	$(SANITIZED) .venv/bin/python -m pytest -q tests/rom/rod/test_touch.py tests/rom/rod/test_several_objects.py tests/rom/rod/friction
 
 out/tests/ready:
 	mkdir -p out/tests

@@ -256,6 +256,8 @@ _SOURCES = (
     "touch_errors.c",
     "rubber.c",
     "slices.c",
+    "slice_contacts.c",
+    "slice_forces.c",
     "surface.c",
 )
 SEGMENT = Library(

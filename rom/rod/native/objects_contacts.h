@@ -28,7 +28,7 @@ typedef struct {
     double halves[FINGERFEM_MOST_CONTACTS][3];                  /* lengths of that [m] */
     objects_feature features[FINGERFEM_MOST_CONTACTS];
     double gaps[FINGERFEM_MOST_CONTACTS];                       /* [m], negative inside the object */
-    double domes[FINGERFEM_MOST_CONTACTS];                      /* what gaps of slices grow by where they are solved for, see slices.c [m] */
+    double domes[FINGERFEM_MOST_CONTACTS];                      /* what gaps of slices grow by where they are solved for, see SLICE_DOME [m] */
     double material[FINGERFEM_MOST_CONTACTS][3];                /* of a slice: where p is in it, -1 to 1 [-] */
     double compliance[FINGERFEM_MOST_CONTACTS];                       /* what it yields by itself [m/N] */
     double points[FINGERFEM_MOST_CONTACTS][3];                  /* p, of a plate that is a box [m] */

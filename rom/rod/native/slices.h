@@ -2,6 +2,7 @@
  * lies, as on a beam that bends and shears. */
 #ifndef FINGERFEM_SLICES_H
 #define FINGERFEM_SLICES_H
+#include <math.h>
 #include "contact.h"
 
 /* Curvature that slices are given besides their own, over their thickness [-]: what makes the middle of a flush one the nearest; and,
@@ -53,6 +54,21 @@ double slices_highest(const rod_state *rod, int element);
 /* How the ridge over a face at a point of a slice, by its coordinates, grows with each tension, (tensions), where the pose of
  * its element changes by `by`, (tensions, FINGERFEM_POSE); returns the axis across the face, 1 or 2, or 0 for an edge. */
 int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const double *material, const double *by, double *found);
+
+/* The section where an element begins, or, of the last one, where it ends. */
+void slices_section(const chain_rods *map, const chain_state *state, int segment, int element, double *place, double *rotation);
+
+/* How far the face across y, 0, or across z, 1, at a point of a slice goes inwards along the axis, from its middle to its edges [m]. */
+double slices_bulge_at(const rubber_slice *slice, int across, const double *at);
+
+/* A point of a slice in space where its coordinates are `at`, -1 to 1, and its derivatives by these, (3, 3). */
+void slices_at(const rubber_slice *slice, const double *at, double *x, double (*t)[3]);
+
+static inline void slices_unit(double *v)
+{
+    const double size = sqrt(objects_dot(v, v));
+    for (int i = 0; i < 3; i++) v[i] /= size;
+}
 
 /* A point of a slice in space, by its coordinates. */
 void slices_point(const rubber_slice *slice, const double *material, double *x);

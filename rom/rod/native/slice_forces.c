@@ -1,0 +1,289 @@
+/* A beam of length L that bends and shears bears a force n at the share a of its length by what its ends would if they were
+ * held: the forces N n and the moments g x n, with phi = 12 E I / (k G A L^2) (Przemieniecki 1968, section 5.6),
+ *
+ *     N_1 = (a^2 (3 - 2 a) + phi a) / (1 + phi),             N_2 = 1 - N_1,
+ *     g_1 = N_1 (x - m + s_1 - c_1) + u_1 (s_2 - s_1),       u_1 = a (1 - a) (a + phi / 2) / (1 + phi),
+ *     g_2 = N_2 (x - m + s_2 - c_2) + u_2 (s_1 - s_2),       u_2 = a (1 - a) (1 - a + phi / 2) / (1 + phi),
+ *
+ * where x is the point, s the centres of the sections at both ends, m = a s_1 + (1 - a) s_2, and c the centres of the bodies. The
+ * sum is the force at x. The same weights, transposed, move the slice with its bodies. */
+#include <math.h>
+#include "rubber.h"
+#include "slices.h"
+
+#define WAY 1e-6     /* by which normals are compared [m] */
+
+/* The weights N and u of both ends at a share, and their derivatives by it. */
+typedef struct {
+    double share, n[SLICE_ENDS], u[SLICE_ENDS], dn[SLICE_ENDS], du[SLICE_ENDS];
+} beam;
+
+static beam beam_at(const rubber_slice *slice, double along)
+{
+    const double a = slice->share + along / slice->length, b = 1.0 - a, phi = slice->slender, all = 1.0 + phi;
+    const double n = (a * a * (3.0 - 2.0 * a) + phi * a) / all, dn = (6.0 * a * b + phi) / all;
+    const beam found = {a, {n, 1.0 - n}, {a * b * (a + 0.5 * phi) / all, a * b * (b + 0.5 * phi) / all}, {dn, -dn},
+                        {((b - a) * (a + 0.5 * phi) + a * b) / all, ((b - a) * (b + 0.5 * phi) - a * b) / all}};
+    return found;
+}
+
+/* g of both ends for a point x of space, (2, 3). */
+static void arms_to(const rubber_slice *slice, const chain_state *state, const beam *at, const double *x, double (*g)[3])
+{
+    const double *s = slice->ends[0], *t = slice->ends[1];
+    for (int end = 0; end < SLICE_ENDS; end++) {
+        const double *c = state->bodies[slice->bodies[end]].centre, sign = end ? -1.0 : 1.0;
+        for (int i = 0; i < 3; i++) {
+            const double middle = at->share * s[i] + (1.0 - at->share) * t[i];
+            g[end][i] = at->n[end] * (x[i] - middle + slice->ends[end][i] - c[i]) + sign * at->u[end] * (t[i] - s[i]);
+        }
+    }
+}
+
+/* A vector of a slice in space. */
+static void turned(const double *rotation, const double *v, double *found)
+{
+    for (int i = 0; i < 3; i++) found[i] = objects_dot(rotation + 3 * i, v);
+}
+
+/* The point of a contact in space, and its normal. */
+static void contact_in_space(const rubber_slice *slice, const objects_contacts *contacts, int k, double *x, double *n)
+{
+    double p[3];
+    memcpy(p, contacts->points[k], sizeof p);
+    turned(slice->rotation, p, x);
+    turned(slice->rotation, contacts->wrenches[k], n);
+    for (int i = 0; i < 3; i++) x[i] += slice->centre[i];
+}
+
+void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, const double *force,
+                 contact_arms *found)
+{
+    const beam at = beam_at(slice, contacts->points[k][0]);
+    double x[3], n[3], g[SLICE_ENDS][3], moment[3];
+    contact_in_space(slice, contacts, k, x, n);
+    if (force) memcpy(n, force, sizeof n);
+    arms_to(slice, state, &at, x, g);
+    found->count = SLICE_ENDS;
+    for (int end = 0; end < SLICE_ENDS; end++) {
+        const double *rotation = state->bodies[slice->bodies[end]].rotation;
+        found->bodies[end] = slice->bodies[end];
+        objects_cross(g[end], n, moment);
+        objects_turned_back(rotation, n, found->wrenches[end]);
+        for (int i = 0; i < 3; i++) found->wrenches[end][i] *= at.n[end];
+        objects_turned_back(rotation, moment, found->wrenches[end] + 3);
+    }
+}
+
+/* How a contact's point slides along its slice and how its normal changes, both seen from the slice, as that moves and turns
+ * along its own axes, (6, 6). The point is nearest along its free coordinates s, with tangents t_i: t_i . n = 0, so that
+ *
+ *     (t_i . H t_j + n . dt_i/ds_j) ds_j = -t_i . H dx - (w x t_i) . n,
+ *
+ * with the gradient H of the normal, and dx what the slice's motion alone moves it by. */
+static void sliding(const rubber_slice *slice, const fingerfem_object *object, double d, const objects_contacts *contacts, int k, double (*found)[W])
+{
+    const double *p = contacts->points[k], *n = contacts->wrenches[k], *at = contacts->material[k];
+    double x[3], t[3][3], tangents[3][3], H[3][3], axes[2][3], system[4], normal[2][3];
+    int free[2], count = 0;
+    slices_at(slice, at, x, t);
+    for (int j = 0; j < 3; j++) {
+        objects_turned_back(slice->rotation, t[j], tangents[j]);
+        if (contacts->names[k] < SLICE_LINES && count < 2 && fabs(at[j]) < 1.0) free[count++] = j;
+    }
+    const int least = fabs(n[0]) < fabs(n[1]) ? (fabs(n[0]) < fabs(n[2]) ? 0 : 2) : (fabs(n[1]) < fabs(n[2]) ? 1 : 2);
+    const double pick[3] = {least == 0, least == 1, least == 2};
+    objects_cross(n, pick, axes[0]);
+    slices_unit(axes[0]);
+    objects_cross(n, axes[0], axes[1]);
+    memset(H, 0, sizeof H);
+    for (int a = 0; a < 2; a++) {
+        double way[3], beside[3], change[3];
+        turned(slice->rotation, axes[a], way);
+        for (int side = 0; side < 2; side++) {
+            for (int i = 0; i < 3; i++) beside[i] = x[i] + (side ? WAY : -WAY) * way[i];
+            objects_distance(object, d, beside, normal[side]);
+        }
+        for (int i = 0; i < 3; i++) way[i] = (normal[1][i] - normal[0][i]) / (2.0 * WAY);
+        objects_turned_back(slice->rotation, way, change);
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) H[i][j] += change[i] * axes[a][j];
+    }
+    for (int a = 0; a < count; a++)
+        for (int b = 0; b < count; b++) {
+            double sum = a == b ? (free[a] ? SLICE_FLAT : SLICE_DOME) * slice->thickness : 0.0;
+            for (int i = 0; i < 3; i++) sum += tangents[free[a]][i] * objects_dot(H[i], tangents[free[b]]);
+            if (a == b && free[a]) {
+                const int across = 3 - free[a]; /* of the face: along z if it is off along y */
+                sum += 2.0 * n[across] * slices_bulge_at(slice, across - 1, at);
+            }
+            system[count * a + b] = sum;
+        }
+    const double det = count == 2 ? system[0] * system[3] - system[1] * system[2] : 0.0;
+    for (int m = 0; m < W; m++) {
+        double spin[3] = {0.0}, dx[3] = {0.0}, turn[3], right[2] = {0.0}, ds[2] = {0.0};
+        if (m < 3) dx[m] = 1.0;
+        else spin[m - 3] = 1.0;
+        if (m >= 3) objects_cross(spin, p, dx);
+        for (int a = 0; a < count; a++) {
+            objects_cross(spin, tangents[free[a]], turn);
+            right[a] = -objects_dot(turn, n);
+            for (int i = 0; i < 3; i++) right[a] -= tangents[free[a]][i] * objects_dot(H[i], dx);
+        }
+        if (count == 1) ds[0] = right[0] / system[0];
+        if (count == 2) {
+            ds[0] = (system[3] * right[0] - system[1] * right[1]) / det;
+            ds[1] = (system[0] * right[1] - system[2] * right[0]) / det;
+        }
+        objects_cross(spin, n, turn);
+        for (int i = 0; i < 3; i++) {
+            found[i][m] = 0.0;
+            for (int a = 0; a < count; a++) found[i][m] += tangents[free[a]][i] * ds[a];
+            dx[i] += found[i][m];
+        }
+        for (int i = 0; i < 3; i++) found[3 + i][m] = objects_dot(H[i], dx) - turn[i];
+    }
+}
+
+/* As one end moves: how the section there and its body do. */
+static void moved_by(const rubber_slice *slice, const chain_body *body, int end, int input, double *v, double *t, double *ds)
+{
+    double unit_of[3] = {0.0}, arm[3];
+    unit_of[input % 3] = 1.0;
+    memset(v, 0, 3 * sizeof *v);
+    memset(t, 0, 3 * sizeof *t);
+    turned(body->rotation, unit_of, input < 3 ? v : t);
+    for (int i = 0; i < 3; i++) arm[i] = slice->ends[end][i] - body->centre[i];
+    objects_cross(t, arm, ds);
+    for (int i = 0; i < 3; i++) ds[i] += v[i];
+}
+
+/* The same of a point of the element's nearest station, seen from its begin. */
+void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_state *state, int name, const double *material, double *found)
+{
+    const fingerfem_chain *chain = map->chain;
+    const int q = slice->segment, e = slice->element, w = chain_size(map), count = rubber_stations(chain->segments[q], e);
+    const rod_state *rod = map->rods + q;
+    const fingerfem_segment *segment = rod->segment;
+    const int station = (int)fmin(count - 1, fmax(0.0, floor(slice->share * count)));
+    const beam here = beam_at(slice, ((station + 0.5) / count - slice->share) * slice->length);
+    const double to_plate = e ? 1.0 : 1.0 - slice->share, to_clamp = e < segment->elements - 1 ? 1.0 : slice->share;
+    const double share = fmin(1.0, 2.0 * count * fmin(to_plate, to_clamp)); /* where it is held, it has its shape */
+    const double middle = name < SLICE_LINES ? 1.0 : 2.0 / 3.0; /* of how far a face's middle is off, in its mean */
+    double place[3], rotation[9], x[3], weights[OUTLINE_CORNERS], seen[3] = {0.0}, g[SLICE_ENDS][3], axes[2][3];
+    double *corners = rod->work + OUTLINE_STATION * segment->stations, *own = corners + OUTLINE_STATION * station;
+    slices_section(map, state, q, e, place, rotation);
+    for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
+        weights[edge] = 0.25 * (1.0 + (edge & 2 ? 1.0 : -1.0) * material[1]) * (1.0 + (edge & 1 ? 1.0 : -1.0) * material[2]);
+    rubber_shape(rod, e, rod->monomials, corners);
+    for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
+        for (int i = 0; i < 3; i++) seen[i] += weights[edge] * own[3 * edge + i];
+    turned(rotation, seen, x);
+    for (int i = 0; i < 3; i++) x[i] += place[i];
+    arms_to(slice, state, &here, x, g);
+    for (int j = 0; j < 2; j++)
+        for (int i = 0; i < 3; i++) axes[j][i] = slice->rotation[3 * i + 1 + j];
+    double by[TENSIONS_MOST * FINGERFEM_POSE], ridges[TENSIONS_MOST];
+    element_by_tensions(segment, segment->law[segment->law_of[e]], rod->contracted + segment->law_of[e] * rod->contracted_stride,
+                        rod->products + e * rod->products_stride, by);
+    const int across = slices_ridge_changes(rod, slice, material, by, ridges), other = 3 - across;
+    for (int j = 0; j < segment->tensions; j++) {
+        const int column = chain->own[chain->tensions * q + j];
+        double change[3] = {0.0}, twist[3] = {0.0}, turned_twist[3], bulge[3], way[3], arm[3], by_turn[3];
+        rubber_shape(rod, e, rod->monomials + segment->monomials * (1 + j), corners);
+        for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
+            for (int i = 0; i < 3; i++) {
+                change[i] += weights[edge] * own[3 * edge + i];
+                twist[i] += slices_twist(edge) * own[3 * edge + i];
+            }
+        turned(rotation, change, way);
+        turned(rotation, twist, turned_twist);
+        slices_bulge(axes, turned_twist, material, bulge);
+        for (int i = 0; i < 3; i++) way[i] += middle * bulge[i];
+        for (int i = 0; i < 3 && across; i++) way[i] += middle * axes[across - 1][i] * ridges[j] * (1.0 - material[other] * material[other]);
+        for (int end = 0; end < SLICE_ENDS; end++) {
+            const chain_body *body = state->bodies + slice->bodies[end];
+            double moved[3], spun[3], v[3], t[3];
+            for (int i = 0; i < 3; i++) {
+                moved[i] = body->motion[i][w + column];
+                spun[i] = body->motion[3 + i][w + column];
+            }
+            turned(body->rotation, moved, v);
+            turned(body->rotation, spun, t);
+            objects_cross(t, g[end], by_turn);
+            for (int i = 0; i < 3; i++) way[i] -= here.n[end] * v[i] + by_turn[i];
+            if (end) continue;
+            for (int i = 0; i < 3; i++) arm[i] = x[i] - body->centre[i];
+            objects_cross(t, arm, by_turn);
+            for (int i = 0; i < 3; i++) way[i] += v[i] + by_turn[i];
+        }
+        for (int i = 0; i < 3; i++) way[i] *= share;
+        objects_turned_back(slice->rotation, way, found + 3 * column);
+    }
+}
+
+void slices_change(const contact_problem *problem, double d, const placed *at, int k, const double *force_of,
+                   double (*change)[SLICE_INPUTS])
+{
+    const rubber_slice *slice = placed_slice_of(at, k);
+    const objects_contacts *contacts = &at->contacts;
+    const double *s = slice->ends[0], *t = slice->ends[1];
+    const beam here = beam_at(slice, contacts->points[k][0]), middle = beam_at(slice, 0.0);
+    double x[3], n[3], f[3], g[SLICE_ENDS][3], centres[SLICE_ENDS][3], from[W][W];
+    contact_in_space(slice, contacts, k, x, n);
+    memcpy(f, force_of ? force_of : n, sizeof f);
+    arms_to(slice, &at->chain, &here, x, g);
+    arms_to(slice, &at->chain, &middle, slice->centre, centres);
+    sliding(slice, contact_object(problem, contacts->objects[k]), d + problem->ahead[contacts->objects[k]], contacts, k, from);
+    for (int column = 0; column < SLICE_INPUTS; column++) {
+        const int moving = column / W;
+        const chain_body *mover = at->chain.bodies + slice->bodies[moving];
+        double v[3], turn[3], ds[3], slice_v[3], slice_t[3], seen[W], dp[3], dn[3], df[3], dx[3], arm[3], by_turn[3], local[W] = {0.0};
+        moved_by(slice, mover, moving, column % W, v, turn, ds);
+        objects_cross(turn, centres[moving], slice_v); /* the slice's own motion */
+        for (int i = 0; i < 3; i++) {
+            slice_v[i] += middle.n[moving] * v[i];
+            slice_t[i] = middle.n[moving] * turn[i];
+        }
+        objects_turned_back(slice->rotation, slice_v, seen);
+        objects_turned_back(slice->rotation, slice_t, seen + 3);
+        for (int i = 0; i < W; i++)
+            for (int m = 0; m < W; m++) local[i] += from[i][m] * seen[m];
+        turned(slice->rotation, local, dp);
+        turned(slice->rotation, local + 3, dn);
+        objects_cross(slice_t, n, by_turn);
+        for (int i = 0; i < 3; i++) dn[i] += by_turn[i];
+        for (int i = 0; i < 3; i++) df[i] = objects_dot(f, n) * dn[i] - objects_dot(f, dn) * n[i];
+        for (int i = 0; i < 3; i++) arm[i] = x[i] - slice->centre[i];
+        objects_cross(slice_t, arm, by_turn);
+        for (int i = 0; i < 3; i++) dx[i] = slice_v[i] + by_turn[i] + dp[i];
+        const double da = local[0] / slice->length;
+        for (int end = 0; end < SLICE_ENDS; end++) {
+            const chain_body *body = at->chain.bodies + slice->bodies[end];
+            const double own = end == moving, sign = end ? -1.0 : 1.0, share = moving ? 1.0 - here.share : here.share;
+            double force[3], moment[3], dg[3], one[3], two[3];
+            for (int i = 0; i < 3; i++) {
+                const double m = here.share * s[i] + (1.0 - here.share) * t[i], dm = da * (s[i] - t[i]) + share * ds[i];
+                dg[i] = here.dn[end] * da * (x[i] - m + slice->ends[end][i] - body->centre[i]) +
+                        here.n[end] * (dx[i] - dm + own * (ds[i] - v[i])) +
+                        sign * (here.du[end] * da * (t[i] - s[i]) + here.u[end] * (moving ? ds[i] : -ds[i]));
+                force[i] = here.dn[end] * da * f[i] + here.n[end] * df[i];
+            }
+            objects_cross(dg, f, one);
+            objects_cross(g[end], df, two);
+            for (int i = 0; i < 3; i++) moment[i] = one[i] + two[i];
+            if (own) { /* seen from a frame that turns */
+                double back[3];
+                objects_cross(turn, f, back);
+                for (int i = 0; i < 3; i++) force[i] -= here.n[end] * back[i];
+                objects_cross(g[end], f, one);
+                objects_cross(turn, one, back);
+                for (int i = 0; i < 3; i++) moment[i] -= back[i];
+            }
+            double row[W];
+            objects_turned_back(body->rotation, force, row);
+            objects_turned_back(body->rotation, moment, row + 3);
+            for (int i = 0; i < W; i++) change[W * end + i][column] = row[i];
+        }
+    }
+}

@@ -1,0 +1,43 @@
+"""The C sources: without warnings; and includes run one way."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from rom.native import EVALUATION, SEGMENT, compiler
+
+ROOT = Path(__file__).parents[3]
+STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"]
+UNITS = [*EVALUATION.units, *SEGMENT.units, *sorted((ROOT / "control" / "native").glob("*.c"))]
+
+
+def includes(file: Path) -> list[Path]:
+    """The files of the project that a source includes."""
+    names = re.findall(r'^\s*#\s*include\s+"([^"]+)"', file.read_text(), re.MULTILINE)
+    return [(file.parent / name).resolve() for name in names]
+
+
+@pytest.mark.parametrize("unit", UNITS, ids=lambda unit: f"{unit.parts[-3]}/{unit.name}")
+def test_a_unit_compiles_without_a_warning(unit):
+    done = subprocess.run([*compiler().split(), *STRICT, str(unit)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_no_source_of_models_includes_one_of_controllers_but_what_embeds_them():
+    """The FMU and the page hold controllers: their two units include `standalone.h` alone."""
+    sources = [file for kind in ("*.c", "*.h", "*.in") for file in (ROOT / "rom").rglob(kind)]
+    found = {
+        (str(file.relative_to(ROOT)), one.name)
+        for file in sources
+        if "node_modules" not in file.parts
+        for one in includes(file)
+        if one.is_relative_to(ROOT / "control")
+    }
+    assert found == {
+        ("rom/export/browser/page.c", "standalone.h"),
+        ("rom/export/fmu/native/fmu_controller.c", "standalone.h"),
+    }
