@@ -15,6 +15,7 @@ import argparse
 import ast
 import hashlib
 import importlib
+import inspect
 import json
 import os
 import subprocess
@@ -144,20 +145,44 @@ def page_hash(study: str) -> str:
 
 
 def measuring_hash(name: str) -> str:
-    """Of what measures in a study; NAME or NAME/PART."""
+    """Of what measures NAME/PART: the part's module and what that imports of its study.
+
+    A study whose parts start other programs has a `folders.py` that names their sub-folders instead.
+    """
     shown = ("page.py", "*.j2", "folders.py")  # what says how numbers are shown or kept, not which
     study, _, part = name.partition("/")
     folder = ROOT / "studies" / study
     files = [file for file in sources(study) if not any(file.match(pattern) for pattern in shown)]
-    own = folders(study).get(part)
-    return hashed([file for file in files if own is None or file.parent == folder or file.parent.name in own], ROOT)
+    if known := folders(study):
+        own = known.get(part)
+        files = [file for file in files if own is None or file.parent == folder or file.parent.name in own]
+    elif (folder / "study.py").exists() and (function := parts(study, False).get(name)):
+        files = imported(Path(inspect.getfile(function)), folder)
+    return hashed(files, ROOT)
 
 
 def folders(study: str) -> dict[str, tuple[str, ...]]:
-    """Sub-folders that parts of a study measure with, as its `folders.py` says; all where there is none."""
+    """Sub-folders that parts of a study measure with, as its `folders.py` says; empty where there is none."""
     if not (ROOT / "studies" / study / "folders.py").exists():
         return {}
     return importlib.import_module(f"studies.{study}.folders").FOLDERS
+
+
+def imported(file: Path, folder: Path) -> list[Path]:
+    """A module of a study's folder, and all modules of the folder that it imports."""
+    found, left = set(), [file]
+    while left:
+        one = left.pop()
+        if one in found:
+            continue
+        found.add(one)
+        for node in ast.walk(ast.parse(one.read_bytes())):
+            if not isinstance(node, ast.ImportFrom) or node.module is None:
+                continue
+            place = ROOT.joinpath(*node.module.split("."))
+            names = [place.with_suffix(".py"), *(place / f"{alias.name}.py" for alias in node.names)]
+            left += [path for path in names if path.is_relative_to(folder) and path.exists()]
+    return sorted(found)
 
 
 def version() -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from rom import Rod, TouchedSegment, friction_history
 from rom.rod.objects.shapes import facing_plane
+from studies.rods.rubber import clear_of_clamp
 from studies.rods.scattered_objects import DISTANCE, SHAPES, placed, tensions
 from studies.runner import Run
 
@@ -26,8 +27,12 @@ def verdicts(finger: Rod, shape: str, count: int) -> dict:
     evaluations = []
     for _ in range(count):
         pulled = tensions(finger, random)
-        model = TouchedSegment(rod=finger, obstacle=placed(finger, pulled, random, shape)[0])
-        answer = model.answers(np.array([*pulled, DISTANCE - DEEPEST * random.random()]))
+        obstacle, table = placed(finger, pulled, random, shape)
+        model, d = TouchedSegment(rod=finger, obstacle=obstacle), DISTANCE - DEEPEST * random.random()
+        answer = model.answers(np.array([*pulled, d]))
+        if not clear_of_clamp(finger, table, d):
+            found["in the clamp"] += 1
+            continue
         evaluations.append(abs(int(answer.evaluations[0])))
         if answer.evaluations[0] < 0:
             found["slips"] += 1
@@ -40,7 +45,7 @@ def verdicts(finger: Rod, shape: str, count: int) -> dict:
     return {
         "shape": shape,
         "objects": count,
-        **{name: found[name] for name in ("answered", "beyond", "slips")},
+        **{name: found[name] for name in ("answered", "beyond", "slips", "in the clamp")},
         **{f"evaluations_{name}": float(end) for name, end in zip(("median", "p99", "max"), ends, strict=True)},
     }
 

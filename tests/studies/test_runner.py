@@ -115,6 +115,14 @@ def test_an_edit_of_one_folder_leaves_parts_that_do_not_measure_with_it(study, m
     assert changed == {"rows", "unlisted"}
 
 
+def test_a_part_is_measured_by_its_module_and_what_that_imports_of_its_study():
+    folder = runner.ROOT / "studies" / "rods"
+    names = {file.name for file in runner.imported(folder / "robustness.py", folder)}
+    assert {"robustness.py", "scattered_objects.py", "full_order.py"} <= names
+    assert not names & {"lengths.py", "study.py", "page.py"}
+    assert runner.measuring_hash("rods/robustness") != runner.measuring_hash("rods/speed")
+
+
 def test_an_import_that_moves_leaves_a_page_fresh_and_any_other_line_does_not(study):
     code = study / "own.py"
     code.write_text("from rom.one import (\n    a,\n)\n\nLENGTH = 1.0\n")
