@@ -24,6 +24,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import date
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -156,7 +157,7 @@ def measuring_hash(name: str) -> str:
     if known := folders(study):
         own = known.get(part)
         files = [file for file in files if own is None or file.parent == folder or file.parent.name in own]
-    elif (folder / "study.py").exists() and (function := parts(study, False).get(name)):
+    elif find_spec(f"studies.{study}") and (function := parts(study, False).get(name)):
         files = imported(Path(inspect.getfile(function)), folder)
     return hashed(files, ROOT)
 
