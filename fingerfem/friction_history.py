@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fingerfem.discretisation.forms import surface_area, surface_measure
 from fingerfem.discretisation.friction_points import FrictionPoints
 from fingerfem.discretisation.obstacle_contact import ObstacleContact
 from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
@@ -82,7 +83,7 @@ def _checked(
     obstacle = model.scene.obstacle
     bodies = model.problem.bodies
     if obstacle is None or len(bodies) > 1 or obstacle.method != "penalty":
-        raise ValueError("obstacle must be one, with the penalty method, for a history with friction")
+        raise ValueError("obstacle must be a single body with the penalty method for a history with friction")
     rows = np.atleast_2d(np.asarray(points, float))
     ways = np.zeros((len(rows), 3)) if moved is None else np.atleast_2d(np.asarray(moved, float))
     if rows.shape[1:] != (len(model.scene.parameters),) or ways.shape != (len(rows), 3):
@@ -91,7 +92,7 @@ def _checked(
             f"(n, 3), got {rows.shape} and {ways.shape}"
         )
     if ways.any() and not bodies[0].is_flat:
-        raise ValueError("moved must be 0 for a round obstacle, which d moves alone")
+        raise ValueError("moved must be 0 for a round obstacle, which moves by d alone")
     if not (np.isfinite(rows).all() and np.isfinite(ways).all() and 0 <= coefficient < np.inf and increments >= 1):
         raise ValueError("points, moved and coefficient must be finite, coefficient at least 0, increments at least 1")
     for row in rows:
@@ -112,7 +113,8 @@ class _History:
         nodes = problem.surface_nodes
         own = nodes[nodes < problem.space.dofmap.index_map.size_local]
         self._points = FrictionPoints(problem.space.tabulate_dof_coordinates(), own, self._normals)
-        self._stiffness = problem.nodal_stiffness()[own]
+        area = problem.nodal(surface_area(surface_measure(problem.scene, problem.mesh), problem.space))[own, 0]
+        self._stiffness = float(problem.fields.stiffness.value) * area  # [N/m]
         self._found, self._bounds = self._points.at(problem.displacement), np.zeros(len(own))
         self.iterations, self.dissipated = 0, 0.0
 
@@ -138,7 +140,7 @@ class _History:
             self._contact.friction = None
 
     def _along(self, way: np.ndarray) -> float:
-        """How far d would move the plane as a motion along its normal does [m]; 0 of what is round."""
+        """How far d would move the plane as a motion along its normal does; 0 for a round obstacle [m]."""
         if not self._body.is_flat:
             return 0.0
         (normal,) = self._body.normal_at(np.zeros((1, 3)), np.zeros(1))
@@ -167,11 +169,12 @@ class _History:
         """Equilibrium with bounds that are those of its own normal forces."""
         t, problem = len(self._model.scene.tendons), self._problem
         carried = goal[t + 1 :] - begun[t + 1 :] + (goal[t] - begun[t]) * self._direction
-        self._points.anchors += carried
         ends = [(one[:t], one[t] + self._along(one[t + 1 :])) for one in (begun, goal)]
         problem.set_loads(*ends[0])
+        self._bound(self._bounds)  # those of the equilibrium, not of an attempt that failed
         grown = problem.load_gradient(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
         predicted = self._model.continuation.newton.linearise().solve(grown)
+        self._points.anchors += carried
         problem.set_loads(*ends[1])
         problem.displacement[: len(predicted)] -= predicted
         problem.fields.u.x.scatter_forward()

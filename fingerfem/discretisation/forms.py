@@ -238,7 +238,7 @@ def _contact(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields) -> dict[
 
 
 def surface_area(ds: ufl.Measure, space: fem.FunctionSpace) -> fem.Form:
-    """Of what may touch, around the nodes, in x [m^2]."""
+    """Area of the contact surface around every node, as the component x [m^2]."""
     return form_cache.form(ufl.TestFunction(space)[0] * ds(regions.SURFACE))
 
 

@@ -1,7 +1,7 @@
 """Friction at the nodes that press on an obstacle: springs for the tangent and the residual, and their anchors.
 
-What presses between the nodes is shared by those of its facet. That the normals of a round obstacle turn as the nodes
-move is left out of the tangent: springs are much shorter than its radius.
+A force between nodes is shared by the nodes of its facet. The tangent neglects that the normals of a round obstacle
+turn as the nodes move: springs are much shorter than its radius.
 """
 
 from __future__ import annotations

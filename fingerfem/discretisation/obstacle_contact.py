@@ -154,7 +154,7 @@ class ObstacleContact:
         return np.asarray(pressed + sum(map(self._assembly.nodal, others)))
 
     def normal_force(self) -> np.ndarray:
-        """The same without friction."""
+        """The same without friction: what the nodes press with along the normals."""
         pressed = [(one.forms.nodal_force, one.springs()) for one in self._bodies]
         return np.asarray(sum(self._assembly.nodal(form, self._nodal(own.nodes, own.forces)) for form, own in pressed))
 

@@ -14,14 +14,7 @@ from fingerfem.discretisation import contact_points, regions
 from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.contact_points import ContactPoints
 from fingerfem.discretisation.deformation_limits import DeformationLimits
-from fingerfem.discretisation.forms import (
-    Fields,
-    compile_forms,
-    pad_areas,
-    quadrature_degree,
-    surface_area,
-    surface_measure,
-)
+from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_measure
 from fingerfem.discretisation.mesh import build_mesh
 from fingerfem.discretisation.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
@@ -84,11 +77,6 @@ class Problem(Assembly):
             return 0.0
         modulus = self.law.p_wave_modulus if obstacle.method == "nitsche" else self.law.young_modulus
         return contact.stiffness(obstacle.stiffness_factor, modulus, self.mesh.smallest)
-
-    def nodal_stiffness(self) -> np.ndarray:
-        """Of the contact around this rank's nodes, ghosts included, shape (nodes,) [N/m]."""
-        area = self.nodal(surface_area(surface_measure(self.scene, self.mesh), self.space))[:, 0]
-        return np.asarray(self._contact_stiffness() * area)
 
     def _stiff_facets(self) -> StiffFacets | None:
         """Those of plates, if a body is round."""

@@ -118,7 +118,7 @@ def test_several_obstacles_and_bad_input_are_refused(table, draft):
         SHAPES["sphere"]
         | {"others": [{"shape": "sphere", "radius": 0.008, "centre": [0.03, -0.02, 0], "direction": [0, -1, 0]}]},
     )
-    with pytest.raises(ValueError, match="obstacle must be one, with the penalty method"):
+    with pytest.raises(ValueError, match="obstacle must be a single body with the penalty method"):
         friction_history(model, [PRESSED], 0.3)
     with pytest.raises(ValueError, match="points must be tensions and d"):
         friction_history(draft, [[1.0, 2.0]], 0.3)

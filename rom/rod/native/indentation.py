@@ -1,6 +1,7 @@
 """How deep forces press into rubber by themselves, beside what bends and stretches the finger.
 
-The rubber is cut into slices of thickness p along a finger of half its side h, with Young's modulus E. A slice yields
+The rubber is cut into slices of thickness p along the finger. Its half side is h, Young's modulus E. The compliance of
+a slice is
 
     on an edge, or at a point of a face      1 / (EDGE E p),  1 / (FACE E p)           [m/N]
 
@@ -27,11 +28,11 @@ import numpy as np
 FACE, EDGE = 0.9, 0.37  # [-]
 ROW, DEPTH = 0.29, 0.42
 OPPOSITE, REACH = 0.187, 0.44
-FIRM = 1e-2  # of what a line yields: beside what it shares with others, for forces to be unique [-]
+FIRM = 1e-2  # extra compliance of a line over its own, for the forces of a face to be unique [-]
 
 
 def indentations(young_modulus: float, half: float, pitch: float, count: int) -> dict[str, Any]:
-    """What slices of rubber yield, as values of a struct fingerfem_segment.
+    """Compliances of slices of rubber, as values of a struct fingerfem_segment.
 
     Args:
         young_modulus: of the rubber [Pa]; 0 where nothing is known of it.
@@ -48,6 +49,6 @@ def indentations(young_modulus: float, half: float, pitch: float, count: int) ->
         "face_compliance": 1 / (FACE * young_modulus * pitch),
         "edge_compliance": 1 / (EDGE * young_modulus * pitch),
         "line_compliance": (1 + FIRM) * ROW * own * unit,
-        "sinks": ROW * unit * np.append(own, np.log1p((DEPTH * half / away) ** 2) / 2),
-        "meets": OPPOSITE * unit * np.exp(-np.append(0.0, away) / (REACH * half)),
+        "row_compliance": ROW * unit * np.append(own, np.log1p((DEPTH * half / away) ** 2) / 2),
+        "opposite_compliance": OPPOSITE * unit * np.exp(-np.append(0.0, away) / (REACH * half)),
     }

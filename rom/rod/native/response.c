@@ -129,8 +129,9 @@ void response_press(const placed *at, int k, double force, double *wrench)
         for (int i = 0; i < W; i++) wrench[W * arms->bodies[a] + i] += force * arms->wrenches[a][i];
 }
 
-/* Of two slices, by the parts of both normals that press on the same face, and on opposite ones. */
-double response_yields(const contact_problem *problem, const objects_contacts *contacts, int k, int other)
+/* Between two slices: the components of both normals that press on the same face count by that face's compliance, those on
+ * opposite faces by the opposite one's. */
+double response_compliance(const contact_problem *problem, const objects_contacts *contacts, int k, int other)
 {
     const int segment = contacts->segments[k], away = abs(contacts->plates[k] - contacts->plates[other]);
     const double *n = contacts->wrenches[k], *m = contacts->wrenches[other];
@@ -138,15 +139,15 @@ double response_yields(const contact_problem *problem, const objects_contacts *c
     if (k == other) return contacts->compliance[k];
     if (segment < 0 || segment != contacts->segments[other] || contacts->compliance[k] == OBJECTS_COMPLIANCE) return 0.0;
     const fingerfem_segment *own = problem->touching->chain->segments[segment];
-    for (int i = 1; i < 3; i++) sum += n[i] * m[i] > 0.0 ? n[i] * m[i] * own->sinks[away] : -n[i] * m[i] * own->meets[away];
+    for (int i = 1; i < 3; i++) sum += n[i] * m[i] > 0.0 ? n[i] * m[i] * own->row_compliance[away] : -n[i] * m[i] * own->opposite_compliance[away];
     return sum;
 }
 
-double response_indented(const contact_problem *problem, const objects_contacts *contacts, const double *forces, int k)
+double response_indentation(const contact_problem *problem, const objects_contacts *contacts, const double *forces, int k)
 {
     double sum = 0.0;
     for (int j = 0; j < contacts->count; j++)
-        if (forces[j] > 0.0) sum += response_yields(problem, contacts, k, j) * forces[j];
+        if (forces[j] > 0.0) sum += response_compliance(problem, contacts, k, j) * forces[j];
     return sum;
 }
 
@@ -157,7 +158,7 @@ static int forces_for(const contact_problem *problem, const placed *at, int coun
     double a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = opening(at, rows[i], columns[rows[j]]) + response_yields(problem, &at->contacts, rows[i], rows[j]);
+            a[count * i + j] = opening(at, rows[i], columns[rows[j]]) + response_compliance(problem, &at->contacts, rows[i], rows[j]);
     return small_solve(count, a, 1, wanted);
 }
 
@@ -188,7 +189,7 @@ int response_balance(const contact_problem *problem, const contact_state *state,
         }
         for (int k = 0; k < all; k++)
             if (active[k] ? forces[k] < -PULL
-                          : contacts->gaps[k] + contacts->domes[k] + opening(&state->at, k, motion) + response_indented(problem, contacts, forces, k) < -INSIDE)
+                          : contacts->gaps[k] + contacts->domes[k] + opening(&state->at, k, motion) + response_indentation(problem, contacts, forces, k) < -INSIDE)
                 wrong[wrongs++] = k;
         if (!wrongs) return 1;
         tries = wrongs < fewest ? 0 : tries + 1;
@@ -290,6 +291,6 @@ int response_stable(const contact_problem *problem, const contact_state *state)
     for (int i = 0; i < w; i++) memcpy(yielding + w * i, state->yielding[ground + i] + ground, (size_t)w * sizeof *yielding);
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = opening(&state->at, rows[i], columns[rows[j]]) + response_yields(problem, &state->at.contacts, rows[i], rows[j]);
+            a[count * i + j] = opening(&state->at, rows[i], columns[rows[j]]) + response_compliance(problem, &state->at.contacts, rows[i], rows[j]);
     return small_negative(w, yielding) == small_negative(count, a); /* of 1/K as of K */
 }

@@ -13,11 +13,11 @@ void response_product(int size, const chain_matrix m, const double *vector, doub
  * ends for every positive definite W^T C S W. Begins with those that press. Returns 0 if it found none. */
 int response_balance(const contact_problem *problem, const contact_state *state, double *forces);
 
-/* How far contact k yields by itself with a unit force at another, or the same one [m/N]. */
-double response_yields(const contact_problem *problem, const objects_contacts *contacts, int k, int other);
+/* The local compliance of contact k: its indentation by a unit force at another contact, or at itself [m/N]. */
+double response_compliance(const contact_problem *problem, const objects_contacts *contacts, int k, int other);
 
-/* How deep contact k is pressed in by all forces [m]. */
-double response_indented(const contact_problem *problem, const objects_contacts *contacts, const double *forces, int k);
+/* The indentation of contact k by all forces [m]. */
+double response_indentation(const contact_problem *problem, const objects_contacts *contacts, const double *forces, int k);
 
 /* Add what a force at contact k puts on all bodies. */
 void response_press(const placed *at, int k, double force, double *wrench);
