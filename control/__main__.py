@@ -28,7 +28,7 @@ COUNTED = ("converged", "unreachable", "failed", "out_of_limits")
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.h5")]
 OptionalModelFile = Annotated[
     Path | None,
-    typer.Argument(metavar="MODEL.h5", show_default=False, help="The finger that comes with fingerfem if left out."),
+    typer.Argument(metavar="MODEL.h5", show_default=False, help="The bundled finger by default."),
 ]
 ContactForce = Annotated[float, typer.Option(help="To hold [N], above 0.")]
 
@@ -43,29 +43,29 @@ def reach(
     """Tensions that bring the tip plate's centre to a point before contact."""
     if not np.isfinite(point).all() or math.isnan(distance):
         raise ValueError(f"point and distance must be numbers, got {point}, {distance:g}")
-    known = load(model)
-    show_motion(known, Finger(known).reach(point, distance), as_json)
+    finger = load(model)
+    show_motion(finger, Finger(finger).reach(point, distance), as_json)
 
 
 @app.command()
 def hold(
     distance: Annotated[float, typer.Option(help="Of the plane [m].")],
     model: OptionalModelFile = None,
-    contact_force: Annotated[float | None, typer.Option(help="To hold [N], above 0; 1 N if left out.")] = None,
+    contact_force: Annotated[float | None, typer.Option(help="To hold [N], above 0; 1 N by default.")] = None,
     pad_pressure: Annotated[float | None, typer.Option(help="To hold instead [Pa], above 0.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Tensions that press on the plane with a contact force, or with a pressure on the pad."""
-    known = load(model)
-    lower, upper = (limits[-1] for limits in known.limits)
-    if known.has_obstacle and not lower <= distance <= upper:
+    finger = load(model)
+    lower, upper = (limits[-1] for limits in finger.limits)
+    if finger.has_obstacle and not lower <= distance <= upper:
         raise ValueError(f"distance must lie in [{lower:g}, {upper:g}] m, got {distance:g}")
     if contact_force is None and pad_pressure is None:
         contact_force = 1.0
     for name, value, unit in (("contact_force", contact_force, "N"), ("pad_pressure", pad_pressure, "Pa")):
         if value is not None and not 0 < value < math.inf:
             raise ValueError(f"{name} must be above 0 {unit}, got {value:g}")
-    show_motion(known, Finger(known).hold(contact_force, distance, pad_pressure=pad_pressure), as_json)
+    show_motion(finger, Finger(finger).hold(contact_force, distance, pad_pressure=pad_pressure), as_json)
 
 
 def show_motion(model: Model, motion: Motion, as_json: bool) -> None:
@@ -97,9 +97,9 @@ def grasp(
     """Three simulated fingers close around an object of unknown position and hold it."""
     if not 0 < radius < math.inf:
         raise ValueError(f"radius must be above 0 m, got {radius:g}")
-    known = load(model)
-    gripper = Gripper(known)
-    plants = [SimulatedPlant(known, distance) for distance in gripper.distances(centre, radius)]
+    finger = load(model)
+    gripper = Gripper(finger)
+    plants = [SimulatedPlant(finger, distance) for distance in gripper.distances(centre, radius)]
     forces: float | np.ndarray = contact_force
     if held is not None:
         mass, friction, admissible = held
@@ -109,7 +109,7 @@ def grasp(
             show({"status": "no targets", "reason": targets.reason}, lines, as_json, NOTHING_USABLE)
         forces = targets.contact_forces
     result = gripper.grasp(forces, plants)
-    show(result.as_json(), grasp_parts(known, result), as_json, 0 if result.converged else NOTHING_USABLE)
+    show(result.as_json(), grasp_parts(finger, result), as_json, 0 if result.converged else NOTHING_USABLE)
 
 
 def grasp_parts(model: Model, result: Grasp) -> list[Table | str]:

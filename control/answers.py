@@ -22,18 +22,18 @@ def listed(values: ArrayLike) -> str:
 
 def beyond(name: str, value: ArrayLike, lower: ArrayLike, upper: ArrayLike, unit: str) -> str:
     """Why a value is refused; empty if all of it lies from `lower` to `upper`."""
-    known = np.asarray(value, float)
-    if known.size and np.all((known >= lower) & (known <= upper)):
+    values = np.asarray(value, float)
+    if values.size and np.all((values >= lower) & (values <= upper)):
         return ""
-    return f"{name} must be from {listed(lower)} to {listed(upper)} {unit}, got {listed(known)} {unit}"
+    return f"{name} must be from {listed(lower)} to {listed(upper)} {unit}, got {listed(values)} {unit}"
 
 
 def not_positive(name: str, value: ArrayLike, unit: str) -> str:
     """Why a value is refused; empty if it is finite and above 0."""
-    known = np.asarray(value, float)
-    if known.size and np.all((known > 0) & (known < np.inf)):
+    values = np.asarray(value, float)
+    if values.size and np.all((values > 0) & (values < np.inf)):
         return ""
-    return f"{name} must be finite and above 0 {unit}, got {listed(known)} {unit}"
+    return f"{name} must be finite and above 0 {unit}, got {listed(values)} {unit}"
 
 
 def not_finite(name: str, value: ArrayLike, unit: str) -> str:
@@ -64,17 +64,14 @@ def unanswered(status: int, asked: str, limits: tuple[np.ndarray, np.ndarray], m
     if status == STATIONARY:
         return f"{asked} must be met by {within}, the nearest of which miss it by {missed}"
     if status == OUTSIDE:
-        return (
-            f"{asked} must be met where the model is trained, but the nearest answer by {within} is beyond that, "
-            "or rubber touches there"
-        )
+        return f"{asked} must be met within the trained domain, but the nearest answer by {within} is outside it"
     if status == LIMIT:
         return f"{asked} was not met by {evaluations} evaluations: begin from another start"
     return ""
 
 
 def answered(
-    status: int, tensions: np.ndarray, found: Any, asked: str, limits: tuple[np.ndarray, np.ndarray], **known: Any
+    status: int, tensions: np.ndarray, found: Any, asked: str, limits: tuple[np.ndarray, np.ndarray], **details: Any
 ) -> Motion:
     """The motion of a solve.
 
@@ -84,17 +81,17 @@ def answered(
         found: its outcome, a struct control_outcome.
         asked: the argument and its value.
         limits: lower and upper of the tensions, shapes (tensions,) [N].
-        known: all else that a motion has.
+        details: the other fields of the motion.
     """
     residual, evaluations = float(found.residual), int(found.evaluations)
-    own: dict[str, Any] = {name: value if name in ("sides", "unit") else float(value) for name, value in known.items()}
+    plain = {name: value if name in ("sides", "unit") else float(value) for name, value in details.items()}
     return Motion(
         tensions=tensions,
         status=STATUSES.get(status, "unreachable"),
         residual=residual,
         iterations=evaluations,
-        reason=unanswered(status, asked, limits, f"{residual:.3g} {known.get('unit', 'N')}", evaluations),
-        **own,
+        reason=unanswered(status, asked, limits, f"{residual:.3g} {details.get('unit', 'N')}", evaluations),
+        **plain,
     )
 
 

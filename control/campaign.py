@@ -97,7 +97,7 @@ def run(
         contact_force: [N].
         sweep: every distance with every start of the lead tendon, the others slack.
         seed: of the random starts.
-        progress: is told how far it is.
+        progress: is called with the count that is done.
 
     Raises:
         ValueError: a contact force that is not above 0, or a model without an obstacle.
@@ -120,7 +120,7 @@ def run(
     for k in range(0, len(distances), AT_ONCE):
         progress("holding", k, len(distances))
         some = slice(k, k + AT_ONCE)
-        found.append(hold_many(finger.known, begun[some], float(contact_force), distances[some], rules(1e-6)))
+        found.append(hold_many(finger.compiled, begun[some], float(contact_force), distances[some], rules(1e-6)))
     progress("holding", len(distances), len(distances))
     tensions, outcomes, nanoseconds = (np.concatenate(parts) for parts in zip(*found, strict=True))
     calls = []

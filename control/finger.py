@@ -14,7 +14,7 @@ from control.answers import answered, beyond, listed, no_point, not_finite, not_
 from control.least_squares import CONVERGED, STATIONARY
 from control.model import Model
 from control.motion import Limits, Motion
-from control.problems import known, rules
+from control.problems import compiled_finger, rules
 from rom.native.answer import FORCE, PAD
 
 NORMAL_95 = 1.96  # standard deviations within which 95 % of a normal distribution are [-]
@@ -36,8 +36,8 @@ class Finger:
         lower, upper = model.limits
         self._tensions = len(lower) - model.has_obstacle
         self.lower, self.upper = self.limits.within(lower[: self._tensions], upper[: self._tensions])
-        self.known = known(model, self.lower, self.upper)
-        self._pad = known(model, self.lower, self.upper, PAD) if model.has_pad else None
+        self.compiled = compiled_finger(model, self.lower, self.upper)
+        self._pad = compiled_finger(model, self.lower, self.upper, PAD) if model.has_pad else None
         if np.isfinite(self.limits.pad_pressure):
             self._needs_pad()
         self._gentle = self.lower.copy()
@@ -157,12 +157,12 @@ class Finger:
         change: float = np.inf,
     ) -> Motion:
         mirrored = goal * np.array([1.0, *sides])
-        tensions, found = problems.reach(self.known, start, change, mirrored, float(distance), rules(tolerance))
+        tensions, found = problems.reach(self.compiled, start, change, mirrored, float(distance), rules(tolerance))
         point = np.append(tensions, distance) if self.model.has_obstacle else tensions
         error = float(self.model.evaluate(point).error["tip"])
         asked = f"point {listed(goal + self.rest)} m"
-        known = {"distance": distance, "error": error, "sides": sides, "unit": "m"}
-        return self._motion(found.status, tensions, found, asked, **known)
+        details = {"distance": distance, "error": error, "sides": sides, "unit": "m"}
+        return self._motion(found.status, tensions, found, asked, **details)
 
     def locate(self, tensions: ArrayLike, contact_force: ArrayLike, noise: float = 0.0, hint: float = np.nan) -> Motion:
         """Find the plane from tensions and the contact force felt; the motion's `distance` is d*.
@@ -190,15 +190,15 @@ class Finger:
         if reason:
             return self._out_of_domain(np.nan, reason, pulled[-1])
         close = rules(1e-9 * max(float(felt.max()), 1.0))
-        found = problems.locate(self.known, pulled, felt, float(hint), close)
+        found = problems.locate(self.compiled, pulled, felt, float(hint), close)
         status, steep, error_95 = found.status, found.squared_slopes, found.weighted_error
         error = error_95 / np.sqrt(steep * len(felt)) if steep > 0 else np.inf
         if len(felt) > 1 and steep > 0 and status != CONVERGED and found.residual <= 3 * noise + error:
             status = CONVERGED
         deviation = float(np.hypot(noise / np.sqrt(steep), error_95 / NORMAL_95 / steep)) if steep > 0 else np.inf
         asked = f"contact_force {listed(felt if len(felt) > 1 else felt[0])} N at tensions {listed(pulled[-1])} N"
-        known = {"distance": found.distance, "error": error, "deviation": deviation}
-        return self._motion(status, pulled[-1], found, asked, **known)
+        details = {"distance": found.distance, "error": error, "deviation": deviation}
+        return self._motion(status, pulled[-1], found, asked, **details)
 
     def hold(
         self,
@@ -237,7 +237,7 @@ class Finger:
         most = self.limits.pad_pressure
         if pad_pressure is not None:
             return self._press(self._needs_pad(), min(target, most), target, distance, begin, tolerance)
-        motion = self._press(self.known, target, target, distance, begin, tolerance)
+        motion = self._press(self.compiled, target, target, distance, begin, tolerance)
         if not np.isfinite(most) or self._pressed(motion)[1] <= most:
             return motion
         allowed = self._press(self._needs_pad(), most, most, distance, begin, tolerance)
@@ -276,7 +276,7 @@ class Finger:
 
     def _needs_pad(self) -> Any:
         if self._pad is None:
-            raise ValueError("model must know its pad's pressure, got a scene whose sampling.store does not ask for it")
+            raise ValueError("model must have its pad's pressure, got samples without it (see sampling.store)")
         return self._pad
 
     def _start(self, start: ArrayLike) -> np.ndarray:
@@ -285,9 +285,9 @@ class Finger:
             raise ValueError(f"start must be {self._tensions} tensions in N, got shape {found.shape}")
         return found
 
-    def _motion(self, status: int, tensions: np.ndarray, found: Any, asked: str, **known: Any) -> Motion:
+    def _motion(self, status: int, tensions: np.ndarray, found: Any, asked: str, **details: Any) -> Motion:
         """A motion by an outcome; what was `asked` for is named if it is not met."""
-        return answered(status, tensions, found, asked, (self.lower, self.upper), **known)
+        return answered(status, tensions, found, asked, (self.lower, self.upper), **details)
 
     def _out_of_domain(
         self, distance: float, reason: str, tensions: np.ndarray | None = None, sides: tuple[int, int] = (1, 1)

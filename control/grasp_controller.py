@@ -1,6 +1,6 @@
 """One finger of a gripper, pull by pull: it closes until it feels something, finds it, squeezes and holds.
 
-From pull to pull it knows what it last felt. Where the plane is it takes from every reading anew, a little at a time:
+It keeps its last reading from pull to pull. Every reading corrects the position of the plane a little:
 so it corrects an error of the model, and averages the sensor's noise. What it cannot see, it does not move by.
 """
 
@@ -123,7 +123,7 @@ class Grip:
         self._target = self._aim = 0.0
         least = TELL * max(options.feel, 3 * options.noise)
         if not least < target < np.inf:
-            raise ValueError(f"contact_force must be above {least:.3g} N to be told from no contact, got {target:g}")
+            raise ValueError(f"contact_force must be above {least:.3g} N to differ from no contact, got {target:g}")
         self._trusted, self._held, self._cap = np.nan, False, np.inf
         self._touching = self._blind = self._surprised = self._missing = self._steady = self._seen = 0
         self._highest = float(finger.upper[finger.model.lead])
@@ -242,8 +242,8 @@ class Grip:
         if self.stage == "hold":
             self._aim = self._target
         believed = self._options.fastest if self._surprised >= SURPRISED else gain
-        known = self._finger.known, then, felt, self.tensions, self._aim, self.distance, believed
-        tensions, found = grip(*known, rules(1e-6))
+        arguments = self._finger.compiled, then, felt, self.tensions, self._aim, self.distance, believed
+        tensions, found = grip(*arguments, rules(1e-6))
         held, self.distance = found.status, found.distance
         self._judge(felt, found.expected)
         if np.isfinite(self._finger.limits.pad_pressure) and np.isfinite(self.distance):

@@ -1,4 +1,4 @@
-"""A gripper: fingers evenly around an axis that feel, find and hold an object whose place they do not know."""
+"""A gripper: fingers evenly around an axis that feel, find and hold an object of unknown position."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ class Gripper:
 
         Args:
             held: the object.
-            distances: of its faces from the fingers, if they are known, shape (fingers,) [m]: only forces that the
+            distances: of its faces from the fingers, if they are given, shape (fingers,) [m]: only forces that the
                 fingers can press there.
             margin: that forces may be off [-].
         """
@@ -216,9 +216,9 @@ class Gripper:
 
     def _object(self, distances: np.ndarray) -> tuple[np.ndarray, float]:
         """Centre [m] and radius [m] that explain the distances best."""
-        known = np.isfinite(distances)
-        if known.sum() < 3:
+        located = np.isfinite(distances)
+        if located.sum() < 3:
             return np.full(2, np.nan), float("nan")
-        system = np.column_stack([self.directions[known], np.ones(known.sum())])
-        *centre, radius = np.linalg.lstsq(system, self.radius - distances[known], rcond=None)[0]
+        system = np.column_stack([self.directions[located], np.ones(located.sum())])
+        *centre, radius = np.linalg.lstsq(system, self.radius - distances[located], rcond=None)[0]
         return np.array(centre), float(radius)

@@ -1,4 +1,4 @@
-"""A control loop at a rate: reads every finger, steps its controller, and tells how much of each period that took."""
+"""A control loop at a rate: reads every finger, steps its controller, and reports the time that each period took."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def run(
     period = grips[0].period
     spent = np.zeros(periods)
     pulled, felt = np.zeros((periods, len(grips), len(grips[0].tensions))), np.zeros((periods, len(grips)))
-    known, missed, unread = [0] * len(grips), 0, 0
+    reported, missed, unread = [0] * len(grips), 0, 0
     events: list[tuple[int, int, str]] = []
     begun = time.perf_counter()
     for k in range(periods):
@@ -105,8 +105,8 @@ def run(
         ended = time.perf_counter()
         spent[k] = ended - started
         for i, grip in enumerate(grips):
-            events += [(k, i, event) for _, event in grip.events[known[i] :]]
-            known[i] = len(grip.events)
+            events += [(k, i, event) for _, event in grip.events[reported[i] :]]
+            reported[i] = len(grip.events)
         missed += bool(spent[k] > period or (real_time and ended > begun + (k + 1) * period))
         if real_time:
             time.sleep(max(begun + (k + 1) * period - time.perf_counter(), 0.0))

@@ -78,8 +78,8 @@ class Motion:
             names: of the tensions; numbers if left out.
             answer: the model's there, if it is to be shown too.
         """
-        known = names or [f"tension {k + 1}" for k in range(len(self.tensions))]
-        rows = [row(name, value, "N") for name, value in zip(known, self.tensions, strict=True)]
+        labels = names or [f"tension {k + 1}" for k in range(len(self.tensions))]
+        rows = [row(name, value, "N") for name, value in zip(labels, self.tensions, strict=True)]
         if np.isfinite(self.distance):
             rows.append(row("distance d", self.distance, "m", self.deviation if np.isfinite(self.deviation) else None))
         rows.append(row("off the target", self.residual, self.unit, self.error))
@@ -108,7 +108,7 @@ class Limits:
     Attributes:
         lower, upper: of the tensions [N], one for all or shape (tensions,).
         rate: most that a tension changes [N/s].
-        pad_pressure: most that the pad presses with [Pa]: what the object bears.
+        pad_pressure: largest pressure of the pad that the object withstands [Pa].
     """
 
     lower: ArrayLike = 0.0

@@ -32,7 +32,7 @@ class Flaws:
         noise: standard deviation of the force sensor [N].
         resolution: what it rounds to [N]; 0 does not.
         delay: pulls by which its readings are late.
-        period: from pull to pull [s], by which they tell their age.
+        period: from pull to pull [s], from which their age follows.
         force_error: share by which the contact force is larger than the model's [-].
     """
 

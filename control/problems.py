@@ -1,4 +1,4 @@
-"""What a finger knows when it is asked something, its model and an atlas of the model's answers; and the asking.
+"""A finger for compiled controllers: its model and an atlas of the model's answers; and the calls.
 
 Solved in compiled code (control/native/problems.h).
 """
@@ -65,8 +65,8 @@ def atlas(model: Model, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) 
     return Atlas(tensions, free[:, :3].copy(), touch, distances, forces, stiffness), unit
 
 
-def known(model: Model, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) -> Any:
-    """What is known of a finger within limits of its tensions [N], shapes (tensions,): a struct control_finger.
+def compiled_finger(model: Model, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) -> Any:
+    """A finger within limits of its tensions [N], shapes (tensions,), as a struct control_finger.
 
     Args:
         model: its model.
@@ -180,7 +180,7 @@ def grip(
 ) -> tuple[np.ndarray, Any]:
     """Find the plane from a reading [N] at the tensions `then`; then tensions near the present that hold `aim` [N].
 
-    Of the plane's distance [m], nan if it is not known yet, a share `gain` of the news is believed.
+    Of the plane's distance [m], nan before the first reading, a share `gain` of the correction is taken.
 
     Returns:
         tensions [N], and the outcome: distance, force that was expected before the reading [N], status of holding.

@@ -99,7 +99,7 @@ def attach(
         position: of the clamp's middle on that body [m].
         quaternion: of the clamp, w first: x is the finger's axis, y points to what it bends towards.
         name: of the finger, of its own in the model.
-        relaxation: of the rubber [s], its damping over its stiffness (Kelvin-Voigt); 5 ms if nothing is known.
+        relaxation: of the rubber [s], its damping over its stiffness (Kelvin-Voigt); 5 ms by default.
         density: of rubber and plates [kg/m^3].
         friction: of the plates [-]. MuJoCo takes the larger of both sides': with 0 the object's counts.
 

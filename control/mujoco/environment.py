@@ -1,4 +1,4 @@
-"""A gymnasium environment: three fingers pick up a solid that is not known, by changing their tensions.
+"""A gymnasium environment: three fingers pick up a solid of unknown position, by changing their tensions.
 
 Needs the optional extras: pip install -e '.[mujoco,gymnasium]'. Importing this registers fingerfem/Grasp-v0:
 
@@ -40,7 +40,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
     tensions over the largest, contact forces of the fingers over 5 N, height of the palm over 50 mm, share of the
     episode; shape (fingers tensions + fingers + 2,) [-]. Action: change of every tension over `change`, shape (fingers
     tensions,), in [-1, 1]. Reward: how much higher the solid has come over 50 mm, so that 1 is all there is; 1 less
-    if it is crushed, which ends the episode, as it does if the solid is lost. What is told besides: see `step`.
+    if it is crushed, which ends the episode, as it does if the solid is lost. For the `info` see `step`.
 
     Args:
         model: of every finger; the bundled one if left out.
@@ -133,13 +133,13 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         crushed = bool(np.mean(self._past, axis=0).max() > self.solid.admissible_force)
         height = self._height if lost else float(simulation.data.body("object").xpos[2])
         reward, self._height = float(np.clip((height - self._height) / HEIGHT, -1.0, 1.0)), height
-        told = {
+        info = {
             "contact_forces": self._past[-1],
             "lifted": height - self._rest,
             "crushed": crushed,
             "beyond": bool((simulation.left | simulation.lost | simulation.rubbed).any()),
         }
-        return self._observation(), reward - crushed, crushed or lost, self._taken >= self._steps, told
+        return self._observation(), reward - crushed, crushed or lost, self._taken >= self._steps, info
 
     @property
     def elapsed(self) -> float:

@@ -1,6 +1,6 @@
 """How near the rubber of a finger comes to what stands in a MuJoCo model: the plates alone collide there.
 
-The map knows points along the rubber's four long edges. Between neighbouring sections the rubber is taken as a box,
+The model has points along the rubber's four long edges. Between neighbouring sections the rubber is taken as a box,
 which MuJoCo measures distances from; only where something is near.
 """
 

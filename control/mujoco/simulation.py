@@ -45,15 +45,14 @@ class Simulation:
 
     Attributes:
         model, data: MuJoCo's; controls of anything but the fingers are the user's.
-        wanted: tensions that every finger's motors are told, shape (fingers, tensions) [N], see `pull`.
+        wanted: target tensions of every finger's motors, shape (fingers, tensions) [N], see `pull`.
         tensions: that they pull now, which follow at `rate`.
         fingers: as attached.
-        left: whether a finger left what its map was trained for since `reset`, shape (fingers,): tensions or wrench
-            beyond.
-        lost: likewise, whether it was where its map has no pose. Its force is then linear about where it was last
-            known; nothing that it touches is to be believed.
-        rubbed: likewise, whether its rubber may have touched something, by a look every 5 ms of `advance`: the map
-            knows of plates that touch alone.
+        left: whether a finger left its trained domain of tensions and wrenches since `reset`, shape (fingers,).
+        lost: likewise, whether it was where its model has no pose. Its force is then linear about its last pose, and
+            contact with it is not valid.
+        rubbed: likewise, whether its rubber may have touched something, by a check every 5 ms of `advance`: here only
+            its plates make contact.
         unsettled: steps since `reset` in which Coulomb's law was not found, see control.mujoco.coulomb.
 
     Args:
@@ -215,13 +214,13 @@ class Simulation:
         ]
 
     def pull(self, finger: int, tensions: ArrayLike) -> None:
-        """Tell a finger's motors to pull its tendons, shape (tensions,) [N]; at once, but no faster than `rate`.
+        """Set the target tensions of a finger's motors, shape (tensions,) [N]; at once, but no faster than `rate`.
 
         Raises:
             ValueError: not one for each, not finite, or beyond what its map was trained for.
         """
-        wanted, known = np.asarray(tensions, float), self.fingers[finger].rod.parameters
-        lower, upper = (np.array([one[end] for one in known]) for end in ("lower", "upper"))
+        wanted, parameters = np.asarray(tensions, float), self.fingers[finger].rod.parameters
+        lower, upper = (np.array([one[end] for one in parameters]) for end in ("lower", "upper"))
         if wanted.shape != lower.shape or not np.all((wanted >= lower) & (wanted <= upper)):
             raise ValueError(f"tensions must be from {lower.tolist()} to {upper.tolist()} N, got {wanted.tolist()}")
         self.wanted[finger] = wanted

@@ -1,8 +1,7 @@
 """Solids to be picked up: boxes, balls, cylinders, cones and convex meshes of random size, mass, friction and strength.
 
-A solid stands on z = 0, its middle above the origin, and is to be grasped at a height. Of every shape the corners are
-known, those of a round one up to 0.05 mm: from these comes how much the faces that fingers meet may lean, wherever
-within the error of its pose it stands.
+A solid stands on z = 0, its middle above the origin, and is grasped at a height. Every shape has corners, round ones
+within 0.05 mm. They bound the inclination of the faces that fingers meet, for every pose within its error.
 """
 
 from __future__ import annotations

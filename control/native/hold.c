@@ -14,13 +14,13 @@
 #define ATTEMPTS 5 /* from other nodes of the atlas */
 
 /* Contact force [N]; before touch minus the stiffness of contact times the gap. There the force is zero whatever the
- * tensions, and would not tell where to go. The gap does. */
+ * tensions, so that it has no gradient. The gap has one. */
 static double signed_force(control_problem *problem, const double *tensions, double distance)
 {
     control_ask(problem, tensions, distance);
     const control_finger *finger = problem->finger;
     double gap = distance - problem->out[FINGERFEM_TOUCH];
-    if (!isfinite(gap)) gap = PASSING; /* nothing tells where to go: it is looked for in the atlas */
+    if (!isfinite(gap)) gap = PASSING; /* no gradient: the atlas has the next start */
     return gap < 0.0 ? problem->out[finger->row] / finger->unit : -finger->stiffness * gap;
 }
 
@@ -157,14 +157,14 @@ void control_hold_problem(control_problem *problem, const double *start, double 
                           const control_rules *rules, control_outcome *outcome)
 {
     hold(problem, start, target, distance, rules, outcome);
-    int known = control_knows(problem, problem->best, distance);
-    if (!known && outcome->status == CONTROL_CONVERGED) { /* near the start nothing is known: the gentlest is the likeliest */
+    int trained = control_trained(problem, problem->best, distance);
+    if (!trained && outcome->status == CONTROL_CONVERGED) { /* nothing is trained near the start: the least tensions are the likeliest */
         const int evaluations = outcome->evaluations;
         hold(problem, problem->finger->lower, target, distance, rules, outcome);
         outcome->evaluations += evaluations;
-        known = control_knows(problem, problem->best, distance);
+        trained = control_trained(problem, problem->best, distance);
     }
-    if (!known) outcome->status = CONTROL_OUTSIDE;
+    if (!trained) outcome->status = CONTROL_OUTSIDE;
 }
 
 int32_t control_memory(const control_finger *finger, int readings)

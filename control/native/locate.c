@@ -51,7 +51,7 @@ static void locate(control_problem *problem, int readings, const double *tension
     outcome->residual = sqrt(least / readings);
     for (int i = 0; i < readings; i++) {
         compare(problem, tensions + (ptrdiff_t)n * i, felt[i], outcome->distance, &residual, &slope);
-        if (!control_knows(problem, tensions + (ptrdiff_t)n * i, outcome->distance)) outcome->status = CONTROL_OUTSIDE;
+        if (!control_trained(problem, tensions + (ptrdiff_t)n * i, outcome->distance)) outcome->status = CONTROL_OUTSIDE;
     }
 }
 

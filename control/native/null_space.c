@@ -54,15 +54,15 @@ static double projected_step(control_workspace *w, double damping)
 /* Hold variables that would leave their bounds; whether there were any. */
 static int hold_at_bounds(control_workspace *w)
 {
-    int leaving = 0;
+    int released = 0;
     for (int j = 0; j < w->n; j++) {
         const int down = w->x[j] <= w->lower[j] && w->step[j] < 0.0, up = w->x[j] >= w->upper[j] && w->step[j] > 0.0;
         if (w->free[j] != 0.0 && (down || up)) {
             w->free[j] = 0.0;
-            leaving = 1;
+            released = 1;
         }
     }
-    return leaving;
+    return released;
 }
 
 int control_null_space_step(control_workspace *w, const control_rules *rules)

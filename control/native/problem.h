@@ -18,7 +18,7 @@ typedef struct {
     double *memory;                     /* the model's */
     double out[CONTROL_MOST_ROWS];
     double loads[FINGERFEM_MOST_LOADS]; /* of a touched chain, where its next solve begins */
-    int inside;                      /* whether that answer is known: within what was trained */
+    int inside;                      /* whether that answer is within the trained domain */
     double *best, *other, *between; /* (tensions): the answer so far, and two more */
     control_workspace workspace;
 } control_problem;
@@ -65,13 +65,13 @@ static inline void control_problem_in(control_problem *problem, const control_fi
 /* Ask the model for its answer and derivatives at tensions and an object's distance; asked the same again, they are kept. */
 static inline void control_ask(control_problem *problem, const double *tensions, double distance)
 {
-    int known = problem->asked;
+    int same = problem->asked;
     for (int j = 0; j < problem->parameters; j++) {
         const double own = j < problem->tensions ? tensions[j] : distance;
-        known &= problem->point[j] == own;
+        same &= problem->point[j] == own;
         problem->point[j] = own;
     }
-    if (known) return;
+    if (same) return;
     problem->asked = 1;
     const control_finger *finger = problem->finger;
     if (problem->finger->touching) {
@@ -100,15 +100,15 @@ static inline double control_force_error(control_problem *problem)
     return found[finger->row == FINGERFEM_FORCE ? 1 : 3];
 }
 
-/* Whether the model knows its answer at tensions and a distance. */
-static inline int control_knows(control_problem *problem, const double *tensions, double distance)
+/* Whether tensions and a distance are within the trained domain. */
+static inline int control_trained(control_problem *problem, const double *tensions, double distance)
 {
     control_ask(problem, tensions, distance);
     return problem->inside;
 }
 
-/* Tensions in problem->best that press with a force; the outcome has status, residual and evaluations. Where that is
- * outside of what the model knows, it says so. */
+/* Tensions in problem->best that press with a force; the outcome has status, residual and evaluations. If that is
+ * outside the trained domain, the status is CONTROL_OUTSIDE. */
 void control_hold_problem(control_problem *problem, const double *start, double target, double distance,
                           const control_rules *rules, control_outcome *outcome);
 #endif

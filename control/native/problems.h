@@ -60,7 +60,7 @@ void control_locate(const control_finger *finger, int readings, const double *te
                     const control_rules *rules, double *memory, control_outcome *outcome);
 
 /* Find the plane from a reading [N] at the tensions `then`; then tensions near the present ones that hold `aim` [N].
- * Of the plane's distance [m], NaN if it is not known yet, a share `gain` of the news is believed. */
+ * Of the plane's distance [m], NaN before the first reading, a share `gain` of the correction is taken. */
 void control_grip(const control_finger *finger, const double *then, double felt, const double *present, double aim,
                   double distance, double gain, const control_rules *rules, double *memory, double *tensions,
                   control_outcome *outcome);

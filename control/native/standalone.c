@@ -103,20 +103,20 @@ void control_standalone(const fingerfem_model *model, double *memory, control_fi
 }
 
 int control_standalone_hold(const control_finger *finger, const double *start, double target, double distance,
-                            double tolerance, double *memory, double *tensions, double *told)
+                            double tolerance, double *memory, double *tensions, double *report)
 {
     const control_rules rules = {tolerance, 0.4, 1e-4, 0.1, 6, 60};
     control_outcome outcome = {0};
     if (!(distance >= finger->nearest && distance <= finger->farthest && target > 0.0 && target < INFINITY)) {
         memcpy(tensions, start, (size_t)(finger->parameters - 1) * sizeof *tensions);
-        told[0] = INFINITY;
-        told[1] = NAN;
-        told[2] = 0.0;
+        report[0] = INFINITY;
+        report[1] = NAN;
+        report[2] = 0.0;
         return CONTROL_OUTSIDE;
     }
     control_hold(finger, start, target, distance, &rules, memory, tensions, &outcome);
-    told[0] = outcome.residual;
-    told[1] = outcome.error;
-    told[2] = outcome.evaluations;
+    report[0] = outcome.residual;
+    report[1] = outcome.error;
+    report[2] = outcome.evaluations;
     return outcome.status;
 }

@@ -18,5 +18,5 @@ void control_standalone(const fingerfem_model *model, double *memory, control_fi
  * [N], estimated error [N], evaluations. Memory is of control_standalone_memory's size. Returns the outcome's
  * status; a distance or a force that cannot be is CONTROL_OUTSIDE, as of control.finger.Finger.hold. */
 int control_standalone_hold(const control_finger *finger, const double *start, double target, double distance,
-                            double tolerance, double *memory, double *tensions, double *told);
+                            double tolerance, double *memory, double *tensions, double *report);
 #endif

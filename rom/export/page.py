@@ -40,7 +40,7 @@ def write(model: SeparatedModel | TouchedSegment, path: Path) -> None:
 
 
 def about(model: SeparatedModel | TouchedSegment) -> dict[str, Any]:
-    """What the page is told of a model, in plain data."""
+    """The model for the page, as plain data."""
     own = struct(model)
     image, root = Image.of(own)
     geometry = model.scene["geometry"]

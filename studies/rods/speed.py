@@ -50,7 +50,7 @@ def row(count: int) -> dict:
     cold = native.touches(model.touching, points)
     warm = native.touches(model.touching, points + MOVED * np.eye(len(lower))[-1], wrenches)
     driven = Finger(model)
-    _, outcomes, taken = problems.hold_many(driven.known, points[:, :-1], FORCE, points[:, -1], problems.rules(1e-6))
+    _, outcomes, taken = problems.hold_many(driven.compiled, points[:, :-1], FORCE, points[:, -1], problems.rules(1e-6))
     return {
         "points": len(points),
         "elements": len(finger.segments[0].elements),

@@ -78,7 +78,7 @@ def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(table_file):
     [
         (["hold", "--distance", "10"], "distance must lie in [0.004, 0.031] m, got 10"),
         (["hold", "--distance", "0.01", "--contact-force", "0"], "contact_force must be above 0 N, got 0"),
-        (["hold", "--distance", "0.01", "--pad-pressure", "1e5"], "model must know its pad's pressure"),
+        (["hold", "--distance", "0.01", "--pad-pressure", "1e5"], "model must have its pad's pressure"),
         (["campaign", "--contact-force", "-1"], "contact_force must be above 0 N, got -1"),
         (["grasp", "--contact-force", "nan"], "contact_force must be above 0 N, got nan"),
         (["grasp", "--radius", "1.0"], "must lie in the trained box"),

@@ -171,9 +171,9 @@ def test_an_age_that_is_none_stops_nothing(table, age):
     assert np.ptp(report.tensions[SETTLED:], axis=0).max() < 1e-6
 
 
-def test_a_target_that_cannot_be_told_from_no_contact_is_refused(table):
+def test_a_target_that_does_not_differ_from_no_contact_is_refused(table):
     gripper = Gripper(table)
-    with pytest.raises(ValueError, match=r"contact_force must be above 0\.065 N to be told from no contact, got 0\.04"):
+    with pytest.raises(ValueError, match=r"contact_force must be above 0\.065 N to differ from no contact, got 0\.04"):
         gripper.grips(0.04)
     with pytest.raises(ValueError, match=r"must be above 1\.17 N"):
         gripper.grips(0.5, GraspOptions(noise=0.3))

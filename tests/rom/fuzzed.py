@@ -251,7 +251,7 @@ def asked_of_a_finger(model: SeparatedModel | TouchedSegment, points: np.ndarray
     finger.reach(goal, d)
     finger.hold(1.0, d)
     finger.locate(np.clip(tensions, finger.lower, finger.upper), 0.5)
-    problems.grip(finger.known, finger.upper, 0.5, finger.lower, 1.0, d, 0.5, problems.rules(1e-6))
+    problems.grip(finger.compiled, finger.upper, 0.5, finger.lower, 1.0, d, 0.5, problems.rules(1e-6))
 
 
 def main(folder: Path) -> None:

@@ -41,16 +41,16 @@ void fmu_answer(void *own, fmu_state *state)
     const double force = state->inputs[FORCE], d = state->inputs[DISTANCE];
     const double *before = state->stepped ? state->kept : state->inputs + START;
     const int n = fmu_model->parameters - 1;
-    double start[FMU_MOST_INPUTS], told[3] = {DBL_MAX, DBL_MAX, 0.0}, *tensions = state->outputs;
+    double start[FMU_MOST_INPUTS], report[3] = {DBL_MAX, DBL_MAX, 0.0}, *tensions = state->outputs;
     memset(state->outputs, 0, sizeof state->outputs);
     for (int j = 0; j < n; j++)
         start[j] = before[j] > finger->lower[j] ? fmin(before[j], finger->upper[j]) : finger->lower[j];
     state->status = CONTROL_OUTSIDE;
     if (d >= finger->nearest && d <= finger->farthest && force > 0.0 && isfinite(force))
-        state->status = control_standalone_hold(finger, start, force, d, TOLERANCE, known->memory, tensions, told);
+        state->status = control_standalone_hold(finger, start, force, d, TOLERANCE, known->memory, tensions, report);
     for (int j = 0; j < n; j++)
         if (state->status == CONTROL_OUTSIDE || !isfinite(tensions[j])) tensions[j] = start[j];
     state->flag = state->status == CONTROL_CONVERGED;
-    tensions[RESIDUAL] = state->status == CONTROL_OUTSIDE ? DBL_MAX : fmu_finite(told[0], DBL_MAX);
-    tensions[FORCE_ERROR] = state->status == CONTROL_OUTSIDE ? DBL_MAX : fmu_finite(told[1], DBL_MAX);
+    tensions[RESIDUAL] = state->status == CONTROL_OUTSIDE ? DBL_MAX : fmu_finite(report[0], DBL_MAX);
+    tensions[FORCE_ERROR] = state->status == CONTROL_OUTSIDE ? DBL_MAX : fmu_finite(report[1], DBL_MAX);
 }

@@ -1,4 +1,4 @@
-/* The FMU of a model: tensions and distance in; all that is told of the finger out. */
+/* The FMU of a model: tensions and distance in; all that the finger reports out. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
