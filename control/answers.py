@@ -84,7 +84,9 @@ def answered(
         details: the other fields of the motion.
     """
     residual, evaluations = float(found.residual), int(found.evaluations)
-    plain = {name: value if name in ("sides", "unit") else float(value) for name, value in details.items()}
+    plain: dict[str, Any] = {
+        name: value if name in ("sides", "unit") else float(value) for name, value in details.items()
+    }
     return Motion(
         tensions=tensions,
         status=STATUSES.get(status, "unreachable"),
