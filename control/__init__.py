@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from control.finger import Finger
-    from control.grasp_controller import GraspOptions
+    from control.grasp_controller import GraspOptions, Grip
     from control.grasp_forces import Object, Targets
     from control.gripper import Grasp, Gripper
+    from control.loop import run
     from control.motion import Limits, Motion
     from control.plant import Flaws, Plant, SimulatedPlant
 
@@ -19,6 +20,7 @@ _HOMES = {
     "Flaws": "plant",
     "Grasp": "gripper",
     "GraspOptions": "grasp_controller",
+    "Grip": "grasp_controller",
     "Gripper": "gripper",
     "Limits": "motion",
     "Motion": "motion",
@@ -26,12 +28,14 @@ _HOMES = {
     "Plant": "plant",
     "SimulatedPlant": "plant",
     "Targets": "grasp_forces",
+    "run": "loop",
 }
 __all__ = [
     "Finger",
     "Flaws",
     "Grasp",
     "GraspOptions",
+    "Grip",
     "Gripper",
     "Limits",
     "Motion",
@@ -39,6 +43,7 @@ __all__ = [
     "Plant",
     "SimulatedPlant",
     "Targets",
+    "run",
 ]
 
 

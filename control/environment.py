@@ -1,6 +1,7 @@
 """A gymnasium environment: press on a plane of unknown distance with a contact force, by changing tensions.
 
-Needs the optional extra: pip install -e '.[gymnasium]'.
+Needs the optional extra: pip install -e '.[gymnasium]'. Importing this registers fingerfem/Hold-v0:
+gymnasium.make("control.environment:fingerfem/Hold-v0").
 """
 
 from __future__ import annotations
@@ -18,21 +19,23 @@ import gymnasium  # noqa: E402
 from control.finger import Finger  # noqa: E402
 from control.model import Model  # noqa: E402
 from control.plant import Flaws, SimulatedPlant  # noqa: E402
+from rom import load  # noqa: E402
 
+NAME = "fingerfem/Hold-v0"
 FELT = 10.0  # times the largest target: what a sensor says beyond is not observed
 DRAWS = 1000  # of planes and targets, until one can be held
 CRUSHED = 2.0  # times the target that ends an episode
 
 
 class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
-    """One finger, a target and a plane, both drawn anew in every episode so that the target can be held.
+    """One finger, a target and a plane; both are drawn anew in every episode, and the target can be held.
 
     Observation: tensions, contact force felt and target, over the largest tensions and target; shape (tensions + 2,)
     [-]. Action: change of every tension over `change`, shape (tensions,), in [-1, 1]. Reward: minus |felt - target| by
     the target, at least -1; an object pressed with twice its target is crushed, which costs 10 and ends the episode.
 
     Args:
-        model: of a finger before an obstacle.
+        model: of a finger before an obstacle; the bundled one by default.
         targets: least and largest contact force [N].
         change: most that a tension changes in a step [N].
         steps: of an episode.
@@ -46,12 +49,13 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
 
     def __init__(
         self,
-        model: Model,
+        model: Model | None = None,
         targets: tuple[float, float] = (0.5, 3.0),
         change: float = 2.0,
         steps: int = 200,
         flaws: Flaws | None = None,
     ):
+        model = load() if model is None else model
         if not model.has_obstacle:
             raise ValueError("model must have an obstacle to press on, got a scene without one")
         if not 0 < targets[0] <= targets[1] < np.inf:
@@ -66,7 +70,7 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Draw a plane and a target; `options` may say them: distance [m], target [N].
+        """Draw a plane and a target; `options` may give them: distance [m], target [N].
 
         Returns:
             the observation, shape (tensions + 2,), see the class; and what is drawn.
@@ -106,3 +110,7 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         largest = self._targets[1]
         felt = np.clip(self._felt / largest, -1.0, FELT)
         return np.array([*scaled, felt, min(self._target / largest, 1.0)], np.float32)
+
+
+if NAME not in gymnasium.registry:
+    gymnasium.register(id=NAME, entry_point="control.environment:HoldEnvironment")

@@ -5,11 +5,13 @@ import pytest
 
 pytest.importorskip("gymnasium", reason="the optional extra [gymnasium]")
 
+import gymnasium
 from episodes import assert_last_observation, assert_same_again
 from gymnasium.utils.env_checker import check_env
 
+import rom
 from control import Finger, Flaws
-from control.environment import HoldEnvironment
+from control.environment import NAME, HoldEnvironment
 
 
 @pytest.mark.filterwarnings("error")
@@ -65,3 +67,10 @@ def test_what_nobody_could_hold_is_refused_and_an_action_that_is_none_changes_no
     with pytest.raises(ValueError, match="action must be 2 finite numbers"):
         environment.step(np.array([np.nan, 0.0]))
     assert np.isfinite(environment.step(np.array([1.0, 0.0]))[0]).all()
+
+
+def test_it_is_registered_and_presses_the_bundled_finger_by_default():
+    made = gymnasium.make(f"control.environment:{NAME}", targets=(1.0, 2.0))
+    observation, drawn = made.reset(seed=3)
+    assert 1.0 <= drawn["target"] <= 2.0
+    assert observation.shape == (len(rom.load().names) + 1,)

@@ -78,11 +78,11 @@ CLASSES = {
         lambda table: Gripper(table).targets(control.Object(mass=0.1, friction=0.5, admissible_force=9.0)),
         lambda one: [one.contact_forces],
     ),
-    # Not named there, and handed out: by `Gripper.grips`, and by `rom.rod.inverse_map` to who moves plates himself.
     "Grip": (
         lambda table: Gripper(table).grips(1.0)[0],
         lambda one: [one.step(0.0).copy() for _ in range(3)] + [one.step(0.3).copy() for _ in range(3)],
     ),
+    # Not exported: `rom.rod.inverse_map` returns it to callers that move plates themselves.
     "InverseMap": (
         lambda table: InverseMap(rod().segments[0]),
         lambda one: [one.find([20.0, 0], [0.047, 0.012, 0], [0.97, 0, 0, 0.24]) and one.wrench.copy(), *one.spring()],
@@ -99,7 +99,7 @@ def test_every_public_class_is_here(table):
     classes = {
         name for name, one in public.items() if isinstance(one, type) and not getattr(one, "_is_protocol", False)
     }
-    assert classes == CLASSES.keys() - {"Grip", "InverseMap", "table"} | {type(table).__name__}
+    assert classes == CLASSES.keys() - {"InverseMap", "table"} | {type(table).__name__}
     for name in public.keys() - classes:  # functions and protocols, by their names
         assert pickle.loads(pickle.dumps(public[name])) is public[name]
 
