@@ -67,6 +67,18 @@ class Segment(PickledByFields):
         return float(2 * pull * rubber / (longer * 4 * self.half_lengths[1] * self.half_lengths[2]))
 
     @cached_property
+    def poisson(self) -> float:
+        """Poisson's ratio of the rubber at small strain, as the middle element thins where it is pulled [-]."""
+        k = len(self.elements) // 2
+        outline, pull = self.outlines[k], 1e-3 * self.elements[k].polynomial.upper[-6]
+        inputs = np.zeros((2, len(outline.polynomial.lower)))
+        inputs[:, -6] = -pull, pull
+        corners = outline.polynomial.value(inputs).reshape(2, -1, 4, 3)[:, len(outline.distances) // 2]
+        pressed, pulled = (corners[:, 2:, 1] - corners[:, :2, 1]).mean(axis=1)
+        strain = 2 * pull / (self.young_modulus * 4 * self.half_lengths[1] * self.half_lengths[2])
+        return float((pressed - pulled) / (0.5 * (pressed + pulled)) / strain)
+
+    @cached_property
     def struct(self) -> Any:
         """For compiled code, a struct fingerfem_segment.
 
@@ -86,6 +98,7 @@ class Segment(PickledByFields):
             outlines=self.outlines,
             shortenings=[shortenings[id(one)] for one in self.elements],
             young_modulus=self.young_modulus,
+            poisson=0.0 if self.outlines is None else self.poisson,
             ridges=np.where(np.abs(self.offsets) > (1 - UNDER) * self.half_lengths[1:], np.sign(self.offsets), 0.0)
             / self.young_modulus,
         )

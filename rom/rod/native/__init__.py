@@ -45,6 +45,7 @@ class Segment:
             map of the tensions to what their polynomials are of.
         half_lengths: of the plate along its own axes, shape (3,) [m].
         young_modulus: of the rubber [Pa]; 0 where nothing is known of it.
+        poisson: Poisson's ratio of the rubber [-].
         ridges: height of the ridge above each tendon, over its tension and the curvature, for faces across y and
             across z; negative for the faces at -y and -z, shape (t, 2) [1/Pa]; None without ridges.
         corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
@@ -56,6 +57,7 @@ class Segment:
     elements: Sequence[ElementMap]
     half_lengths: np.ndarray
     young_modulus: float = 0.0
+    poisson: float = 0.0
     ridges: np.ndarray | None = None
     corners: Polynomial | None = None
     outlines: Sequence[Outline] | None = None
@@ -132,6 +134,7 @@ def struct(segment: Segment) -> Any:
         law_of=law_of,
         **known,
         half_lengths=segment.half_lengths.tolist(),
+        poisson=segment.poisson,
         ridges=np.zeros((t, 2)) if segment.ridges is None else segment.ridges,
         corner_monomials=len(bent),
         corner_coefficients=bent,

@@ -72,7 +72,7 @@ static void note(const contact_problem *problem, const placed *at, int k, int gr
     found->segments[k] = slice ? slice->segment : contacts->plates[k];
     found->rubber[k] = slice != NULL;
     found->gaps[k] = contacts->gaps[k] + contacts->domes[k];
-    for (int j = 0; j < contacts->count; j++) found->compliances[contacts->count * k + j] = response_compliance(problem, contacts, k, j);
+    for (int j = 0; j < contacts->count; j++) found->compliances[contacts->count * k + j] = response_compliance(problem, at, k, j);
     for (int end = 0; end < SLICE_ENDS; end++) found->on[k][end] = end < at->arms[k].count ? at->arms[k].bodies[end] - ground : -1;
     memset(found->arms[k], 0, sizeof found->arms[k]);
     memset(found->changes[k], 0, sizeof found->changes[k]);

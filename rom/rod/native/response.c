@@ -129,25 +129,50 @@ void response_press(const placed *at, int k, double force, double *wrench)
         for (int i = 0; i < W; i++) wrench[W * arms->bodies[a] + i] += force * arms->wrenches[a][i];
 }
 
+/* The deflection at the share a of an element, held at both ends, by a unit force at its share b [m/N]: that of a cantilever less what
+ * the forces and moments of its held end take back, over length^3 / (E I), phi as in slice_forces.c. */
+static double deflection(double length, double phi, double stiffness, double a, double b)
+{
+    const double near = fmin(a, b), far = fmax(a, b), held = 12.0 / (1.0 + phi);
+    const double free = near * near * (3.0 * far - near) / 6.0 + phi * near / 12.0;
+    const double way_a = a * a * (3.0 - a) / 6.0 + phi * a / 12.0, way_b = b * b * (3.0 - b) / 6.0 + phi * b / 12.0;
+    const double turn_a = 0.5 * a * a, turn_b = 0.5 * b * b;
+    const double back = held * (way_a * way_b - 0.5 * (way_a * turn_b + turn_a * way_b) + (1.0 / 3.0 + phi / 12.0) * turn_a * turn_b);
+    return length * length * length / stiffness * (free - back);
+}
+
+/* The same between two contacts, across the finger; 0 if they are not on one element. */
+static double element_compliance(const contact_problem *problem, const placed *at, int k, int other)
+{
+    const objects_contacts *contacts = &at->contacts;
+    const rubber_slice *own = placed_slice_of(at, k), *its = placed_slice_of(at, other);
+    if (!own || !its || own->segment != its->segment || own->element != its->element) return 0.0;
+    const double *n = contacts->wrenches[k], *m = contacts->wrenches[other];
+    const double a = own->share + contacts->points[k][0] / own->length, b = its->share + contacts->points[other][0] / its->length;
+    const double stiffness = problem->touching->chain->segments[own->segment]->bending_stiffness;
+    return (n[1] * m[1] + n[2] * m[2]) * deflection(own->length, own->slender, stiffness, a, b);
+}
+
 /* Between two slices: the components of both normals that press on the same face count by that face's compliance, those on
  * opposite faces by the opposite one's. */
-double response_compliance(const contact_problem *problem, const objects_contacts *contacts, int k, int other)
+double response_compliance(const contact_problem *problem, const placed *at, int k, int other)
 {
+    const objects_contacts *contacts = &at->contacts;
     const int segment = contacts->segments[k], away = abs(contacts->plates[k] - contacts->plates[other]);
     const double *n = contacts->wrenches[k], *m = contacts->wrenches[other];
     double sum = 0.0;
-    if (k == other) return contacts->compliance[k];
+    if (k == other) return contacts->compliance[k] + element_compliance(problem, at, k, k);
     if (segment < 0 || segment != contacts->segments[other] || contacts->compliance[k] == OBJECTS_COMPLIANCE) return 0.0;
     const fingerfem_segment *own = problem->touching->chain->segments[segment];
     for (int i = 1; i < 3; i++) sum += n[i] * m[i] > 0.0 ? n[i] * m[i] * own->row_compliance[away] : -n[i] * m[i] * own->opposite_compliance[away];
-    return sum;
+    return sum + element_compliance(problem, at, k, other);
 }
 
-double response_indentation(const contact_problem *problem, const objects_contacts *contacts, const double *forces, int k)
+double response_indentation(const contact_problem *problem, const placed *at, const double *forces, int k)
 {
     double sum = 0.0;
-    for (int j = 0; j < contacts->count; j++)
-        if (forces[j] > 0.0) sum += response_compliance(problem, contacts, k, j) * forces[j];
+    for (int j = 0; j < at->contacts.count; j++)
+        if (forces[j] > 0.0) sum += response_compliance(problem, at, k, j) * forces[j];
     return sum;
 }
 
@@ -158,7 +183,7 @@ static int forces_for(const contact_problem *problem, const placed *at, int coun
     double a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = opening(at, rows[i], columns[rows[j]]) + response_compliance(problem, &at->contacts, rows[i], rows[j]);
+            a[count * i + j] = opening(at, rows[i], columns[rows[j]]) + response_compliance(problem, at, rows[i], rows[j]);
     return small_solve(count, a, 1, wanted);
 }
 
@@ -189,7 +214,7 @@ int response_balance(const contact_problem *problem, const contact_state *state,
         }
         for (int k = 0; k < all; k++)
             if (active[k] ? forces[k] < -PULL
-                          : contacts->gaps[k] + contacts->domes[k] + opening(&state->at, k, motion) + response_indentation(problem, contacts, forces, k) < -INSIDE)
+                          : contacts->gaps[k] + contacts->domes[k] + opening(&state->at, k, motion) + response_indentation(problem, &state->at, forces, k) < -INSIDE)
                 wrong[wrongs++] = k;
         if (!wrongs) return 1;
         tries = wrongs < fewest ? 0 : tries + 1;
@@ -291,6 +316,6 @@ int response_stable(const contact_problem *problem, const contact_state *state)
     for (int i = 0; i < w; i++) memcpy(yielding + w * i, state->yielding[ground + i] + ground, (size_t)w * sizeof *yielding);
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = opening(&state->at, rows[i], columns[rows[j]]) + response_compliance(problem, &state->at.contacts, rows[i], rows[j]);
+            a[count * i + j] = opening(&state->at, rows[i], columns[rows[j]]) + response_compliance(problem, &state->at, rows[i], rows[j]);
     return small_negative(w, yielding) == small_negative(count, a); /* of 1/K as of K */
 }

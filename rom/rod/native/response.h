@@ -13,11 +13,12 @@ void response_product(int size, const chain_matrix m, const double *vector, doub
  * ends for every positive definite W^T C S W. Begins with those that press. Returns 0 if it found none. */
 int response_balance(const contact_problem *problem, const contact_state *state, double *forces);
 
-/* The local compliance of contact k: its indentation by a unit force at another contact, or at itself [m/N]. */
-double response_compliance(const contact_problem *problem, const objects_contacts *contacts, int k, int other);
+/* The local compliance of contact k by a unit force at another contact, or at itself: its indentation, and the deflection of its element
+ * between its ends [m/N]. */
+double response_compliance(const contact_problem *problem, const placed *at, int k, int other);
 
 /* The indentation of contact k by all forces [m]. */
-double response_indentation(const contact_problem *problem, const objects_contacts *contacts, const double *forces, int k);
+double response_indentation(const contact_problem *problem, const placed *at, const double *forces, int k);
 
 /* Add what a force at contact k puts on all bodies. */
 void response_press(const placed *at, int k, double force, double *wrench);

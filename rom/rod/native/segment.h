@@ -105,6 +105,7 @@ typedef struct {
     double half_lengths[3];              /* of the plate along its own axes [m] */
     double face_compliance, edge_compliance, line_compliance; /* of a slice: of a face's point, of an edge, and of the line across a face; 0: rigid [m/N] */
     const double *row_compliance, *opposite_compliance;         /* (places - 1): how far a unit force on a slice lowers the same face, and the opposite one, so many slices away [m/N] */
+    double bending_stiffness, poisson;   /* of the rubber: E I [N m^2]; Poisson's ratio [-] */
     const double *ridges;                /* (tensions, 2): height of the ridge above each tendon, over its tension and the curvature, for
                                             faces across y and across z; negative for the faces at -y and -z [1/Pa] */
     int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */

@@ -6,7 +6,9 @@
  *     g_2 = N_2 (x - m + s_2 - c_2) + u_2 (s_1 - s_2),       u_2 = a (1 - a) (1 - a + phi / 2) / (1 + phi),
  *
  * where x is the point, s the centres of the sections at both ends, m = a s_1 + (1 - a) s_2, and c the centres of the bodies. The
- * sum is the force at x. The same weights, transposed, move the slice with its bodies. */
+ * sum is the force at x. A beam that bends by the curvature k towards y moves its surface by v = nu k (y^2 - z^2) / 2, w = nu k y z
+ * (Saint-Venant). So, by reciprocity, a force f there bends it by the couples +-nu / L (f_y (y^2 - z^2) / 2 + f_z y z), and likewise
+ * towards z. The same weights, transposed, move the slice with its bodies. */
 #include <math.h>
 #include "rubber.h"
 #include "slices.h"
@@ -40,6 +42,26 @@ static void arms_to(const rubber_slice *slice, const chain_state *state, const b
     }
 }
 
+/* The couple of a force on the begin of its element, which the end has the opposite of: of a point and a force, seen from the slice. */
+static void couple_of(const rubber_slice *slice, int name, const double *p, const double *f, double *couple)
+{
+    const double gain = slice->bulging * (name < SLICE_LINES ? 1.0 : 2.0 / 3.0); /* of a line across a face, the mean */
+    const double even = 0.5 * (p[1] * p[1] - p[2] * p[2]), odd = p[1] * p[2];
+    couple[0] = 0.0;
+    couple[1] = gain * (f[2] * even - f[1] * odd);
+    couple[2] = gain * (f[1] * even + f[2] * odd);
+}
+
+/* How that changes with the point. */
+static void couple_change(const rubber_slice *slice, int name, const double *p, const double *dp, const double *f, double *change)
+{
+    const double sum[3] = {0.0, p[1] + dp[1], p[2] + dp[2]}, difference[3] = {0.0, p[1] - dp[1], p[2] - dp[2]};
+    double ahead[3], behind[3];
+    couple_of(slice, name, sum, f, ahead); /* of second order in the point: central differences are exact */
+    couple_of(slice, name, difference, f, behind);
+    for (int i = 0; i < 3; i++) change[i] = 0.5 * (ahead[i] - behind[i]);
+}
+
 /* A vector of a slice in space. */
 static void turned(const double *rotation, const double *v, double *found)
 {
@@ -60,15 +82,19 @@ void slices_arms(const rubber_slice *slice, const chain_state *state, const obje
                  contact_arms *found)
 {
     const beam at = beam_at(slice, contacts->points[k][0]);
-    double x[3], n[3], g[SLICE_ENDS][3], moment[3];
+    double x[3], n[3], g[SLICE_ENDS][3], moment[3], seen[3], local[3], couple[3];
     contact_in_space(slice, contacts, k, x, n);
     if (force) memcpy(n, force, sizeof n);
     arms_to(slice, state, &at, x, g);
+    objects_turned_back(slice->rotation, n, seen);
+    couple_of(slice, contacts->names[k], contacts->points[k], seen, local);
+    turned(slice->rotation, local, couple);
     found->count = SLICE_ENDS;
     for (int end = 0; end < SLICE_ENDS; end++) {
         const double *rotation = state->bodies[slice->bodies[end]].rotation;
         found->bodies[end] = slice->bodies[end];
         objects_cross(g[end], n, moment);
+        for (int i = 0; i < 3; i++) moment[i] += end ? -couple[i] : couple[i];
         objects_turned_back(rotation, n, found->wrenches[end]);
         for (int i = 0; i < 3; i++) found->wrenches[end][i] *= at.n[end];
         objects_turned_back(rotation, moment, found->wrenches[end] + 3);
@@ -229,11 +255,14 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
     const objects_contacts *contacts = &at->contacts;
     const double *s = slice->ends[0], *t = slice->ends[1];
     const beam here = beam_at(slice, contacts->points[k][0]), middle = beam_at(slice, 0.0);
-    double x[3], n[3], f[3], g[SLICE_ENDS][3], centres[SLICE_ENDS][3], from[W][W];
+    double x[3], n[3], f[3], f_seen[3], own_couple[3], couple[3], g[SLICE_ENDS][3], centres[SLICE_ENDS][3], from[W][W];
     contact_in_space(slice, contacts, k, x, n);
     memcpy(f, force_of ? force_of : n, sizeof f);
     arms_to(slice, &at->chain, &here, x, g);
     arms_to(slice, &at->chain, &middle, slice->centre, centres);
+    objects_turned_back(slice->rotation, f, f_seen);
+    couple_of(slice, contacts->names[k], contacts->points[k], f_seen, own_couple);
+    turned(slice->rotation, own_couple, couple);
     sliding(slice, contact_object(problem, contacts->objects[k]), d + problem->ahead[contacts->objects[k]], contacts, k, from);
     for (int column = 0; column < SLICE_INPUTS; column++) {
         const int moving = column / W;
@@ -257,6 +286,16 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
         for (int i = 0; i < 3; i++) arm[i] = x[i] - slice->centre[i];
         objects_cross(slice_t, arm, by_turn);
         for (int i = 0; i < 3; i++) dx[i] = slice_v[i] + by_turn[i] + dp[i];
+        double df_seen[3], by_point[3], by_force[3], dc[3];
+        objects_cross(slice_t, f, by_turn);
+        for (int i = 0; i < 3; i++) by_turn[i] = df[i] - by_turn[i];
+        objects_turned_back(slice->rotation, by_turn, df_seen);
+        couple_of(slice, contacts->names[k], contacts->points[k], df_seen, by_force);
+        couple_change(slice, contacts->names[k], contacts->points[k], local, f_seen, by_point);
+        for (int i = 0; i < 3; i++) by_force[i] += by_point[i];
+        turned(slice->rotation, by_force, dc);
+        objects_cross(slice_t, couple, by_turn);
+        for (int i = 0; i < 3; i++) dc[i] += by_turn[i];
         const double da = local[0] / slice->length;
         for (int end = 0; end < SLICE_ENDS; end++) {
             const chain_body *body = at->chain.bodies + slice->bodies[end];
@@ -271,12 +310,13 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
             }
             objects_cross(dg, f, one);
             objects_cross(g[end], df, two);
-            for (int i = 0; i < 3; i++) moment[i] = one[i] + two[i];
+            for (int i = 0; i < 3; i++) moment[i] = one[i] + two[i] + sign * dc[i];
             if (own) { /* seen from a frame that turns */
                 double back[3];
                 objects_cross(turn, f, back);
                 for (int i = 0; i < 3; i++) force[i] -= here.n[end] * back[i];
                 objects_cross(g[end], f, one);
+                for (int i = 0; i < 3; i++) one[i] += sign * couple[i];
                 objects_cross(turn, one, back);
                 for (int i = 0; i < 3; i++) moment[i] -= back[i];
             }

@@ -191,6 +191,7 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, const d
     for (int k = 0; k < q; k++) found->number += map->chain->segments[k]->places;
     found->share = segment->place_shares[place];
     found->length = segment->element_lengths[found->element];
+    found->bulging = segment->poisson / found->length;
     found->slender = SLENDER * (2.0 * segment->half_lengths[1] / found->length) * (2.0 * segment->half_lengths[1] / found->length);
     for (int end = 0; end < SLICE_ENDS; end++) slices_section(map, state, q, found->element + end, found->ends[end], rotation);
 }

@@ -1,0 +1,77 @@
+"""Finds words that this project does not use, and sentences of pages that are too long (CONTRIBUTING.md, Language).
+
+python docs/.site/language.py    prints one line for each, and exits with 1 if there are any
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+MOST_WORDS = 25  # of a sentence in a page
+# What is not written, and what is instead; parts of identifiers count as words.
+WORDS = {
+    "tells?|told|telling": "reports, returns, estimates",
+    "knows?|knew": "has, within the trained domain",
+    "comes? along": "is bundled",
+    "errs?": "has an error of",
+    "bears|borne": "transmits, supports",
+    "skin": "surface",
+    "at hand": "current",
+    "stations?": "cross-sections",
+}
+AVOIDED = {re.compile(rf"(?<![a-z])({words})(?![a-z])", re.IGNORECASE): better for words, better in WORDS.items()}
+CODE = "*.py", "*.c", "*.h", "*.in", "*.j2"
+FOLDERS = "fingerfem", "rom", "control", "studies", "tests", "docs"
+OTHERS_OWN = "node_modules", "samples", ".site"  # folders whose text is not ours, or names these words
+FENCE = re.compile(r"^ *(```|~~~).*?^ *\1", re.MULTILINE | re.DOTALL)
+IN_LINE = re.compile(r"`[^`]*`|\$[^$]*\$|<[^>]*>|\]\([^)]*\)|\{[{%].*?[%}]\}")
+SENTENCE = re.compile(r"(?<=[.:;?!])\s+(?=\W*[A-Z])")
+NO_PROSE = "|", "#", ":::", "---", "!", "<"
+
+
+def files() -> Iterator[Path]:
+    """All pages and sources."""
+    yield ROOT / "README.md"
+    for folder in FOLDERS:
+        for pattern in (*CODE, "*.md"):
+            for file in sorted((ROOT / folder).rglob(pattern)):
+                if not set(OTHERS_OWN) & set(file.parts):
+                    yield file
+
+
+def avoided(text: str) -> Iterator[tuple[int, str]]:
+    """Lines and complaints."""
+    for number, line in enumerate(text.splitlines(), 1):
+        for pattern, better in AVOIDED.items():
+            for word in pattern.findall(line):
+                yield number, f"write {better} for {word!r}"
+
+
+def too_long(page: str) -> Iterator[tuple[int, str]]:
+    """Sentences of a page in Markdown with too many words: their lines and complaints; code and tables are not read."""
+    text, line = FENCE.sub(lambda code: "\n" * code[0].count("\n"), page), 1
+    for part in re.split(r"(\n\s*\n|\n(?= *[-*] | *\d+\. ))", text):
+        prose = " ".join(row for row in part.splitlines() if not row.lstrip().startswith(NO_PROSE))
+        for sentence in SENTENCE.split(IN_LINE.sub("x", prose)):
+            count = len(sentence.split())
+            if count > MOST_WORDS:
+                yield line, f"{count} words, at most {MOST_WORDS}: {sentence.strip()[:60]} ..."
+        line += part.count("\n")
+
+
+def complaints() -> Iterator[str]:
+    """One line for every word and sentence."""
+    for file in files():
+        text = file.read_text()
+        found = [*avoided(text), *(too_long(text) if file.suffix == ".md" else ())]
+        yield from (f"{file.relative_to(ROOT)}:{line}: {complaint}" for line, complaint in found)
+
+
+if __name__ == "__main__":
+    lines = list(complaints())
+    print("\n".join(lines))
+    sys.exit(bool(lines))
