@@ -99,6 +99,19 @@ class FullOrder:
             return None
         return np.asarray(model.problem.contact.forces())
 
+    def force_and_tip(self, touched: Table, pulled: np.ndarray, d: float) -> tuple[float, np.ndarray]:
+        """Contact force of an object that comes to d [m] from afar [N], and how it moves the tip, shape (3,) [m].
+
+        Raises:
+            LoadNotReached: no converged state there.
+        """
+        model = self._before(touched)
+        model.continuation.rest()
+        model.continuation.advance(pulled, None)
+        free = np.array(model.problem.tip())
+        model.continuation.advance(pulled, d)
+        return float(model.problem.contact.force()), np.array(model.problem.tip()) - free
+
     def pulled_against(self, touched: Table, pulled: np.ndarray, d: float) -> np.ndarray | None:
         """The same of objects that stand at d [m] beside the straight finger, which is then pulled."""
         from fingerfem.equilibrium.failures import LoadNotReached
