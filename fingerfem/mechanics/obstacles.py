@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from fingerfem.scene.obstacle import Obstacle, Shape, unit
 Vector = tuple[float, ...]  # of three
 Coordinates = Any  # x, y, z: UFL scalars, or arrays of shape (n,) [m]
 TINY = 1e-9  # of a length under a root, so that its derivative exists [-]
-MARCHES, CLOSE = 1000, 1e-12  # steps towards a box; distance over its size that counts as touching [-]
+MARCHES, CLOSE = 1000, 1e-12  # steps towards a body; distance over its reach that counts as touching [-]
 
 
 @dataclass(frozen=True)
@@ -84,9 +85,25 @@ class Body(ABC):
         """The normals' gradients by the place, of the body moved by d, as `normal_at`; shape (n, 3, 3) [1/m]."""
         return self.curvature_from_centre(points - np.array(self.centre) - np.outer(d, self.direction))
 
-    @abstractmethod
+    @property
+    def reach(self) -> float:
+        """Radius of a ball about the centre that contains the body [m]."""
+        return np.inf
+
     def touch_distance(self, points: np.ndarray) -> np.ndarray:
-        """Largest d at which the body touches points, shape (n, 3) [m]; -inf where it passes by; shape (n,) [m]."""
+        """Largest d at which the body touches points, shape (n, 3) [m]; -inf where it passes by; shape (n,) [m].
+
+        Sphere tracing (Hart, The Visual Computer 12, 1996): the body comes nearer by its distance until it touches.
+        """
+        along = (points - np.array(self.centre)) @ self.direction
+        distance = along + self.reach
+        for _ in range(MARCHES):
+            gap = self.signed_distance(points.T, distance, NUMPY)
+            is_apart = (gap > CLOSE * self.reach) & (distance > along - self.reach)
+            if not is_apart.any():
+                break
+            distance = np.where(is_apart, distance - gap, distance)
+        return np.where(distance > along - self.reach, distance, -np.inf)
 
 
 def _plus(value: Any, factor: float, other: Any, maths: Maths) -> Any:
@@ -201,9 +218,8 @@ class Box(Body):
     def distance_from_centre(self, x: Coordinates, maths: Maths) -> Any:
         """|max(|q| - b, 0)| + min(max(|q| - b), 0) - r, b = half the sides less r (Quilez's exact box distance)."""
         own = [_dot(axis, x, maths) for axis in self.axes]
-        beyond = [
-            abs(value) - maths.number(side / 2 - self.rounding) for value, side in zip(own, self.sides, strict=True)
-        ]
+        halves = [side / 2 - self.rounding for side in self.sides]
+        beyond = [abs(value) - maths.number(half) for value, half in zip(own, halves, strict=True)]
         outside = _norm([maths.maximum(value, 0.0) for value in beyond], maths, self.rounding)
         inside = maths.minimum(maths.maximum(maths.maximum(beyond[0], beyond[1]), beyond[2]), 0.0)
         return outside + inside - maths.number(self.rounding)
@@ -230,23 +246,10 @@ class Box(Body):
         own = arms @ np.array(self.axes).T
         return own, np.abs(own) - (np.array(self.sides) / 2 - self.rounding)
 
-    def touch_distance(self, points: np.ndarray) -> np.ndarray:
-        """See Body: the box comes nearer by its distance, which leads to no deeper point, until it touches or is past.
-
-        (Sphere tracing: Hart, The Visual Computer 12, 1996.)
-        """
-        half = float(np.linalg.norm(self.sides)) / 2
-        along = (points - np.array(self.centre)) @ self.direction
-        found = along + half
-        going = np.arange(len(points))
-        for _ in range(MARCHES):
-            away = self.signed_distance(points[going].T, found[going], NUMPY)
-            still = (away > CLOSE * half) & (found[going] > along[going] - half)
-            going = going[still]
-            if not going.size:
-                break
-            found[going] -= away[still]
-        return np.where(found > along - half, found, -np.inf)
+    @property
+    def reach(self) -> float:
+        """Half its diagonal."""
+        return float(np.linalg.norm(self.sides)) / 2
 
 
 def _normalised(vectors: np.ndarray) -> np.ndarray:
@@ -263,8 +266,7 @@ def _round(arms: np.ndarray, across: np.ndarray) -> np.ndarray:
 def _larger_root(arms: np.ndarray, direction: np.ndarray, radius: float) -> np.ndarray:
     """The larger d with |r - d e| = R, of arms r, shape (n, 3); -inf where there is none."""
     a, b = direction @ direction, arms @ direction
-    c = np.sum(arms**2, axis=1) - radius**2
-    inside = b**2 - a * c
+    inside = b**2 - a * (np.sum(arms**2, axis=1) - radius**2)
     return np.where(inside >= 0, (b + np.sqrt(np.maximum(inside, 0.0))) / a, -np.inf)
 
 
@@ -278,21 +280,19 @@ def all_flat(bodies: list[Body]) -> bool:
     return all(one.is_flat for one in bodies)
 
 
+@singledispatch
 def body(obstacle: Shape, side: float) -> Body:
-    """The body of a shape; a plane stands on the finger's side, y = side/2, unless it says where."""
+    """The body of a shape; a plane stands on the finger's side, y = side/2, unless its centre is given."""
     direction = unit(obstacle.leaving)
+    centre = tuple(obstacle.centre or (0.0, side / 2, 0.0))
     if obstacle.shape == "plane":
-        centre = tuple(obstacle.centre or (0.0, side / 2, 0.0))
         return Plane(centre=centre, direction=direction, normal=unit(obstacle.normal or (0.0, -1.0, 0.0)))
-    assert obstacle.centre is not None
-    centre = tuple(obstacle.centre)
     if obstacle.shape == "box":
         assert obstacle.sides is not None and obstacle.rounding is not None
         rows = Rotation.from_rotvec(obstacle.rotation or (0.0, 0.0, 0.0)).as_matrix().T
         axes = tuple(tuple(0.0 if abs(value) < 1e-15 else float(value) for value in row) for row in rows)
-        return Box(
-            centre=centre, direction=direction, sides=tuple(obstacle.sides), axes=axes, rounding=obstacle.rounding
-        )
+        sides, rounding = tuple(obstacle.sides), obstacle.rounding
+        return Box(centre=centre, direction=direction, sides=sides, axes=axes, rounding=rounding)
     assert obstacle.radius is not None
     if obstacle.shape == "sphere":
         return Sphere(centre=centre, direction=direction, radius=obstacle.radius)
