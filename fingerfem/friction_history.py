@@ -1,8 +1,8 @@
 """A finger before an obstacle with friction, along a history of tensions and of the obstacle's positions.
 
-An increment ends where Newton's method has converged for bounds mu N that are those of its own normal forces N: a fixed
-point (`mechanics.friction`). An increment that finds none is halved. Stick and slip depend on the history, so that
-an error of first order in the size of the increments is left.
+An increment ends where Newton's method has converged and all forces obey Coulomb's law (`mechanics.friction`). An
+increment that finds no such equilibrium is halved. Stick and slip depend on the history, so that an error of first
+order in the size of the increments is left.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from fingerfem.model import FingerModel
 
 TRIES = 20  # of Newton's method, until its forces obey the law
 LAWFUL, LEAST = 1e-7, 1e-7  # sum of what forces disobey, over the sum of their bounds [-], or [N], that is none
-HALVINGS = 6  # of an increment that finds no equilibrium
+HALVINGS = 8  # of an increment that finds no equilibrium
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,9 +69,8 @@ def friction_history(
     Example:
         >>> friction_history(model, [[20.0, 0.0, 0.01]] * 2, 0.5, moved=[[0, 0, 0], [0.001, 0, 0]])[-1].force
     """
-    return list(
-        _History(model, coefficient).states(*_checked(model, points, moved, coefficient, increments), increments)
-    )
+    rows, ways = _checked(model, points, moved, coefficient, increments)
+    return list(_History(model, coefficient).states(rows, ways, increments))
 
 
 def _checked(
@@ -120,6 +119,7 @@ class _History:
         begun = np.concatenate([rows[0, :t], [max(touch, rows[0, t])], ways[0]])
         self._points.start()
         self._contact.friction = self._points
+        stiffness, self._problem.fields.stiffness.value = float(self._problem.fields.stiffness.value), 0.0
         try:
             for row, way in zip(rows, ways, strict=True):
                 goal, start = np.concatenate([row, way]), begun
@@ -130,7 +130,7 @@ class _History:
                     begun = ahead
                 yield self._state()
         finally:
-            self._contact.friction = None
+            self._contact.friction, self._problem.fields.stiffness.value = None, stiffness
 
     def _along(self, way: np.ndarray) -> float:
         """How far d would move the plane as a motion along its normal does; 0 for a round obstacle [m]."""
@@ -160,27 +160,11 @@ class _History:
         carried = goal[t + 1 :] - begun[t + 1 :] + (goal[t] - begun[t]) * self._direction
         ends = [(one[:t], one[t] + self._along(one[t + 1 :])) for one in (begun, goal)]
         problem.set_loads(*ends[0])
-        last = problem.displacement.copy()
         grown = problem.load_gradient(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1], carried=carried)
         predicted = self._newton.linearise().solve(grown)
         problem.set_loads(*ends[1])
-        try:
-            self._newton.add(-predicted)
-            self._settle(carried)
-        except NotConverged:
-            problem.displacement[:] = last
-            self._slip()
-            self._settle(carried)
-
-    def _slip(self) -> None:
-        """Equilibrium without friction."""
-        self._contact.friction = None
-        try:
-            self.iterations += self._newton.solve("plain")[0]
-        except NotConverged:
-            self.iterations += self._newton.solve("line search")[0]
-        finally:
-            self._contact.friction = self._points
+        self._newton.add(-predicted)
+        self._settle(carried)
 
     def _settle(self, carried: np.ndarray) -> None:
         """Equilibrium with friction, from the present displacement."""

@@ -134,7 +134,7 @@ class ClosestPoints:
         )
 
     def pressing(self, displacement: np.ndarray, distance: float) -> Pressing:
-        """The springs that press, by their facets and whether they are within, on an edge or at a corner."""
+        """The springs that press. Slots are those of a facet: within, its edges, its corners."""
         acting = self._acting(displacement, distance, held=False)
         nodes, weights = self._facets.nodes[acting.slots // len(FREE)], self._facets.shapes(acting.at)
         return Pressing(acting.slots, nodes, weights, acting.stiffness, acting.gaps)

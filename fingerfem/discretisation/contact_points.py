@@ -92,14 +92,14 @@ def tables(element: FiniteElement, most: int, at: np.ndarray) -> np.ndarray:
 
 
 class Pressing(NamedTuple):
-    """Points that press on a body.
+    """Points that press on a body, or may.
 
     Attributes:
         slots: what they are among all points of their facets, ascending, shape (m,).
         nodes: of their facets, shape (m, n).
         weights: of these nodes, shape (m, n) [-].
         stiffness: of the contact's springs there, shape (m,) [N/m].
-        gaps: below 0, shape (m,) [m].
+        gaps: shape (m,) [m].
     """
 
     slots: np.ndarray
@@ -125,15 +125,18 @@ class FixedPoints:
         self._stiffness = stiffness * facets.areas(at) * weights
         self.count = self._stiffness.size
 
-    def pressing(self, displacement: np.ndarray, distance: float) -> Pressing:
-        """Those that press at nodal displacements, shape (3 nodes,), and the body's distance [m]."""
+    def pressing(self, displacement: np.ndarray, distance: float, tried: np.ndarray) -> Pressing:
+        """Those inside the body at nodal displacements, shape (3 nodes,), and its distance [m]; and slots tried."""
         places = self._facets.places(displacement)
         middles = places.mean(axis=1)
         radii = np.linalg.norm(places - middles[:, None], axis=2).max(axis=1, initial=0.0)
-        near = np.flatnonzero(self._body.signed_distance(middles.T, distance, NUMPY) < radii)
+        inside = self._body.signed_distance(middles.T, distance, NUMPY) < radii
+        among = np.zeros(self._stiffness.shape, bool)
+        among.ravel()[tried] = True
+        near = np.flatnonzero(inside | among.any(axis=1))
         points = np.einsum("pn,mni->mpi", self._shapes, places[near]).reshape(-1, 3)
         gaps = self._body.signed_distance(points.T, distance, NUMPY).reshape(len(near), len(self._shapes))
-        facet, point = np.nonzero(gaps < 0)
+        facet, point = np.nonzero((gaps < 0) | among[near])
         return Pressing(
             slots=near[facet] * len(self._shapes) + point,
             nodes=self._facets.nodes[near[facet]],
@@ -160,5 +163,7 @@ def on_facets(space: fem.FunctionSpace, rules: Iterable[tuple[np.ndarray, int]])
         nodes = np.repeat(facets.nodes, len(shapes), axis=0)
         starts = np.arange(0, nodes.size + 1, n)
         values = np.tile(shapes.ravel(), m)
-        parts.append(csr_matrix((values, nodes.ravel(), starts), shape=(len(nodes), len(space.tabulate_dof_coordinates()))))
+        parts.append(
+            csr_matrix((values, nodes.ravel(), starts), shape=(len(nodes), len(space.tabulate_dof_coordinates())))
+        )
     return ContactPoints(space, vstack(parts, format="csr"))

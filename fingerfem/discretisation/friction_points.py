@@ -1,34 +1,28 @@
-"""Friction at the points that press on an obstacle: their forces for the residual, their tangent, their history.
+"""Contact with friction: the forces of points that press on an obstacle, their tangent, their history.
 
-They are the points of the normal contact, each with its own normal force and the same stiffness along the surface. What
-is symmetric of the tangent goes where other springs go. A bound changes with the normal force, and a force turns with
-the obstacle's normal: both are not symmetric, of low rank, and in `LowRank`. On a plate the points move along it as a
-round obstacle rolls: what a point there has moved is of the plate's material where it touches now.
+They are the points that press without friction too, each with its own normal force, and the same stiffness along the
+surface as across it. Here they take the place of the compiled forms. A plate's springs at closest points stay, and get
+friction here. They move along the plate as a round obstacle rolls: what such a point has moved is what the plate's
+material there has.
+
+What is symmetric of the tangent goes where other springs go. A bound changes with the normal force, and a force turns
+with the obstacle's normal: both are not symmetric, of low rank, and in `LowRank`.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from dolfinx import fem, la
 
-from fingerfem.discretisation.closest_points import NONE, Springs
-from fingerfem.discretisation.contact_points import Pressing
+from fingerfem.discretisation.closest_points import NONE, ClosestPoints, Springs
+from fingerfem.discretisation.contact_points import FixedPoints, Pressing
 from fingerfem.discretisation.plate_loads import LowRank
 from fingerfem.mechanics import friction
 from fingerfem.mechanics.obstacles import Body
 
 NEGLIGIBLE = 1e-12  # singular values over the largest of their facet [-]
-
-
-class Surface(Protocol):
-    """Facets with points that may press, so many."""
-
-    count: int
-
-    def pressing(self, displacement: np.ndarray, distance: float) -> Pressing:
-        """Those that press."""
 
 
 class Law(NamedTuple):
@@ -44,16 +38,24 @@ class Drag(NamedTuple):
 
     Attributes:
         points: m of them.
+        bears: whether a point's normal force is among what is here, shape (m,).
+        places: of the points, shape (m, 3) [m].
         normals: of the obstacle, shape (m, 3) [-].
+        curvatures: gradients of the normals, shape (m, 3, 3) [1/m].
         normal_forces: shape (m,) [N].
+        missed: what points that were taken for open would press with [N].
         bounds: of the tangential forces, shape (m,) [N].
         stretches: of the tangential springs, shape (m, 3) [m].
         tangential: their forces by the linearised law.
     """
 
     points: Pressing
+    bears: np.ndarray
+    places: np.ndarray
     normals: np.ndarray
+    curvatures: np.ndarray
     normal_forces: np.ndarray
+    missed: float
     bounds: np.ndarray
     stretches: np.ndarray
     tangential: friction.Tangential
@@ -61,6 +63,13 @@ class Drag(NamedTuple):
     def lawful(self) -> np.ndarray:
         """The forces that obey Coulomb's law at these stretches, shape (m, 3) [N]."""
         return friction.returned(self.stretches, self.points.stiffness, self.bounds)
+
+    def pushing(self) -> tuple[np.ndarray, np.ndarray]:
+        """Normal forces that are borne here, and minus their derivatives by the places, shapes (m, 3), (m, 3, 3)."""
+        force = np.where(self.bears, self.normal_forces, 0.0)[:, None] * self.normals
+        stiffness = np.where(self.bears, self.points.stiffness, 0.0)[:, None, None]
+        turning = np.where(self.bears, self.normal_forces, 0.0)[:, None, None] * self.curvatures
+        return force, stiffness * self.normals[:, :, None] * self.normals[:, None] - turning
 
     def kept(self) -> np.ndarray:
         """The stretches that these forces leave the springs with, shape (m, 3) [m]."""
@@ -87,12 +96,20 @@ class FrictionPoints:
     Args:
         displacement: of the finger.
         distance: of the obstacle [m].
-        surfaces: where the points are.
+        fixed: points whose normal forces are among what these do.
+        closest: points of plates, whose springs bear the normal forces; or none.
         law: of friction.
     """
 
-    def __init__(self, displacement: fem.Function, distance: fem.Constant, surfaces: list[Surface], law: Law):
-        self._u, self._distance, self._surfaces, self._law = displacement, distance, surfaces, law
+    def __init__(
+        self,
+        displacement: fem.Function,
+        distance: fem.Constant,
+        fixed: FixedPoints,
+        closest: ClosestPoints | None,
+        law: Law,
+    ):
+        self._u, self._distance, self._fixed, self._closest, self._law = displacement, distance, fixed, closest, law
         self._rest = displacement.function_space.tabulate_dof_coordinates()
         self.start()
 
@@ -113,11 +130,11 @@ class FrictionPoints:
         return float(np.sum(drag.lawful() * (drag.stretches - drag.kept())))
 
     def unlawful(self) -> float:
-        """By how much the forces disobey the law [N]; if they do, those of the linearised law are tried next."""
+        """By how much the forces disobey the laws [N]; if they do, those of the linearised laws are tried next."""
         drag = self.drag()
-        wrong = float(np.abs(drag.tangential.forces - drag.lawful()).sum())
+        wrong = np.abs(drag.tangential.forces - drag.lawful()).sum() + np.maximum(-drag.normal_forces, 0.0).sum()
         self._of = np.zeros(0), 0.0
-        return wrong
+        return float(wrong) + drag.missed
 
     def drag(self) -> Drag:
         """That of now. What is tried are the forces that the last one's linearised law has here."""
@@ -130,30 +147,29 @@ class FrictionPoints:
         return self._u.x.array.copy(), float(self._distance.value)
 
     def _next(self, displacement: np.ndarray, distance: float) -> Drag:
-        points = self._pressing(displacement, distance)
+        last = self._drag or self.history.drag
+        points, bears, missed = self._pressing(displacement, distance, last)
         m = len(points.slots)
-        moved = (displacement - self.history.displacement).reshape(-1, 3)[points.nodes]
-        places = self._places(displacement, points)
-        normals = self._law.body.normal_at(places, np.full(m, distance))
+        places, far = self._places(displacement, points), np.full(m, distance)
+        normals, curvatures = (at(places, far) for at in (self._law.body.normal_at, self._law.body.curvature_at))
         across = friction.across(normals)
+        moved = (displacement - self.history.displacement).reshape(-1, 3)[points.nodes]
         stretched = np.einsum("mn,mni->mi", points.weights, moved) - self._carried
-        before = self.history.drag
-        if before is not None:
-            stretched += _of_slots(points.slots, before.points.slots, before.kept())
+        if self.history.drag is not None:
+            stretched += _of_slots(points.slots, self.history.drag, self.history.drag.kept())
         stretches = np.einsum("mij,mj->mi", across, stretched)
         normal_forces = -points.stiffness * points.gaps
-        bounds = self._law.coefficient * normal_forces
-        tried = np.einsum("mij,mj->mi", across, self._tried(points.slots, stretches, bounds))
+        bounds = self._law.coefficient * np.maximum(normal_forces, 0.0)
+        tried = np.zeros((m, 3)) if last is None else self._tried(points.slots, stretches, bounds, last)
         stiffness = points.stiffness, np.minimum(points.stiffness, self._law.yielding)
-        tangential = friction.law(stretches, normals, stiffness, bounds, tried)
-        return Drag(points, normals, normal_forces, bounds, stretches, tangential)
+        tangential = friction.law(stretches, normals, stiffness, bounds, np.einsum("mij,mj->mi", across, tried))
+        tangential = tangential._replace(by_bounds=np.where((bounds > 0)[:, None], tangential.by_bounds, 0.0))
+        return Drag(points, bears, places, normals, curvatures, normal_forces, missed, bounds, stretches, tangential)
 
-    def _tried(self, slots: np.ndarray, stretches: np.ndarray, bounds: np.ndarray) -> np.ndarray:
+    def _tried(self, slots: np.ndarray, stretches: np.ndarray, bounds: np.ndarray, last: Drag) -> np.ndarray:
         """Forces of the last linearised law, or those of the last equilibrium, shape (m, 3) [N]."""
-        last = self._drag
-        if last is None:
-            before = self.history.drag
-            return np.zeros((len(slots), 3)) if before is None else _of_slots(slots, before.points.slots, before.lawful())
+        if self._drag is None:
+            return _of_slots(slots, last, last.lawful())
         own, then = np.intersect1d(slots, last.points.slots, assume_unique=True, return_indices=True)[1:]
         tried = np.zeros((len(slots), 3))
         tangential, change = last.tangential, stretches[own] - last.stretches[then]
@@ -161,34 +177,52 @@ class FrictionPoints:
         tried[own] += (bounds[own] - last.bounds[then])[:, None] * tangential.by_bounds[then]
         return tried
 
-    def _pressing(self, displacement: np.ndarray, distance: float) -> Pressing:
-        """Those of all surfaces."""
-        parts, first = [], 0
-        for surface in self._surfaces:
-            part = surface.pressing(displacement, distance)
-            parts.append(part._replace(slots=part.slots + first))
-            first += surface.count
-        return Pressing(*map(np.concatenate, zip(*parts, strict=True)))
+    def _pressing(
+        self, displacement: np.ndarray, distance: float, last: Drag | None
+    ) -> tuple[Pressing, np.ndarray, float]:
+        """Points that press, whether their normal forces are borne here, and what is missed, see Drag.
+
+        As `mechanics.friction` has it, f - r (g + f/k) > 0 with the linearised normal force f, not with -k g.
+        """
+        slots = np.zeros(0, int) if last is None else last.points.slots[last.bears]
+        points = self._fixed.pressing(displacement, distance, slots)
+        tried = np.zeros(len(points.slots))
+        if last is not None:
+            own, then = np.intersect1d(points.slots, last.points.slots, assume_unique=True, return_indices=True)[1:]
+            tried[own] = last.normal_forces[then]
+            if self._drag is not None:
+                change = self._places(displacement, points)[own] - last.places[then]
+                tried[own] -= points.stiffness[own] * np.sum(last.normals[then] * change, axis=1)
+        r = np.minimum(points.stiffness, self._law.yielding)
+        closed = tried > r * (points.gaps + tried / points.stiffness)
+        missed = float((points.stiffness * np.maximum(-points.gaps, 0.0))[~closed].sum())
+        parts = [Pressing(*(part[closed] for part in points))]
+        if self._closest is not None:
+            others = self._closest.pressing(displacement, distance)
+            parts.append(others._replace(slots=others.slots + self._fixed.count))
+        bears = np.arange(sum(len(part.slots) for part in parts)) < len(parts[0].slots)
+        return Pressing(*map(np.concatenate, zip(*parts, strict=True))), bears, missed
 
     def springs(self) -> Springs:
         """What the tangent and the residual take, by facets."""
         drag = self.drag()
-        points, tangential = drag.points, drag.tangential
+        points = drag.points
         if not len(points.slots):
             return NONE
+        own, across = drag.tangential.forces - drag.pushing()[0], drag.tangential.stiffness + drag.pushing()[1]
         nodes, facet = np.unique(points.nodes, axis=0, return_inverse=True)
         facet = facet.ravel()  # NumPy 2.0 has it as a column
         m, n = nodes.shape
         forces, stiffness = np.zeros((m, n, 3)), np.zeros((m, 3 * n, 3 * n))
-        np.add.at(forces, facet, points.weights[:, :, None] * tangential.forces[:, None])
-        np.add.at(stiffness, facet, _between_nodes(points.weights, tangential.stiffness))
+        np.add.at(forces, facet, points.weights[:, :, None] * own[:, None])
+        np.add.at(stiffness, facet, _between_nodes(points.weights, across))
         return Springs(nodes=nodes, forces=forces, stiffness=stiffness, gaps=np.zeros(m), energy=0.0, work=0.0)
 
     def load_gradient(self, carried: np.ndarray) -> np.ndarray:
-        """Change of this rank's forces where the obstacle moves, shape (3,) [m], the finger does not: (nodes, 3) [N]."""
+        """Change of this rank's nodal forces with a motion of the obstacle, shapes (nodes, 3) [N], (3,) [m]."""
         drag = self.drag()
         points, tangential = drag.points, drag.tangential
-        change = -np.einsum("mij,j->mi", tangential.stiffness, carried)
+        change = -np.einsum("mij,j->mi", tangential.stiffness + drag.pushing()[1], carried)
         grown = self._law.coefficient * points.stiffness * (drag.normals @ carried)
         change += grown[:, None] * tangential.by_bounds
         nodal = np.zeros_like(self._rest)
@@ -199,7 +233,7 @@ class FrictionPoints:
         """What is to be taken from the tangent, supports aside (collective)."""
         space, drag = self._u.function_space, self.drag()
         points, tangential, normals = drag.points, drag.tangential, drag.normals
-        turning = np.einsum("mij,mj->mi", self._curvature(drag), tangential.forces)
+        turning = np.einsum("mij,mj->mi", drag.curvatures, tangential.forces)
         stiffer = (self._law.coefficient * points.stiffness)[:, None] * tangential.by_bounds
         blocks = stiffer[:, :, None] * normals[:, None] + normals[:, :, None] * turning[:, None]
         nodes, facet = np.unique(points.nodes, axis=0, return_inverse=True)
@@ -212,19 +246,15 @@ class FrictionPoints:
         left, right = left[of, :, column] * sizes[of, column, None], right[of, column]
         return LowRank(*(_summed(space, nodes[of], part) for part in (left, right)))
 
-    def _curvature(self, drag: Drag) -> np.ndarray:
-        places = self._places(self._u.x.array, drag.points)
-        return self._law.body.curvature_at(places, np.full(len(places), float(self._distance.value)))
-
     def _places(self, displacement: np.ndarray, points: Pressing) -> np.ndarray:
         return np.einsum("mn,mni->mi", points.weights, (self._rest + displacement.reshape(-1, 3))[points.nodes])
 
 
-def _of_slots(slots: np.ndarray, known: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values of slots that are known, shape (known, 3), 0 of the others, shape (slots, 3)."""
+def _of_slots(slots: np.ndarray, last: Drag, values: np.ndarray) -> np.ndarray:
+    """Values of the last points, shape (last, 3), 0 of others, shape (slots, 3)."""
     chosen = np.zeros((len(slots), 3))
-    own, theirs = np.intersect1d(slots, known, assume_unique=True, return_indices=True)[1:]
-    chosen[own] = values[theirs]
+    own, then = np.intersect1d(slots, last.points.slots, assume_unique=True, return_indices=True)[1:]
+    chosen[own] = values[then]
     return chosen
 
 

@@ -15,7 +15,7 @@ from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.contact_points import ContactPoints, FixedPoints, SurfaceFacets
 from fingerfem.discretisation.deformation_limits import DeformationLimits
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_measure
-from fingerfem.discretisation.friction_points import FrictionPoints, Law, Surface
+from fingerfem.discretisation.friction_points import FrictionPoints, Law
 from fingerfem.discretisation.mesh import build_mesh
 from fingerfem.discretisation.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
@@ -242,8 +242,10 @@ class Problem(Assembly):
         changes where the obstacle moves by `carried`, shape (3,) [m].
         """
         self._spread(np.asarray(tensions, float), self.fields.probe_density)
-        friction = None if self.contact is None or carried is None else self.contact.friction
-        b = self.gradient(self.forms.tendon_force, None if friction is None else friction.load_gradient(carried))
+        dragged = None
+        if self.contact is not None and self.contact.friction is not None and carried is not None:
+            dragged = self.contact.friction.load_gradient(carried)
+        b = self.gradient(self.forms.tendon_force, dragged)
         if distance and self.contact is not None:
             pull = self.contact.force_gradient()
             b.axpy(-distance, pull)
@@ -279,18 +281,14 @@ class Problem(Assembly):
     def friction_points(self, coefficient: float) -> FrictionPoints:
         """The points where one body, before a finger with the penalty method, is touched with friction [-]."""
         assert self.contact is not None
-        (body,), gamma = self.bodies, self._contact_stiffness()
-        closest = self.contact.bodies[0].closest
-        if closest is None:
-            kinds, rule = regions.SURFACE, contact.nodal_rule(self.scene.mesh.order)
-        else:
-            kinds, rule = regions.RUBBER_FACETS, contact.lattice_rule(contact.POINTS[0])
-        facets = SurfaceFacets(self.space, np.concatenate([self.mesh.facets.find(kind) for kind in kinds]))
-        surfaces: list[Surface] = [FixedPoints(facets, rule, gamma, body)]
+        (body,), closest = self.bodies, self.contact.bodies[0].closest
+        rule, kinds = contact.nodal_rule(self.scene.mesh.order), list(regions.SURFACE)
         if closest is not None:
-            surfaces.append(closest)
+            rule, kinds = contact.lattice_rule(contact.POINTS[0]), list(regions.RUBBER_FACETS)
+        facets = SurfaceFacets(self.space, np.concatenate([self.mesh.facets.find(kind) for kind in kinds]))
+        fixed = FixedPoints(facets, rule, self._contact_stiffness(), body)
         law = Law(body, coefficient, self.law.young_modulus * self.mesh.smallest)
-        return FrictionPoints(self.fields.u, self.fields.distance, surfaces, law)
+        return FrictionPoints(self.fields.u, self.fields.distance, fixed, closest, law)
 
     def surface_places(self) -> np.ndarray:
         """Where these points are in space, shape (points, 3) [m]."""

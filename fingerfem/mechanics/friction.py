@@ -1,15 +1,18 @@
 """Coulomb friction at points of a surface that press on a rigid obstacle.
 
-A point that presses with the force N has a tangential spring of the contact's own stiffness k [N/m]. The spring's stretch
-s is what the point has moved along the obstacle since the last equilibrium, and what the spring was stretched then. Its
-force f, the point's drag on the obstacle, obeys Coulomb's law. With any stiffness r of at most k and b = mu N:
+A point that presses with the force N has a tangential spring of the contact's own stiffness k [N/m]. The spring's
+stretch s is what the point has moved along the obstacle since the last equilibrium, and what the spring was stretched
+then. Its force f, the point's drag on the obstacle, obeys Coulomb's law. With any stiffness r of at most k, b = mu N:
 
     |f + r (s - f/k)| <= b: s = f/k (it sticks),    else f = b m, m = (f + r (s - f/k)) / |f + r (s - f/k)| (it slides)
 
 (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991). The answer does not depend on r. With r = k the law is the
-usual return mapping, f = k s or f = b s/|s| (Wriggers, Computational Contact Mechanics, 2006, section 5.2). Then a point
-sticks only within a stretch of b/k, a micrometre, which Newton's method jumps over. With the stiffness of the rubber
-around a point it does not. The law is linearised in f, s and b, and solved for f: the forces follow the displacement.
+usual return mapping, f = k s or f = b s/|s| (Wriggers, Computational Contact Mechanics, 2006, section 5.2). Then a
+point sticks only within a stretch of b/k, a micrometre, which Newton's method jumps over. With the stiffness of the
+rubber around a point it does not. The law is linearised in f, s and b, and solved for f. So forces are no unknowns of
+their own.
+
+Whether a point presses is decided likewise, by N - r (g + N/k) > 0 with the gap g, where its force is N = -k g.
 """
 
 from __future__ import annotations
@@ -41,7 +44,11 @@ def across(normals: np.ndarray) -> np.ndarray:
 
 
 def law(
-    stretches: np.ndarray, normals: np.ndarray, stiffness: tuple[np.ndarray, np.ndarray], bounds: np.ndarray, tried: np.ndarray
+    stretches: np.ndarray,
+    normals: np.ndarray,
+    stiffness: tuple[np.ndarray, np.ndarray],
+    bounds: np.ndarray,
+    tried: np.ndarray,
 ) -> Tangential:
     """The law, linearised about forces that are tried.
 
