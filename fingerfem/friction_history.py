@@ -108,6 +108,7 @@ class _History:
         self._body = problem.bodies[0]
         self._direction = np.array(self._body.direction)
         self._points = problem.friction_points(coefficient)
+        self._stiffness = float(problem.fields.stiffness.value)
         self.iterations, self.dissipated = 0, 0.0
 
     def states(self, rows: np.ndarray, ways: np.ndarray, increments: int) -> Iterator[FrictionState]:
@@ -118,8 +119,7 @@ class _History:
         touch = self._problem.reach() - self._along(ways[0])
         begun = np.concatenate([rows[0, :t], [max(touch, rows[0, t])], ways[0]])
         self._points.start()
-        self._contact.friction = self._points
-        stiffness, self._problem.fields.stiffness.value = float(self._problem.fields.stiffness.value), 0.0
+        self._rub(True)
         try:
             for row, way in zip(rows, ways, strict=True):
                 goal, start = np.concatenate([row, way]), begun
@@ -130,7 +130,7 @@ class _History:
                     begun = ahead
                 yield self._state()
         finally:
-            self._contact.friction, self._problem.fields.stiffness.value = None, stiffness
+            self._rub(False)
 
     def _along(self, way: np.ndarray) -> float:
         """How far d would move the plane as a motion along its normal does; 0 for a round obstacle [m]."""
@@ -163,8 +163,29 @@ class _History:
         grown = problem.load_gradient(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1], carried=carried)
         predicted = self._newton.linearise().solve(grown)
         problem.set_loads(*ends[1])
+        last = problem.displacement.copy()
         self._newton.add(-predicted)
-        self._settle(carried)
+        try:
+            self._settle(carried)
+        except NotConverged:
+            problem.displacement[:] = last
+            self._slip()
+            self._settle(carried)
+
+    def _rub(self, rubs: bool) -> None:
+        """Have contact by the points with friction, or by the compiled forms without."""
+        self._contact.friction = self._points if rubs else None
+        self._problem.fields.stiffness.value = 0.0 if rubs else self._stiffness
+
+    def _slip(self) -> None:
+        """Equilibrium without friction, which has a potential and so a line search."""
+        self._rub(False)
+        try:
+            self.iterations += self._newton.solve("plain")[0]
+        except NotConverged:
+            self.iterations += self._newton.solve("line search")[0]
+        finally:
+            self._rub(True)
 
     def _settle(self, carried: np.ndarray) -> None:
         """Equilibrium with friction, from the present displacement."""

@@ -26,7 +26,7 @@ NEGLIGIBLE = 1e-12  # singular values over the largest of their facet [-]
 
 
 class Law(NamedTuple):
-    """Friction on an obstacle: the coefficient [-], and the stiffness of what is around a point [N/m]."""
+    """Friction on an obstacle: the coefficient [-], and r of `mechanics.friction` [N/m]."""
 
     body: Body
     coefficient: float
