@@ -25,7 +25,9 @@ from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene import grid_lines
 from fingerfem.scene.scene import Scene
 
-YIELDING = 0.1  # r of `mechanics.friction` over a cell's stiffness E h: with more, Newton's method goes in circles [-]
+# r of `mechanics.friction` over a cell's stiffness E h, at nodes and at points of lattices: with more, or less, Newton's
+# method goes in circles in some histories [-].
+YIELDING = 0.1, 1.0
 FAR = 1e3  # [m]: where the plane stands while nothing may touch it
 
 
@@ -288,7 +290,7 @@ class Problem(Assembly):
             rule, kinds = contact.lattice_rule(contact.POINTS[0]), list(regions.RUBBER_FACETS)
         facets = SurfaceFacets(self.space, np.concatenate([self.mesh.facets.find(kind) for kind in kinds]))
         fixed = FixedPoints(facets, rule, self._contact_stiffness(), body)
-        law = Law(body, coefficient, YIELDING * self.law.young_modulus * self.mesh.smallest)
+        law = Law(body, coefficient, YIELDING[closest is not None] * self.law.young_modulus * self.mesh.smallest)
         return FrictionPoints(self.fields.u, self.fields.distance, fixed, closest, law)
 
     def surface_places(self) -> np.ndarray:
