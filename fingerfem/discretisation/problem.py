@@ -25,7 +25,7 @@ from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene import grid_lines
 from fingerfem.scene.scene import Scene
 
-# r of `mechanics.friction` over a cell's stiffness E h, at nodes and at points of lattices: with more, or less, Newton's
+# r of `mechanics.friction` over a cell's stiffness E h, at nodes and in lattices: with more, or less, Newton's
 # method goes in circles in some histories [-].
 YIELDING = 0.1, 1.0
 FAR = 1e3  # [m]: where the plane stands while nothing may touch it
