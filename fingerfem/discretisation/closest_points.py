@@ -20,12 +20,14 @@ over the facet's size, by a millionth of that size at the edge. The nearest poin
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import basix
 import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
+from fingerfem.discretisation.contact_points import Pressing, SurfaceFacets, tables
 from fingerfem.mechanics.obstacles import NUMPY, Body
 
 HEM = 0.005  # of a facet's edge [-]
@@ -102,33 +104,10 @@ class ClosestPoints:
     """
 
     def __init__(self, space: fem.FunctionSpace, facets: np.ndarray, stiffness: float, body: Body):
-        self._body, self._comm = body, space.mesh.comm
-        cell, corners = space.element.basix_element, basix.geometry(basix.CellType.hexahedron)
-        self._element = basix.create_element(
-            basix.ElementFamily.P, basix.CellType.quadrilateral, cell.degree, cell.lagrange_variant
-        )
-        faces = []
-        for face in basix.topology(basix.CellType.hexahedron)[2]:
-            origin, one, other = (corners[face[k]] for k in (0, 1, 2))
-            local = self._element.points
-            places = origin + local[:, :1] * (one - origin) + local[:, 1:] * (other - origin)
-            faces.append(np.linalg.norm(cell.points[None] - places[:, None], axis=2).argmin(axis=1))
-        mesh = space.mesh
-        dim = mesh.topology.dim
-        mesh.topology.create_connectivity(dim - 1, dim)
-        mesh.topology.create_connectivity(dim, dim - 1)
-        of_facet, of_cell = mesh.topology.connectivity(dim - 1, dim), mesh.topology.connectivity(dim, dim - 1)
-        nodes, cells = [], mesh.topology.index_map(dim).size_local
-        for facet in facets:
-            own = of_facet.links(facet)[0]
-            if own >= cells:
-                continue  # another rank's
-            side = int(np.flatnonzero(of_cell.links(own) == facet)[0])
-            nodes.append(space.dofmap.cell_dofs(own)[faces[side]])
-        self._nodes = np.array(nodes, int).reshape(-1, len(self._element.points))
-        self._rest = space.tabulate_dof_coordinates()[self._nodes]
-        middle = self._element.tabulate(1, np.array([[0.5, 0.5]]))[1:, 0, :, 0]
-        along = np.einsum("in,mnj->imj", middle, self._rest)
+        self._body, self._comm, self._facets = body, space.mesh.comm, SurfaceFacets(space, facets)
+        self.count = len(FREE) * len(self._facets.nodes)
+        middle = self._facets.element.tabulate(1, np.array([[0.5, 0.5]]))[1:, 0, :, 0]
+        along = np.einsum("in,mnj->imj", middle, self._facets.rest)
         self._stiffness = stiffness * np.linalg.norm(np.cross(along[0], along[1]), axis=1)  # [N/m], by facet
         squares = np.sum(along**2, axis=2).T
         self._domes = DOME * squares / np.sqrt(squares.sum(axis=1, keepdims=True))  # by (s, t), shape (facets, 2) [m]
@@ -138,38 +117,61 @@ class ClosestPoints:
 
         If contact is held and nothing presses, the spring that is nearest to the obstacle pulls (collective).
         """
-        places = self._rest + displacement.reshape(-1, 3)[self._nodes]
-        middle = places.mean(axis=1)
-        radius = np.linalg.norm(places - middle[:, None], axis=2).max(axis=1, initial=0.0)
-        away = self._body.signed_distance(middle.T, distance, NUMPY)
-        farthest = max(0.0, float((away + radius).min(initial=np.inf))) if held else 0.0
-        near = np.flatnonzero(away - radius <= farthest)
-        of = np.repeat(near, len(FREE))
-        free = np.tile(FREE, (len(near), 1))
-        domes = np.where(free, self._domes[of], 0.0)
-        found = Facets(self._element, places[of], domes, self._body, distance)
-        at = found.nearest(np.tile(FIXED, (len(near), 1)), free)
-        inside = np.where(free, np.minimum(at, 1 - at), np.inf).min(axis=1)
-        share = np.clip(inside / HEM, 0.0, 1.0)
-        weight = self._stiffness[of] * share**2 * (3 - 2 * share)
-        gap = np.where(weight > 0, found.gaps(at), np.inf)
-        acts = gap < 0
-        if held:
-            least = self._comm.allreduce(float(gap.min(initial=np.inf)), op=MPI.MIN)
-            acts |= (gap <= least) & np.isfinite(gap)
-        acting = Facets(self._element, places[of[acts]], domes[acts], self._body, distance)
-        gradient, curvature = acting.derivatives(at[acts], free[acts])
-        k, g = weight[acts], gap[acts]
-        flat = gradient.reshape(len(g), 3 * self._nodes.shape[1])
+        acting = self._acting(displacement, distance, held)
+        of, free, k, g = acting.slots // len(FREE), FREE[acting.slots % len(FREE)], acting.stiffness, acting.gaps
+        places = self._facets.places(displacement)[of]
+        facets = Facets(self._facets.element, places, self._domed(of, free), self._body, distance)
+        gradient, curvature = facets.derivatives(acting.at, free)
+        flat = gradient.reshape(len(g), 3 * self._facets.nodes.shape[1])
         stiffness = k[:, None, None] * (flat[:, :, None] * flat[:, None] + g[:, None, None] * curvature)
         return Springs(
-            nodes=self._nodes[of[acts]],
+            nodes=self._facets.nodes[of],
             forces=(k * g)[:, None, None] * gradient,
             stiffness=stiffness,
             gaps=g,
             energy=float(k @ g**2 / 2),
             work=float(k @ g**2),
         )
+
+    def pressing(self, displacement: np.ndarray, distance: float) -> Pressing:
+        """The springs that press. Slots are those of a facet: within, its edges, its corners."""
+        acting = self._acting(displacement, distance, held=False)
+        nodes, weights = self._facets.nodes[acting.slots // len(FREE)], self._facets.shapes(acting.at)
+        return Pressing(acting.slots, nodes, weights, acting.stiffness, acting.gaps)
+
+    def _domed(self, facets: np.ndarray, free: np.ndarray) -> np.ndarray:
+        return np.asarray(np.where(free, self._domes[facets], 0.0))
+
+    def _acting(self, displacement: np.ndarray, distance: float, held: bool) -> _Acting:
+        """The springs of `springs`."""
+        places = self._facets.places(displacement)
+        middle = places.mean(axis=1)
+        radius = np.linalg.norm(places - middle[:, None], axis=2).max(axis=1, initial=0.0)
+        away = self._body.signed_distance(middle.T, distance, NUMPY)
+        farthest = max(0.0, float((away + radius).min(initial=np.inf))) if held else 0.0
+        near = np.flatnonzero(away - radius <= farthest)
+        slots = (near[:, None] * len(FREE) + np.arange(len(FREE))).ravel()
+        of, free = slots // len(FREE), np.tile(FREE, (len(near), 1))
+        facets = Facets(self._facets.element, places[of], self._domed(of, free), self._body, distance)
+        at = facets.nearest(np.tile(FIXED, (len(near), 1)), free)
+        inside = np.where(free, np.minimum(at, 1 - at), np.inf).min(axis=1)
+        share = np.clip(inside / HEM, 0.0, 1.0)
+        weight = self._stiffness[of] * share**2 * (3 - 2 * share)
+        gap = np.where(weight > 0, facets.gaps(at), np.inf)
+        acts = gap < 0
+        if held:
+            least = self._comm.allreduce(float(gap.min(initial=np.inf)), op=MPI.MIN)
+            acts |= (gap <= least) & np.isfinite(gap)
+        return _Acting(slots[acts], at[acts], weight[acts], gap[acts])
+
+
+class _Acting(NamedTuple):
+    """Springs that act: slots, shape (m,); places (s, t), shape (m, 2); stiffness [N/m] and gaps [m], shapes (m,)."""
+
+    slots: np.ndarray
+    at: np.ndarray
+    stiffness: np.ndarray
+    gaps: np.ndarray
 
 
 class Facets:
@@ -195,28 +197,22 @@ class Facets:
 
     def gaps(self, at: np.ndarray) -> np.ndarray:
         """At local places, shape (m, 2): shape (m,) [m]."""
-        values = self._tables(0, at)[0]
+        values = tables(self._element, 0, at)[0]
         x = np.einsum("mn,mni->mi", values, self._places)
         domed = np.sum(self._domes * (at - 0.5) ** 2, axis=1) / 2
         return np.asarray(self._body.signed_distance(x.T, self._distance, NUMPY) + domed)
 
-    def _tables(self, most: int, at: np.ndarray) -> np.ndarray:
-        """Shape functions and their derivatives, shape (derivatives, m, n)."""
-        if not len(at):
-            return np.zeros(((most + 1) * (most + 2) // 2, 0, self._places.shape[1]))
-        return np.asarray(self._element.tabulate(most, at)[..., 0])
-
     def _bent(self, at: np.ndarray) -> tuple[np.ndarray, ...]:
         """Shape functions and their first and second derivatives; of the gap by (s, t); normals and their gradients."""
-        tables = np.moveaxis(self._tables(2, at), 0, 1)  # (m, derivatives, n)
-        x = np.einsum("mdn,mni->mdi", tables, self._places)
+        shapes = np.moveaxis(tables(self._element, 2, at), 0, 1)  # (m, derivatives, n)
+        x = np.einsum("mdn,mni->mdi", shapes, self._places)
         d = np.full(len(at), self._distance)
         normal, turning = self._body.normal_at(x[:, 0], d), self._body.curvature_at(x[:, 0], d)
         along, second = x[:, 1:3], x[:, [3, 4, 4, 5]].reshape(-1, 2, 2, 3)
         slope = np.einsum("mi,mai->ma", normal, along) + self._domes * (at - 0.5)
         bend = np.einsum("mai,mij,mbj->mab", along, turning, along) + np.einsum("mi,mabi->mab", normal, second)
         bend += self._domes[:, :, None] * np.eye(2)
-        return tables, along, slope, bend, normal, turning
+        return shapes, along, slope, bend, normal, turning
 
     def nearest(self, start: np.ndarray, free: np.ndarray) -> np.ndarray:
         """Where the gap is least, shape (m, 2), by projected Newton steps in what is free, shape (m, 2)."""
@@ -251,12 +247,12 @@ class Facets:
 
     def derivatives(self, at: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Of the gaps at nearest points by the nodes: shapes (m, n, 3) [-] and (m, 3 n, 3 n) [1/m]."""
-        tables, along, _, bend, normal, turning = self._bent(at)
-        gradient = tables[:, 0, :, None] * normal[:, None]
+        shapes, along, _, bend, normal, turning = self._bent(at)
+        gradient = shapes[:, 0, :, None] * normal[:, None]
         m, n = gradient.shape[:2]
-        curvature = np.einsum("ma,mij,mb->maibj", tables[:, 0], turning, tables[:, 0]).reshape(m, 3 * n, 3 * n)
+        curvature = np.einsum("ma,mij,mb->maibj", shapes[:, 0], turning, shapes[:, 0]).reshape(m, 3 * n, 3 * n)
         turned = np.einsum("mij,mcj->mci", turning, along)
-        mixed = tables[:, 0, None, :, None] * turned[:, :, None] + tables[:, 1:3, :, None] * normal[:, None, None]
+        mixed = shapes[:, 0, None, :, None] * turned[:, :, None] + shapes[:, 1:3, :, None] * normal[:, None, None]
         mixed = (mixed * free[:, :, None, None]).reshape(m, 2, 3 * n)
         values, vectors = np.linalg.eigh(_held(bend, ~free))
         least = FLATTEST * self._domes.max(axis=1, initial=0.0)[:, None]

@@ -1,61 +1,279 @@
-"""Friction at the nodes that press on an obstacle: springs for the tangent and the residual, and their anchors.
+"""Contact with friction: the forces of points that press on an obstacle, their tangent, their history.
 
-A force between nodes is shared by the nodes of its facet. The tangent neglects that the normals of a round obstacle
-turn as the nodes move: springs are much shorter than its radius.
+They are the points that press without friction too, each with its own normal force, and the same stiffness along the
+surface as across it. Here they take the place of the compiled forms. A plate's springs at closest points stay, and get
+friction here. They move along the plate as a round obstacle rolls: what such a point has moved is what the plate's
+material there has.
+
+What is symmetric of the tangent goes where other springs go. A bound changes with the normal force, and a force turns
+with the obstacle's normal: both are not symmetric, of low rank, and in `LowRank`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
+from dolfinx import fem, la
 
-from fingerfem.discretisation.closest_points import Springs
+from fingerfem.discretisation.closest_points import NONE, ClosestPoints, Springs
+from fingerfem.discretisation.contact_points import FixedPoints, Pressing
+from fingerfem.discretisation.plate_loads import LowRank
 from fingerfem.mechanics import friction
+from fingerfem.mechanics.obstacles import Body
+
+NEGLIGIBLE = 1e-12  # singular values over the largest of their facet [-]
+
+
+class Law(NamedTuple):
+    """Friction on an obstacle: the coefficient [-], and r of `mechanics.friction` [N/m]."""
+
+    body: Body
+    coefficient: float
+    yielding: float
+
+
+class Drag(NamedTuple):
+    """Points that press at one displacement, and their friction.
+
+    Attributes:
+        points: m of them.
+        bears: whether a point's normal force is among what is here, shape (m,).
+        places: of the points, shape (m, 3) [m].
+        normals: of the obstacle, shape (m, 3) [-].
+        curvatures: gradients of the normals, shape (m, 3, 3) [1/m].
+        normal_forces: shape (m,) [N].
+        missed: what points that were taken for open would press with [N].
+        bounds: of the tangential forces, shape (m,) [N].
+        stretches: of the tangential springs, shape (m, 3) [m].
+        tangential: their forces by the linearised law.
+    """
+
+    points: Pressing
+    bears: np.ndarray
+    places: np.ndarray
+    normals: np.ndarray
+    curvatures: np.ndarray
+    normal_forces: np.ndarray
+    missed: float
+    bounds: np.ndarray
+    stretches: np.ndarray
+    tangential: friction.Tangential
+
+    def lawful(self) -> np.ndarray:
+        """The forces that obey Coulomb's law at these stretches, shape (m, 3) [N]."""
+        return friction.returned(self.stretches, self.points.stiffness, self.bounds)
+
+    def pushing(self) -> tuple[np.ndarray, np.ndarray]:
+        """Normal forces that are borne here, and minus their derivatives by the places, shapes (m, 3), (m, 3, 3)."""
+        force = np.where(self.bears, self.normal_forces, 0.0)[:, None] * self.normals
+        stiffness = np.where(self.bears, self.points.stiffness, 0.0)[:, None, None]
+        turning = np.where(self.bears, self.normal_forces, 0.0)[:, None, None] * self.curvatures
+        return force, stiffness * self.normals[:, :, None] * self.normals[:, None] - turning
+
+    def kept(self) -> np.ndarray:
+        """The stretches that these forces leave the springs with, shape (m, 3) [m]."""
+        return np.asarray(self.lawful() / self.points.stiffness[:, None])
+
+
+class History(NamedTuple):
+    """What an equilibrium leaves.
+
+    Attributes:
+        displacement: of the nodes, shape (3 nodes,) [m].
+        distance: of the obstacle [m].
+        drag: there; None before the first contact.
+    """
+
+    displacement: np.ndarray
+    distance: float
+    drag: Drag | None
 
 
 class FrictionPoints:
-    """The tangential springs of some nodes, at the bounds that were set last.
+    """The points of this rank that press, since the last equilibrium.
 
     Args:
-        rest: places of all nodes of this rank at rest, shape (nodes, 3) [m].
-        nodes: those that may touch and are this rank's own, shape (m,).
-        normals: of the obstacle towards the finger at places, shapes (m, 3) [-] and (m, 3) [m].
+        displacement: of the finger.
+        distance: of the obstacle [m].
+        fixed: points whose normal forces are among what these do.
+        closest: points of plates, whose springs bear the normal forces; or none.
+        law: of friction.
     """
 
-    def __init__(self, rest: np.ndarray, nodes: np.ndarray, normals: Callable[[np.ndarray], np.ndarray]):
-        self.nodes, self._rest, self._normals = nodes, rest[nodes], normals
-        self.anchors, self._bounds, self._k = self._rest.copy(), np.zeros(len(nodes)), np.ones(len(nodes))
+    def __init__(
+        self,
+        displacement: fem.Function,
+        distance: fem.Constant,
+        fixed: FixedPoints,
+        closest: ClosestPoints | None,
+        law: Law,
+    ):
+        self._u, self._distance, self._fixed, self._closest, self._law = displacement, distance, fixed, closest, law
+        self._rest = displacement.function_space.tabulate_dof_coordinates()
+        self.start()
 
-    def places(self, displacement: np.ndarray) -> np.ndarray:
-        """Of the nodes at displacements of all, shape (3 nodes,); shape (m, 3) [m]."""
-        return np.asarray(self._rest + displacement.reshape(-1, 3)[self.nodes])
+    def start(self, history: History | None = None) -> None:
+        """Start from a history, or without any from the present displacement."""
+        self.history = history or History(*self._now(), None)
+        self._carried = np.zeros(3)
+        self._drag, self._of = self.history.drag, self.history[:2]  # the last one, and what it is of
 
-    def bound(self, bounds: np.ndarray, stiffness: np.ndarray) -> None:
-        """Set the largest tangential forces, and stiffnesses, shapes (m,) [N, N/m]."""
-        self._bounds, self._k = bounds, stiffness
+    def begin(self, carried: np.ndarray) -> None:
+        """Begin an increment: the obstacle moves by `carried`, shape (3,) [m]; first tried are the last forces."""
+        self._carried, self._drag = carried, None
 
-    def at(self, displacement: np.ndarray) -> friction.Tangential:
-        """What the springs do at displacements."""
-        places = self.places(displacement)
-        return friction.springs(places, self.anchors, self._normals(places), self._k, self._bounds)
+    def settle(self) -> float:
+        """End an increment; the work of friction in it [J]."""
+        drag = self.drag()
+        self.history = History(*self._of, drag)
+        return float(np.sum(drag.lawful() * (drag.stretches - drag.kept())))
 
-    def springs(self, displacement: np.ndarray) -> Springs:
-        """Those that press, as the tangent and the residual take them."""
-        acts, found = self._bounds > 0, self.at(displacement)
-        none = np.zeros(int(acts.sum()))
-        return Springs(
-            nodes=self.nodes[acts, None],
-            forces=found.forces[acts, None],
-            stiffness=found.stiffness[acts],
-            gaps=none,
-            energy=float(found.energy[acts].sum()),
-            work=0.0,
-        )
+    def unlawful(self) -> float:
+        """By how much the forces disobey the laws [N]; if they do, those of the linearised laws are tried next."""
+        drag = self.drag()
+        wrong = np.abs(drag.tangential.forces - drag.lawful()).sum() + np.maximum(-drag.normal_forces, 0.0).sum()
+        self._of = np.zeros(0), 0.0
+        return float(wrong) + drag.missed
 
-    def settle(self, displacement: np.ndarray) -> float:
-        """End an increment: anchors follow what has slid, and nodes that do not touch; the work of friction [J]."""
-        found, places = self.at(displacement), self.places(displacement)
-        dissipated = float(np.sum(self._bounds * np.linalg.norm(found.slipped, axis=1)))
-        self.anchors = np.where((self._bounds > 0)[:, None], self.anchors + found.slipped, places)
-        return dissipated
+    def drag(self) -> Drag:
+        """That of now. What is tried are the forces that the last one's linearised law has here."""
+        now = self._now()
+        if self._drag is None or self._of[1] != now[1] or not np.array_equal(self._of[0], now[0]):
+            self._drag, self._of = self._next(*now), now
+        return self._drag
+
+    def _now(self) -> tuple[np.ndarray, float]:
+        return self._u.x.array.copy(), float(self._distance.value)
+
+    def _next(self, displacement: np.ndarray, distance: float) -> Drag:
+        last = self._drag or self.history.drag
+        points, bears, missed = self._pressing(displacement, distance, last)
+        m = len(points.slots)
+        places, far = self._places(displacement, points), np.full(m, distance)
+        normals, curvatures = (at(places, far) for at in (self._law.body.normal_at, self._law.body.curvature_at))
+        across = friction.across(normals)
+        moved = (displacement - self.history.displacement).reshape(-1, 3)[points.nodes]
+        stretched = np.einsum("mn,mni->mi", points.weights, moved) - self._carried
+        if self.history.drag is not None:
+            stretched += _of_slots(points.slots, self.history.drag, self.history.drag.kept())
+        stretches = np.einsum("mij,mj->mi", across, stretched)
+        normal_forces = -points.stiffness * points.gaps
+        bounds = self._law.coefficient * np.maximum(normal_forces, 0.0)
+        tried = np.zeros((m, 3)) if last is None else self._tried(points.slots, stretches, bounds, last)
+        stiffness = points.stiffness, np.minimum(points.stiffness, self._law.yielding)
+        tangential = friction.law(stretches, normals, stiffness, bounds, np.einsum("mij,mj->mi", across, tried))
+        tangential = tangential._replace(by_bounds=np.where((bounds > 0)[:, None], tangential.by_bounds, 0.0))
+        return Drag(points, bears, places, normals, curvatures, normal_forces, missed, bounds, stretches, tangential)
+
+    def _tried(self, slots: np.ndarray, stretches: np.ndarray, bounds: np.ndarray, last: Drag) -> np.ndarray:
+        """Forces of the last linearised law, or those of the last equilibrium, shape (m, 3) [N]."""
+        if self._drag is None:
+            return _of_slots(slots, last, last.lawful())
+        own, then = np.intersect1d(slots, last.points.slots, assume_unique=True, return_indices=True)[1:]
+        tried = np.zeros((len(slots), 3))
+        tangential, change = last.tangential, stretches[own] - last.stretches[then]
+        tried[own] = tangential.forces[then] + np.einsum("mij,mj->mi", tangential.stiffness[then], change)
+        tried[own] += (bounds[own] - last.bounds[then])[:, None] * tangential.by_bounds[then]
+        return tried
+
+    def _pressing(
+        self, displacement: np.ndarray, distance: float, last: Drag | None
+    ) -> tuple[Pressing, np.ndarray, float]:
+        """Points that press, whether their normal forces are borne here, and what is missed, see Drag.
+
+        As `mechanics.friction` has it, f - r (g + f/k) > 0 with the linearised normal force f, not with -k g.
+        """
+        slots = np.zeros(0, int) if last is None else last.points.slots[last.bears]
+        points = self._fixed.pressing(displacement, distance, slots)
+        tried = np.zeros(len(points.slots))
+        if last is not None:
+            own, then = np.intersect1d(points.slots, last.points.slots, assume_unique=True, return_indices=True)[1:]
+            tried[own] = last.normal_forces[then]
+            if self._drag is not None:
+                change = self._places(displacement, points)[own] - last.places[then]
+                tried[own] -= points.stiffness[own] * np.sum(last.normals[then] * change, axis=1)
+        r = np.minimum(points.stiffness, self._law.yielding)
+        closed = tried > r * (points.gaps + tried / points.stiffness)
+        missed = float((points.stiffness * np.maximum(-points.gaps, 0.0))[~closed].sum())
+        parts = [Pressing(*(part[closed] for part in points))]
+        if self._closest is not None:
+            others = self._closest.pressing(displacement, distance)
+            parts.append(others._replace(slots=others.slots + self._fixed.count))
+        bears = np.arange(sum(len(part.slots) for part in parts)) < len(parts[0].slots)
+        return Pressing(*map(np.concatenate, zip(*parts, strict=True))), bears, missed
+
+    def springs(self) -> Springs:
+        """What the tangent and the residual take, by facets."""
+        drag = self.drag()
+        points = drag.points
+        if not len(points.slots):
+            return NONE
+        own, across = drag.tangential.forces - drag.pushing()[0], drag.tangential.stiffness + drag.pushing()[1]
+        nodes, facet = np.unique(points.nodes, axis=0, return_inverse=True)
+        facet = facet.ravel()  # NumPy 2.0 has it as a column
+        m, n = nodes.shape
+        forces, stiffness = np.zeros((m, n, 3)), np.zeros((m, 3 * n, 3 * n))
+        np.add.at(forces, facet, points.weights[:, :, None] * own[:, None])
+        np.add.at(stiffness, facet, _between_nodes(points.weights, across))
+        return Springs(nodes=nodes, forces=forces, stiffness=stiffness, gaps=np.zeros(m), energy=0.0, work=0.0)
+
+    def load_gradient(self, carried: np.ndarray) -> np.ndarray:
+        """Change of this rank's nodal forces with a motion of the obstacle, shapes (nodes, 3) [N], (3,) [m]."""
+        drag = self.drag()
+        points, tangential = drag.points, drag.tangential
+        change = -np.einsum("mij,j->mi", tangential.stiffness + drag.pushing()[1], carried)
+        grown = self._law.coefficient * points.stiffness * (drag.normals @ carried)
+        change += grown[:, None] * tangential.by_bounds
+        nodal = np.zeros_like(self._rest)
+        np.add.at(nodal, points.nodes, points.weights[:, :, None] * change[:, None])
+        return nodal
+
+    def unsymmetric(self) -> LowRank:
+        """What is to be taken from the tangent, supports aside (collective)."""
+        space, drag = self._u.function_space, self.drag()
+        points, tangential, normals = drag.points, drag.tangential, drag.normals
+        turning = np.einsum("mij,mj->mi", drag.curvatures, tangential.forces)
+        stiffer = (self._law.coefficient * points.stiffness)[:, None] * tangential.by_bounds
+        blocks = stiffer[:, :, None] * normals[:, None] + normals[:, :, None] * turning[:, None]
+        nodes, facet = np.unique(points.nodes, axis=0, return_inverse=True)
+        facet = facet.ravel()  # NumPy 2.0 has it as a column
+        n = 3 * nodes.shape[1]
+        whole = np.zeros((len(nodes), n, n))
+        np.add.at(whole, facet, _between_nodes(points.weights, blocks))
+        left, sizes, right = np.linalg.svd(whole)
+        of, column = np.nonzero(sizes > NEGLIGIBLE * sizes.max(axis=1, initial=0.0, keepdims=True))
+        left, right = left[of, :, column] * sizes[of, column, None], right[of, column]
+        return LowRank(*(_summed(space, nodes[of], part) for part in (left, right)))
+
+    def _places(self, displacement: np.ndarray, points: Pressing) -> np.ndarray:
+        return np.einsum("mn,mni->mi", points.weights, (self._rest + displacement.reshape(-1, 3))[points.nodes])
+
+
+def _of_slots(slots: np.ndarray, last: Drag, values: np.ndarray) -> np.ndarray:
+    """Values of the last points, shape (last, 3), 0 of others, shape (slots, 3)."""
+    chosen = np.zeros((len(slots), 3))
+    own, then = np.intersect1d(slots, last.points.slots, assume_unique=True, return_indices=True)[1:]
+    chosen[own] = values[then]
+    return chosen
+
+
+def _between_nodes(weights: np.ndarray, blocks: np.ndarray) -> np.ndarray:
+    """Of points' blocks, shape (m, 3, 3), those of their n nodes, shape (m, 3 n, 3 n)."""
+    m, n = weights.shape
+    return np.asarray(np.einsum("ma,mij,mb->maibj", weights, blocks, weights).reshape(m, 3 * n, 3 * n))
+
+
+def _summed(space: fem.FunctionSpace, nodes: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Vectors of all ranks' facets as their owned values, shape (facets, values) (collective)."""
+    comm, owned = space.mesh.comm, 3 * space.dofmap.index_map.size_local
+    counts = comm.allgather(len(nodes))
+    first = sum(counts[: comm.rank])
+    vector, rows = fem.Function(space).x, np.zeros((sum(counts), owned))
+    for k, row in enumerate(rows):
+        vector.array[:] = 0.0
+        if 0 <= k - first < len(nodes):
+            vector.array.reshape(-1, 3)[nodes[k - first]] = values[k - first].reshape(-1, 3)
+        vector.scatter_reverse(la.InsertMode.add)
+        row[:] = vector.array[:owned]
+    return rows

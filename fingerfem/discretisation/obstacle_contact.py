@@ -36,19 +36,19 @@ class BodyContact:
     def __init__(self, assembly: Assembly, forms: ContactForms, fields: Fields, body: Body, stiff: StiffFacets | None):
         self.forms, self.direction = forms, np.array(body.direction)
         self._assembly, self._fields, self._held = assembly, fields, False
-        self._points = None if stiff is None else ClosestPoints(assembly.space, *stiff, body)
+        self.closest = None if stiff is None else ClosestPoints(assembly.space, *stiff, body)
         self._known: tuple[np.ndarray, float, bool] = np.zeros(0), 0.0, False  # what `_found` is of
         self._found = NONE
 
     def springs(self) -> Springs:
         """Those of this rank that press."""
-        if self._points is None:
+        if self.closest is None:
             return NONE
         now = self._fields.u.x.array, float(self._fields.distance.value), self._held
         same = self._known[1:] == now[1:] and np.array_equal(self._known[0], now[0])
         if not self._assembly.comm.allreduce(same, op=MPI.LAND):
             self._known = now[0].copy(), *now[1:]
-            self._found = self._points.springs(*now)
+            self._found = self.closest.springs(*now)
         return self._found
 
     def hold(self, held: bool) -> None:
@@ -86,14 +86,14 @@ class ObstacleContact:
     """
 
     def __init__(self, assembly: Assembly, bodies: list[BodyContact], fields: Fields):
-        self._assembly, self._bodies, self._fields = assembly, bodies, fields
+        self._assembly, self.bodies, self._fields = assembly, bodies, fields
         self.friction: FrictionPoints | None = None  # of a history with friction
 
     def springs(self) -> Springs:
         """Those of this rank that press."""
-        found = [one.springs() for one in self._bodies]
+        found = [one.springs() for one in self.bodies]
         if self.friction is not None:
-            found.append(self.friction.springs(self._fields.u.x.array))
+            found.append(self.friction.springs())
         return together(found)
 
     def hold(self, held: bool) -> None:
@@ -102,12 +102,12 @@ class ObstacleContact:
         Otherwise an iterate that leaves it by a nanometre would lose all contact, and the next one would be the free
         finger's.
         """
-        for one in self._bodies:
+        for one in self.bodies:
             one.hold(held)
 
     def lets_go(self) -> bool:
         """Let go of what is held, where a body would have to pull; whether it was so."""
-        pulled = [one.lets_go() for one in self._bodies]  # of all of them: each is collective
+        pulled = [one.lets_go() for one in self.bodies]  # of all of them: each is collective
         return any(pulled)
 
     def energy(self) -> float:
@@ -116,7 +116,7 @@ class ObstacleContact:
 
     def forces(self) -> np.ndarray:
         """Of every body, along the direction in which d moves it, N = -dP/dd, shape (bodies,) [N]."""
-        return np.array([one.force() for one in self._bodies])
+        return np.array([one.force() for one in self.bodies])
 
     def force(self) -> float:
         """Their sum [N]; of a plane the integral of the pressure."""
@@ -124,13 +124,13 @@ class ObstacleContact:
 
     def stiffness(self) -> float:
         """-dN/dd at a fixed displacement [N/m]."""
-        moved = sum(float((one.moved() @ one.direction).sum()) for one in self._bodies)
+        moved = sum(float((one.moved() @ one.direction).sum()) for one in self.bodies)
         return self._scalar("stiffness") + self._assembly.summed(moved)
 
     def force_gradient(self) -> PETSc.Vec:
         """dN/du [N/m], zero where held. The caller destroys the vector."""
         found: PETSc.Vec | None = None
-        for one in self._bodies:
+        for one in self.bodies:
             own = self._assembly.gradient(one.forms.force_gradient, self._nodal(one.springs().nodes, one.moved()))
             if found is None:
                 found = own
@@ -149,14 +149,9 @@ class ObstacleContact:
 
     def nodal_force(self) -> np.ndarray:
         """What this rank's nodes, ghosts included, press on the obstacle with, shape (nodes, 3) [N]."""
-        first, *others = (one.forms.nodal_force for one in self._bodies)
+        first, *others = (one.forms.nodal_force for one in self.bodies)
         pressed = self._assembly.nodal(first, self.spring_forces())
         return np.asarray(pressed + sum(map(self._assembly.nodal, others)))
-
-    def normal_force(self) -> np.ndarray:
-        """The same without friction: what the nodes press with along the normals."""
-        pressed = [(one.forms.nodal_force, one.springs()) for one in self._bodies]
-        return np.asarray(sum(self._assembly.nodal(form, self._nodal(own.nodes, own.forces)) for form, own in pressed))
 
     def spring_forces(self) -> np.ndarray:
         """This rank's springs' part of it, before it is summed over ranks, shape (nodes, 3) [N]."""
@@ -164,7 +159,7 @@ class ObstacleContact:
         return self._nodal(found.nodes, found.forces)
 
     def _scalar(self, name: str) -> float:
-        return sum(self._assembly.scalar(getattr(one.forms, name)) for one in self._bodies)
+        return sum(self._assembly.scalar(getattr(one.forms, name)) for one in self.bodies)
 
     def _nodal(self, nodes: np.ndarray, values: np.ndarray) -> np.ndarray:
         found = np.zeros((len(self._fields.u.x.array) // 3, 3))

@@ -12,9 +12,10 @@ from petsc4py import PETSc
 
 from fingerfem.discretisation import contact_points, regions
 from fingerfem.discretisation.assembly import Assembly
-from fingerfem.discretisation.contact_points import ContactPoints
+from fingerfem.discretisation.contact_points import ContactPoints, FixedPoints, SurfaceFacets
 from fingerfem.discretisation.deformation_limits import DeformationLimits
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_measure
+from fingerfem.discretisation.friction_points import FrictionPoints, Law
 from fingerfem.discretisation.mesh import build_mesh
 from fingerfem.discretisation.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
@@ -24,6 +25,9 @@ from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene import grid_lines
 from fingerfem.scene.scene import Scene
 
+# r of `mechanics.friction` over a cell's stiffness E h, at nodes and in lattices: with more, or less, Newton's
+# method goes in circles in some histories [-].
+YIELDING = 0.1, 1.0
 FAR = 1e3  # [m]: where the plane stands while nothing may touch it
 
 
@@ -214,24 +218,37 @@ class Problem(Assembly):
         self._spread(np.eye(len(self.tensions))[k], self.fields.probe_density)
         return self.scalar(self.forms.tendon_energy)
 
-    def following(self) -> LowRank | None:
-        """What following loads take from the tangent; None without any."""
-        if self.plates is None or not self.wrenches.any():
+    def unsymmetric(self) -> LowRank | None:
+        """What following loads and friction take from the tangent; None without any (collective)."""
+        parts = []
+        if self.plates is not None and self.wrenches.any():
+            parts.append(self.plates.following(self.plates.poses(self.displacement), self.wrenches))
+        if self.contact is not None and self.contact.friction is not None:
+            parts.append(self.contact.friction.unsymmetric())
+        if not parts:
             return None
-        found = self.plates.following(self.plates.poses(self.displacement), self.wrenches)
-        found.left[:, self.held] = 0.0
-        return found
+        taken = LowRank(*map(np.concatenate, zip(*parts, strict=True)))
+        taken.left[:, self.held] = 0.0
+        return taken
 
     def load_gradient(
-        self, tensions: ArrayLike, distance: float = 0.0, wrenches: np.ndarray | None = None
+        self,
+        tensions: ArrayLike,
+        distance: float = 0.0,
+        wrenches: np.ndarray | None = None,
+        carried: np.ndarray | None = None,
     ) -> PETSc.Vec:
         """Change of the residual with the loads, dR/dF . tensions + dR/dd distance + dR/dw . wrenches [N].
 
         The caller destroys the vector. For a unit tension it is the gradient of that tendon's length [-], for a unit
-        distance minus that of the contact force [N/m], for a wrench minus its nodal forces [N].
+        distance minus that of the contact force [N/m], for a wrench minus its nodal forces [N]. Friction adds what
+        changes where the obstacle moves by `carried`, shape (3,) [m].
         """
         self._spread(np.asarray(tensions, float), self.fields.probe_density)
-        b = self.gradient(self.forms.tendon_force)
+        dragged = None
+        if self.contact is not None and self.contact.friction is not None and carried is not None:
+            dragged = self.contact.friction.load_gradient(carried)
+        b = self.gradient(self.forms.tendon_force, dragged)
         if distance and self.contact is not None:
             pull = self.contact.force_gradient()
             b.axpy(-distance, pull)
@@ -263,6 +280,18 @@ class Problem(Assembly):
         kinds = (regions.RUBBER_FACETS, regions.PLATE_FACETS)
         facets = [np.concatenate([self.mesh.facets.find(kind) for kind in those]) for those in kinds]
         return contact_points.on_facets(self.space, zip(facets, contact.POINTS, strict=True))
+
+    def friction_points(self, coefficient: float) -> FrictionPoints:
+        """The points where one body, before a finger with the penalty method, is touched with friction [-]."""
+        assert self.contact is not None
+        (body,), closest = self.bodies, self.contact.bodies[0].closest
+        rule, kinds = contact.nodal_rule(self.scene.mesh.order), list(regions.SURFACE)
+        if closest is not None:
+            rule, kinds = contact.lattice_rule(contact.POINTS[0]), list(regions.RUBBER_FACETS)
+        facets = SurfaceFacets(self.space, np.concatenate([self.mesh.facets.find(kind) for kind in kinds]))
+        fixed = FixedPoints(facets, rule, self._contact_stiffness(), body)
+        law = Law(body, coefficient, YIELDING[closest is not None] * self.law.young_modulus * self.mesh.smallest)
+        return FrictionPoints(self.fields.u, self.fields.distance, fixed, closest, law)
 
     def surface_places(self) -> np.ndarray:
         """Where these points are in space, shape (points, 3) [m]."""

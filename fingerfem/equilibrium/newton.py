@@ -152,7 +152,7 @@ class Newton:
 
     def _factorise(self) -> str | None:
         self.problem.tangent()
-        return self._factorisation.update(self.problem.following())
+        return self._factorisation.update(self.problem.unsymmetric())
 
     def _linearisation(self) -> Linearisation:
         return Linearisation(self._factorisation, self._antisymmetric)

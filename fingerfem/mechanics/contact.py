@@ -20,6 +20,7 @@ has a lattice of POINTS[0]^2 springs, which share its stiffness, and a facet of 
 (discretisation/closest_points.py), each as stiff as a facet on a plane.
 """
 
+import basix
 import numpy as np
 import ufl
 
@@ -85,14 +86,24 @@ def quadrature(order):
     return {"quadrature_rule": "GLL", "quadrature_degree": 2 * order - 1}
 
 
+def nodal_rule(order):
+    """The same as places on the reference facet, shape (points, 2), and weights, shape (points,) [-]."""
+    return basix.make_quadrature(basix.CellType.quadrilateral, 2 * order - 1, rule=basix.QuadratureType.gll)
+
+
 def lattice(count):
     """Even points of the reference facet, so many along an edge, corners included, shape (count^2, 2)."""
     along = np.linspace(0.0, 1.0, count)
     return np.array([[s, t] for s in along for t in along])
 
 
-def springs(count):
-    """UFL metadata of a spring at every point of a lattice: all weigh alike, those on edges and corners too."""
+def lattice_rule(count):
+    """A spring at every point of a lattice, as `nodal_rule`: all weigh alike, those on edges and corners too."""
     points = lattice(count)
-    weights = np.full(len(points), 1 / len(points))
+    return points, np.full(len(points), 1 / len(points))
+
+
+def springs(count):
+    """UFL metadata of the same."""
+    points, weights = lattice_rule(count)
     return {"quadrature_rule": "custom", "quadrature_points": points, "quadrature_weights": weights}

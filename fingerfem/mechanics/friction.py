@@ -1,15 +1,18 @@
-"""Coulomb friction at points of a surface, by a penalty and its return mapping.
+"""Coulomb friction at points of a surface that press on a rigid obstacle.
 
-A point that touches has a tangential spring of stiffness k [N/m] between its place x and its anchor a, which moves with
-the obstacle. With the normal n, the tangential projection P = 1 - n n^T, the stretch s = P (x - a) and the most that it
-may bear, b = mu N, its potential is
+A point that presses with the force N has a tangential spring of the contact's own stiffness k [N/m]. The spring's
+stretch s is what the point has moved along the obstacle since the last equilibrium, and what the spring was stretched
+then. Its force f, the point's drag on the obstacle, obeys Coulomb's law. With any stiffness r of at most k, b = mu N:
 
-    k |s|^2 / 2  where k |s| <= b (it sticks),    b |s| - b^2 / (2 k)  elsewhere (it slides),
+    |f + r (s - f/k)| <= b: s = f/k (it sticks),    else f = b m, m = (f + r (s - f/k)) / |f + r (s - f/k)| (it slides)
 
-whose gradient is a force of at most b. For given bounds it is convex and its tangent symmetric: the problem of Tresca.
-Coulomb's is a fixed point of it, where b is mu times the contact's own normal force (Nečas, Jarušek, Haslinger, Boll.
-Unione Mat. Ital. 17-B, 1980). When an increment ends, the anchors of points that slid follow, so that the spring is
-left with b: the return mapping (Wriggers, Computational Contact Mechanics, 2006, section 5.2).
+(Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991). The answer does not depend on r. With r = k the law is the
+usual return mapping, f = k s or f = b s/|s| (Wriggers, Computational Contact Mechanics, 2006, section 5.2). Then a
+point sticks only within a stretch of b/k, a micrometre, which Newton's method jumps over. With the stiffness of the
+rubber around a point it does not. The law is linearised in f, s and b, and solved for f. So forces are no unknowns of
+their own.
+
+Whether a point presses is decided likewise, by N - r (g + N/k) > 0 with the gap g, where its force is N = -k g.
 """
 
 from __future__ import annotations
@@ -20,47 +23,58 @@ import numpy as np
 
 
 class Tangential(NamedTuple):
-    """What tangential springs of m points do.
+    """Tangential forces of m points, linearised.
 
     Attributes:
-        energy: of each, shape (m,) [J].
-        forces: gradients of the energies by the places, shape (m, 3) [N].
-        stiffness: their derivatives, shape (m, 3, 3) [N/m].
-        slides: whether it slides, shape (m,).
-        slipped: how far it has slid since its anchor was set, shape (m, 3) [m].
+        forces: of the linearised law, shape (m, 3) [N]; they obey the law where they are those that were tried.
+        stiffness: their derivatives by the stretches, symmetric, shape (m, 3, 3) [N/m].
+        by_bounds: and by the bounds, shape (m, 3) [-].
+        slides: whether a point slides, shape (m,).
     """
 
-    energy: np.ndarray
     forces: np.ndarray
     stiffness: np.ndarray
+    by_bounds: np.ndarray
     slides: np.ndarray
-    slipped: np.ndarray
 
 
-def springs(
-    places: np.ndarray, anchors: np.ndarray, normals: np.ndarray, k: np.ndarray, bounds: np.ndarray
+def across(normals: np.ndarray) -> np.ndarray:
+    """Projections on tangential planes of normals, shape (m, 3, 3)."""
+    return np.asarray(np.eye(3) - normals[:, :, None] * normals[:, None])
+
+
+def law(
+    stretches: np.ndarray,
+    normals: np.ndarray,
+    stiffness: tuple[np.ndarray, np.ndarray],
+    bounds: np.ndarray,
+    tried: np.ndarray,
 ) -> Tangential:
-    """The springs at places and from anchors, shapes (m, 3) [m].
+    """The law, linearised about forces that are tried.
 
     Args:
-        places: of the points.
-        anchors: of their springs.
-        normals: of the obstacle where the points are, shape (m, 3) [-].
-        k: stiffnesses, shape (m,) [N/m].
-        bounds: the largest forces, shape (m,) [N].
+        stretches: s, tangential, shape (m, 3) [m].
+        normals: of the obstacle at the points, shape (m, 3) [-].
+        stiffness: k and r, shapes (m,) [N/m].
+        bounds: b, shape (m,) [N].
+        tried: f, tangential, shape (m, 3) [N].
     """
-    across = np.eye(3) - normals[:, :, None] * normals[:, None]
-    s = np.einsum("mij,mj->mi", across, places - anchors)
-    length = np.linalg.norm(s, axis=1)
-    slides = k * length > bounds
-    size = np.where(slides, length, 1.0)
-    along = np.where(slides, bounds / size, k)  # force over stretch [N/m]
-    unit = s / size[:, None]
-    turning = np.where(slides, bounds / size, 0.0)[:, None, None] * unit[:, :, None] * unit[:, None]
-    return Tangential(
-        energy=np.where(slides, bounds * length - bounds**2 / (2 * k), k * length**2 / 2),
-        forces=along[:, None] * s,
-        stiffness=along[:, None, None] * across - turning,
-        slides=slides,
-        slipped=np.where(slides[:, None], s - (bounds / k)[:, None] * unit, 0.0),
-    )
+    k, r = stiffness
+    tangential = across(normals)
+    way = tried + r[:, None] * (stretches - tried / k[:, None])
+    size = np.linalg.norm(way, axis=1)
+    slides = size > bounds
+    share = np.where(slides, bounds / np.where(slides, size, 1.0), 1.0)
+    unit = np.where(slides[:, None], way / np.where(slides, size, 1.0)[:, None], 0.0)
+    # Where a point sticks share is 1 and this k; where it slides, it is what turns the force.
+    tangent = share * r / (1 - share * (1 - r / k))
+    by_stretch = tangent[:, None, None] * (tangential - unit[:, :, None] * unit[:, None])
+    forces = np.einsum("mij,mj->mi", by_stretch, stretches) + bounds[:, None] * unit
+    return Tangential(forces, by_stretch, unit, slides)
+
+
+def returned(stretches: np.ndarray, k: np.ndarray, bounds: np.ndarray) -> np.ndarray:
+    """The forces that obey the law: the return mapping of k s, shape (m, 3) [N]."""
+    size = k * np.linalg.norm(stretches, axis=1)
+    share = np.minimum(1.0, bounds / np.where(size > 0, size, 1.0))
+    return np.asarray((np.where(size > 0, share, 1.0) * k)[:, None] * stretches)

@@ -63,9 +63,9 @@ def test_forces_are_differences_of_the_energy_and_the_stiffness_of_the_forces(ta
 
 def test_a_ball_presses_a_face_where_it_is_nearest_between_all_nodes(table):
     found, _ = points(table, BALL)
-    springs = found.springs(np.zeros(3 * (found._nodes.max() + 1)), 0.0)
+    springs = found.springs(np.zeros(3 * (found._facets.nodes.max() + 1)), 0.0)
     force = springs.forces.sum(axis=(0, 1))
-    by_node = dict(zip(found._nodes.ravel(), found._rest.reshape(-1, 3), strict=True))
+    by_node = dict(zip(found._facets.nodes.ravel(), found._facets.rest.reshape(-1, 3), strict=True))
     places = np.array([[by_node[node] for node in nodes] for nodes in springs.nodes])
     centre = np.einsum("mn,mni->i", springs.forces[..., 0], places) / force[0]
     assert centre == pytest.approx([END, 0.0013, 0.0007], abs=1e-8)  # facets are slightly domed
@@ -75,7 +75,7 @@ def test_a_ball_presses_a_face_where_it_is_nearest_between_all_nodes(table):
 
 def test_what_is_held_pulls_only_where_nothing_presses(table):
     found, _ = points(table, BALL)
-    rest = np.zeros(3 * (found._nodes.max() + 1))
+    rest = np.zeros(3 * (found._facets.nodes.max() + 1))
     pressed, held = (found.springs(rest, 0.0, held=held) for held in (False, True))
     assert held.forces == pytest.approx(pressed.forces, abs=1e-12)
     away = found.springs(rest, 1e-4, held=True)

@@ -117,7 +117,7 @@ def test_wrenches_that_are_none_are_refused(finger, wrenches, rule):
 
 def test_a_load_is_no_obstacle_and_costs_nothing_where_it_is_not_named():
     plain = FingerModel(changed(pressed=False))
-    assert plain.problem.plates is None and plain.problem.following() is None
+    assert plain.problem.plates is None and plain.problem.unsymmetric() is None
     with pytest.raises(ValueError, match="wrenches must be left out of a scene without a load"):
         plain.solve(TENSIONS, wrenches=WRENCH)
     with pytest.raises(ValueError, match="obstacle must be left out where load says what may press"):
