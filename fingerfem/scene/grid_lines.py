@@ -71,11 +71,13 @@ def grid_lines(outline: Outline, mesh: Mesh, half: bool) -> tuple[np.ndarray, np
         )
     # Longer cells lock in bending: docs/extremes.md.
     share, of_side = (2 / 3, "two thirds of the side") if mesh.order == 1 else (1.0, "the side")
-    longest = share * outline.geometry.side
-    if np.diff(x).max() > longest * (1 + 1e-6):
+    sides = outline.geometry.side * outline.geometry.size_at((x[1:] + x[:-1]) / 2)
+    worst = int(np.argmax(np.diff(x) / sides))
+    longest = share * sides[worst]
+    if np.diff(x)[worst] > longest * (1 + 1e-6):
         raise ValueError(
             f"mesh.cells[0] must leave no cell of order {mesh.order} longer than {of_side}, {longest:.3g} m, "
-            f"or bending locks, got one of {np.diff(x).max():.3g} m"
+            f"or bending locks, got one of {np.diff(x)[worst]:.3g} m"
         )
     try:
         y, z = _across(outline, across)
