@@ -4,7 +4,7 @@ A tendon of tension F_k stores F_k times its length. The tension is spread over 
 tendon fills of them, one field that carries all tendons of a kind. Sections of size s scale a tapered finger: A_k and
 V_k are those at the clamp, where s = 1.
 
-- In a frictionless channel of section area s^2 A_k along t = (1, Y s'/s, Z s'/s), which is e_x without taper, the length
+- In a frictionless channel of section area s^2 A_k along t = (1, Y s'/s, Z s'/s), e_x without taper, the length
   is the integral of |F t| / (s^2 A_k), F here the deformation gradient: one more energy density of C, for |F t| =
   sqrt(t.C t). tau = F_k / A_k [Pa].
 - A straight tendon runs freely from its hole in a plate to its hole in the clamp. Every point X of the hole in the

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import accumulate
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from fingerfem.scene.laws import Table
+from rom.snapshots import geometry
 from rom.snapshots.grid import SHARE
 
 Length = Annotated[float, Field(ge=1e-6, le=1.0)]  # [m]; a length above 1 m is a length in mm
@@ -41,7 +41,7 @@ class Geometry(Table):
     @property
     def sizes(self) -> np.ndarray:
         """Of the segments' plates over those of a finger without taper, shape (segments,) [-]."""
-        return np.cumprod(self.taper or np.ones(len(self.segments)))
+        return geometry.sizes_of(self.model_dump())[1:]
 
     @property
     def thinnest(self) -> float:
@@ -56,12 +56,11 @@ class Geometry(Table):
     @property
     def plates(self) -> list[tuple[float, float]]:
         """Where every segment's plate begins and ends along x [m]."""
-        ends = accumulate(self.segments)
-        return [(end - float(size) * self.plate, end) for end, size in zip(ends, self.sizes, strict=True)]
+        return [(float(begin), float(end)) for begin, end in geometry.plates_of(self.model_dump())]
 
     def size_at(self, x: np.ndarray) -> np.ndarray:
         """Size of the sections at x [m] over that at the clamp [-]: linear along the rubber, constant in plates."""
-        return np.interp(x, np.append(0.0, np.ravel(self.plates)), np.append(1.0, np.repeat(self.sizes, 2)))
+        return geometry.size_at(self.model_dump(), x)
 
     @property
     def half_lengths(self) -> np.ndarray:
