@@ -1,20 +1,18 @@
 """Elements of a tapered segment: each stands for a frustum of rubber, between sections of two sizes.
 
-It is a trained prismatic element, scaled to one size by similarity, and bends as the frustum does under a tendon. Under
-a wrench a frustum has a further compliance, of first order in its taper. The stress of bending runs along fibres that
-converge, so that the shear force of a section is, with the relative taper p = s' / s along x,
+It is a trained prismatic element, scaled to one size by similarity, and bends as the frustum does under a tendon. With
+the relative taper p = s' / s along x and the length l, two things of first order in p are added to its pose.
 
-    f_y + p m_z    and    f_z - p m_y        (Timoshenko, Strength of Materials, on tapered beams)
-
-where f and m are the wrench. With the shear compliance c of the element, its energy ((f_y + p m_z)^2 + (f_z - p m_y)^2)
-c / 2 adds to the pose of its proximal section, seen from the distal one,
+Under a wrench (f, m) the stress of bending runs along fibres that converge, so that the shear force of a section is
+f_y + p m_z, and f_z - p m_y (Timoshenko, Strength of Materials, on tapered beams). With the shear compliance c of the
+element, its energy ((f_y + p m_z)^2 + (f_z - p m_y)^2) c / 2 adds to the proximal section, seen from the distal one,
 
     place y: -c p m_z        turn about z: -c p (f_y + p m_z)
     place z:  c p m_y        turn about y:  c p (f_z - p m_y).
 
-Elements about one side long are best: the centre of a frustum's turn lies nearer to its thinner end than that of a
-prismatic element, by as much as that of a frustum of such a length would be expected to in a beam of cross-sections
-that stay plane, and sections that warp take this back.
+Under a tendon the curvature goes with 1 / s^3, so that the centre of the frustum's turn lies nearer to its thinner end
+than its middle, by p l^2 / 4 if its sections stay plane. They do not: the full-order model has p (l^2 - b^2) / 4 with b
+= WARPING sides, whatever the length of the elements (tapers 0.7 and 0.5; lengths from 0.3 to 1 side).
 """
 
 from __future__ import annotations
@@ -29,8 +27,8 @@ from rom.checked_file import ModelError
 from rom.elements.elements import CLAMP, INTERIOR, PLATE
 from rom.elements.law import ElementMap
 from rom.elements.pieces import MOST_ELEMENTS, Piece
-from rom.elements.polynomial import Polynomial
 
+WARPING = 0.98  # b over the side [-]
 ROUNDS = 50  # towards a size that a piece's own length depends on; each takes away nine tenths of what is off
 
 
@@ -99,22 +97,30 @@ def shear_compliance(element: ElementMap, length: float) -> float:
     return float(-(half_turn_by_moment * length**2 / 3 + by_force) / length)
 
 
-def sheared(element: ElementMap, piece: Piece, compliance: float) -> ElementMap:
-    """A prismatic element with the further compliance of the frustum that it stands for.
+class Prism(NamedTuple):
+    """What is needed of the prismatic elements at size 1: side [m], and compliance in shear over the length [1/N]."""
+
+    side: float
+    shear: float
+
+
+def tapered(element: ElementMap, piece: Piece, prism: Prism) -> ElementMap:
+    """A prismatic element with what is added of the frustum that it stands for.
 
     Args:
-        element: it.
+        element: at the piece's size and length.
         piece: its length and sizes.
-        compliance: in shear, over its length, at size 1 [1/N].
+        prism: at size 1.
     """
     law, m = element.polynomial, len(element.tension_map)
-    taper = float(np.log(piece.ends[0] / piece.ends[1]))
-    c = compliance / piece.size**2 * taper
+    ratio = float(np.log(piece.ends[0] / piece.ends[1]))  # p l
+    nearer = ratio * (piece.length**2 - (WARPING * prism.side * piece.size) ** 2) / (4 * piece.length)
+    moved = law.coefficients.copy()
+    moved[:, 1:3] += 2 * nearer * law.coefficients[:, [5, 4]] * [1, -1]  # half turns about z and y
+    c = prism.shear / piece.size**2 * ratio
     by_wrench = np.zeros((6, law.coefficients.shape[1]))
-    by_wrench[1, 5], by_wrench[5, 5], by_wrench[5, 1] = -c / 2, -c / 2 * taper / piece.length, -c
-    by_wrench[2, 4], by_wrench[4, 4], by_wrench[4, 2] = c / 2, -c / 2 * taper / piece.length, c
+    by_wrench[1, 5], by_wrench[5, 5], by_wrench[5, 1] = -c / 2, -c / 2 * ratio / piece.length, -c
+    by_wrench[2, 4], by_wrench[4, 4], by_wrench[4, 2] = c / 2, -c / 2 * ratio / piece.length, c
     halves = (law.upper - law.lower)[m:, None] / 2
-    more = Polynomial(
-        lower=law.lower, upper=law.upper, powers=np.eye(m + 6, dtype=int)[m:], coefficients=halves * by_wrench
-    )
-    return replace(element, polynomial=law.plus(more))
+    more = replace(law, powers=np.eye(m + 6, dtype=int)[m:], coefficients=halves * by_wrench)
+    return replace(element, polynomial=replace(law, coefficients=moved).plus(more))

@@ -16,7 +16,7 @@ from rom.elements.elements import INTERIOR, Elements
 from rom.elements.law import POSE, ElementMap, on_tensions
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
-from rom.elements.taper import shear_compliance, sheared
+from rom.elements.taper import Prism, shear_compliance, tapered
 from rom.native import PickledByFields
 from rom.rod import native
 
@@ -124,11 +124,13 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     """
     scaled = {one: elements if one.size == 1 else elements.scaled(one.size, 1.0) for one in set(pieces)}
     laws = {one: own.laws[one.kind].of_length(one.length).only(trained) for one, own in scaled.items()}
+    geometry = elements.scene["geometry"]
     if any(one.ends[0] != one.ends[1] for one in pieces):
         longest = elements.laws[INTERIOR].lengths[1]
-        compliance = shear_compliance(elements.laws[INTERIOR].of_length(longest), longest)
-        laws = {one: sheared(law, one, compliance) for one, law in laws.items()}
-    geometry, (end, begin) = elements.scene["geometry"], (pieces[0].ends[0], pieces[-1].ends[1])
+        shear = shear_compliance(elements.laws[INTERIOR].of_length(longest), longest)
+        prism = Prism(elements.size * geometry["side"], shear)
+        laws = {one: tapered(law, one, prism) for one, law in laws.items()}
+    end, begin = pieces[0].ends[0], pieces[-1].ends[1]
     half = elements.size * end * np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
     outlines = {}
     for k, one in enumerate(pieces):

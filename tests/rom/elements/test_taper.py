@@ -7,11 +7,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rom.checked_file import ModelError
+from rom.elements import taper as tapers
 from rom.elements.elements import INTERIOR
 from rom.elements.march import march
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
-from rom.elements.taper import Rubber, sheared, tapered_pieces
+from rom.elements.taper import Prism, Rubber, tapered_pieces
 from rom.snapshots.geometry import size_at
 from tests.rom.elements import elastic_rod as rod
 
@@ -80,9 +81,9 @@ def test_a_segment_shorter_than_its_end_pieces_is_refused():
 
 @pytest.mark.parametrize("taper", [0.9, 0.7, 1.2])
 def test_a_tapered_finger_turns_as_the_rod_does(finger, taper):
-    """All of an element's turn is where it is in a prismatic one; the rod's is nearer to the thinner end.
+    """Places differ by what sections warp, which the rod's do not: elements turn farther from their thinner end.
 
-    Under a tendon, where the curvature goes with 1 / s^3, that is by l / 4 times the logarithm of the ratio of sizes.
+    That is by b^2 / 4 l times the logarithm of the ratio of the sizes.
     """
     found = finger.assembled(tapered(taper, share=min(taper, 1.0) ** 2))
     ratios = [float(np.log(piece.ends[0] / piece.ends[1])) for piece in found.pieces[0]]
@@ -98,12 +99,14 @@ def test_a_tapered_finger_turns_as_the_rod_does(finger, taper):
             for one, own in zip(found.segments[0].elements, inputs, strict=True)
         ]
         off = np.linalg.norm(placed.centres[0] - found.rest) - np.linalg.norm(centre - found.rest)
-        nearer = sum(
-            -turn * ratio * piece.length / 4 for turn, ratio, piece in zip(turns, ratios, found.pieces[0], strict=True)
+        parts = zip(turns, ratios, found.pieces[0], strict=True)
+        farther = sum(
+            -turn * ratio * (tapers.WARPING * rod.SIDE * piece.size) ** 2 / (4 * piece.length)
+            for turn, ratio, piece in parts
         )
         assert placed.inside
         assert np.abs(placed.rotations[0] - turned).max() < 1e-4 + 0.1 * max(np.abs(ratios)) ** 2
-        assert off == pytest.approx(nearer, rel=0.15 if not wrench.any() else 0.4)
+        assert off == pytest.approx(farther, rel=0.15 if not wrench.any() else 0.4)
 
 
 def test_a_taper_that_vanishes_is_none(finger):
@@ -144,11 +147,15 @@ def test_tensions_beyond_those_of_the_thinnest_section_are_refused_or_marked(fin
 
 
 def test_shear_compliance_of_a_taper_is_that_of_its_energy(finger):
-    """The potential ((f_y + p m_z)^2 + (f_z - p m_y)^2) c / 2 without the squares of forces, which the element has."""
+    """The potential ((f_y + p m_z)^2 + (f_z - p m_y)^2) c / 2 without the squares of forces, which the element has.
+
+    An element of the length at which sections that warp take back what plane ones would add has nothing else.
+    """
     element = finger.segments[0].elements[1]
     piece, compliance = Piece(INTERIOR, 0.01, (0.7, 0.8)), 2e-3
+    prism = Prism(0.01 / piece.size / tapers.WARPING, compliance)
     inputs = np.concatenate([TENSIONS, WRENCH])[None]
-    change = (sheared(element, piece, compliance).value(inputs) - element.value(inputs))[0]
+    change = (tapers.tapered(element, piece, prism).value(inputs) - element.value(inputs))[0]
     taper, (_, f_y, f_z, _, m_y, m_z) = np.log(0.7 / 0.8), WRENCH
     p, c = taper / 0.01, compliance * 0.01 / piece.size**2
     expected = [0, -c * p * m_z, c * p * m_y, 0, c * p * (f_z - p * m_y) / 2, -c * p * (f_y + p * m_z) / 2]
