@@ -26,7 +26,7 @@ import numpy as np
 from rom.checked_file import ModelError
 from rom.elements.elements import CLAMP, INTERIOR, PLATE
 from rom.elements.law import ElementMap
-from rom.elements.pieces import MOST_ELEMENTS, Piece
+from rom.elements.pieces import MOST_ELEMENTS, Piece, pieces
 
 WARPING = 0.98  # b over the side [-]
 ROUNDS = 50  # towards a size that a piece's own length depends on; each takes away nine tenths of what is off
@@ -35,7 +35,7 @@ ROUNDS = 50  # towards a size that a piece's own length depends on; each takes a
 class Rubber(NamedTuple):
     """The rubber of a segment between the sizes of its sections, over those of a finger without taper [-].
 
-    `half` is that of its plate's thickness at size 1, `length` that of the rubber [m].
+    `length` is from the clamp to the plate's centre, `half` is half its plate's thickness at size 1 [m].
     """
 
     begin: float
@@ -45,11 +45,11 @@ class Rubber(NamedTuple):
 
     def size_at(self, x: float) -> float:
         """Of the section at x from the clamp [m]."""
-        return self.begin + (self.end - self.begin) * x / self.length
+        return self.begin + (self.end - self.begin) * x / (self.length - self.end * self.half)
 
 
 def tapered_pieces(lengths: Mapping[str, tuple[float, float]], rubber: Rubber) -> list[Piece]:
-    """The elements of rubber with a taper: end pieces at their own size, interior ones at even ratios of sizes.
+    """The elements of a segment: with a taper end pieces at their own size, interior ones at even ratios of sizes.
 
     Args:
         lengths: shortest and longest of every kind of element at size 1 [m].
@@ -58,9 +58,12 @@ def tapered_pieces(lengths: Mapping[str, tuple[float, float]], rubber: Rubber) -
     Raises:
         ModelError: these elements make no such segment.
     """
+    if rubber.begin == rubber.end:
+        own = {kind: (rubber.end * least, rubber.end * most) for kind, (least, most) in lengths.items()}
+        return [one._replace(ends=(rubber.end, rubber.end)) for one in pieces(own, rubber.length)]
     if INTERIOR not in lengths:
         raise ModelError("taper needs an interior element, got none: train elements on a longer finger")
-    length, (clamp, plate) = rubber.length + rubber.end * rubber.half, (lengths[kind][0] for kind in (CLAMP, PLATE))
+    length, (clamp, plate) = rubber.length, (lengths[kind][0] for kind in (CLAMP, PLATE))
     first, last = Piece(CLAMP, clamp, (rubber.begin,) * 2), Piece(PLATE, plate, (rubber.end,) * 2)
     for _ in range(ROUNDS):
         x = first.size * clamp, length - last.size * plate

@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +19,7 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
-from rom.elements.pieces import Piece, pieces
+from rom.elements.pieces import Piece
 from rom.elements.taper import Rubber, tapered_pieces
 from rom.native import PickledByFields
 from rom.rod import native, shape, summary
@@ -96,17 +97,11 @@ class Rod(PickledByFields):
     @cached_property
     def pieces(self) -> list[list[Piece]]:
         """The elements of every segment, from its plate to its clamp."""
-        geometry = self.scene["geometry"]
-        lengths, found = {kind: law.lengths for kind, law in self.own.laws.items()}, []
-        sizes, half = sizes_of(geometry).tolist(), geometry["plate"] / 2
-        for k, length in enumerate(geometry["segments"]):
-            begin, end = sizes[k : k + 2]
+        geometry, lengths = self.scene["geometry"], {kind: law.lengths for kind, law in self.own.laws.items()}
+        found, half = [], geometry["plate"] / 2
+        for k, (begin, end) in enumerate(pairwise(sizes_of(geometry).tolist())):
             try:
-                if begin == end:
-                    own = {kind: (end * least, end * most) for kind, (least, most) in lengths.items()}
-                    found.append([one._replace(ends=(end, end)) for one in pieces(own, length - end * half)])
-                else:
-                    found.append(tapered_pieces(lengths, Rubber(begin, end, length - 2 * end * half, half)))
+                found.append(tapered_pieces(lengths, Rubber(begin, end, geometry["segments"][k] - end * half, half)))
             except ModelError as error:
                 raise ModelError(f"geometry.segments.{k}: {error}") from None
         return found
@@ -155,9 +150,8 @@ class Rod(PickledByFields):
     @cached_property
     def errors(self) -> ExpectedErrors:
         """The expected errors, from lines that were left out of the training."""
-        trained = sum(self.elements.scene["geometry"]["segments"])
+        trained, geometry = sum(self.elements.scene["geometry"]["segments"]), self.scene["geometry"]
         thinner = [sum(one.length / one.size for one in own) / sum(one.length for one in own) for own in self.pieces]
-        geometry = self.scene["geometry"]
         longer = float(np.dot(thinner, geometry["segments"]) / (self.similarity.size * trained))
         kinds, slope = {piece.kind for own in self.pieces for piece in own}, steepest(geometry)
         tapered = slope, slope * sum(geometry["segments"])
@@ -252,13 +246,7 @@ class Rod(PickledByFields):
     @property
     def edges(self) -> np.ndarray:
         """Points of the long edges at even cross-sections, shape (points, 3) [m]."""
-        geometry = self.scene["geometry"]
-        length = sum(geometry["segments"])
-        along = np.linspace(0.0, length, round(2 * length / geometry["side"]) + 1)
-        halves = shape.half_at(self, along)
-        return np.array(
-            [[x, y, z] for x, own in zip(along, halves, strict=True) for y in (-own, own) for z in (-own, own)]
-        )
+        return shape.edges(self)
 
     def assembled(self, scene: str | Path | Mapping[str, Any]) -> Rod:
         """The finger of another scene, of these elements.

@@ -201,6 +201,14 @@ def half_at(rod: Rod, x: ArrayLike) -> np.ndarray:
     return geometry["side"] / 2 * size_at(geometry, np.asarray(x))
 
 
+def edges(rod: Rod) -> np.ndarray:
+    """Points of the long edges at rest, every half side of the clamp's section, shape (points, 3) [m]."""
+    length, side = sum(rod.scene["geometry"]["segments"]), rod.scene["geometry"]["side"]
+    along = np.linspace(0.0, length, round(2 * length / side) + 1)
+    corners = half_at(rod, along)[:, None, None] * CORNERS
+    return np.concatenate([np.repeat(along, len(CORNERS))[:, None], corners.reshape(-1, 2)], axis=1)
+
+
 def _outside(points: np.ndarray, length: float, half: ArrayLike) -> bool:
     """Whether some points or positions at rest, shape (n, 3) or (n, 1) [m], are none of the finger's."""
     along, across = np.abs(points[:, 0] - length / 2) * 2 / length, np.abs(points[:, 1:]).max(axis=1, initial=0.0)

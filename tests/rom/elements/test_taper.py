@@ -60,7 +60,7 @@ def test_a_polynomial_on_a_smaller_box_is_the_same():
 @pytest.mark.parametrize(("begin", "end"), [(1.0, 0.6), (0.7, 1.0), (1.0, 1.3)])
 def test_pieces_follow_each_other_and_are_of_their_own_size(begin, end):
     lengths = {"clamp": (0.0103, 0.0103), "interior": (0.0026, 0.0103), "plate": (0.0108, 0.0108)}
-    rubber = Rubber(begin, end, 0.0495, 0.0005)
+    rubber = Rubber(begin, end, 0.0495 + end * 0.0005, 0.0005)
     found = tapered_pieces(lengths, rubber)
     assert sum(one.length for one in found) == pytest.approx(0.0495 + end * 0.0005, rel=1e-9)
     assert found[0].length == pytest.approx(found[0].size * 0.0108, rel=1e-9)
