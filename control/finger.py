@@ -16,6 +16,7 @@ from control.model import Model
 from control.motion import Limits, Motion
 from control.problems import compiled_finger, rules
 from rom.native.answer import FORCE, PAD
+from rom.snapshots.geometry import tip_at_rest
 
 NORMAL_95 = 1.96  # standard deviations within which 95 % of a normal distribution are [-]
 
@@ -42,9 +43,8 @@ class Finger:
             self._needs_pad()
         self._gentle = self.lower.copy()
         self._gentle[model.lead] = (self.lower[model.lead] + self.upper[model.lead]) / 2
-        geometry, tendons = model.scene["geometry"], model.scene["tendons"]
-        self.rest = np.array([sum(geometry["segments"]) - geometry["plate"] / 2, 0.0, 0.0])  # tip plate's centre [m]
-        self._offsets = np.array([tendon["offset"] for tendon in tendons], float)
+        self.rest = tip_at_rest(model.scene["geometry"])
+        self._offsets = np.array([tendon["offset"] for tendon in model.scene["tendons"]], float)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled and copied by its parameters: what compiled code reads is made again."""

@@ -24,7 +24,7 @@ def rod_summary(finger: Rod) -> dict[str, Any]:
     return {
         "scene": finger.scene["name"],
         "parameters": finger.parameters,
-        "segments": [[{"element": kind, "length_m": length} for kind, length in one] for one in finger.pieces],
+        "segments": [[{"element": piece.kind, "length_m": piece.length} for piece in one] for one in finger.pieces],
         "terms": {kind: len(law.polynomial.powers) for kind, law in finger.elements.laws.items()},
         "contact_force_error": finger.errors.contact_force,
         "place_error_m": finger.errors.position,

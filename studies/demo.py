@@ -143,7 +143,7 @@ def trained(out: Path, quick: bool) -> tuple[TouchedSegment, dict]:
         "heldout": held_out,
         "meshes": {name: one.description.scene["mesh"] for name, one in sets_.items()},
         "unknowns": {name: 3 * len(one.nodes) for name, one in sets_.items()},
-        "elements": [kind for kind, _ in reversed(rod.pieces[0])],
+        "elements": [piece.kind for piece in reversed(rod.pieces[0])],
         "terms": sum(len(law.polynomial.powers) for law in rod.elements.laws.values()),
         "bytes": (out / "finger.h5").stat().st_size,
         "fitting_seconds": fitting,

@@ -42,6 +42,7 @@ STUDIES = (
     "tradeoff",
     "separated",
     "rods",
+    "tapered",
     "grasping",
     "coverage",
     "extremes",

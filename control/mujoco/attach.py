@@ -104,7 +104,8 @@ def attach(
         friction: of the plates [-]. MuJoCo takes the larger of both sides': with 0 the object's counts.
 
     Raises:
-        ValueError: no such body, a name that is in use, a keyframe of another size, or numbers that cannot be.
+        ValueError: no such body, a name that is in use, a keyframe of another size, numbers that cannot be, or a
+            tapered finger, whose mass is not modelled.
 
     Example:
         >>> spec = mujoco.MjSpec.from_file("hand.xml")
@@ -114,6 +115,8 @@ def attach(
     parent = spec.body(palm)
     if parent is None:
         raise ValueError(f"palm must be a body of the model, got {palm!r}")
+    if taper := rod.scene["geometry"].get("taper"):
+        raise ValueError(f"rod must be a finger without taper, as its mass in MuJoCo is that of one, got {taper}")
     place, turned = np.asarray(position, float), np.asarray(quaternion, float)
     if place.shape != (3,) or not np.isfinite(place).all():
         raise ValueError(f"position must be three lengths [m], got {place.tolist()}")

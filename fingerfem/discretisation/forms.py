@@ -42,6 +42,7 @@ class Fields:
     probe_density: fem.Function  # the same of tensions that energy, lengths and gradients are asked for
     distance: fem.Constant  # d of the obstacle [m]
     stiffness: fem.Constant  # of contact, gamma = factor E / h with Young's modulus E of the rubber [N/m^3]
+    size: fem.Function | None  # of sections over that at the clamp [-]; None without taper
     pad_share: fem.Function | None  # y: share of a node's contact force that rests on the pad [-]
 
 
@@ -89,7 +90,7 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
     plates = Term(strain_energy.energy(plate_law(scene.law), number), regions.PLATES, degree)
     paths = {tendon.path for tendon in scene.tendons}
     pulled, probed = (
-        [Term(tendons.channelled(density), regions.CHANNELS, degree)] if "channel" in paths else []
+        [Term(tendons.channelled(density, fields.size), regions.CHANNELS, degree)] if "channel" in paths else []
         for density in (fields.tension_density, fields.probe_density)
     )
 
@@ -101,9 +102,9 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
     tendon_energy = total(integrals(probed), u)
     if "straight" in paths:
         holes = volume_measure(mesh, degree)((regions.PLATE_HOLE, regions.TIP_HOLE))
-        cables = ufl.derivative(tendons.straight(fields.tension_density, x, u) * holes, u, v)
+        cables = ufl.derivative(tendons.straight(fields.tension_density, x, u, fields.size) * holes, u, v)
         residual, other_tangent = residual + cables, ufl.derivative(cables, u, w)
-        tendon_energy += tendons.straight(fields.probe_density, x, u) * holes
+        tendon_energy += tendons.straight(fields.probe_density, x, u, fields.size) * holes
 
     on_contact = []
     if scene.obstacle is not None:

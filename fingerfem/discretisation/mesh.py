@@ -20,8 +20,9 @@ class FingerMesh:
     mesh: dolfinx.mesh.Mesh
     cells: dolfinx.mesh.MeshTags
     facets: dolfinx.mesh.MeshTags
-    midpoints: np.ndarray  # (3, n) [m], of the cells
+    midpoints: np.ndarray  # (3, n) [m], of the cells, before sections are scaled
     smallest: float  # smallest cell edge across the section [m]
+    is_tapered: bool  # whether cells are not all boxes
 
 
 def build_mesh(scene: Scene, comm: MPI.Comm) -> FingerMesh:
@@ -47,8 +48,9 @@ def build_mesh(scene: Scene, comm: MPI.Comm) -> FingerMesh:
     facets = np.sort(dolfinx.mesh.exterior_facet_indices(mesh.topology))
     centres = dolfinx.mesh.compute_midpoints(mesh, dim - 1, facets).T
     facet_tags = dolfinx.mesh.meshtags(mesh, dim - 1, facets, _faces(scene, centres))
-    smallest = min(float(np.diff(along).min()) for along in lines[1:])
-    return FingerMesh(mesh, cell_tags, facet_tags, midpoints, smallest)
+    smallest = scene.geometry.thinnest * min(float(np.diff(along).min()) for along in lines[1:])
+    mesh.geometry.x[:, 1:] *= scene.geometry.size_at(mesh.geometry.x[:, 0])[:, None]
+    return FingerMesh(mesh, cell_tags, facet_tags, midpoints, smallest, scene.geometry.is_tapered)
 
 
 def _regions(scene: Scene, x: np.ndarray) -> np.ndarray:

@@ -54,6 +54,7 @@ class Problem(Assembly):
             probe_density=fem.Function(by_cell),
             distance=fem.Constant(self.mesh.mesh, FAR),
             stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
+            size=self._size(),
             pad_share=self._pad_share(),
         )
         self.forms = compile_forms(scene, self.mesh, self.fields)
@@ -71,7 +72,7 @@ class Problem(Assembly):
         self.distance: float | None = None  # None: the plane is away
         self.plates = PlateLoads(scene, self.mesh, self.space) if scene.load is not None else None
         self.wrenches = np.zeros((len(scene.geometry.segments), 6))
-        self._tip_volume = scene.geometry.plate * scene.geometry.side**2
+        self._tip_volume = float(np.prod(2 * scene.geometry.half_lengths[-1]))
         self._tendon_cells = [self._cells_of(k) for k in range(len(scene.tendons))]
         self.rest_lengths = np.array([self.tendon_length(k) for k in range(len(scene.tendons))])  # [m]
 
@@ -90,6 +91,13 @@ class Problem(Assembly):
         stiffer = contact.PLATES if self.scene.obstacle.method == "nitsche" else 1.0
         return StiffFacets(np.sort(facets), stiffer * self._contact_stiffness())
 
+    def _size(self) -> fem.Function | None:
+        if not self.scene.geometry.is_tapered:
+            return None
+        size = fem.Function(fem.functionspace(self.mesh.mesh, ("Lagrange", 1)))
+        size.interpolate(lambda x: self.scene.geometry.size_at(x[0]))
+        return size
+
     def _pad_share(self) -> fem.Function | None:
         if self.scene.obstacle is None or self.scene.obstacle.pad is None:
             return None
@@ -99,12 +107,13 @@ class Problem(Assembly):
         return share
 
     def _cells_of(self, k: int) -> tuple[np.ndarray, float]:
-        """Cells over which tendon k's tension is spread, and the area [m^2] or volume [m^3] of the whole finger's."""
-        area = self.scene.geometry.channel_width**2
-        tendon = self.scene.tendons[k]
+        """Cells over which tendon k's tension is spread, and their area at the clamp [m^2] or volume [m^3], whole."""
+        geometry, tendon = self.scene.geometry, self.scene.tendons[k]
+        area = geometry.channel_width**2
         if tendon.path == "channel":
             return grid_lines.in_channel(self.scene.outline, tendon, self.mesh.midpoints), area
-        return grid_lines.in_hole(self.scene.outline, tendon, self.mesh.midpoints), area * self.scene.geometry.plate
+        volume = area * geometry.plate * float(geometry.sizes[tendon.segment - 1]) ** 3
+        return grid_lines.in_hole(self.scene.outline, tendon, self.mesh.midpoints), volume
 
     def _boundary_conditions(self) -> tuple[list[fem.DirichletBC], np.ndarray, np.ndarray]:
         """The supports; owned indices of the clamp's unknowns, and of all that are held."""

@@ -1,11 +1,13 @@
 """The tangent, its volume part by one matrix product for all cells.
 
-The cells are boxes: a shape function's gradient is the same in all of them but for their sizes. With the moduli
-A = dP/dF at the quadrature points, P the first Piola-Kirchhoff stress, a cell's tangent is
+With the moduli A = dP/dF at the quadrature points, P the first Piola-Kirchhoff stress, and the cell's map j = dX/dxi, a
+cell's tangent is
 
-    K[a i, b k] = sum over q, J, L of  w_q |j| A[i J, k L](q)  dN_a/dX_J(q)  dN_b/dX_L(q)
+    K[a i, b k] = sum over q, M, N of  w_q a[i M, k N](q)  dN_a/dxi_M(q)  dN_b/dxi_N(q)
+    a[i M, k N] = |j| j^-1[M J] A[i J, k L] j^-1[N L]
 
-and so a row (cell; i, k) of A times a table (q, J, L; a, b). A comes from the energies by UFL and FFCx, point by point;
+and so a row (cell; i, k) of a times a table (q, M, N; a, b). Cells are boxes unless the finger is tapered: j is then
+diagonal, the same at all their points. A comes from the energies by UFL and FFCx, point by point;
 nine pairs (i, k) are six by symmetry. FFCx's kernel of the same form makes the whole sum in every cell anew and
 takes longer, up to three times as long with order 2 (docs/solver.md).
 """
@@ -52,7 +54,7 @@ class VolumeTangent:
 
     Args:
         moduli: of all energies; several may share a cell.
-        mesh: of boxes, with its regions.
+        mesh: of hexahedra, with its regions.
         space: of the displacement.
     """
 
@@ -60,9 +62,7 @@ class VolumeTangent:
         self._mesh, nodes = mesh.mesh, space.dofmap.list
         owned = mesh.mesh.topology.index_map(3).size_local
         corners = mesh.mesh.geometry.x[mesh.mesh.geometry.dofmap[:owned]]
-        sizes = corners[:, 7] - corners[:, 0]  # of the boxes [m], shape (cells, 3)
-        self._scale = np.prod(sizes, axis=1)[:, None, None] / (sizes[:, :, None] * sizes[:, None, :])
-        self._rules = []
+        self._cells, self._rules = owned, []
         element, count = space.ufl_element().sub_elements[0], nodes.shape[1]
         for degree in sorted({one.degree for one in moduli}):
             points, weights = gauss(degree)
@@ -72,7 +72,7 @@ class VolumeTangent:
             for one in (one for one in moduli if one.degree == degree):
                 cells = np.unique(np.concatenate([mesh.cells.find(region) for region in one.regions]))
                 parts.append((one.expression, cells[cells < owned].astype(np.int32)))
-            self._rules.append((table, parts))
+            self._rules.append((table, parts, _pull_back(corners, points, mesh.is_tapered)))
         self._pairs = count**2  # of nodes of a cell
         rows, columns = np.repeat(nodes[:owned], count, axis=1), np.tile(nodes[:owned], (1, count))
         all_nodes = space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts
@@ -83,14 +83,14 @@ class VolumeTangent:
 
     def blocks(self) -> np.ndarray:
         """The blocks at the fields of now, shape (3, 3, blocks) [N/m]."""
-        cells = len(self._scale)
+        cells = self._cells
         whole, summed = np.zeros((cells * len(PAIRS), self._pairs)), np.empty((3, 3, len(self.rows)))
-        for table, parts in self._rules:
+        for table, parts, pulled_back in self._rules:
             points = len(table) // 9
             moduli = np.zeros((cells, points, len(PAIRS), 3, 3))
             for expression, own in parts:
                 moduli[own] += expression.eval(self._mesh, own).reshape(-1, points, len(PAIRS), 3, 3)
-            moduli *= self._scale[:, None, None]
+            moduli = pulled_back(moduli)
             whole += moduli.transpose(0, 2, 1, 3, 4).reshape(cells * len(PAIRS), -1) @ table
         by_pair = whole.reshape(cells, len(PAIRS), -1)
         for pair, (i, k) in enumerate(PAIRS):
@@ -98,6 +98,18 @@ class VolumeTangent:
             if i < k:
                 summed[k, i] = summed[i, k][self._transposed]
         return summed
+
+
+def _pull_back(corners: np.ndarray, points: np.ndarray, is_tapered: bool) -> Callable[[np.ndarray], np.ndarray]:
+    """What makes a of A, shape (cells, points, pairs, 3, 3), of cells with corners, shape (cells, 8, 3) [m]."""
+    if not is_tapered:
+        sizes = corners[:, 7] - corners[:, 0]  # of the boxes [m], shape (cells, 3)
+        scale = np.prod(sizes, axis=1)[:, None, None] / (sizes[:, :, None] * sizes[:, None, :])
+        return lambda moduli: moduli * scale[:, None, None]
+    trilinear = basix.create_element(basix.ElementFamily.P, basix.CellType.hexahedron, 1)
+    maps = np.einsum("Mqv,cvi->cqiM", trilinear.tabulate(1, points)[1:, :, :, 0], corners)
+    inverse = (np.sqrt(np.linalg.det(maps))[..., None, None] * np.linalg.inv(maps))[:, :, None]
+    return lambda moduli: inverse @ moduli @ np.swapaxes(inverse, -1, -2)
 
 
 class Tangent:

@@ -28,9 +28,10 @@ class ChannelLengths:
     def __init__(self, problem: Problem):
         self._problem, mesh, outline = problem, problem.mesh, problem.scene.outline
         sections, _, _ = grid_lines(outline, problem.scene.mesh, problem.scene.is_half)
+        self._slabs = len(sections) - 1
         self._change = fem.Function(problem.space)
         u, by_cell = problem.fields.u, fem.functionspace(mesh.mesh, ("DG", 0))
-        stretch = tendons.channelled(1.0)(kinematics.right_cauchy_green(u))
+        stretch = tendons.channelled(1.0, problem.fields.size)(kinematics.right_cauchy_green(u))
         dx = volume_measure(mesh, quadrature_degree(problem.scene.mesh.order))
         lengths = ufl.TestFunction(by_cell) * stretch * dx(regions.CHANNELS)
         wanted = [lengths, ufl.derivative(lengths, u, self._change)]
@@ -39,8 +40,10 @@ class ChannelLengths:
         self._slab = np.searchsorted(sections, mesh.midpoints[0, :owned]) - 1
         channels = [in_channel(outline, tendon, mesh.midpoints[:, :owned]) for tendon in problem.scene.tendons]
         self._cells = [np.flatnonzero(channel) for channel in channels]
-        ends = [outline.plates[tendon.segment - 1][0] for tendon in problem.scene.tendons]
-        self._rest = np.minimum(sections[:, None], ends)
+        state = problem.displacement.copy()
+        problem.displacement[:] = 0.0
+        self._rest = self._up_to_sections(self._lengths)
+        problem.displacement[:] = state
 
     def quantities(self, changes: np.ndarray) -> dict[str, np.ndarray]:
         """The shortenings at the state the problem is in, and their derivatives, as `rom.snapshots.schema` names them.
@@ -60,8 +63,8 @@ class ChannelLengths:
 
     def _up_to_sections(self, form: fem.Form) -> np.ndarray:
         """Integrals over the channels from the clamp to the sections over their areas, shape (sections, tendons)."""
-        by_cell, slabs = fem.assemble_vector(form).array, len(self._rest) - 1
-        parts = [np.bincount(self._slab[cells], by_cell[cells], slabs) for cells in self._cells]
+        by_cell = fem.assemble_vector(form).array
+        parts = [np.bincount(self._slab[cells], by_cell[cells], self._slabs) for cells in self._cells]
         area = self._problem.scene.geometry.channel_width**2 / self._problem.copies
         whole = self._problem.comm.allreduce(np.array(parts).T) / area
         return np.concatenate([np.zeros((1, len(parts))), np.cumsum(whole, axis=0)])

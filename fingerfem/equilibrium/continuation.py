@@ -81,7 +81,8 @@ class Continuation:
         self.problem, self.options, self.newton = problem, options or StepOptions(), Newton(problem)
         self._plates = RigidPlates(problem)
         geometry, scene = problem.scene.geometry, problem.scene
-        bending = problem.law.young_modulus * geometry.side**4 / 12  # [N m^2]
+        compliance = np.mean(geometry.size_at(np.linspace(0.0, geometry.length, 100)) ** -4.0)  # of all sections [-]
+        bending = problem.law.young_modulus * geometry.side**4 / 12 / compliance  # [N m^2]
         ends = np.cumsum(geometry.segments)
         self._turn = np.array(
             [float(np.linalg.norm(tendon.offset)) * ends[tendon.segment - 1] / bending for tendon in scene.tendons]

@@ -119,7 +119,8 @@ def _line(scene: Scene, tendon: Tendon, tension: float) -> Line:
     """A tendon at rest; a straight one stays so between its ends."""
     inner, outer = scene.outline.plates[tendon.segment - 1]
     along = np.linspace(0.0, (inner + outer) / 2, POINTS if tendon.path == "channel" else 2)
-    return Line(points=np.column_stack([along, *np.tile(tendon.offset, (len(along), 1)).T]), tension=tension)
+    across = np.outer(scene.geometry.size_at(along), tendon.offset)
+    return Line(points=np.column_stack([along, across]), tension=tension)
 
 
 def draw(panels: Sequence[Deformed], picture: str | Path) -> None:

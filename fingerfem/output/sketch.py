@@ -133,10 +133,11 @@ def _colours(frame: Frame) -> list[tuple[Tendon, str]]:
 def _finger(axes: Axes, frame: Frame) -> None:
     """Rubber, plates and clamp, seen along -z; the axes x, y and z where the finger is clamped."""
     half, unit = frame.side / 2, frame.unit
-    thick = MM * frame.geometry.plate
-    axes.add_patch(Rectangle((0, -half), frame.length, frame.side, fc=RUBBER, ec="0.4"))
-    for end in frame.ends:
-        axes.add_patch(Rectangle((end - thick, -half), thick, frame.side, fc=PLATE, ec=PLATE))
+    x = np.append(0.0, np.ravel(frame.geometry.plates))
+    y = half * frame.geometry.size_at(x)
+    axes.fill(MM * np.concatenate([x, x[::-1]]), np.concatenate([y, -y[::-1]]), fc=RUBBER, ec="0.4")
+    for (begin, _), (thick, high, _) in zip(frame.geometry.plates, 2 * MM * frame.geometry.half_lengths, strict=True):
+        axes.add_patch(Rectangle((MM * begin, -high / 2), thick, high, fc=PLATE, ec=PLATE))
     axes.add_patch(Rectangle((-2 * unit, -1.2 * half), 2 * unit, 2.4 * half, fc="0.93", ec="0.6", hatch="////"))
     axes.text(-0.3 * unit, -1.2 * half - 0.3 * unit, "clamp", ha="right", va="top", fontsize=FONT)
     axes.plot([0, frame.length], [0, 0], ls="-.", color="0.5", lw=0.8)
@@ -156,10 +157,12 @@ def _pulls(axes: Axes, frame: Frame) -> None:
         alike = [(tendon, colour) for tendon, colour in _colours(frame) if tendon.name in names]
         # Behind one another: the longest below, so that all are seen to end.
         for tendon, colour in sorted(alike, key=lambda pair: -pair[0].segment):
-            end = float(frame.ends[tendon.segment - 1]) - MM * frame.geometry.plate / 2
-            dashes = "--" if tendon.path == "straight" else "-"
-            axes.plot([start, end], [y, y], dashes, color=colour, lw=2.2, zorder=3)
-            axes.plot([end], [y], "o", color=colour, ms=7, mec="white", zorder=4)
+            end = np.mean(frame.geometry.plates[tendon.segment - 1])
+            x = np.array([start / MM, 0.0, *np.ravel(frame.geometry.plates[: tendon.segment])[:-1], end])
+            dashes, x = ("--", x[[0, 1, -1]]) if tendon.path == "straight" else ("-", x)
+            high = y * frame.geometry.size_at(x)
+            axes.plot(MM * x, high, dashes, color=colour, lw=2.2, zorder=3)
+            axes.plot(MM * x[-1:], high[-1:], "o", color=colour, ms=7, mec="white", zorder=4)
         colour = alike[0][1] if len(alike) == 1 else "0.1"
         look = {"arrowstyle": "-|>", "color": colour, "lw": 2, "shrinkA": 0}
         axes.annotate("", (start - 2.6 * unit, named), (start, y), arrowprops=look)
@@ -176,9 +179,9 @@ def _dimensions(axes: Axes, frame: Frame) -> None:
         dimension(axes, (start, below), (end, below), name + millimetres(end - start), (0, -0.3 * unit))
         for x in (start, end):
             axes.plot([x, x], [-half, below - 0.4 * unit], color="0.6", lw=0.7)
-    thick = MM * frame.geometry.plate
+    thick, high, _ = MM * frame.geometry.half_lengths[-1]
     at = (frame.length + 1.5 * unit, -half - 1.4 * unit)
-    label(axes, f"plate, {millimetres(thick)}", (frame.length - thick / 2, -half), at)
+    label(axes, f"plate, {millimetres(2 * thick)}", (frame.length - thick, -high), at)
 
 
 def _obstacle(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
@@ -194,9 +197,10 @@ def _obstacle(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
     middle = 0.4 * frame.length
     dimension(axes, (middle, half), (middle, y), f"d = {lowest:g} to {millimetres(highest)}", (0.5 * unit, 0))
     if obstacle.pad is not None:
-        begin, stop = (MM * value for value in obstacle.pad.x)
-        axes.plot([begin, stop], [half, half], color=PAD, lw=5, solid_capstyle="butt", zorder=5)
-        label(axes, "pad", ((begin + stop) / 2, half), (frame.length + 1.5 * unit, half + 1.4 * unit))
+        x = np.array(obstacle.pad.x)
+        face = half * frame.geometry.size_at(x)
+        axes.plot(MM * x, face, color=PAD, lw=5, solid_capstyle="butt", zorder=5)
+        label(axes, "pad", (MM * float(x.mean()), float(face.mean())), (frame.length + 1.5 * unit, half + 1.4 * unit))
 
 
 def _cut(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
@@ -213,9 +217,9 @@ def _cut(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
 
 def _load(axes: Axes, frame: Frame, force: float) -> None:
     """On every plate, what may press."""
-    half, unit = frame.side / 2, frame.unit
-    for k, end in enumerate(frame.ends):
-        x = end - MM * frame.geometry.plate / 2
+    unit = frame.unit
+    for k, (plate, half) in enumerate(zip(frame.geometry.plates, MM * frame.geometry.half_lengths[:, 1], strict=True)):
+        x = MM * float(np.mean(plate))
         look = {"arrowstyle": "-|>", "color": PAD, "lw": 2.5, "mutation_scale": 18, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", (x, half), (x - 0.8 * unit, half + 3 * unit), arrowprops=look)
         name = f"w{k + 1}" if len(frame.ends) > 1 else "wrench w"

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from fingerfem.scene.tables import Geometry, Mesh, Outline, Tendon
 from rom.snapshots.grid import levels
 
+FINE = 1000  # points between which sections of a tapered segment have one side
 MORE = 40  # cells across that are tried where fewer do not fit
 EQUAL = 1e-7  # of the side: positions that differ by less are meant to be equal [-]
 THINNEST = 1000  # side over shortest cell along the axis
@@ -59,7 +60,7 @@ def grid_lines(outline: Outline, mesh: Mesh, half: bool) -> tuple[np.ndarray, np
     """
     along, across = mesh.cells
     try:
-        lines = [subdivide(breakpoints, along) for breakpoints in _along(outline)]
+        lines = [_graded(outline.geometry, breakpoints, along) for breakpoints in _along(outline)]
     except ValueError as error:
         raise ValueError(f"mesh.cells[0] {error}") from None
     x = np.unique(np.concatenate(lines))
@@ -71,11 +72,13 @@ def grid_lines(outline: Outline, mesh: Mesh, half: bool) -> tuple[np.ndarray, np
         )
     # Longer cells lock in bending: docs/extremes.md.
     share, of_side = (2 / 3, "two thirds of the side") if mesh.order == 1 else (1.0, "the side")
-    longest = share * outline.geometry.side
-    if np.diff(x).max() > longest * (1 + 1e-6):
+    sides = outline.geometry.side * outline.geometry.size_at((x[1:] + x[:-1]) / 2)
+    worst = int(np.argmax(np.diff(x) / sides))
+    longest = share * sides[worst]
+    if np.diff(x)[worst] > longest * (1 + 1e-6):
         raise ValueError(
             f"mesh.cells[0] must leave no cell of order {mesh.order} longer than {of_side}, {longest:.3g} m, "
-            f"or bending locks, got one of {np.diff(x).max():.3g} m"
+            f"or bending locks, got one of {np.diff(x)[worst]:.3g} m"
         )
     try:
         y, z = _across(outline, across)
@@ -84,6 +87,19 @@ def grid_lines(outline: Outline, mesh: Mesh, half: bool) -> tuple[np.ndarray, np
     if z is None:
         return x, y, y
     return x, y, z if half else np.concatenate([-z[:0:-1], z])
+
+
+def _graded(geometry: Geometry, breakpoints: list[float], cells: int) -> np.ndarray:
+    """Grid lines of a segment along x [m], as even over the sections' own sides as possible."""
+    if not geometry.is_tapered:
+        return subdivide(breakpoints, cells)
+    x = np.union1d(np.linspace(breakpoints[0], breakpoints[-1], FINE), breakpoints)
+    sides = np.append(0.0, np.cumsum(np.diff(x) / geometry.size_at((x[1:] + x[:-1]) / 2)))
+    fixed = np.interp(breakpoints, x, sides)
+    lines = subdivide(fixed, cells)
+    found = np.interp(lines, sides, x)
+    found[np.searchsorted(lines, fixed)] = breakpoints
+    return found
 
 
 def fitting(outline: Outline, across: int) -> int:

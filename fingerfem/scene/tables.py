@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import accumulate
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from fingerfem.scene.laws import Table
+from rom.snapshots import geometry
 from rom.snapshots.grid import SHARE
 
 Length = Annotated[float, Field(ge=1e-6, le=1.0)]  # [m]; a length above 1 m is a length in mm
@@ -18,13 +18,20 @@ Position = Annotated[float, Field(ge=0, le=8.0)]  # [m], on eight segments at mo
 Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
 
 
+STEEPEST = 0.5  # change of the side per length of a segment's rubber [-]
+
+
 class Geometry(Table):
-    """The finger along x, clamped at x = 0, of square section; each segment ends in a plate."""
+    """The finger along x, clamped at x = 0, of square section; each segment ends in a plate.
+
+    Side, plate, channel and the tendons' offsets are those at the clamp. A tapered section is scaled as a whole.
+    """
 
     side: Length
     segments: Annotated[list[Length], Field(min_length=1, max_length=8)]
     plate: Length
     channel: Length | None = None  # width of the square column of cells that carries a tendon; side / 5 if absent
+    taper: list[Annotated[float, Field(gt=0)]] | None = None  # of a segment: its side at the end over that at its begin
 
     @property
     def channel_width(self) -> float:
@@ -32,9 +39,33 @@ class Geometry(Table):
         return self.side / 5 if self.channel is None else self.channel
 
     @property
+    def sizes(self) -> np.ndarray:
+        """Of the segments' plates over those of a finger without taper, shape (segments,) [-]."""
+        return geometry.sizes_of(self.model_dump())[1:]
+
+    @property
+    def thinnest(self) -> float:
+        """Least size of a section over that at the clamp [-]."""
+        return float(self.sizes.min(initial=1.0))
+
+    @property
+    def is_tapered(self) -> bool:
+        """Whether sections differ in size."""
+        return bool((self.sizes != 1).any())
+
+    @property
+    def plates(self) -> list[tuple[float, float]]:
+        """Where every segment's plate begins and ends along x [m]."""
+        return [(float(begin), float(end)) for begin, end in geometry.plates_of(self.model_dump())]
+
+    def size_at(self, x: np.ndarray) -> np.ndarray:
+        """Size of the sections at x [m] over that at the clamp [-]: linear along the rubber, constant in plates."""
+        return geometry.size_at(self.model_dump(), x)
+
+    @property
     def half_lengths(self) -> np.ndarray:
-        """Of a plate along its own axes, shape (3,) [m]."""
-        return np.array([self.plate, self.side, self.side]) / 2
+        """Of every plate along its own axes, shape (segments, 3) [m]."""
+        return np.outer(self.sizes, [self.plate, self.side, self.side]) / 2
 
     @property
     def length(self) -> float:
@@ -50,10 +81,22 @@ class Geometry(Table):
 
     @model_validator(mode="after")
     def _plate_fits(self) -> Geometry:
-        for length in self.segments:
-            if self.plate >= length:
-                raise ValueError(f"plate must be shorter than every segment ({length} m), got {self.plate}")
+        if self.taper is not None and len(self.taper) != len(self.segments):
+            raise ValueError(f"taper must have one ratio per segment ({len(self.segments)}), got {len(self.taper)}")
+        begin = 1.0
+        for length, size in zip(self.segments, self.sizes.tolist(), strict=True):
+            if size * self.plate >= length:
+                raise ValueError(f"plate must be shorter than every segment ({length} m), got {size * self.plate}")
+            slope = self.side * abs(size - begin) / (length - size * self.plate)
+            if slope > STEEPEST:
+                raise ValueError(f"taper must change the side by at most {STEEPEST} m per m of rubber, got {slope:.3g}")
+            begin = size
         return self
+
+    @model_serializer(mode="wrap")
+    def _without_taper(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A finger without taper is as it was before there was any."""
+        return {key: value for key, value in serialise(self).items() if key != "taper" or value is not None}
 
 
 class Tendon(Table):
@@ -91,13 +134,13 @@ class Load(Table):
     def parameters(self, geometry: Geometry) -> list[dict[str, Any]]:
         """Name, unit, lowest and highest value of the wrenches' components, plate by plate from clamp to tip."""
         arms = np.maximum(geometry.half_lengths, self.reach)
-        highest = self.force * np.array([1, 1, 1, *(np.hypot(*np.delete(arms, i)) for i in range(3))])
-        highest[3:] = np.maximum(highest[3:], self.moment)
+        highest = self.force * np.array([[1, 1, 1, *(np.hypot(*np.delete(own, i)) for i in range(3))] for own in arms])
+        highest[:, 3:] = np.maximum(highest[:, 3:], self.moment)
         plates = [str(k + 1) for k in range(len(geometry.segments))] if len(geometry.segments) > 1 else [""]
         return [
             {"name": name + plate, "unit": unit, "lower": -float(most), "upper": float(most)}
-            for plate in plates
-            for (name, unit), most in zip(WRENCH, highest, strict=True)
+            for plate, own in zip(plates, highest, strict=True)
+            for (name, unit), most in zip(WRENCH, own, strict=True)
         ]
 
 
@@ -187,5 +230,4 @@ class Outline(NamedTuple):
     @property
     def plates(self) -> list[tuple[float, float]]:
         """Where every segment's plate begins and ends along x [m]."""
-        ends = accumulate(self.geometry.segments)
-        return [(end - self.geometry.plate, end) for end in ends]
+        return self.geometry.plates

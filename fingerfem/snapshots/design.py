@@ -165,6 +165,6 @@ def body(scene: Scene, nodes: np.ndarray) -> Body:
         nodes=nodes,
         sections=CrossSections(nodes, scene.mesh.order, scene.is_half).positions,
         plates=np.array(scene.outline.plates),
-        half_lengths=geometry.half_lengths,
+        half_lengths=geometry.half_lengths[-1],
         is_half=scene.is_half,
     )

@@ -30,14 +30,15 @@ def draws(scene: Scene) -> int:
 def on_plates(scene: Scene, drawn: np.ndarray) -> np.ndarray:
     """Wrenches on the plates, shape (n, 6 plates) [N, N m], by numbers in [0, 1), shape (n, draws)."""
     plates = np.split(drawn, len(scene.geometry.segments), axis=1)
-    return np.concatenate([_on_plate(scene, part) for part in plates], axis=1)
+    halves = scene.geometry.half_lengths
+    return np.concatenate([_on_plate(scene, half, part) for half, part in zip(halves, plates, strict=True)], axis=1)
 
 
-def _on_plate(scene: Scene, drawn: np.ndarray) -> np.ndarray:
+def _on_plate(scene: Scene, half: np.ndarray, drawn: np.ndarray) -> np.ndarray:
     load = scene.load
     assert load is not None, "of a scene with a load"
     normal = _directions(drawn[:, 0], drawn[:, 1])
-    points = _points(normal, scene.geometry.half_lengths, drawn[:, 2:5])
+    points = _points(normal, half, drawn[:, 2:5])
     if load.reach:
         points = _ahead(load.reach, drawn[:, 2:5])
     forces = load.force * drawn[:, 5:6] ** SPREAD * _turned(normal, load.friction_angle, drawn[:, 6:8])

@@ -51,10 +51,23 @@ class ElementMap:
         values, gradient = self.polynomial.value_and_gradient(combined(inputs, self.tension_map))
         return values, combined(gradient, self.tension_map.T)
 
+    def on(self, tensions: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> ElementMap:
+        """The map in a smaller box of tensions, shape (2, t) [N], and of their combinations, shapes (m,) [N]."""
+        parts = (self.polynomial, self.deviations)
+        polynomial, deviations = (None if one is None else on_tensions(one, lower, upper) for one in parts)
+        assert polynomial is not None
+        return replace(self, tensions=tensions, polynomial=polynomial, deviations=deviations)
+
     def only(self, tensions: Sequence[int]) -> ElementMap:
         """The map by some of its tensions, shape (k,), which may repeat each other, where all others are 0 N."""
         kept = list(tensions)
         return replace(self, tension_map=self.tension_map[:, kept], tensions=self.tensions[:, kept])
+
+
+def on_tensions(polynomial: Polynomial, lower: np.ndarray, upper: np.ndarray) -> Polynomial:
+    """A polynomial in another box of its first inputs, combinations of tensions, shapes (m,) [N]."""
+    m = len(lower)
+    return polynomial.on(np.append(lower, polynomial.lower[m:]), np.append(upper, polynomial.upper[m:]))
 
 
 def combined(inputs: np.ndarray, tension_map: np.ndarray) -> np.ndarray:

@@ -15,10 +15,23 @@ MOST_ELEMENTS = 64  # of a segment, as in rom/rod/native/segment.h
 
 
 class Piece(NamedTuple):
-    """An element of a segment: its kind, and its length at rest [m]."""
+    """An element of a segment: its kind, and its length at rest [m].
+
+    `ends` are the sizes of its distal and of its proximal section, over those of a finger without taper [-].
+    """
 
     kind: str
     length: float
+    ends: tuple[float, float] = (1.0, 1.0)
+
+    @property
+    def size(self) -> float:
+        """Of the prismatic element that stands for it [-]: of the same compliance in bending by a tendon.
+
+        A curvature by a tendon goes with 1 / size^3, of which this is the mean.
+        """
+        distal, proximal = self.ends
+        return float((2 * (distal * proximal) ** 2 / (distal + proximal)) ** (1 / 3)) if distal != proximal else distal
 
 
 def pieces(lengths: Mapping[str, tuple[float, float]], length: float) -> list[Piece]:

@@ -43,6 +43,20 @@ class Polynomial:
         values = products(scaled, self.powers) @ self.coefficients
         return values + np.einsum("nmp,np->nm", gradient, points - inside), gradient
 
+    def on(self, lower: np.ndarray, upper: np.ndarray) -> Polynomial:
+        """The same polynomial by the variables scaled to another box, shapes (p,)."""
+        powers, coefficients, wide = self.powers, self.coefficients, self.upper - self.lower
+        ratios, shifts = (upper - lower) / wide, (lower + upper - self.lower - self.upper) / wide
+        for a in np.flatnonzero((ratios != 1) | (shifts != 0)):
+            table = _substituted(int(powers[:, a].max()), ratios[a], shifts[a])
+            rows, own = np.nonzero(table[powers[:, a]])
+            every, shares = powers[rows], table[powers[rows, a], own]
+            every[:, a] = own
+            powers, which = np.unique(every, axis=0, return_inverse=True)
+            parts, coefficients = shares[:, None] * coefficients[rows], np.zeros((len(powers), coefficients.shape[1]))
+            np.add.at(coefficients, which.ravel(), parts)
+        return replace(self, lower=lower, upper=upper, powers=powers, coefficients=coefficients)
+
     @staticmethod
     def together(polynomials: Sequence[Polynomial]) -> Polynomial:
         """Polynomials on one box as one of all their values."""
@@ -76,6 +90,13 @@ def products(scaled: np.ndarray, powers: np.ndarray, by: int | None = None) -> n
             table = table @ _derivative(degree)
         found *= table[:, powers[:, a]]
     return found
+
+
+def _substituted(degree: int, ratio: float, shift: float) -> np.ndarray:
+    """Chebyshev coefficients of T_0(y) ... T_degree(y), y = ratio z + shift, by z, as rows."""
+    points = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
+    values = chebyshev.chebvander(ratio * points + shift, degree)
+    return np.tril(np.linalg.solve(chebyshev.chebvander(points, degree), values).T)
 
 
 @lru_cache

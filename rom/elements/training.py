@@ -99,8 +99,10 @@ def prepare(states: SectionStates) -> Training:
     """The regressions of a finger's elements.
 
     Raises:
-        SnapshotError: too few lines to leave some out.
+        SnapshotError: too few lines to leave some out, or a tapered finger.
     """
+    if states.scene["geometry"].get("taper"):
+        raise SnapshotError("geometry.taper must be left out to train elements: those of a straight finger are scaled")
     of_line, fold = fold_of(states)
     kinds = {}
     for kind, pairs in cut(states.at, states.scene["geometry"]["side"]).items():

@@ -20,6 +20,7 @@ from rom.export.model import struct
 from rom.rod.native import ENDS
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
+from rom.snapshots.geometry import tip_at_rest
 from rom.whole_file import write_whole
 
 VIEWER = Path(__file__).with_name("viewer.html")
@@ -55,7 +56,7 @@ def about(model: SeparatedModel | TouchedSegment) -> dict[str, Any]:
         "reports": isinstance(model, TouchedSegment),  # the tip's orientation and the tendons' shortenings
         "lead": model.lead,
         "most_force": most_force(model),
-        "rest": [sum(geometry["segments"]) - geometry["plate"] / 2, 0.0, 0.0],
+        "rest": tip_at_rest(geometry).tolist(),
         "geometry": {name: geometry[name] for name in ("side", "segments", "plate")},
         "tendons": [
             {

@@ -9,6 +9,10 @@ from rom.brief import brief
 from rom.elements.calibration import Floors, floors_of
 from rom.elements.elements import Elements
 
+# What a taper adds, over the steepest change of the side per length: to the error of contact forces [-], of places and
+# of shortenings, over the finger's length [-], and of turns [rad]. Measured on tapers to 1:2 (docs/tapered.md).
+FORCE, PLACE, SHORTENING, TURN = 0.05, 5e-3, 4e-3, 0.03
+
 
 @brief
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +39,9 @@ class ExpectedErrors:
     floors: Floors
 
 
-def expected_errors(elements: Elements, kinds: Iterable[str], size: float, longer: float) -> ExpectedErrors:
+def expected_errors(
+    elements: Elements, kinds: Iterable[str], size: float, longer: float, tapered: tuple[float, float]
+) -> ExpectedErrors:
     """Those of a finger.
 
     Args:
@@ -43,17 +49,18 @@ def expected_errors(elements: Elements, kinds: Iterable[str], size: float, longe
         kinds: of the finger's elements.
         size: the finger's over the trained one's [-].
         longer: the finger's length over the trained one's at this size [-].
+        tapered: steepest change of the finger's side per length [-], and that times its length [m].
     """
     left_out = elements.provenance["left_out"]
-    longer = max(longer, 1.0)
+    longer, (slope, change) = max(longer, 1.0), tapered
     lever = size * longer**2
     place, force = floors_of(left_out)
-    position = float(left_out["free_place_m"]["p95"]) * lever
+    position = float(left_out["free_place_m"]["p95"]) * lever + PLACE * change
     return ExpectedErrors(
-        contact_force=float(left_out["contact_force"]["p95"]),
+        contact_force=float(left_out["contact_force"]["p95"]) + FORCE * slope,
         position=position,
-        turn=float(left_out["turn_rad"]["p95"]) * longer,
-        shortening=float(left_out["shortening_m"]["p95"]) * size * longer,
+        turn=float(left_out["turn_rad"]["p95"]) * longer + TURN * slope,
+        shortening=float(left_out["shortening_m"]["p95"]) * size * longer + SHORTENING * change,
         surface=max(size * elements.outlines[kind].error for kind in kinds) + position,
-        floors=Floors(place * lever, force),
+        floors=Floors(place * lever + PLACE * change, force + FORCE * slope),
     )

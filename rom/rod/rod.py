@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +19,8 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
-from rom.elements.pieces import Piece, pieces
+from rom.elements.pieces import Piece
+from rom.elements.taper import Rubber, tapered_pieces
 from rom.native import PickledByFields
 from rom.rod import native, shape, summary
 from rom.rod.expected_errors import ExpectedErrors, expected_errors
@@ -26,6 +28,7 @@ from rom.rod.limits import check as check_rod
 from rom.rod.native import reports
 from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
+from rom.snapshots.geometry import sizes_of, steepest, tip_at_rest
 from rom.table import Table, as_html
 
 KIND, FORMAT = "fingerfem rod", 2
@@ -86,13 +89,19 @@ class Rod(PickledByFields):
         return self.elements.scaled(self.similarity.size, self.similarity.modulus)
 
     @cached_property
+    def sized(self) -> dict[float, Elements]:
+        """The elements by the size of the finger's pieces over those of a finger without taper [-]."""
+        sizes = {piece.size for own in self.pieces for piece in own}
+        return {size: self.own if size == 1 else self.own.scaled(size, 1.0) for size in sizes}
+
+    @cached_property
     def pieces(self) -> list[list[Piece]]:
         """The elements of every segment, from its plate to its clamp."""
-        geometry = self.scene["geometry"]
-        lengths, found = {kind: law.lengths for kind, law in self.own.laws.items()}, []
-        for k, length in enumerate(geometry["segments"]):
+        geometry, lengths = self.scene["geometry"], {kind: law.lengths for kind, law in self.own.laws.items()}
+        found, half = [], geometry["plate"] / 2
+        for k, (begin, end) in enumerate(pairwise(sizes_of(geometry).tolist())):
             try:
-                found.append(pieces(lengths, length - geometry["plate"] / 2))
+                found.append(tapered_pieces(lengths, Rubber(begin, end, geometry["segments"][k] - end * half, half)))
             except ModelError as error:
                 raise ModelError(f"geometry.segments.{k}: {error}") from None
         return found
@@ -125,14 +134,13 @@ class Rod(PickledByFields):
 
     @property
     def half_lengths(self) -> np.ndarray:
-        """Of every plate along its own axes, shape (3,) [m]."""
-        geometry = self.scene["geometry"]
-        return np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
+        """Of the tip plate along its own axes, shape (3,) [m]; of every plate unless the finger is tapered."""
+        return self.segments[-1].half_lengths
 
     @property
     def rest(self) -> np.ndarray:
         """The tip plate's centre in the undeformed finger, shape (3,) [m]."""
-        return np.array([sum(self.scene["geometry"]["segments"]) - self.half_lengths[0], 0.0, 0.0])
+        return tip_at_rest(self.scene["geometry"])
 
     @property
     def force(self) -> float:
@@ -142,10 +150,12 @@ class Rod(PickledByFields):
     @cached_property
     def errors(self) -> ExpectedErrors:
         """The expected errors, from lines that were left out of the training."""
-        trained = sum(self.elements.scene["geometry"]["segments"])
-        longer = float(sum(self.scene["geometry"]["segments"]) / (self.similarity.size * trained))
-        kinds = {piece.kind for own in self.pieces for piece in own}
-        return expected_errors(self.elements, kinds, self.similarity.size, longer)
+        trained, geometry = sum(self.elements.scene["geometry"]["segments"]), self.scene["geometry"]
+        thinner = [sum(one.length / one.size for one in own) / sum(one.length for one in own) for own in self.pieces]
+        longer = float(np.dot(thinner, geometry["segments"]) / (self.similarity.size * trained))
+        kinds, slope = {piece.kind for own in self.pieces for piece in own}, steepest(geometry)
+        tapered = slope, slope * sum(geometry["segments"])
+        return expected_errors(self.elements, kinds, self.similarity.size, longer, tapered)
 
     @cached_property
     def struct(self) -> Any:
@@ -236,10 +246,7 @@ class Rod(PickledByFields):
     @property
     def edges(self) -> np.ndarray:
         """Points of the long edges at even cross-sections, shape (points, 3) [m]."""
-        half = self.half_lengths[1]
-        length = sum(self.scene["geometry"]["segments"])
-        along = np.linspace(0.0, length, round(length / half) + 1)
-        return np.array([[x, y, z] for x in along for y in (-half, half) for z in (-half, half)])
+        return shape.edges(self)
 
     def assembled(self, scene: str | Path | Mapping[str, Any]) -> Rod:
         """The finger of another scene, of these elements.

@@ -16,6 +16,7 @@ import numpy as np
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.file_kinds import uses_of
+from rom.snapshots.geometry import sizes_of
 
 NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
 MOST_SEGMENTS = 8
@@ -76,15 +77,18 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
 def _geometry(table: dict[str, Any]) -> dict[str, Any]:
     sizes = {name: float(table[name]) for name in ("side", "plate")}
     channel = table.get("channel")
-    found = sizes | {
-        "segments": [float(one) for one in table["segments"]],
-        "channel": None if channel is None else float(channel),
-    }
+    segments = [float(one) for one in table["segments"]]
+    found = sizes | {"segments": segments, "channel": None if channel is None else float(channel)}
     for name, value in found.items():
         lengths: list[float] = [] if value is None else np.ravel(value).tolist()
         if not all(0 < one < np.inf for one in lengths):
             raise ModelError(f"geometry.{name} must be finite and above 0 m, got {value}")
-    return found
+    if table.get("taper") is None:
+        return found
+    taper = [float(one) for one in table["taper"]]
+    if len(taper) != len(segments) or not all(0 < one < np.inf for one in taper):
+        raise ModelError(f"geometry.taper must be one ratio above 0 per segment, got {taper}")
+    return found | {"taper": taper}
 
 
 def _tendon(table: dict[str, Any]) -> dict[str, Any]:
@@ -114,13 +118,14 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     names = [one["name"] for one in scene["tendons"]]
     if len(set(names)) < len(names):
         raise ModelError(f"tendons must have names of their own, got {', '.join(names)}")
-    tendons = [_tendon_of(trained["tendons"], one, size, modulus, count) for one in scene["tendons"]]
+    sizes = sizes_of(scene["geometry"])
+    tendons = [_tendon_of(trained["tendons"], one, size * sizes, modulus) for one in scene["tendons"]]
     last = max((one["segment"] for one in scene["tendons"]), default=0)
     if last < count:
         raise ModelError(f"tendons must pass all segments, one at least of segment {count}, got {last}")
     found = Similarity(size, modulus, tendons)
     for segment in range(1, count + 1):
-        _check_sums(trained["tendons"], scene["tendons"], found, segment)
+        _check_sums(trained["tendons"], scene["tendons"], found, (segment, size * sizes[segment - 1 : segment + 1]))
     return found
 
 
@@ -154,14 +159,25 @@ def _equal(name: str, value: float, wanted: float) -> None:
         raise ModelError(f"{name} must be {wanted:.6g}, as the elements were trained with, got {value:.6g}")
 
 
-def _check_sums(trained: list[dict[str, Any]], tendons: list[dict[str, Any]], found: Similarity, segment: int) -> None:
-    """Tendons that pass a segment at one place pull there together; where none does, the tension is 0 N."""
+def _trained(tension: list[float], modulus: float, sizes: np.ndarray) -> tuple[float, float, float]:
+    """Lowest and highest tension that sections of all these sizes were trained with [N], and how far off is equal."""
+    lowest, highest = tension[0] * modulus * sizes.max() ** 2, tension[1] * modulus * sizes.min() ** 2
+    return lowest, highest, NEAR * highest
+
+
+def _check_sums(
+    trained: list[dict[str, Any]], tendons: list[dict[str, Any]], found: Similarity, passed: tuple[int, np.ndarray]
+) -> None:
+    """Tendons that pass a segment at one place pull there together; where none does, the tension is 0 N.
+
+    `passed` is the segment, and the sizes of its ends [-].
+    """
+    segment, sizes = passed
     for k, one in enumerate(trained):
         own = [each for each, which in zip(tendons, found.tendons, strict=True) if which == k]
         passing = [each for each in own if each["segment"] >= segment]
         least, most = (sum(each["tension"][end] for each in passing) for end in (0, 1))
-        lowest, highest = (end * found.modulus * found.size**2 for end in one["tension"])
-        slack = NEAR * highest
+        lowest, highest, slack = _trained(one["tension"], found.modulus, sizes)
         if not (lowest - slack <= least and most <= highest + slack):
             names = " and ".join(each["name"] for each in passing) or "no tendon"
             offset = [round(found.size * part, 9) for part in one["offset"]]
@@ -171,16 +187,15 @@ def _check_sums(trained: list[dict[str, Any]], tendons: list[dict[str, Any]], fo
             )
 
 
-def _tendon_of(trained: list[dict[str, Any]], one: dict[str, Any], size: float, modulus: float, segments: int) -> int:
-    """Which trained tendon a tendon is."""
-    name, force = f"tendons.{one['name']}", modulus * size**2
+def _tendon_of(trained: list[dict[str, Any]], one: dict[str, Any], sizes: np.ndarray, modulus: float) -> int:
+    """Which trained tendon a tendon is that passes sections of some sizes from the clamp on, shape (segments + 1,)."""
+    name, size, segments = f"tendons.{one['name']}", sizes[0], len(sizes) - 1
     if not 1 <= one["segment"] <= segments:
         raise ModelError(f"{name}.segment must be from 1 to {segments}, got {one['segment']}")
     for k, other in enumerate(trained):
         apart = np.abs(np.array(one["offset"]) - size * np.array(other["offset"])).max()
         if apart <= NEAR * size * np.abs(other["offset"]).max() and one["path"] == other["path"]:
-            lowest, highest = (end * force for end in other["tension"])
-            slack = NEAR * highest
+            lowest, highest, slack = _trained(other["tension"], modulus, sizes[: one["segment"] + 1])
             if not lowest - slack <= one["tension"][0] < one["tension"][1] <= highest + slack:
                 raise ModelError(
                     f"{name}.tension must lie in {lowest:.6g} to {highest:.6g} N, where the elements were trained, "

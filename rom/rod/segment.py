@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 
 from rom.brief import brief
 from rom.checked_file import ModelError
-from rom.elements.elements import Elements
-from rom.elements.law import POSE, ElementMap
+from rom.elements.elements import INTERIOR, Elements
+from rom.elements.law import POSE, ElementMap, on_tensions
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
+from rom.elements.taper import Prism, shear_compliance, tapered
 from rom.native import PickledByFields
 from rom.rod import native
 
@@ -35,6 +36,7 @@ class Segment(PickledByFields):
         trained: which trained tendon each of these is.
         offsets: of the tendons in channels from the axis along y and z, shape (t, 2) [m]; 0 of those without a channel.
         half_lengths: of the plate along its own axes, shape (3,) [m].
+        begins: size of the section where it begins over that of the plate's [-].
         length: from the clamp to the plate's centre at rest [m].
     """
 
@@ -45,6 +47,7 @@ class Segment(PickledByFields):
     offsets: np.ndarray
     half_lengths: np.ndarray
     length: float
+    begins: float = 1.0
 
     @property
     def tensions(self) -> int:
@@ -64,7 +67,8 @@ class Segment(PickledByFields):
         inputs[:, -6] = -pull, pull
         longer = sum(np.ptp(one.value(inputs)[:, 0]) for one in self.elements)
         rubber = self.length - self.half_lengths[0]
-        return float(2 * pull * rubber / (longer * 4 * self.half_lengths[1] * self.half_lengths[2]))
+        area = 4 * self.half_lengths[1] * self.half_lengths[2] * self.begins  # its inverse is the mean of all sections'
+        return float(2 * pull * rubber / (longer * area))
 
     @cached_property
     def poisson(self) -> float:
@@ -95,6 +99,7 @@ class Segment(PickledByFields):
         return native.Segment(
             elements=[poses[id(one)] for one in self.elements],
             half_lengths=self.half_lengths,
+            begins=self.begins,
             outlines=self.outlines,
             shortenings=[shortenings[id(one)] for one in self.elements],
             young_modulus=self.young_modulus,
@@ -130,22 +135,47 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         names: of the tensions that pass the segment.
         trained: which of the elements' tendons each of these is.
     """
-    laws = {one: elements.laws[one.kind].of_length(one.length).only(trained) for one in set(pieces)}
-    geometry, size = elements.scene["geometry"], elements.size
-    half = size * np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
+    scaled = {one: elements if one.size == 1 else elements.scaled(one.size, 1.0) for one in set(pieces)}
+    laws = {one: own.laws[one.kind].of_length(one.length).only(trained) for one, own in scaled.items()}
+    geometry = elements.scene["geometry"]
+    if any(one.ends[0] != one.ends[1] for one in pieces):
+        longest = elements.laws[INTERIOR].lengths[1]
+        shear = shear_compliance(elements.laws[INTERIOR].of_length(longest), longest)
+        prism = Prism(elements.size * geometry["side"], shear)
+        laws = {one: tapered(law, one, prism) for one, law in laws.items()}
+    end, begin = pieces[0].ends[0], pieces[-1].ends[1]
+    half = elements.size * end * np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
     outlines = {}
     for k, one in enumerate(pieces):
         if one not in outlines:
-            outlines[one] = native.outline_of(elements.outlines[one.kind], one, 0.0 if k else half[0])
+            outlines[one] = native.outline_of(scaled[one].outlines[one.kind], one, 0.0 if k else half[0])
+    if len({one.size for one in pieces}) > 1:
+        _in_one_box(laws, outlines)
     return Segment(
         elements=[laws[one] for one in pieces],
         outlines=[outlines[one] for one in pieces],
         names=names,
         trained=trained,
-        offsets=size * np.array([_offset(elements.scene["tendons"][k]) for k in trained]).reshape(-1, 2),
+        offsets=elements.size * end * np.array([_offset(elements.scene["tendons"][k]) for k in trained]).reshape(-1, 2),
         half_lengths=half,
+        begins=begin / end,
         length=sum(one.length for one in pieces),
     )
+
+
+def _in_one_box(laws: dict[Piece, ElementMap], outlines: dict[Piece, native.Outline]) -> None:
+    """Give elements of several sizes the tensions that all of them were trained with, in place."""
+    every = list(laws.values())
+    tensions = np.array(
+        [np.max([one.tensions[0] for one in every], axis=0), np.min([one.tensions[1] for one in every], axis=0)]
+    )
+    combinations = len(every[0].tension_map)
+    lower = np.max([one.polynomial.lower[:combinations] for one in every], axis=0)
+    upper = np.min([one.polynomial.upper[:combinations] for one in every], axis=0)
+    for piece, one in laws.items():
+        laws[piece] = one.on(tensions, lower, upper)
+        own = outlines[piece]
+        outlines[piece] = replace(own, polynomial=on_tensions(own.polynomial, lower, upper))
 
 
 def _offset(tendon: dict[str, Any]) -> list[float]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rom.brief import brief
 from rom.checked_file import ModelError
@@ -13,7 +14,9 @@ from rom.elements import rotation_vectors
 from rom.elements.elements import INTERIOR
 from rom.elements.law import POSE
 from rom.elements.outline import CORNERS
+from rom.elements.pieces import Piece
 from rom.rod.native import reports
+from rom.snapshots.geometry import size_at
 from rom.snapshots.grid import SHARE
 
 if TYPE_CHECKING:
@@ -26,9 +29,8 @@ class Placed:
     """An element where it is.
 
     Attributes:
-        kind: of it.
+        piece: its kind, length and sizes.
         at: position of its distal section along the finger at rest, or of its plate's centre [m].
-        length: from there to its proximal section at rest [m].
         half: of its plate, in which sections do not deform [m]; 0 of others.
         place: of the distal section in space, shape (3,) [m].
         rotation: of its frame, shape (3, 3) [-].
@@ -36,14 +38,18 @@ class Placed:
         inputs: the trained tensions, then the wrench that it transmits, shape (t + 6,) [N, N m].
     """
 
-    kind: str
+    piece: Piece
     at: float
-    length: float
     half: float
     place: np.ndarray
     rotation: np.ndarray
     proximal: tuple[np.ndarray, np.ndarray]
     inputs: np.ndarray
+
+    @property
+    def length(self) -> float:
+        """From there to its proximal section at rest [m]."""
+        return self.piece.length
 
 
 def placed(rod: Rod, tensions: np.ndarray, wrenches: np.ndarray) -> list[Placed]:
@@ -54,19 +60,19 @@ def placed(rod: Rod, tensions: np.ndarray, wrenches: np.ndarray) -> list[Placed]
         tensions: shape (t,) [N].
         wrenches: on the plates in their own frames, shape (plates, 6) [N, N m].
     """
-    at, half = 0.0, rod.half_lengths[0]
+    at = 0.0
     before, found = (np.zeros(3), np.eye(3)), list[Placed]()
     for k, sections in enumerate(reports.elements(rod.struct, tensions, wrenches)):
         segment, trained = rod.segments[k], np.zeros(rod.elements.tensions)
+        half = segment.half_lengths[0]
         np.add.at(trained, segment.trained, [tensions[rod.names.index(name)] for name in segment.names])
         whole = list(zip(rod.pieces[k], *sections, strict=True))
-        for (kind, length), place, rotation, wrench in whole[::-1]:
-            at += length
+        for piece, place, rotation, wrench in whole[::-1]:
+            at += piece.length
             found.append(
                 Placed(
-                    kind=kind,
+                    piece=piece,
                     at=at,
-                    length=length,
                     half=half if wrench is whole[0][-1] else 0.0,
                     place=place,
                     rotation=rotation,
@@ -93,8 +99,8 @@ def displacements(rod: Rod, elements: list[Placed], points: np.ndarray) -> np.nd
     Raises:
         ModelError: a point that is none of the finger.
     """
-    half, length = rod.half_lengths[1], sum(rod.scene["geometry"]["segments"])
-    if points.ndim != 2 or points.shape[1] != 3 or _outside(points, length, half):
+    length = sum(rod.scene["geometry"]["segments"])
+    if points.ndim != 2 or points.shape[1] != 3 or _outside(points, length, half_at(rod, points[:, 0])):
         raise ModelError(f"points must lie in the finger at rest, shape (points, 3), got {points.tolist()[:1]}")
     found = np.empty_like(points)
     for x in np.unique(points[:, 0]):
@@ -102,7 +108,7 @@ def displacements(rod: Rod, elements: list[Placed], points: np.ndarray) -> np.nd
         if one.half and one.at - x <= one.half:
             seen = points[own] - [one.at, 0.0, 0.0]
         else:
-            shares = np.prod(1 + CORNERS * points[own, None, 1:] / half, axis=2) / 4
+            shares = np.prod(1 + CORNERS * points[own, None, 1:] / half_at(rod, x), axis=2) / 4
             seen = shares @ _corners(rod, one, one.at - x)
         found[own] = one.place + seen @ one.rotation.T
     return found - points
@@ -133,7 +139,7 @@ def sections(rod: Rod, elements: list[Placed], at: np.ndarray) -> Sections:
         ModelError: a position that is none of the finger.
     """
     length = sum(rod.scene["geometry"]["segments"])
-    if at.ndim != 1 or _outside(at[:, None], length):
+    if at.ndim != 1 or _outside(at[:, None], length, 0.0):
         raise ModelError(f"at must lie between clamp and tip, 0 to {length:g} m, got {at.tolist()[:1]}")
     centres, turned = np.empty((len(at), 3)), np.empty((len(at), 3, 3))
     for k, x in enumerate(at):
@@ -165,7 +171,7 @@ def _seen(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarra
 
 def _estimate(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarray]:
     """A section's pose as if its element were an interior one; by its corners where there is none of that length."""
-    law, length = rod.own.laws.get(INTERIOR), distance - one.half
+    law, length = rod.sized[one.piece.size].laws.get(INTERIOR), distance - one.half
     if law is None or one.length - one.half > law.lengths[1] * (1 + SHARE):
         return _fit(rod, one, distance)
     face, inputs = np.array([-one.half, 0.0, 0.0]), one.inputs.copy()
@@ -185,13 +191,28 @@ def _fit(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarray
 
 def _corners(rod: Rod, one: Placed, distance: float) -> np.ndarray:
     """Corners of a section at a distance from its element's distal section [m], seen from that; shape (4, 3) [m]."""
-    return rod.own.outlines[one.kind].corners(one.inputs[None], distance)[0]
+    law = replace(rod.sized[one.piece.size].outlines[one.piece.kind], half=float(half_at(rod, one.at - distance)))
+    return law.corners(one.inputs[None], distance)[0]
 
 
-def _outside(points: np.ndarray, length: float, half: float = 0.0) -> bool:
+def half_at(rod: Rod, x: ArrayLike) -> np.ndarray:
+    """Half the side of the sections at x along the finger at rest [m]."""
+    geometry = rod.scene["geometry"]
+    return geometry["side"] / 2 * size_at(geometry, np.asarray(x))
+
+
+def edges(rod: Rod) -> np.ndarray:
+    """Points of the long edges at rest, every half side of the clamp's section, shape (points, 3) [m]."""
+    length, side = sum(rod.scene["geometry"]["segments"]), rod.scene["geometry"]["side"]
+    along = np.linspace(0.0, length, round(2 * length / side) + 1)
+    corners = half_at(rod, along)[:, None, None] * CORNERS
+    return np.concatenate([np.repeat(along, len(CORNERS))[:, None], corners.reshape(-1, 2)], axis=1)
+
+
+def _outside(points: np.ndarray, length: float, half: ArrayLike) -> bool:
     """Whether some points or positions at rest, shape (n, 3) or (n, 1) [m], are none of the finger's."""
-    box = np.array([length / 2, half, half])[: points.shape[1]]
-    return not (np.abs(points - [length / 2, 0.0, 0.0][: points.shape[1]]) <= box * (1 + SHARE)).all()
+    along, across = np.abs(points[:, 0] - length / 2) * 2 / length, np.abs(points[:, 1:]).max(axis=1, initial=0.0)
+    return not ((along <= 1 + SHARE) & (across <= np.asarray(half) * (1 + SHARE))).all()
 
 
 def _at(elements: list[Placed], x: float) -> Placed:

@@ -26,7 +26,7 @@ class Body:
         nodes: sorted by x, then y, then z, shape (nodes, 3) [m].
         sections: cross-sections, the mesh's element boundaries along x, shape (sections,) [m].
         plates: where every segment's plate begins and ends along x, shape (segments, 2) [m].
-        half_lengths: of a plate along its own axes, shape (3,) [m].
+        half_lengths: of the tip plate along its own axes, shape (3,) [m].
         is_half: whether only the half z >= 0 is modelled, the other being its mirror image.
     """
 

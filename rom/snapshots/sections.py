@@ -62,8 +62,9 @@ class CrossSections:
         self.positions = layers[::order]
         self._shape, self._order, self._is_half = (len(layers), len(plane), 3), order, is_half
         self._weights = line_weights(y, order)[at_y] * line_weights(z, order)[at_z]
-        middle = self._mean(plane) * [0, 1, 1]
-        self._arms = (plane - middle) * [0, 1, 1]
+        across = self._on_sections(nodes) * [0, 1, 1]
+        middle = self._mean(across)
+        self._arms = across - middle[:, None]
         self._weighted_arms = self._weights[:, None] * self._arms
         self._centres = self.positions[:, None] * [1, 0, 0] + middle
         self._inertia = self._moment(self._arms)
@@ -103,7 +104,7 @@ class CrossSections:
         rotation, stretch = rigid_motion.nearest_rotations(self._inertia + self._moment(moved))
         turn = rigid_motion.turns(rotation, stretch, self._moment(change))
         quaternion = rigid_motion.quaternions(rotation)
-        arms = self._arms[self._corners]
+        arms = self._arms[:, self._corners]
         corners = (arms + moved[:, self._corners] - shift[:, None]) @ rotation  # rows R^T (x - c)
         corner_change = (change[:, :, self._corners] - shift_change[:, :, None]) @ rotation
         corner_change -= np.cross(turn[:, :, None], corners)

@@ -56,9 +56,20 @@ def test_a_softer_and_larger_finger_is_the_bundled_one_at_its_scale(tmp_path):
     np.testing.assert_allclose(large.centres, 2 * small.centres, rtol=1e-9)
 
 
+def test_a_tapered_finger_is_assembled_and_holds_a_force(tmp_path):
+    file, taper = tmp_path / "tapered.h5", ("plate = 0.001 ", "taper = [0.7]\nplate = 0.001 ")
+    done = ran("rom", "assemble", scene(tmp_path, taper, ("[0.0, 100.0]", "[0.0, 49.0]")), "rom/finger.h5", "-o", file)
+    assert done.returncode == 0, done.stderr
+    assert Rod.load(file).scene["geometry"]["taper"] == [0.7]
+    assert Rod.load(file).half_lengths == pytest.approx([0.00035, 0.0035, 0.0035])
+    held = ran("control", "hold", file, "--distance", "0.01", "--contact-force", "0.05", "--json")
+    assert json.loads(held.stdout)["status"] == "converged"
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
+        ([("plate = 0.001 ", "taper = [0.7]\nplate = 0.001 ")], "F1.tension must lie in 0 to 49 N, where the elements"),
         ([("segments = [0.050]", "segments = [0.015]")], "geometry.segments.0: segment must be at least 0.02"),
         ([("side = 0.010", "side = 0.0")], "geometry.side must be finite and above 0 m, got 0.0"),
         ([TWO[0]], "tendons must pass all segments, one at least of segment 2, got 1"),

@@ -73,7 +73,7 @@ def test_the_model_file_holds_its_elements_origin_and_accuracy(report, demo):
     finger = Rod.load(demo / "finger.h5")
     assert finger.scene["mesh"]["cells"] == report["meshes"]["fine"]["cells"]
     assert finger.elements.provenance["states"] == 60
-    assert [kind for kind, _ in reversed(finger.pieces[0])] == report["elements"]
+    assert [piece.kind for piece in reversed(finger.pieces[0])] == report["elements"]
     assert finger.accuracy["contact_force"] == report["errors"]["contact_force"]
 
 

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from rom.brief import brief
 from rom.file_kinds import uses_of
+from rom.snapshots.geometry import tip_at_rest
 from rom.snapshots.rigid_motion import motions, rotations
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
@@ -89,8 +90,7 @@ class SectionStates:
     @property
     def length(self) -> float:
         """From the clamp to the plate's centre at rest [m]."""
-        geometry = self.scene["geometry"]
-        return float(sum(geometry["segments"]) - geometry["plate"] / 2)
+        return float(tip_at_rest(self.scene["geometry"])[0])
 
     def body(self, k: int) -> Bodies:
         """Cross-section k; the plate if k is their number."""

@@ -44,6 +44,7 @@ class Segment:
             vector of that rotation [-], 6 values. Elements that share a law are one and the same object; all have one
             map of the tensions to what their polynomials are of.
         half_lengths: of the plate along its own axes, shape (3,) [m].
+        begins: size of the section where the segment begins over that of the plate's [-].
         young_modulus: of the rubber [Pa]; 0 where nothing is known of it.
         poisson: Poisson's ratio of the rubber [-].
         ridges: height of the ridge above each tendon, over its tension and the curvature, for faces across y and
@@ -56,6 +57,7 @@ class Segment:
 
     elements: Sequence[ElementMap]
     half_lengths: np.ndarray
+    begins: float = 1.0
     young_modulus: float = 0.0
     poisson: float = 0.0
     ridges: np.ndarray | None = None
@@ -107,7 +109,7 @@ def struct(segment: Segment) -> Any:
         known = places_between(stations, lengths)
         slices = known["places"] - 1
         pitch = np.ptp(stations) / slices
-        known |= indentations(segment.young_modulus, segment.half_lengths[1], pitch, slices)
+        known |= indentations(segment.young_modulus, segment.half_lengths[1] * (1 + segment.begins) / 2, pitch, slices)
         known["outline"] = SEGMENT.pointers("fingerfem_outline", corners_of)
     if segment.shortenings is not None:
         sixes = [six for k in first for six in in_sixes(segment.shortenings[k])]
@@ -134,7 +136,9 @@ def struct(segment: Segment) -> Any:
         law_of=law_of,
         **known,
         half_lengths=segment.half_lengths.tolist(),
+        young_modulus=segment.young_modulus,
         poisson=segment.poisson,
+        begins=segment.begins,
         ridges=np.zeros((t, 2)) if segment.ridges is None else segment.ridges,
         corner_monomials=len(bent),
         corner_coefficients=bent,

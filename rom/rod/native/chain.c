@@ -121,13 +121,13 @@ static void turned_back(const double *rotation, const double *v, double *out)
 static void locate(const chain_rods *map, int b, chain_body *body)
 {
     const chain_place *own = map->bodies + b;
-    const fingerfem_segment *segment = map->chain->segments[own->segment];
+    const fingerfem_segment *const *segment = map->chain->segments + own->segment;
     for (int i = 0; i < 3; i++) {
         const double *p = body->end.place, *Q = body->end.rotation + i; /* of that end, seen from the body */
         body->arm[i] = -(Q[0] * p[0] + Q[3] * p[1] + Q[6] * p[2]);
         for (int j = 0; j < 3; j++) body->relative[3 * i + j] = Q[3 * j];
     }
-    if (own->segment && own->part.last == segment->elements) body->arm[0] += segment->half_lengths[0];
+    if (own->segment && own->part.last == segment[0]->elements) body->arm[0] += segment[-1]->half_lengths[0];
 }
 
 /* The first body that moves: the ground does not. */

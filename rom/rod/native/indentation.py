@@ -32,7 +32,7 @@ FIRM = 1e-2  # extra compliance of a line over its own, for the forces of a face
 
 
 def indentations(young_modulus: float, half: float, pitch: float, count: int) -> dict[str, Any]:
-    """Compliances of slices of rubber and its bending stiffness, as values of a struct fingerfem_segment.
+    """Compliances of slices of rubber, as values of a struct fingerfem_segment.
 
     Args:
         young_modulus: of the rubber [Pa]; 0 where nothing is known of it.
@@ -46,7 +46,6 @@ def indentations(young_modulus: float, half: float, pitch: float, count: int) ->
     unit = 1 / (young_modulus * half)
     own = max(np.log(DEPTH * half / pitch) + 1.5, 0.5)
     return {
-        "bending_stiffness": young_modulus * (2 * half) ** 4 / 12,
         "face_compliance": 1 / (FACE * young_modulus * pitch),
         "edge_compliance": 1 / (EDGE * young_modulus * pitch),
         "line_compliance": (1 + FIRM) * ROW * own * unit,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,8 +45,11 @@ def outline_of(law: OutlineLaw, piece: Piece, begins: float) -> Outline:
     """
     length = piece.length - begins
     count = max(int(np.ceil(length / (2 * law.half * (STEP if piece.kind == INTERIOR else END_STEP)))), 1)
-    distances = begins + length * (1 - (np.arange(count) + 0.5) / count)
-    polynomial = Polynomial.together([law.at(float(distance)) for distance in distances])
+    shares = 1 - (np.arange(count) + 0.5) / count  # of the way from the distal end
+    distances, (distal, proximal) = begins + length * shares, piece.ends
+    sizes = (distal + (proximal - distal) * shares) / piece.size
+    stations = [(replace(law, half=law.half * own), at) for own, at in zip(sizes, distances, strict=True)]
+    polynomial = Polynomial.together([one.at(float(distance)) for one, distance in stations])
     return Outline(polynomial=polynomial, distances=distances, length=piece.length)
 
 

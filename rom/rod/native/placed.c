@@ -1,5 +1,6 @@
 #include <math.h>
 #include "contact.h"
+#include "rubber.h"
 #include "slices.h"
 
 #define MARCHES 60    /* towards the touch distance */
@@ -157,7 +158,7 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
             if (contact_is_there(problem, j)) find(problem, j, d + problem->ahead[j], plate, at);
     at->slices = 0;
     at->d = d;
-    if (rubber) all_slices(problem, d, SLICE_NEAR * problem->touching->chain->segments[0]->half_lengths[1], at);
+    if (rubber) all_slices(problem, d, SLICE_NEAR * rubber_half(problem->touching->chain), at);
     for (int k = 0; k < at->slices; k++)
         for (int end = 0; end < SLICE_ENDS; end++) {
             int segment, element;

@@ -142,15 +142,14 @@ static double deflection(double length, double phi, double stiffness, double a, 
 }
 
 /* The same between two contacts, across the finger; 0 if they are not on one element. */
-static double element_compliance(const contact_problem *problem, const placed *at, int k, int other)
+static double element_compliance(const placed *at, int k, int other)
 {
     const objects_contacts *contacts = &at->contacts;
     const rubber_slice *own = placed_slice_of(at, k), *its = placed_slice_of(at, other);
     if (!own || !its || own->segment != its->segment || own->element != its->element) return 0.0;
     const double *n = contacts->wrenches[k], *m = contacts->wrenches[other];
     const double a = own->share + contacts->points[k][0] / own->length, b = its->share + contacts->points[other][0] / its->length;
-    const double stiffness = problem->touching->chain->segments[own->segment]->bending_stiffness;
-    return (n[1] * m[1] + n[2] * m[2]) * deflection(own->length, own->slender, stiffness, a, b);
+    return (n[1] * m[1] + n[2] * m[2]) * deflection(own->length, own->slender, own->stiffness, a, b);
 }
 
 /* Between two slices: the components of both normals that press on the same face count by that face's compliance, those on
@@ -161,11 +160,11 @@ double response_compliance(const contact_problem *problem, const placed *at, int
     const int segment = contacts->segments[k], away = abs(contacts->plates[k] - contacts->plates[other]);
     const double *n = contacts->wrenches[k], *m = contacts->wrenches[other];
     double sum = 0.0;
-    if (k == other) return contacts->compliance[k] + element_compliance(problem, at, k, k);
+    if (k == other) return contacts->compliance[k] + element_compliance(at, k, k);
     if (segment < 0 || segment != contacts->segments[other] || contacts->compliance[k] == OBJECTS_COMPLIANCE) return 0.0;
     const fingerfem_segment *own = problem->touching->chain->segments[segment];
     for (int i = 1; i < 3; i++) sum += n[i] * m[i] > 0.0 ? n[i] * m[i] * own->row_compliance[away] : -n[i] * m[i] * own->opposite_compliance[away];
-    return sum + element_compliance(problem, at, k, other);
+    return sum + element_compliance(at, k, other);
 }
 
 double response_indentation(const contact_problem *problem, const placed *at, const double *forces, int k)

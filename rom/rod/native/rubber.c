@@ -35,11 +35,20 @@ void rubber_in_space(const double *centre, const double *rotation, int count, do
 
 int rubber_stations(const fingerfem_segment *segment, int element) { return outline_of(segment, element)->stations; }
 
-void rubber_flat(const fingerfem_segment *segment, double along, const double *place, const double *rotation, double *corners)
+double rubber_half(const fingerfem_chain *chain)
 {
-    const double *half = segment->half_lengths;
+    double found = 0.0;
+    for (int k = 0; k < chain->plates; k++)
+        found = fmax(found, fmax(1.0, chain->segments[k]->begins) * chain->segments[k]->half_lengths[1]);
+    return found;
+}
+
+void rubber_flat(const fingerfem_segment *segment, double size, double along, const double *place, const double *rotation,
+                 double *corners)
+{
+    const double y = size * segment->half_lengths[1], z = size * segment->half_lengths[2];
     for (int edge = 0; edge < EDGES; edge++) {
-        const double corner[3] = {along, edge & 2 ? half[1] : -half[1], edge & 1 ? half[2] : -half[2]};
+        const double corner[3] = {along, edge & 2 ? y : -y, edge & 1 ? z : -z};
         memcpy(corners + 3 * edge, corner, sizeof corner);
     }
     rubber_in_space(place, rotation, EDGES, corners);
@@ -65,13 +74,13 @@ double *rubber_points(const rod_state *rod, const rod_end *clamp, int free)
     static const double origin[3] = {0.0}, upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     const fingerfem_segment *segment = rod->segment;
     double *points = rod->work, *own = points + OUTLINE_STATION * (segment->stations - 1);
-    rubber_flat(segment, -segment->half_lengths[0], origin, upright, own);
+    rubber_flat(segment, 1.0, -segment->half_lengths[0], origin, upright, own);
     for (int k = 0; k < segment->elements; k++) {
         own -= OUTLINE_STATION * rubber_stations(segment, k);
         rubber_corners(rod, k, free, own);
         rubber_in_space(rod->elements[k].place, rod->elements[k].rotation, EDGES * rubber_stations(segment, k), own); /* here the plate's */
     }
-    rubber_flat(segment, 0.0, clamp->place, clamp->rotation, points);
+    rubber_flat(segment, segment->begins, 0.0, clamp->place, clamp->rotation, points);
     return points;
 }
 
@@ -220,8 +229,7 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
 /* How far the surface may be from what is sampled of it before an object [m]. */
 static double margin_of(const contact_problem *problem, int j)
 {
-    const double half = problem->touching->chain->segments[0]->half_lengths[1];
-    return (contact_object(problem, j)->shape == FINGERFEM_PLANE ? BULGING : BETWEEN) * half;
+    return (contact_object(problem, j)->shape == FINGERFEM_PLANE ? BULGING : BETWEEN) * rubber_half(problem->touching->chain);
 }
 
 /* Whether no point of a section comes as near as a margin at d or beyond: the distance from a convex body is convex, and nowhere

@@ -21,10 +21,14 @@ double rubber_reach(const contact_problem *problem, int j, placed *free, double 
  * last, by `rod_under` or, if `free`, by `rod_free`; they lie in the rod's work. */
 double *rubber_points(const rod_state *rod, const rod_end *clamp, int free);
 
-/* Parts of that: how many stations an element has; the corners of a section without warping, `along` its x axis from a place,
- * and those of an element's stations, seen from its distal section. */
+/* Half the side of a chain's largest section [m]. */
+double rubber_half(const fingerfem_chain *chain);
+
+/* Parts of that: how many stations an element has; the corners of a section without warping, `size` times as large as the
+ * plate's, `along` its x axis from a place, and those of an element's stations, seen from its distal section. */
 int rubber_stations(const fingerfem_segment *segment, int element);
-void rubber_flat(const fingerfem_segment *segment, double along, const double *place, const double *rotation, double *corners);
+void rubber_flat(const fingerfem_segment *segment, double size, double along, const double *place, const double *rotation,
+                 double *corners);
 void rubber_corners(const rod_state *rod, int element, int free, double *corners);
 
 /* Corners of an element's stations where it is pressed, from the monomials of the tensions, or, from their derivatives by one, how

@@ -103,9 +103,10 @@ typedef struct {
     const double *place_shares;          /* (places - 1): where its middle is, from the element's end, 0, to its begin, 1 */
     const double *element_lengths;       /* (elements): at rest [m] */
     double half_lengths[3];              /* of the plate along its own axes [m] */
+    double begins;                       /* size of the section where the segment begins over that of the plate's [-] */
     double face_compliance, edge_compliance, line_compliance; /* of a slice: of a face's point, of an edge, and of the line across a face; 0: rigid [m/N] */
     const double *row_compliance, *opposite_compliance;         /* (places - 1): how far a unit force on a slice lowers the same face, and the opposite one, so many slices away [m/N] */
-    double bending_stiffness, poisson;   /* of the rubber: E I [N m^2]; Poisson's ratio [-] */
+    double young_modulus, poisson;       /* of the rubber [Pa], [-] */
     const double *ridges;                /* (tensions, 2): height of the ridge above each tendon, over its tension and the curvature, for
                                             faces across y and across z; negative for the faces at -y and -z [1/Pa] */
     int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */

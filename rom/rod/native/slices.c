@@ -24,14 +24,15 @@ void slices_section(const chain_rods *map, const chain_state *state, int q, int 
     }
     const chain_body *before = q ? state->bodies + chain_plate_of(map, q - 1) : NULL;
     memcpy(rotation, before ? before->rotation : upright, sizeof upright);
-    for (int i = 0; i < 3; i++) place[i] = before ? before->centre[i] + before->rotation[3 * i] * segment->half_lengths[0] : 0.0;
+    for (int i = 0; i < 3; i++)
+        place[i] = before ? before->centre[i] + before->rotation[3 * i] * map->chain->segments[q - 1]->half_lengths[0] : 0.0;
 }
 
 int slices_near(const chain_rods *map, const chain_state *state, int q, const fingerfem_object *object, double d, double near,
                 unsigned char *found)
 {
     const fingerfem_segment *segment = map->chain->segments[q];
-    const double across = 1.6 * fmax(segment->half_lengths[1], segment->half_lengths[2]); /* of a square that bulges */
+    const double across = 1.6 * fmax(1.0, segment->begins) * segment->half_lengths[1]; /* of a square that bulges */
     double begin[3], end[3], middle[3], normal[3], rotation[9];
     int any = 0;
     memset(found, 0, (size_t)segment->elements + 2);
@@ -59,7 +60,7 @@ const double *slices_corners(const chain_rods *map, const chain_state *state, in
     const fingerfem_segment *segment = map->chain->segments[q];
     double *points = map->rods[q].work, *own = points + OUTLINE_STATION * (segment->stations - 1), place[3], rotation[9];
     slices_section(map, state, q, 0, place, rotation);
-    rubber_flat(segment, -segment->half_lengths[0], place, rotation, own);
+    rubber_flat(segment, 1.0, -segment->half_lengths[0], place, rotation, own);
     for (int e = 0; e < segment->elements; e++) {
         own -= OUTLINE_STATION * rubber_stations(segment, e);
         if (!near[e]) continue;
@@ -68,7 +69,7 @@ const double *slices_corners(const chain_rods *map, const chain_state *state, in
         rubber_in_space(place, rotation, OUTLINE_CORNERS * rubber_stations(segment, e), own);
     }
     slices_section(map, state, q, segment->elements, place, rotation);
-    rubber_flat(segment, 0.0, place, rotation, points);
+    rubber_flat(segment, segment->begins, 0.0, place, rotation, points);
     return points;
 }
 
@@ -192,7 +193,9 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, const d
     found->share = segment->place_shares[place];
     found->length = segment->element_lengths[found->element];
     found->bulging = segment->poisson / found->length;
-    found->slender = SLENDER * (2.0 * segment->half_lengths[1] / found->length) * (2.0 * segment->half_lengths[1] / found->length);
+    const double side = 2.0 * segment->half_lengths[1] * (segment->begins + (1.0 - segment->begins) * (place + 0.5) / (segment->places - 1));
+    found->slender = SLENDER * (side / found->length) * (side / found->length);
+    found->stiffness = segment->young_modulus * side * side * side * side / 12.0;
     for (int end = 0; end < SLICE_ENDS; end++) slices_section(map, state, q, found->element + end, found->ends[end], rotation);
 }
 

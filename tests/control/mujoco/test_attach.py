@@ -120,3 +120,11 @@ def test_a_compiler_that_changes_the_finger_is_refused(rod, compiler, wrong):
     finger = attach(spec, rod, "palm")
     with pytest.raises(ValueError, match=f"{wrong}.*compile it without fusestatic, discardvisual, settotalmass"):
         Simulation(spec.compile(), [finger])
+
+
+def test_a_tapered_finger_is_refused():
+    rod = TouchedSegment.load().rod
+    geometry = rod.scene["geometry"] | {"taper": [0.8]}
+    tendons = [tendon | {"tension": [0.0, 60.0]} for tendon in rod.scene["tendons"]]
+    with pytest.raises(ValueError, match="rod must be a finger without taper"):
+        attach(mujoco.MjSpec(), rod.assembled(rod.scene | {"geometry": geometry, "tendons": tendons}), "world")

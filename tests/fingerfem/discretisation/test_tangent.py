@@ -21,6 +21,8 @@ SPECIALS = {
     "mixed, order 2": {"mesh": {"cells": [7, 5], "order": 2}, "material": STIFF},
     "half": {"in_plane": True},
     "straight tendons": {"path": "straight"},
+    "tapered": {"mesh": {"cells": [14, 5]}, "taper": [0.7]},
+    "tapered, mixed, order 2": {"mesh": {"cells": [10, 5], "order": 2}, "material": STIFF, "taper": [0.7]},
 }
 
 
@@ -31,6 +33,8 @@ def changed(table: dict, special: dict) -> dict:
         table["material"] = special["material"]
     if "path" in special:
         table["tendons"] = [one | {"path": special["path"]} for one in table["tendons"]]
+    if "taper" in special:
+        table["geometry"] |= {"taper": special["taper"]}
     if "in_plane" in special:
         table["tendons"] = [one | {"offset": [0.004, 0.0]} for one in table["tendons"][:1]]
     return table
@@ -48,7 +52,9 @@ def term_by_term(model: FingerModel) -> scipy.sparse.csr_matrix:
     terms = [
         *volume_energies.by_region(volume_energies.rubber_terms(scene.law, number, degree)),
         volume_energies.Term(strain_energy.energy(plate_law(scene.law), number), regions.PLATES, degree),
-        volume_energies.Term(tendons.channelled(problem.fields.tension_density), regions.CHANNELS, degree),
+        volume_energies.Term(
+            tendons.channelled(problem.fields.tension_density, problem.fields.size), regions.CHANNELS, degree
+        ),
     ]
     if scene.tendons[0].path == "straight":
         terms.pop()

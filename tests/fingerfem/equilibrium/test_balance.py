@@ -33,7 +33,9 @@ def resultants(model: FingerModel) -> tuple[np.ndarray, np.ndarray]:
     terms = [
         *volume_energies.rubber_terms(law, number, degree),
         volume_energies.Term(strain_energy.energy(plate_law(law), number), regions.PLATES, degree),
-        volume_energies.Term(tendons.channelled(problem.fields.tension_density), regions.CHANNELS, degree),
+        volume_energies.Term(
+            tendons.channelled(problem.fields.tension_density, problem.fields.size), regions.CHANNELS, degree
+        ),
     ]
     forms = [
         form_cache.form(
@@ -53,9 +55,9 @@ def resultants(model: FingerModel) -> tuple[np.ndarray, np.ndarray]:
     return lines[1:], forces
 
 
-@pytest.mark.parametrize("name", LAWS)
-def test_every_sections_force_is_what_presses_beyond_it(table, name):
-    table["tendons"], table["mesh"]["cells"] = table["tendons"][:1], [12, 5]
+@pytest.mark.parametrize(("name", "taper"), [*((name, 1.0) for name in LAWS), ("compressible", 0.8)])
+def test_every_sections_force_is_what_presses_beyond_it(table, name, taper):
+    table["tendons"], table["mesh"]["cells"], table["geometry"]["taper"] = table["tendons"][:1], [12, 5], [taper]
     if LAWS[name] is not None:
         table["material"] = LAWS[name]
     table["mesh"]["symmetry"] = False

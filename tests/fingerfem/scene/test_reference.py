@@ -44,6 +44,7 @@ KINDS: dict[str, dict[str, Any]] = {
 # Of keys that may be added: the kind of scene they are added to, if not the smallest, and a value.
 ADDED: dict[str, tuple[str, Any]] = {
     "geometry.channel": ("smallest", 0.002),
+    "geometry.taper": ("smallest", [0.9]),
     "material.formulation": ("smallest", "mixed"),
     "tendons.path": ("smallest", "straight"),
     "obstacle.shape": ("plane", "plane"),

@@ -66,10 +66,13 @@ def solved(of: Scene, tensions: list[float], comm: MPI.Comm = MPI.COMM_SELF) -> 
     return Pressed(finger, np.array(tensions), wrenches, record.displacements[0], stored)
 
 
-@pytest.fixture(scope="module", params=[*ONE, "two segments"])
+@pytest.fixture(scope="module", params=[*ONE, "two segments", "tapered"])
 def pressed(request) -> Pressed:
     if request.param == "two segments":
         return solved(scene("two_segments.toml", [9, 8], 1), [15.0, 10.0])
+    if request.param == "tapered":
+        geometry = {"side": 0.010, "segments": [0.050], "plate": 0.001, "taper": [0.7]}
+        return solved(scene("pressed.toml", [14, 5], 1, geometry=geometry), [20.0, 12.0])
     return solved(scene("pressed.toml", *ONE[request.param]), [40.0, 25.0])
 
 
@@ -80,7 +83,7 @@ def inner_forces(problem: Problem) -> tuple[fem.Form, fem.Function]:
     terms = [
         *rubber_terms(problem.law, number, degree),
         Term(strain_energy.energy(plate_law(problem.law), number), regions.PLATES, degree),
-        Term(tendons.channelled(problem.fields.tension_density), regions.CHANNELS, degree),
+        Term(tendons.channelled(problem.fields.tension_density, problem.fields.size), regions.CHANNELS, degree),
     ]
     marked = [
         (lambda C, energy=term.energy: indicator * energy(C), volume_measure(mesh, degree)(term.regions))

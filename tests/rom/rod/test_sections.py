@@ -42,7 +42,7 @@ def test_sections_in_plates_are_rigid_and_the_first_is_the_clamp():
 def test_sections_are_where_the_law_of_an_interior_element_has_them():
     own = TouchedSegment.load().rod
     tensions, wrench = np.array([20.0, 6.0]), np.array([[0.0, -1.0, 0.0, 0.0, 0.0, 0.0]])
-    interior = [one for one in shape.placed(own, tensions, wrench) if one.kind == "interior"]
+    interior = [one for one in shape.placed(own, tensions, wrench) if one.piece.kind == "interior"]
     assert len(interior) > 1
     for one in interior:
         for distance in np.linspace(0.0, one.length, 4):

@@ -1,0 +1,38 @@
+"""The sections of a finger at rest, by the geometry of its scene as plain data: a tapered one has several sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+def sizes_of(geometry: Mapping[str, Any]) -> np.ndarray:
+    """Sizes of the segments' sections from the clamp to every plate, shape (segments + 1,), over the clamp's [-]."""
+    return np.cumprod([1.0, *(geometry.get("taper") or [1.0] * len(geometry["segments"]))])
+
+
+def plates_of(geometry: Mapping[str, Any]) -> np.ndarray:
+    """Where every segment's plate begins and ends along the finger, shape (segments, 2) [m]."""
+    ends = np.cumsum(geometry["segments"])
+    return np.column_stack([ends - geometry["plate"] * sizes_of(geometry)[1:], ends])
+
+
+def steepest(geometry: Mapping[str, Any]) -> float:
+    """Largest change of the side per length of rubber [-]."""
+    sizes, plates = sizes_of(geometry), plates_of(geometry)
+    rubber = plates[:, 0] - np.append(0.0, plates[:-1, 1])
+    return float(geometry["side"] * np.max(np.abs(np.diff(sizes)) / rubber))
+
+
+def size_at(geometry: Mapping[str, Any], x: ArrayLike) -> np.ndarray:
+    """Size of the sections at x along the finger [m] over the clamp's [-]: linear along rubber, constant in plates."""
+    sizes = np.append(1.0, np.repeat(sizes_of(geometry)[1:], 2))
+    return np.interp(np.asarray(x, float), np.append(0.0, plates_of(geometry)), sizes)
+
+
+def tip_at_rest(geometry: Mapping[str, Any]) -> np.ndarray:
+    """The tip plate's centre in the undeformed finger, shape (3,) [m]."""
+    return np.array([plates_of(geometry)[-1].mean(), 0.0, 0.0])

@@ -1,0 +1,1 @@
+"""Tapered fingers of prismatic elements against the full-order model: docs/tapered.md."""

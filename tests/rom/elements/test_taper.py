@@ -1,0 +1,183 @@
+"""Tapered rods of scaled prismatic elements against an elastic rod of changing section, solved without elements."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from rom.checked_file import ModelError
+from rom.elements import taper as tapers
+from rom.elements.elements import INTERIOR
+from rom.elements.march import march
+from rom.elements.pieces import Piece
+from rom.elements.polynomial import Polynomial
+from rom.elements.taper import Prism, Rubber, tapered_pieces
+from rom.snapshots.geometry import size_at
+from tests.rom.elements import elastic_rod as rod
+
+TENSIONS, WRENCH = np.array([8.0, 5.0]), np.array([0.05, -0.1, 0.08, 1e-3, -2e-3, 2e-3])
+
+
+def tapered(*ratios: float, share: float = 1.0) -> dict:
+    """A scene of the elastic rod with a segment for each ratio, tensions to a share of the trained ones."""
+    scene = rod.in_series(*[rod.LENGTH] * len(ratios))
+    tendons = [tendon | {"tension": [0.0, share * rod.MOST_TENSION]} for tendon in scene["tendons"]]
+    return scene | {"geometry": scene["geometry"] | {"taper": list(ratios)}, "tendons": tendons}
+
+
+def plate(tensions: np.ndarray, wrench: np.ndarray, taper: float) -> tuple[np.ndarray, np.ndarray]:
+    """Centre and rotation of the elastic rod's plate: stiffnesses go with the sections' squares and fourth powers."""
+    rubber, axis = rod.LENGTH - taper * rod.PLATE, np.array([1.0, 0.0, 0.0])
+    bent = tensions @ np.cross(np.insert(rod.TWO, 0, 0.0, axis=1), -axis)
+    stiff = np.array([rod.TORSION, rod.BENDING, rod.BENDING])
+
+    def slope(u: float, state: np.ndarray) -> np.ndarray:
+        place, turned = state[:3], state[3:].reshape(3, 3)
+        size = taper + (1 - taper) * u / rubber
+        strain = (turned.T @ wrench[:3] - tensions.sum() * axis)[0] / (rod.AXIAL * size**2)
+        curved = (turned.T @ (wrench[3:] - np.cross(place, wrench[:3])) + size * bent) / (stiff * size**4)
+        spin = np.cross(curved, np.eye(3)).T
+        return np.concatenate([-(1 + strain) * turned[:, 0], (-turned @ spin).ravel()])
+
+    begin = np.concatenate([[-taper * rod.PLATE / 2, 0.0, 0.0], np.eye(3).ravel()])
+    end = solve_ivp(slope, (0.0, rubber), begin, rtol=1e-10, atol=1e-12).y[:, -1]
+    turned = end[3:].reshape(3, 3)
+    return -turned.T @ end[:3], turned.T
+
+
+def test_a_polynomial_on_a_smaller_box_is_the_same():
+    random = np.random.default_rng(0)
+    powers = np.array([[a, b] for a in range(5) for b in range(4)])
+    lower, upper = np.array([0.0, -2.0]), np.array([3.0, 2.0])
+    whole = Polynomial(lower=lower, upper=upper, powers=powers, coefficients=random.standard_normal((len(powers), 2)))
+    part = whole.on(np.array([0.5, -2.0]), np.array([1.0, 1.0]))
+    points = random.uniform([0.5, -2.0], [1.0, 1.0], (50, 2))
+    assert part.value(points) == pytest.approx(whole.value(points), abs=1e-12)
+    assert len(part.powers) == len(whole.powers)
+
+
+@pytest.mark.parametrize(("begin", "end"), [(1.0, 0.6), (0.7, 1.0), (1.0, 1.3)])
+def test_pieces_follow_each_other_and_are_of_their_own_size(begin, end):
+    lengths = {"clamp": (0.0103, 0.0103), "interior": (0.0026, 0.0103), "plate": (0.0108, 0.0108)}
+    rubber = Rubber(begin, end, 0.0495 + end * 0.0005, 0.0005)
+    found = tapered_pieces(lengths, rubber)
+    assert sum(one.length for one in found) == pytest.approx(0.0495 + end * 0.0005, rel=1e-9)
+    assert found[0].length == pytest.approx(found[0].size * 0.0108, rel=1e-9)
+    assert found[-1].length == pytest.approx(found[-1].size * 0.0103, rel=1e-9)
+    assert all(one.length <= one.size * 0.0103 * (1 + 1e-6) for one in found[1:-1])
+    assert all(one.ends[1] == pytest.approx(other.ends[0], rel=1e-9) for one, other in pairwise(found))
+    assert (found[0].ends[0], found[-1].ends[1]) == pytest.approx((end, begin), rel=1e-9)
+    assert all(min(one.ends) <= one.size <= max(one.ends) for one in found)
+
+
+def test_a_segment_shorter_than_its_end_pieces_is_refused():
+    lengths = {"clamp": (0.0103, 0.0103), "interior": (0.0026, 0.0103), "plate": (0.0108, 0.0108)}
+    with pytest.raises(ModelError, match=r"segment must be longer than 0.01\d+ m from clamp to plate's centre"):
+        tapered_pieces(lengths, Rubber(1.0, 0.7, 0.015, 0.0005))
+    with pytest.raises(ModelError, match="taper needs an interior element"):
+        tapered_pieces({"whole": (0.0495, 0.0495)}, Rubber(1.0, 0.7, 0.0495, 0.0005))
+
+
+@pytest.mark.parametrize("taper", [0.9, 0.7, 1.2])
+def test_a_tapered_finger_turns_as_the_rod_does(finger, taper):
+    """Places differ by what sections warp, which the rod's do not: elements turn farther from their thinner end.
+
+    That is by b^2 / 4 l times the logarithm of the ratio of the sizes.
+    """
+    found = finger.assembled(tapered(taper, share=min(taper, 1.0) ** 2))
+    ratios = [float(np.log(piece.ends[0] / piece.ends[1])) for piece in found.pieces[0]]
+    for wrench in (np.zeros(6), WRENCH):
+        placed, marched = (
+            found.place(TENSIONS, wrench[None]),
+            march(found.segments[0].elements, TENSIONS[None], wrench[None]),
+        )
+        centre, turned = plate(TENSIONS, wrench, taper)
+        inputs = np.hstack([np.tile(TENSIONS, (len(ratios), 1)), marched.wrenches[0]])
+        turns = [
+            2 * np.linalg.norm(one.value(own[None])[0, 3:6])
+            for one, own in zip(found.segments[0].elements, inputs, strict=True)
+        ]
+        off = np.linalg.norm(placed.centres[0] - found.rest) - np.linalg.norm(centre - found.rest)
+        parts = zip(turns, ratios, found.pieces[0], strict=True)
+        farther = sum(
+            -turn * ratio * (tapers.WARPING * rod.SIDE * piece.size) ** 2 / (4 * piece.length)
+            for turn, ratio, piece in parts
+        )
+        assert placed.inside
+        assert np.abs(placed.rotations[0] - turned).max() < 1e-4 + 0.1 * max(np.abs(ratios)) ** 2
+        assert off == pytest.approx(farther, rel=0.15 if not wrench.any() else 0.4)
+
+
+def test_a_taper_that_vanishes_is_none(finger):
+    straight, almost = finger.place(TENSIONS, WRENCH[None]), finger.assembled(tapered(1 - 1e-9, share=0.99))
+    assert almost.place(TENSIONS, WRENCH[None]).centres == pytest.approx(straight.centres, abs=1e-9)
+    one = finger.assembled(tapered(1.0)).place(TENSIONS, WRENCH[None])
+    assert np.array_equal(one.centres, straight.centres) and np.array_equal(one.motions, straight.motions)
+
+
+def test_a_segment_behind_a_taper_is_one_of_its_size(finger):
+    """The second of two segments is straight: it is the finger scaled by similarity, under forces as much smaller."""
+    size = 0.8
+    two = finger.assembled(tapered(size, 1.0, share=size**2))
+    small = finger.assembled(
+        rod.similar(size, 1.0) | {"geometry": rod.similar(size, 1.0)["geometry"] | {"segments": [rod.LENGTH]}}
+    )
+    pressed = np.vstack([np.zeros(6), WRENCH])
+    placed, alone = two.place(TENSIONS, pressed), small.place(TENSIONS, WRENCH[None])
+    ahead = placed.rotations[0].T @ (placed.centres[1] - placed.centres[0]) - [size * rod.PLATE / 2, 0.0, 0.0]
+    assert ahead == pytest.approx(alone.centres[0], abs=1e-9)
+    assert placed.rotations[0].T @ placed.rotations[1] == pytest.approx(alone.rotations[0], abs=1e-9)
+
+
+def test_compiled_code_is_the_march(finger):
+    found = finger.assembled(tapered(0.7, share=0.49))
+    marched = march(found.segments[0].elements, TENSIONS[None], WRENCH[None])
+    placed = found.place(TENSIONS, WRENCH[None])
+    assert placed.centres[0] == pytest.approx(marched.plate[0][0], abs=1e-12)
+    assert placed.rotations[0] == pytest.approx(marched.plate[1][0], abs=1e-11)
+    assert placed.motions[0] == pytest.approx(marched.motion[0], rel=1e-8, abs=1e-12)
+
+
+def test_tensions_beyond_those_of_the_thinnest_section_are_refused_or_marked(finger):
+    with pytest.raises(ModelError, match=r"F1.tension must lie in 0 to 19.6 N, where the elements were trained"):
+        finger.assembled(tapered(0.7, share=0.5))
+    found = finger.assembled(tapered(0.7, share=0.49))
+    assert found.place([19.0, 19.0]).inside and not found.place([30.0, 0.0]).inside
+
+
+def test_shear_compliance_of_a_taper_is_that_of_its_energy(finger):
+    """The potential ((f_y + p m_z)^2 + (f_z - p m_y)^2) c / 2 without the squares of forces, which the element has.
+
+    An element of the length at which sections that warp take back what plane ones would add has nothing else.
+    """
+    element = finger.segments[0].elements[1]
+    piece, compliance = Piece(INTERIOR, 0.01, (0.7, 0.8)), 2e-3
+    prism = Prism(0.01 / piece.size / tapers.WARPING, compliance)
+    inputs = np.concatenate([TENSIONS, WRENCH])[None]
+    change = (tapers.tapered(element, piece, prism).value(inputs) - element.value(inputs))[0]
+    taper, (_, f_y, f_z, _, m_y, m_z) = np.log(0.7 / 0.8), WRENCH
+    p, c = taper / 0.01, compliance * 0.01 / piece.size**2
+    expected = [0, -c * p * m_z, c * p * m_y, 0, c * p * (f_z - p * m_y) / 2, -c * p * (f_y + p * m_z) / 2]
+    assert change[:6] == pytest.approx(expected, rel=1e-9, abs=1e-16)
+
+
+def test_points_of_a_tapered_finger_are_on_its_surface(finger):
+    found = finger.assembled(tapered(0.7, share=0.49))
+    halves = rod.SIDE / 2 * size_at(found.scene["geometry"], found.edges[:, 0])
+    assert np.abs(found.edges[:, 1:]) == pytest.approx(np.column_stack([halves, halves]))
+    assert np.abs(found.displacement(np.zeros(2))).max() < 1e-6
+    with pytest.raises(ModelError, match="points must lie in the finger at rest"):
+        found.displacement(np.zeros(2), points=[[0.049, 0.004, 0.0]])
+
+
+def test_more_errors_are_expected_of_a_tapered_finger(finger):
+    straight, found = finger.errors, finger.assembled(tapered(0.7, share=0.49)).errors
+    for name in ("contact_force", "position", "turn", "shortening", "surface"):
+        assert getattr(found, name) > getattr(straight, name)
+    assert found.floors.place > straight.floors.place and found.floors.force > straight.floors.force
+
+
+def test_sections_where_a_tapered_finger_has_none_are_not_made(finger):
+    with pytest.raises(ModelError, match=r"geometry.taper must be one ratio above 0 per segment, got \[0.9, 0.9\]"):
+        finger.assembled(tapered(0.9) | {"geometry": tapered(0.9)["geometry"] | {"taper": [0.9, 0.9]}})
