@@ -16,6 +16,7 @@ from scipy.ndimage import distance_transform_edt
 OPPOSED = 0.999  # cosine of two terms beyond which, large and opposed, they only cancel each other
 GROWN = 10.0  # size of such terms over that of the tensor
 MERGERS = 5  # after so many of them, more terms do not help
+ALTERNATIONS = 30  # most rounds over the directions for one new term
 ROUNDS = 20  # in which missing derivatives follow the others; two make the damping vanish
 
 
@@ -26,13 +27,11 @@ class EnrichmentOptions:
     Attributes:
         tolerance: bounds the 2-norm of what is left over that of the snapshots [-].
         terms: most products.
-        alternations: most rounds over the directions for one new term.
         sweeps: rounds that improve all terms after an enrichment.
     """
 
     tolerance: float = 1e-5
     terms: int = 200
-    alternations: int = 30
     sweeps: int = 4
 
 
@@ -65,7 +64,7 @@ def separate(tensor: np.ndarray, options: EnrichmentOptions) -> tuple[list[np.nd
         left = tensor - compose(factors)
         if np.linalg.norm(left[:, known]) <= options.tolerance * size:
             break
-        factors = _extended(factors, _best_product(left, options.alternations))
+        factors = _extended(factors, _best_product(left))
         for _ in range(options.sweeps):
             factors = _swept(tensor, known, factors)
         opposed = _without_opposed(factors, size)
@@ -109,14 +108,14 @@ def _extended(factors: list[np.ndarray], term: list[np.ndarray]) -> list[np.ndar
     return [np.column_stack([factor, column]) for factor, column in zip(factors, term, strict=True)]
 
 
-def _best_product(tensor: np.ndarray, alternations: int) -> list[np.ndarray]:
+def _best_product(tensor: np.ndarray) -> list[np.ndarray]:
     """The rank-one tensor nearest to a tensor, one unit vector a direction and the size in the first."""
     peak = np.unravel_index(np.argmax(np.abs(tensor)), tensor.shape)
     # Start from the fibres through the largest entry.
     term = [np.moveaxis(tensor, a, -1)[tuple(np.delete(peak, a))] for a in range(tensor.ndim)]
     term = [vector / max(np.linalg.norm(vector), np.finfo(float).tiny) for vector in term]
     size = 0.0
-    for _ in range(alternations):
+    for _ in range(ALTERNATIONS):
         before = size
         for a in range(tensor.ndim):
             vector = tensor
@@ -171,7 +170,7 @@ def _without_opposed(factors: list[np.ndarray], size: float) -> list[np.ndarray]
     i, j = np.unravel_index(np.argmin(cosines), cosines.shape)
     if cosines[i, j] > -OPPOSED or min(sizes[i], sizes[j]) < GROWN * size:
         return None
-    pair = _best_product(compose([factor[:, [i, j]] for factor in factors]), 30)
+    pair = _best_product(compose([factor[:, [i, j]] for factor in factors]))
     return _extended([np.delete(factor, [i, j], axis=1) for factor in factors], pair)
 
 

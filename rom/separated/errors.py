@@ -45,12 +45,10 @@ def with_errors(
     shares[:, -1] = np.where(pressed, path / np.maximum(answers.touch_distance - lower[-1], margin), 0.0)
     own = np.ravel_multi_index(tuple(np.clip(shares * cells, 0, cells - 1).astype(int).T), shape)
     free, pressed, length = valid & ~pressed, valid & pressed, path + margin
-    alone = {
-        name: float(np.quantile(off[name][free], COVERED)) if free.any() and name in off else 0.0 for name in COLUMNS
-    }
-    alone |= {"contact_force": 0.0, "pad_pressure": 0.0}
-    rates = np.zeros((cells ** len(shape), len(COLUMNS) - 1 + table.has_pad))
-    for column, name in enumerate(COLUMNS[: rates.shape[1]]):
+    alone, rates = dict.fromkeys(COLUMNS, 0.0), np.zeros((cells ** len(shape), len(COLUMNS) - 1 + table.has_pad))
+    for column, name in enumerate(COLUMNS):
+        if name in ("tip", "displacement") and name in off and free.any():
+            alone[name] = float(np.quantile(off[name][free], COVERED))
         if name in off:
             grown = np.maximum(off[name] - alone[name], 0.0)[pressed] / length[pressed]
             rates[:, column] = _local(own[pressed], grown, shape)
@@ -80,17 +78,13 @@ def _local(own: np.ndarray, rates: np.ndarray, shape: tuple[int, ...]) -> np.nda
 
 def enlarged(table: SeparatedModel, factors: Mapping[str, float]) -> SeparatedModel:
     """The model with its estimated errors times factors, by quantity [-]."""
-    errors, (tip, moved, late) = (
-        table.errors,
-        (factors.get(name, 1.0) for name in ("tip", "displacement", "touch_distance")),
+    errors, factor = table.errors, {name: factors.get(name, 1.0) for name in (*COLUMNS, "touch_distance")}
+    late, columns = factor["touch_distance"] * errors.touch_distance, COLUMNS[: errors.contact.shape[1]]
+    enlarged = Errors(
+        tip=factor["tip"] * errors.tip,
+        displacement=factor["displacement"] * errors.displacement,
+        touch_distance=late,
+        contact=errors.contact * [factor[name] for name in columns],
+        margin=max(errors.margin, late),
     )
-    return replace(
-        table,
-        errors=Errors(
-            tip=tip * errors.tip,
-            displacement=moved * errors.displacement,
-            touch_distance=late * errors.touch_distance,
-            contact=errors.contact * [factors.get(name, 1.0) for name in COLUMNS[: errors.contact.shape[1]]],
-            margin=max(errors.margin, late * errors.touch_distance),
-        ),
-    )
+    return replace(table, errors=enlarged)

@@ -174,24 +174,19 @@ class SeparatedModel(PickledByFields):
         point, errors = self._point(parameters, most=2), self.errors
         points = np.atleast_2d(point)
         out, inside = answer.answers(self.kernel, points)
-        touch = out[:, answer.TOUCH]
-        rates = answer.contact_errors(self.kernel, errors.contact, errors.margin, points, touch)
-        estimated = {
-            "tip": errors.tip + rates[:, 0],
-            "contact_force": rates[:, 1],
-            "touch_distance": np.full_like(touch, errors.touch_distance),
-        }
-        if self.has_pad:
-            estimated["pad_pressure"] = rates[:, 3]
-        if self.displacements is not None:
-            estimated["displacement"] = errors.displacement + rates[:, 2]
+        rates = answer.contact_errors(self.kernel, errors.contact, errors.margin, points, out[:, answer.TOUCH]).T
+        late = np.full(len(points), errors.touch_distance)
+        estimated = {"tip": errors.tip + rates[0], "contact_force": rates[1], "touch_distance": late}
+        estimated |= {"pad_pressure": rates[3]} if self.has_pad else {}
+        estimated |= {} if self.displacements is None else {"displacement": errors.displacement + rates[2]}
         if point.ndim == 1:
             out, inside, estimated = out[0], inside[0], {name: error[0] for name, error in estimated.items()}
+        tip, force, touch, pad = out[..., :3], out[..., answer.FORCE], out[..., answer.TOUCH], out[..., -1]
         return Answer(
-            tip=out[..., :3],
-            contact_force=out[..., answer.FORCE],
-            touch_distance=out[..., answer.TOUCH],
-            pad_pressure=out[..., answer.PAD] if self.has_pad else None,
+            tip=tip,
+            contact_force=force,
+            touch_distance=touch,
+            pad_pressure=pad if self.has_pad else None,
             error=estimated,
             inside=inside,
         )
@@ -217,21 +212,20 @@ class SeparatedModel(PickledByFields):
         """
         if self.displacements is None:
             raise ModelError("displacement must be in the scene's sampling.store, got a model of samples without it")
-        lower, upper = self.limits
-        point = self._point(parameters)
+        (lower, upper), point, (free, contact) = self.limits, self._point(parameters), self._fields
         clamped = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
-        free, contact = self._fields
-        touch = self.free.value_and_gradient(clamped[:-1])[0][len(FREE) - 1]
-        moved, path = free.value_and_gradient(clamped[:-1])[0], touch - clamped[-1]
-        if point[-1] < touch and path > 0:
-            moved = moved + path * contact.value_and_gradient([*clamped[:-1], path / (touch - lower[-1])])[0]
+        moved, touch = np.split(free.value_and_gradient(clamped[:-1])[0], [-1])
+        path = float(touch[0] - clamped[-1])
+        if point[-1] < touch[0] and path > 0:
+            moved = moved + path * contact.value_and_gradient([*clamped[:-1], path / float(touch[0] - lower[-1])])[0]
         return moved.reshape(-1, 3)
 
     @cached_property
     def _fields(self) -> tuple[Separated, Separated]:
+        """The forms of the displacement: that without contact, with the touch distance behind it, and what it adds."""
         assert self.displacements is not None
-        free, contact = self.displacements[1:]
-        return replace(self.free, modes=free), replace(self.contact, modes=contact)
+        _, free, contact = self.displacements
+        return replace(self.free, modes=np.vstack([free, self.free.modes[-1]])), replace(self.contact, modes=contact)
 
     def truncated(self, tolerance: float) -> SeparatedModel:
         """The model with only the terms needed for a relative separation error [-], without the displacement.
@@ -239,12 +233,11 @@ class SeparatedModel(PickledByFields):
         Its estimated errors grow by what the terms left out contribute.
         """
         (free, lost), (contact, less) = self.free.truncated(FREE_SHARE * tolerance), self.contact.truncated(tolerance)
-        rates = [float(np.linalg.norm(less[:3])), less[3], 0.0, *less[4:]]
         errors = replace(
             self.errors,
             tip=self.errors.tip + float(np.linalg.norm(lost[:3])),
             touch_distance=self.errors.touch_distance + float(lost[3]),
-            contact=self.errors.contact + rates,
+            contact=self.errors.contact + np.array([np.linalg.norm(less[:3]), less[3], 0.0, *less[4:]]),
         )
         shorter = replace(self, free=free, contact=contact, displacements=None, errors=errors)
         kept = ", ".join(f"{name} {shorter.terms[name]} of {count}" for name, count in self.terms.items())
@@ -282,11 +275,7 @@ class SeparatedModel(PickledByFields):
 
     @classmethod
     def load(cls, path: str | Path, tolerance: float = 0.0) -> SeparatedModel:
-        """Read a model file.
-
-        Args:
-            path: the file.
-            tolerance: keep only the terms needed for this relative separation error [-]; 0 keeps all.
+        """Read a model file, with the terms needed for a relative separation error `tolerance` [-]; 0 keeps all.
 
         Raises:
             ModelError: no file, no model, a damaged one, or one of another format.

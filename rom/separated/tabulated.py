@@ -102,10 +102,9 @@ def tabulated(source: Source, options: EnrichmentOptions, progress: Progress = q
 
 
 def _refuse(source: Source, points: np.ndarray, touch: np.ndarray) -> None:
-    length, (lower, upper) = (
-        sum(source.scene["geometry"]["segments"]),
-        (source.parameters[-1][k] for k in ("lower", "upper")),
-    )
+    """Raise ValueError for distances or an object that no model can be of."""
+    length, d = sum(source.scene["geometry"]["segments"]), source.parameters[-1]
+    lower, upper = d["lower"], d["upper"]
     if not upper - lower >= LEAST * length:
         raise ValueError(f"d must have a range of at least {LEAST * length:g} m, got {lower:g} to {upper:g} m")
     if np.isinf(touch).any():

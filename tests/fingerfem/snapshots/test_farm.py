@@ -192,7 +192,7 @@ def test_only_what_a_scene_asks_for_is_stored(scene, undisturbed, tmp_path):
     assert whole.keys() - line.keys() == {"displacement", "displacement_jacobian"}
     assert line.keys() - whole.keys() == {"pad_pressure", "pad_pressure_jacobian"}
     assert line["contact_force"] == pytest.approx(whole["contact_force"], rel=1e-8)
-    assert line["pad_pressure"][-1] > 0 == line["pad_pressure"][0]
+    assert line["pad_pressure"][-1] > 0
 
 
 @pytest.mark.parametrize(("states", "ranks"), [(7, 3), (1, 4)])
