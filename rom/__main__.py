@@ -22,7 +22,7 @@ from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.model import SeparatedModel
-from rom.separated.tabulated import NODES, TERMS, TOLERANCE
+from rom.separated.rod_source import NODES
 from rom.snapshots.snapshot_set import SnapshotSet
 from rom.summaries import origin, rod_summary, separated_summary
 from rom.table import percent
@@ -52,7 +52,6 @@ def build(
             "pressed ones correct the elements; may be given several times.",
         ),
     ] = None,
-    nodes: Annotated[int | None, typer.Option(min=4, max=200, help="Of a grid: nodes of every axis.")] = None,
     terms: Annotated[
         int | None, typer.Option(min=1, max=10_000, help="Of a grid: most products of a form, 200.")
     ] = None,
@@ -65,10 +64,9 @@ def build(
     snapshots, finer_sets = SnapshotSet(folder), [SnapshotSet(one) for one in finer or []]
     states = None if held_out is None else held_out_of(held_out)
     if not snapshots.description.has_load:
-        separate_set(snapshots, output, states, finer_sets, nodes, terms, force, as_json)
-    for name, value in (("nodes", nodes), ("terms", terms)):
-        if value is not None:
-            raise ValueError(f"{name} must be left out for a set of a scene with a load, got {value}")
+        separate_set(snapshots, output, states, finer_sets, terms, force, as_json)
+    if terms is not None:
+        raise ValueError(f"terms must be left out for a set of a scene with a load, got {terms}")
     from rom.build import train_rod
 
     with steps() as progress:
@@ -84,7 +82,6 @@ def separate_set(
     output: Path,
     held_out: SnapshotSet | None,
     finer: list[SnapshotSet],
-    nodes: int | None,
     terms: int | None,
     force: bool,
     as_json: bool,
@@ -97,8 +94,7 @@ def separate_set(
     with steps() as progress:
         table = separate_grid(
             snapshots,
-            nodes,
-            enrichment(terms or TERMS),
+            enrichment(terms),
             held_out=held_out,
             finer=finer[0] if finer else None,
             progress=progress,
@@ -177,7 +173,7 @@ def specialise(
         typer.Option(metavar="LOW HIGH", help="Range of d [m]; from a fiftieth to 0.62 of the length by default."),
     ] = None,
     nodes: Annotated[int, typer.Option(min=4, max=200, help="Nodes of every axis.")] = NODES,
-    terms: Annotated[int, typer.Option(min=1, max=10_000, help="Most products of a form; fewer on few nodes.")] = TERMS,
+    terms: Annotated[int, typer.Option(min=1, max=10_000, help="Most products of a form; fewer on few nodes.")] = 200,
     force: Annotated[bool, typer.Option("--force", help="Write a table with errors above 100 %.")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -191,9 +187,9 @@ def specialise(
     write_separated(table, output, force, as_json)
 
 
-def enrichment(terms: int) -> EnrichmentOptions:
+def enrichment(terms: int | None) -> EnrichmentOptions:
     """Options of the separation with at most so many products."""
-    return EnrichmentOptions(tolerance=TOLERANCE, terms=terms)
+    return EnrichmentOptions() if terms is None else EnrichmentOptions(terms=terms)
 
 
 def before_plane(finger: TouchedSegment, distances: tuple[float, float] | None) -> TouchedSegment:

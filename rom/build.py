@@ -15,12 +15,13 @@ from rom.elements import training
 from rom.elements.calibration import conformal
 from rom.elements.samples.section_states import read_section_states
 from rom.file_kinds import uses_of
-from rom.held_out import accuracy, before_plane, check, check_finer, differences
+from rom.held_out import Model, accuracy, before_plane, check, check_finer, differences
 from rom.rod.rod import QUANTITIES, Rod
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.separated.grid_model import separated_grid, truth_of
+from rom.separated.errors import enlarged, with_errors
+from rom.separated.grid_source import grid_source
 from rom.separated.model import SeparatedModel
-from rom.separated.table_errors import enlarged
+from rom.separated.tabulated import tabulated
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.summaries import finer_origin, origin
 from rom.terminal import Progress, quiet
@@ -61,43 +62,51 @@ def train_rod(
 def with_mesh_error(rod: Rod, finer: Sequence[SnapshotSet]) -> Rod:
     """A finger of elements whose estimated errors are enlarged, where need be, to what held-out states show.
 
-    They are of a finer mesh, before the plane y = side/2 + d. The least factor is the conformal quantile, see
-    `rom.elements.calibration`: it holds of states drawn like these.
+    They are of a finer mesh, before the plane y = side/2 + d.
 
     Raises:
         SnapshotError: not such states of the finger on a finer mesh, or too few that touch.
     """
-    ratios: dict[str, list[np.ndarray]] = {name: [] for name in QUANTITIES}
     for one in finer:
-        model = before_plane(rod, one)
         check_finer(rod.scene, one)
-        answers, off = model.evaluate(one.random("parameters")), differences(model, one)
-        touched = answers.inside & (answers.contact_force > 0) & (one.random("contact_force") > 0)
-        counted = {name: touched if name == "contact_force" else answers.inside for name in QUANTITIES}
-        for name, own in counted.items():
-            ratios[name].append(off[name][own] / answers.error[name][own])
-    together = {name: np.concatenate(parts) for name, parts in ratios.items()}
-    if len(together["contact_force"]) < FEWEST:
+    covered = covering([(before_plane(rod, one), one) for one in finer])
+    if "contact_force" not in covered:
         raise SnapshotError(f"{finer[0].path}: must have {FEWEST} states that touch, to estimate the error of forces")
-    factors = {name: rod.elements.error_factor(name) * max(conformal(found), 1.0) for name, found in together.items()}
+    factors = {name: rod.elements.error_factor(name) * covered[name] for name in QUANTITIES}
     provenance = rod.elements.provenance | {"mesh_error": [finer_origin(one) for one in finer]}
     return replace(rod, elements=replace(rod.elements, provenance=provenance, error_factors=factors))
 
 
+def covering(pairs: Sequence[tuple[Model, SnapshotSet]]) -> dict[str, float]:
+    """By which factors estimated errors of models cover held-out states, by quantity, at least 1 [-].
+
+    The least factor is the conformal quantile, see `rom.elements.calibration`: it holds of states drawn like these.
+    """
+    ratios: dict[str, list[np.ndarray]] = {}
+    for model, states in pairs:
+        answers, off = model.evaluate(states.random("parameters")), differences(model, states)
+        touched = answers.inside & (answers.contact_force > 0) & (states.random("contact_force") > 0)
+        for name in answers.error.keys() & off.keys():
+            own = touched if name in ("contact_force", "pad_pressure") else answers.inside
+            ratios.setdefault(name, []).append(off[name][own] / answers.error[name][own])
+    together = {name: np.concatenate(parts) for name, parts in ratios.items()}
+    return {name: max(conformal(parts), 1.0) for name, parts in together.items() if len(parts) >= FEWEST}
+
+
 def separate_grid(
     snapshots: SnapshotSet,
-    nodes: int | None = None,
     options: EnrichmentOptions | None = None,
     *,
     held_out: SnapshotSet | None = None,
     finer: SnapshotSet | None = None,
     progress: Progress = quiet,
 ) -> SeparatedModel:
-    """Build the separated model of states on a grid, see `rom.separated.grid_model`.
+    """Build the separated model of states on a grid, as the paper makes it.
+
+    Its estimated errors are those of the model of every second node, at all states.
 
     Args:
         snapshots: a training set on a grid of one or two tensions.
-        nodes: of every axis of the model, 4 at least; see there.
         options: of the separations.
         held_out: states before the same plane, which measure its accuracy.
         finer: held-out states on a finer mesh, which enlarge its estimated errors.
@@ -105,16 +114,23 @@ def separate_grid(
 
     Raises:
         SnapshotError: a set without such a grid; or finer states of another finger, or on no finer mesh.
-        ValueError: fewer than 4 nodes.
     """
+    sources = [grid_source(snapshots, every) for every in (1, 2)]
     if finer is not None:
         check_finer(snapshots.description.scene, finer)
-    table = separated_grid(snapshots, nodes, options, progress)
+    table, half = (tabulated(source, options or EnrichmentOptions(), progress) for source in sources)
+    failed = np.array([point for _, point, _ in snapshots.failures]).reshape(-1, len(table.parameters))
+    failed = np.where(np.isnan(failed), table.limits[0], failed)  # without a touch distance
+    points, off = snapshots.points(), differences(half, snapshots, progress)
+    off = {name: np.append(errors, np.zeros(len(failed))) for name, errors in off.items()}
+    cells = min(len(axis) for axis in sources[0].axes) - 1
+    judged = with_errors(
+        half, np.vstack([points, failed]), off, np.arange(len(points) + len(failed)) < len(points), cells
+    )
     provenance = table.provenance | origin(snapshots)
+    table = replace(table, errors=judged.errors, answered=judged.answered, provenance=provenance)
     if finer is not None:
-        table, provenance = (
-            enlarged(table, truth_of(finer, False, False)),
-            provenance | {"mesh_error": finer_origin(finer)},
+        table = replace(
+            enlarged(table, covering([(table, finer)])), provenance=provenance | {"mesh_error": finer_origin(finer)}
         )
-    table = replace(table, provenance=provenance)
     return table if held_out is None else replace(table, accuracy=accuracy(check(table, held_out, progress)))

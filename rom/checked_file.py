@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import hashlib
 import io
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
@@ -112,3 +113,35 @@ def dataset(group: h5py.Group, name: str, values: np.ndarray, unit: str) -> None
     worth = {"compression": "gzip", "shuffle": True} if values.nbytes >= COMPRESSED else {}
     group.create_dataset(name, data=values, **worth)
     group[name].attrs["unit"] = unit
+
+
+def shaped(name: str, values: np.ndarray, shape: tuple[int, ...], finite: bool = True) -> None:
+    """Refuse an array of another shape, or with numbers that are not finite.
+
+    Raises:
+        ModelError: one line that names it and its rule.
+    """
+    require(values.shape == shape, f"{name} must have shape {shape}", values.shape)
+    require(not finite or bool(np.isfinite(values).all()), f"{name} must be finite", "others")
+
+
+def write_tree(group: h5py.Group, tree: Mapping[str, Any]) -> None:
+    """Write what a group holds: arrays with their units, groups as tables, and plain data as JSON attributes."""
+    for name, item in tree.items():
+        if isinstance(item, tuple):
+            dataset(group, name, *item)
+        elif isinstance(item, Mapping) and any(isinstance(part, tuple) for part in item.values()):
+            write_tree(group.create_group(name), item)
+        else:
+            group.attrs[name] = json.dumps(item)
+
+
+def read_tree(group: h5py.Group) -> dict[str, Any]:
+    """The same without the units; numbers that are no integers in double precision."""
+    tree = {name: json.loads(text) for name, text in group.attrs.items()}
+    for name, item in group.items():
+        if isinstance(item, h5py.Group):
+            tree[name] = read_tree(item)
+        else:
+            tree[name] = item[()] if item.dtype.kind in "iu" else item[()].astype(float)
+    return tree

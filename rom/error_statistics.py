@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
+
+PRESSED = 0.03  # share of the largest pad pressure above which its relative errors are counted
+FELT = 0.1  # [N] above which relative errors of contact forces are counted
+REST = 1e-9  # [m]: of displacements and touch distances, below which no relative error is counted
 
 
 def mean_size(field: np.ndarray) -> float:
@@ -36,3 +41,39 @@ def quantiles(errors: Sequence[float] | np.ndarray) -> dict[str, float]:
     known = np.asarray(errors)[~np.isnan(errors)]
     half, most, largest = np.quantile(known, [0.5, 0.95, 1.0]) if known.size else (np.nan,) * 3
     return {"median": float(half), "p95": float(most), "max": float(largest), "count": int(known.size)}
+
+
+def differences(answer: Any, true: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Errors of an answer at n points (`rom.native.answer.Answer`) by quantity in its unit, shapes (n,).
+
+    Args:
+        answer: the answer.
+        true: by quantity; others than the answer's are left out.
+    """
+    pairs = {name: (getattr(answer, name, None), value) for name, value in true.items()}
+    off = {name: np.asarray(own - value) for name, (own, value) in pairs.items() if own is not None}
+    return {name: norm(error) if error.ndim > 1 else np.abs(error) for name, error in off.items()}
+
+
+def compared(
+    answer: Any, true: Mapping[str, np.ndarray], off: Mapping[str, np.ndarray], inside: np.ndarray
+) -> dict[str, dict[str, Any]]:
+    """Statistics of errors relative to the true values, by quantity, see `statistics`.
+
+    Contact forces count above FELT, pad pressures above PRESSED, and all else above REST.
+
+    Args:
+        answer: at n points.
+        true: values by quantity, shapes (n,) or (n, 3), or (n, nodes, 3).
+        off: errors by quantity, shapes (n,).
+        inside: which points count, shape (n,).
+    """
+    least = {"contact_force": FELT, "pad_pressure": PRESSED * np.max(true.get("pad_pressure", 0.0), initial=0.0)}
+    sizes = {
+        name: np.abs(true[name]) if true[name].ndim == 1 else norm(true[name]) for name in off if true[name].ndim < 3
+    }
+    sizes |= {name: np.array([mean_size(field) for field in true[name]]) for name in off if true[name].ndim == 3}
+    counted = {name: inside & (size > least.get(name, REST)) for name, size in sizes.items()}
+    return {
+        name: statistics(off[name][own], sizes[name][own], answer.error[name][own]) for name, own in counted.items()
+    }

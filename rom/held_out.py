@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from rom.error_statistics import mean_size, norm, statistics
+from rom import error_statistics as statistics
+from rom.error_statistics import mean_size
 from rom.file_kinds import uses_of
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import Rod
@@ -19,10 +20,7 @@ from rom.snapshots.grid import SHARE
 from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.terminal import Progress, quiet
 
-PRESSED = 0.03  # share of the largest pad pressure above which its relative errors are counted
 Model = SeparatedModel | TouchedSegment
-FELT = 0.1  # [N] above which relative errors of contact forces are counted
-REST = 1e-9  # [m]: of displacements and touch distances, below which no relative error is counted
 MARGIN = 5e-5  # [m] from touch, within which a touch decision may be wrong
 
 
@@ -110,8 +108,9 @@ def differences(model: Model, held_out: SnapshotSet, progress: Progress = quiet)
     That of the displacement is the root mean square over the set's nodes.
     """
     points = held_out.points()
-    answer = model.evaluate(points)
-    found = {"tip": norm(answer.tip - held_out.answered("tip"))}
+    found = statistics.differences(
+        model.evaluate(points), {name: held_out.answered(name) for name in _shared(model, held_out)}
+    )
     if isinstance(model, SeparatedModel) and model.displacements is not None and held_out.description.has_field:
         field, brought = held_out.answered("displacement"), _brought(model.displacements.nodes, held_out.nodes)
         found["displacement"] = np.zeros(len(points))
@@ -119,12 +118,13 @@ def differences(model: Model, held_out: SnapshotSet, progress: Progress = quiet)
             off = brought(model.displacement(point)).reshape(-1, 3) - field[k]
             found["displacement"][k] = mean_size(off)
             progress("checking on held-out states", k + 1, len(points))
-    if model.has_obstacle:
-        found["touch_distance"] = np.abs(answer.touch_distance - held_out.answered("touch_distance"))
-        found["contact_force"] = np.abs(answer.contact_force - held_out.answered("contact_force"))
-    if model.has_pad and "pad_pressure" in held_out.description.stored:
-        found["pad_pressure"] = np.abs(answer.pad_pressure - held_out.answered("pad_pressure"))
     return found
+
+
+def _shared(model: Model, held_out: SnapshotSet) -> list[str]:
+    """Quantities that both have, without the displacement."""
+    pad = model.has_pad and "pad_pressure" in held_out.description.stored
+    return ["tip", "touch_distance", "contact_force", *["pad_pressure"] * pad]
 
 
 def _fineness(mesh: dict[str, Any]) -> int:
@@ -148,33 +148,21 @@ def _errors(model: Model, held_out: SnapshotSet, progress: Progress) -> dict[str
     answer = model.evaluate(points)
     off = differences(model, held_out, progress)
     true = {name: held_out.answered(name) for name in off}
-    sizes = {name: np.abs(value) for name, value in true.items()}
-    sizes["tip"] = norm(true["tip"])
-    if "displacement" in off:
-        sizes["displacement"] = np.array([mean_size(field) for field in true["displacement"]])
-    counted = {name: np.array(answer.inside) & (sizes[name] > REST) for name in off}
-    if "contact_force" in off:
-        counted["contact_force"] &= true["contact_force"] > FELT
-    if "pad_pressure" in off:
-        counted["pad_pressure"] &= true["pad_pressure"] > PRESSED * true["pad_pressure"].max(initial=0.0)
     result: dict[str, Any] = {"states": len(points), "failed": len(held_out.failures)}
     result["marked"] = int(np.sum(~np.asarray(answer.inside)))
-    result |= {
-        name: statistics(off[name][own], sizes[name][own], answer.error[name][own]) for name, own in counted.items()
+    result |= statistics.compared(answer, true, off, np.asarray(answer.inside))
+    touches, felt = true["contact_force"] > 0, answer.contact_force > 0
+    wrong = (answer.touch_distance > points[:, -1]) != touches
+    close = np.abs(true["touch_distance"] - points[:, -1]) <= MARGIN
+    result["touch"] = {
+        "count": len(points),
+        "touching": int(touches.sum()),
+        "wrong": int(wrong.sum()),
+        "wrong_beyond_margin": int((wrong & ~close).sum()),
+        "margin": MARGIN,
+        "right": float(1 - wrong.mean()),
+        "force_without_touch": int((felt & ~touches).sum()),
     }
-    if model.has_obstacle:
-        touches, felt = true["contact_force"] > 0, answer.contact_force > 0
-        wrong = (answer.touch_distance > points[:, -1]) != touches
-        close = np.abs(true["touch_distance"] - points[:, -1]) <= MARGIN
-        result["touch"] = {
-            "count": len(points),
-            "touching": int(touches.sum()),
-            "wrong": int(wrong.sum()),
-            "wrong_beyond_margin": int((wrong & ~close).sum()),
-            "margin": MARGIN,
-            "right": float(1 - wrong.mean()),
-            "force_without_touch": int((felt & ~touches).sum()),
-        }
     progress("checking on held-out states", len(points), len(points))
     return result
 

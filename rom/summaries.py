@@ -49,7 +49,7 @@ def separated_summary(model: SeparatedModel) -> dict[str, Any]:
         "scene": model.scene["name"],
         "parameters": model.parameters,
         "terms": model.terms,
-        "separation_error": {name: float(form.errors[-1]) for name, form in model.forms.items()},
+        "separation_error": {"free": float(model.free.errors[-1]), "contact": float(model.contact.errors[-1])},
         "accuracy": model.accuracy or "not measured: build with --held-out",
         "nodes": "without the displacement field" if model.displacements is None else len(model.displacements.nodes),
         "provenance": model.provenance,

@@ -12,7 +12,7 @@ typedef struct {
     double nearest, farthest;            /* of the object's distance [m] */
     const fingerfem_kernel *kernel;      /* of a separated model, or NULL */
     const fingerfem_touching *touching;  /* of a finger of elements and an object, or NULL */
-    const double *rates;            /* (cells, columns): of a separated model's errors in contact, see rom.separated.parts */
+    const double *rates;            /* (cells, columns): of a separated model's errors in contact, see rom.separated.model */
     double margin;                  /* likewise [m] */
     const double *lower, *upper;    /* (tensions): limits [N] */
     int32_t columns, row;

@@ -60,6 +60,7 @@ FIRST_LINES, MOST_LINES = 16, 512  # of a sequence that grows
 # Lines per tension where a scene with a load says nothing of them; seed; tensions whose corners come first.
 LINES, SEED, CORNERED = 40, 0, 2
 NO_GRID = 2, 8  # nodes that a set without a grid names: few, as products of them are formed
+FIRST = 0.02  # contact node next to touch: forces there are far above the solver's tolerance [-]
 
 
 def describe(
@@ -101,9 +102,8 @@ def describe(
         fingerprint=scene.fingerprint(),
         parameters=parameters,
         lead=lead,
-        tension_nodes=[_cosine(low, high, along_tension).tolist() for low, high in tensions],
-        onset_nodes=_half_cosine(along_tension).tolist(),
-        contact_nodes=_half_cosine(along_contact).tolist(),
+        tension_nodes=[np.linspace(low, high, along_tension).tolist() for low, high in tensions],
+        contact_nodes=np.linspace(FIRST, 1.0, along_contact).tolist(),
         random=held_out.points(scene, box) if held_out else [],
         scattered=scattered,
         wrenches=_pressing(scene, len(scattered)) if scattered else [],
@@ -142,20 +142,6 @@ def _lead(scene: Scene) -> int:
     if scene.obstacle is not None and lever[lead] <= 0:
         raise SceneError("tendons must have one on the plane's side (offset y > 0) to sample contact, got none")
     return lead
-
-
-def _cosine(low: float, high: float, count: int) -> np.ndarray:
-    """Chebyshev-Lobatto nodes: dense at both ends, where splines are least accurate."""
-    nodes = low + (high - low) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
-    nodes[-1] = high
-    return nodes
-
-
-def _half_cosine(count: int) -> np.ndarray:
-    """Nodes on [0, 1], dense at 0, where contact begins."""
-    nodes = 1 - np.cos(np.pi / 2 * np.arange(count) / (count - 1))
-    nodes[-1] = 1.0
-    return nodes
 
 
 def body(scene: Scene, nodes: np.ndarray) -> Body:

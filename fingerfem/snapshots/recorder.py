@@ -27,7 +27,6 @@ class Recorder:
 
     Attributes:
         displacements: of this rank's nodes, state by state, as the model has them.
-        reaches: of the finger towards the plane, state by state [m].
     """
 
     def __init__(self, model: FingerModel, numbering: NodeOrder):
@@ -53,7 +52,6 @@ class Recorder:
         self._touch: dict[str, Any] = {}
         self._rows: list[dict[str, Any]] = []
         self.displacements: list[np.ndarray] = []
-        self.reaches: list[float] = []
 
     def state(
         self,
@@ -95,7 +93,6 @@ class Recorder:
             self._note_failure(parameters, "the finger passes through itself")
         else:
             self.displacements.append(model.problem.displacement.copy())
-            self.reaches.append(model.problem.reach())
             solved = self._solved(found)
             self._rows.append(
                 solved
@@ -115,7 +112,6 @@ class Recorder:
         """
         blank = np.full_like(self._model.problem.displacement, np.nan)
         self.displacements.append(blank if displacement is None else displacement)
-        self.reaches.append(float(row.get("touch_distance", np.nan)))
         if "touch_distance" in row:
             self._touch = {name: row[name] for name in ("touch_distance", "touch_distance_jacobian")}
         self._rows.append(row)
@@ -191,16 +187,8 @@ class Recorder:
 
     def _note_failure(self, parameters: np.ndarray, reason: str, last_good: np.ndarray | None = None) -> None:
         logger.warning("no state at %s: %s", parameters.tolist(), reason)
-        row = {
-            "parameters": parameters,
-            "iterations": 0,
-            "converged": False,
-            "reason": reason,
-            "last_good": np.full_like(parameters, np.nan) if last_good is None else last_good,
-        }
-        self._rows.append(row)
+        self._rows.append(_unsolved(parameters, reason, last_good))
         self.displacements.append(np.full_like(self._model.problem.displacement, np.nan))
-        self.reaches.append(np.nan)
 
     def _parameters(self, tensions: np.ndarray, distance: float, wrenches: np.ndarray | None = None) -> np.ndarray:
         """In the scene's order."""
@@ -213,8 +201,16 @@ class Recorder:
         """The states collected, quantity by quantity, nan where there is no answer; on the model's first rank."""
         if self._model.problem.comm.rank:
             return {}
-        rows = [self._blank | row for row in self._rows]
-        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        nothing = self._blank | _unsolved(np.full(self._parameter_count, np.nan), "")
+        if not self._rows:
+            return {name: np.array([value])[:0] for name, value in nothing.items()}
+        return {name: np.array([(self._blank | row)[name] for row in self._rows]) for name in nothing}
+
+
+def _unsolved(parameters: np.ndarray, reason: str, last_good: np.ndarray | None = None) -> dict[str, Any]:
+    """A state without an answer."""
+    last = np.full_like(parameters, np.nan) if last_good is None else last_good
+    return {"parameters": parameters, "iterations": 0, "converged": False, "reason": reason, "last_good": last}
 
 
 def _sensitivities(continuation: Continuation, *, must_be_stable: bool) -> Sensitivities | None:

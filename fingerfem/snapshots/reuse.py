@@ -1,6 +1,6 @@
 """States of another set of the same finger that are also states of this one: a finer grid holds a coarser one's nodes.
 
-Nodes nest where the number of intervals is doubled: 9, 17, 33 nodes along a tension, 12 and 23 along contact.
+Nodes nest where the number of intervals is doubled: 9, 17, 33.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rom.snapshots.description import Description, Line, difference
 from rom.snapshots.plan import Plan
 from rom.snapshots.snapshot_set import SnapshotError, read_description, read_task, task_file
 
-NOT_OF_A_STATE = ("task", "fingerprint", "seconds", "nodes", "onset", "onset_jacobian")
+NOT_OF_A_STATE = ("task", "fingerprint", "seconds", "nodes")
 
 
 class Donor:
@@ -44,7 +44,8 @@ class Donor:
         if line.kind == "free":
             index, ours, theirs = (j,), taker.tension_nodes[taker.lead], own.tension_nodes[own.lead]
         else:
-            index = j, _place(own.onset_nodes, taker.onset_nodes[line.index[1]])
+            lead = own.tension_nodes[own.lead], taker.tension_nodes[taker.lead][line.index[1]]
+            index = j, _place(*lead)
             ours, theirs = taker.contact_nodes, own.contact_nodes
         found = {}
         for task in self._tasks.get((line.kind, *index), []):
@@ -56,15 +57,6 @@ class Donor:
                     row = {name: values[k] for name, values in stored.items() if name not in NOT_OF_A_STATE}
                     found[node] = row | {"iterations": 0}
         return found
-
-    def onset(self, line: Line) -> tuple[float, np.ndarray] | None:
-        """Onset tension [N] at the taker's free line and its derivatives; None if it does not know."""
-        j = _place(self._own.others, self._taker.others[line.index[0]])
-        for task in self._tasks.get(("free", j), []):
-            stored = read_task(self._path, task)
-            if "onset" in stored and np.isfinite(stored["onset"]):
-                return float(stored["onset"]), stored["onset_jacobian"]
-        return None
 
 
 def _place(nodes: list, value: Any) -> int | None:

@@ -172,7 +172,7 @@ def contact_errors(
 
     Args:
         kernel: a struct fingerfem_kernel.
-        rates: of the errors, shape (cells, k), see rom.separated.parts.Errors.
+        rates: of the errors, shape (cells, k), see rom.separated.model.Errors.
         margin: likewise [m].
         points: they may lie outside the box, shape (n, p).
         touch_distances: there, shape (n,) [m].

@@ -128,10 +128,10 @@ static inline int fingerfem_hold_distance(const fingerfem_kernel *kernel, const 
     return 0;
 }
 
-/* The contact path [m] whose share of the whole, s, is the last coordinate, see rom/separated/parts.py. */
+/* The contact path [m] to the nearest object: its share, s, is the last coordinate, see rom/separated/tabulated.py. */
 static inline double fingerfem_whole_path(const fingerfem_kernel *kernel, double touch_distance)
 {
-    return touch_distance - kernel->nearest + kernel->softening;
+    return touch_distance - kernel->lower[kernel->parameters - 1];
 }
 
 /* Cell of a point: even in the tensions and in s, which is 0 before contact. */
@@ -162,7 +162,7 @@ static inline int fingerfem_row(int j)
     return j <= FINGERFEM_FORCE ? FINGERFEM_TIP + j : FINGERFEM_PAD;
 }
 
-/* Add to an answer and its derivatives what contact adds: u = u_0 + p v(F, s), with p = D - d and s = p / (D - d_min + soft). */
+/* Add to an answer and its derivatives what contact adds: u = u_0 + p v(F, s), with p = D - d and s = p / (D - d_min). */
 static inline void fingerfem_add_contact(const fingerfem_kernel *kernel, const double *point, double *memory, double *out,
                                          double *jacobian)
 {

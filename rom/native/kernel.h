@@ -37,6 +37,5 @@ typedef struct {
     int32_t parameters, has_pad, cells;
     const double *lower, *upper;    /* (parameters): the sampled box */
     const uint8_t *answered;        /* (cells^parameters), by tensions and s: whether the samples support an answer */
-    double nearest, softening;      /* of the contact path: nearest object, and what keeps it smooth [m] */
 } fingerfem_kernel;
 #endif

@@ -1,17 +1,19 @@
 """A separated model: tensions and the object's distance in; tip, contact force and touch distance with errors out.
 
-    u(F, d) = u_0(F) + p v(F, s),   p = D(F) - d,   s = p / (D(F) - d_min + soft),
+    u(F, d) = u_0(F) + p v(F, s),   p = D(F) - d,   s = p / (D(F) - d_min),
 
-u_0, D and v each a sum of products of one-dimensional functions (`rom.separated.separated_form`).
+u_0, D and v each a sum of products of one-dimensional functions (`rom.separated.form`); `rom.separated.tabulated`
+makes them.
 """
 
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import h5py
 import numpy as np
@@ -19,18 +21,57 @@ from numpy.typing import ArrayLike
 
 from rom import checked_file
 from rom.brief import brief
-from rom.checked_file import ModelError
+from rom.checked_file import ModelError, require, shaped
 from rom.native import EVALUATION, PickledByFields, answer
 from rom.native.answer import Answer
-from rom.separated import limits, model_file
-from rom.separated.parts import ContactCoordinates, Errors, Field
-from rom.separated.separated_form import Separated, tables
+from rom.rod.scene_of_rod import of_tables
+from rom.separated.form import Separated, tables
 from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters
 
 logger = logging.getLogger(__name__)
 
+KIND, FORMAT = "fingerfem separated model", 2
+PLAIN = ("parameters", "scene", "accuracy", "provenance", "lead")
+FREE, CONTACT = ("x", "y", "z", "touch_distance"), ("x", "y", "z", "contact_force", "pad_pressure")
+PER_PATH = "tip -, contact force N/m, displacement -, pad pressure Pa/m"  # units of estimated errors
 FREE_SHARE = 0.01  # of a tolerance, for the free form: contact begins at its touch distance [-]
-TOUCH = 3  # column of the touch distance in the free form
+MOST_PARAMETERS, MOST_TERMS = 9, 1 << 16  # as in native/kernel.h; places in memory are counted in 32 bits
+
+
+@brief
+@dataclass(frozen=True, kw_only=True)
+class Errors:
+    """Estimated errors, meant to cover 95 % of the true ones.
+
+    Attributes:
+        tip: without contact [m].
+        displacement: without contact, root mean square over the nodes [m]; 0 without the field.
+        touch_distance: [m].
+        contact: of tip, contact force, displacement and, if the model has it, pad pressure, per length of contact path
+            [-, N/m, -, Pa/m], by cell, shape (cells, 3 or 4).
+        margin: added to the contact path [m]. It is at least the error of the touch distance.
+    """
+
+    tip: float
+    displacement: float
+    touch_distance: float
+    contact: np.ndarray
+    margin: float
+
+
+@brief
+class Field(NamedTuple):
+    """The displacement of all nodes by the model's own products.
+
+    Attributes:
+        nodes: at rest, shape (nodes, 3) [m].
+        free: F_i of the free form, shape (3 nodes, terms) [m].
+        contact: of the contact form, what contact adds per length of its path, likewise [-].
+    """
+
+    nodes: np.ndarray
+    free: np.ndarray
+    contact: np.ndarray
 
 
 @brief
@@ -43,7 +84,6 @@ class SeparatedModel(PickledByFields):
         free: tip [m] and touch distance [m] without contact, by the tensions.
         contact: what contact adds per length of its path: tip [-], contact force [N/m] and, if the model has it, pad
             pressure [Pa/m]; by tensions and s.
-        coordinates: the contact-aligned ones.
         answered: cells of the box of tensions and s in which the samples support an answer, shape (cells,).
         errors: the estimated ones.
         displacements: of all nodes; None if the samples had none.
@@ -59,7 +99,6 @@ class SeparatedModel(PickledByFields):
     parameters: list[dict[str, Any]]
     free: Separated
     contact: Separated
-    coordinates: ContactCoordinates
     answered: np.ndarray = field(repr=False)
     errors: Errors = field(repr=False)
     displacements: Field | None = field(repr=False, default=None)
@@ -87,52 +126,34 @@ class SeparatedModel(PickledByFields):
     @cached_property
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper end of the sampled box, shapes (p,)."""
-        return (
-            np.array([parameter["lower"] for parameter in self.parameters], float),
-            np.array([parameter["upper"] for parameter in self.parameters], float),
-        )
-
-    @property
-    def forms(self) -> dict[str, Separated]:
-        """Its separated forms by name."""
-        return {"free": self.free, "contact": self.contact}
+        lower, upper = ([parameter[name] for parameter in self.parameters] for name in ("lower", "upper"))
+        return np.array(lower, float), np.array(upper, float)
 
     @property
     def terms(self) -> dict[str, int]:
         """Number of terms of every form."""
-        return {name: form.terms for name, form in self.forms.items()}
+        return {"free": self.free.terms, "contact": self.contact.terms}
 
     @property
     def bytes(self) -> int:
         """Size of its forms and estimated errors [B]."""
-        forms = [(form.modes, *form.factors, *form.slopes) for form in self.forms.values()]
-        arrays = [*sum(forms, ()), self.answered, self.errors.contact.astype(np.float32)]
-        return int(sum(array.nbytes for array in arrays))
-
-    def kernel_numbers(self) -> dict[str, Any]:
-        """The fields of a struct fingerfem_kernel, by the names of rom/native/kernel.h."""
-        lower, upper = self.limits
-        return {
-            "tables": tables([self.free, self.contact]),
-            "parameters": len(lower),
-            "has_pad": self.has_pad,
-            "cells": self.cells,
-            "lower": lower,
-            "upper": upper,
-            "answered": self.answered.astype(np.uint8),
-            "nearest": self.coordinates.nearest,
-            "softening": self.coordinates.soft,
-        }
+        forms = [part for form in (self.free, self.contact) for part in (form.modes, *form.functions)]
+        return int(sum(part.nbytes for part in [*forms, self.answered, self.errors.contact.astype(np.float32)]))
 
     @cached_property
     def kernel(self) -> Any:
-        """The arrays for the compiled answer, a struct fingerfem_kernel.
-
-        Raises:
-            ModelError: a model beyond the limits of compiled code.
-        """
-        limits.check_sizes(self)
-        return EVALUATION.struct("fingerfem_kernel", **self.kernel_numbers())
+        """The arrays for the compiled answer, a struct fingerfem_kernel."""
+        lower, upper = self.limits
+        return EVALUATION.struct(
+            "fingerfem_kernel",
+            tables=tables([self.free, self.contact]),
+            parameters=len(lower),
+            has_pad=self.has_pad,
+            cells=self.cells,
+            lower=lower,
+            upper=upper,
+            answered=self.answered.astype(np.uint8),
+        )
 
     @property
     def native(self) -> dict[str, Any]:
@@ -150,37 +171,38 @@ class SeparatedModel(PickledByFields):
         Raises:
             ModelError: the wrong number of parameters.
         """
-        point = self._point(parameters, most=2)
+        point, errors = self._point(parameters, most=2), self.errors
         points = np.atleast_2d(point)
         out, inside = answer.answers(self.kernel, points)
-        errors = self._estimated(points, out[:, answer.TOUCH])
+        rates = answer.contact_errors(self.kernel, errors.contact, errors.margin, points, out[:, answer.TOUCH]).T
+        late = np.full(len(points), errors.touch_distance)
+        estimated = {"tip": errors.tip + rates[0], "contact_force": rates[1], "touch_distance": late}
+        estimated |= {"pad_pressure": rates[3]} if self.has_pad else {}
+        estimated |= {} if self.displacements is None else {"displacement": errors.displacement + rates[2]}
         if point.ndim == 1:
-            out, inside, errors = out[0], inside[0], {name: error[0] for name, error in errors.items()}
+            out, inside, estimated = out[0], inside[0], {name: error[0] for name, error in estimated.items()}
+        tip, force, touch, pad = out[..., :3], out[..., answer.FORCE], out[..., answer.TOUCH], out[..., -1]
         return Answer(
-            tip=out[..., :3],
-            contact_force=out[..., answer.FORCE],
-            touch_distance=out[..., answer.TOUCH],
-            pad_pressure=out[..., answer.PAD] if self.has_pad else None,
-            error=errors,
+            tip=tip,
+            contact_force=force,
+            touch_distance=touch,
+            pad_pressure=pad if self.has_pad else None,
+            error=estimated,
             inside=inside,
         )
 
     def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Tip x, y, z [m], contact force [N], touch distance [m], shape (5,), and `jacobian`; the fastest call.
+        """`outputs` at one point, shape (5 or 6,), and their derivatives, shape (5 or 6, p); the fastest call.
 
-        With a pad there is a sixth output, its pressure [Pa].
+        At touch itself, a kink, derivatives are those of the free side. Outside the sampled box they are zero across
+        its walls. Where a form swings below zero just after touch, the force is held at zero but not its derivative, so
+        that a solver finds where it rises.
         """
-        out, jacobian, _ = answer.answer(self.kernel, self._point(parameters))
-        return out, jacobian
+        return answer.answer(self.kernel, self._point(parameters))[:2]
 
     def jacobian(self, parameters: ArrayLike) -> np.ndarray:
-        """Derivatives of tip x, y, z [m], contact force [N] and touch distance [m], shape (5, p), by the parameters.
-
-        With a pad there is a sixth row, its pressure [Pa]. At touch itself, a kink, they are those of the free side.
-        Outside the sampled box they are zero across its walls. Where a form swings below zero just after touch, the
-        force is held at zero but not its derivative, so that a solver finds where it rises.
-        """
-        return answer.answer(self.kernel, self._point(parameters))[1]
+        """The derivatives alone."""
+        return self.value_and_jacobian(parameters)[1]
 
     def displacement(self, parameters: ArrayLike) -> np.ndarray:
         """Displacement of all nodes, shape (nodes, 3) [m]; outside the box, at the nearest point inside.
@@ -190,50 +212,45 @@ class SeparatedModel(PickledByFields):
         """
         if self.displacements is None:
             raise ModelError("displacement must be in the scene's sampling.store, got a model of samples without it")
-        lower, upper = self.limits
-        point = self._point(parameters)
-        held = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
-        moved, tensions = self.displacements, held[:-1]
-        amounts = replace(self.free, modes=moved.free).value(tensions)
-        touch = self.free.value(tensions)[TOUCH]
-        if point[-1] < touch:
-            coordinates = self.coordinates.of(held[None], np.array([touch]))[0]
-            added = replace(self.contact, modes=moved.contact).value(coordinates)
-            amounts = amounts + max(touch - held[-1], 0.0) * added
-        return np.asarray((moved.basis @ amounts.astype(np.float32)).astype(float).reshape(-1, 3))
+        (lower, upper), point, (free, contact) = self.limits, self._point(parameters), self._fields
+        clamped = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
+        moved, touch = np.split(free.value_and_gradient(clamped[:-1])[0], [-1])
+        path = float(touch[0] - clamped[-1])
+        if point[-1] < touch[0] and path > 0:
+            moved = moved + path * contact.value_and_gradient([*clamped[:-1], path / float(touch[0] - lower[-1])])[0]
+        return moved.reshape(-1, 3)
+
+    @cached_property
+    def _fields(self) -> tuple[Separated, Separated]:
+        """The forms of the displacement: that without contact, with the touch distance behind it, and what it adds."""
+        assert self.displacements is not None
+        _, free, contact = self.displacements
+        return replace(self.free, modes=np.vstack([free, self.free.modes[-1]])), replace(self.contact, modes=contact)
 
     def truncated(self, tolerance: float) -> SeparatedModel:
         """The model with only the terms needed for a relative separation error [-], without the displacement.
 
         Its estimated errors grow by what the terms left out contribute.
         """
-        free, lost = self.free.truncated(FREE_SHARE * tolerance)
-        contact, less = self.contact.truncated(tolerance)
-        errors, rates = self.errors, self.errors.contact.copy()
-        rates[:, 0] += np.linalg.norm(less[:3])
-        rates[:, 1] += less[3]
-        if self.has_pad:
-            rates[:, 3] += less[4]
+        (free, lost), (contact, less) = self.free.truncated(FREE_SHARE * tolerance), self.contact.truncated(tolerance)
         errors = replace(
-            errors,
-            tip=errors.tip + float(np.linalg.norm(lost[:3])),
-            touch_distance=errors.touch_distance + float(lost[TOUCH]),
-            contact=rates,
+            self.errors,
+            tip=self.errors.tip + float(np.linalg.norm(lost[:3])),
+            touch_distance=self.errors.touch_distance + float(lost[3]),
+            contact=self.errors.contact + np.array([np.linalg.norm(less[:3]), less[3], 0.0, *less[4:]]),
         )
         shorter = replace(self, free=free, contact=contact, displacements=None, errors=errors)
-        whole, fewer = self.terms, shorter.terms
-        kept = ", ".join(f"{name} {fewer[name]} of {count}" for name, count in whole.items())
+        kept = ", ".join(f"{name} {shorter.terms[name]} of {count}" for name, count in self.terms.items())
         logger.info("a tolerance of %g keeps these products of one-dimensional functions: %s", tolerance, kept)
-        return shorter if fewer == whole else replace(shorter, accuracy={})
+        return shorter if shorter.terms == self.terms else replace(shorter, accuracy={})
 
     def tables(self) -> list[Table | str]:
         """For people: its parts, its parameters, and its measured errors."""
-        made = self.provenance
-        source = "samples of the finger before one object" if "specialised_from" in made else "states"
-        terms = f"{sum(self.terms.values())} products in {len(self.terms)} forms"
+        source = "samples of the finger before one object" if "specialised_from" in self.provenance else "states"
         moved = self.displacements
         nodes = "without the displacement field" if moved is None else f"displacement of {len(moved.nodes):,} nodes"
-        first = f"{self.scene['name']}: {terms} from {made['states']} {source}; {nodes}"
+        terms = f"{sum(self.terms.values())} products in {len(self.terms)} forms"
+        first = f"{self.scene['name']}: {terms} from {self.provenance['states']} {source}; {nodes}"
         parts: list[Table | str] = [first, parameters(self.parameters), *accuracy(self.accuracy)]
         return parts if self.accuracy else [*parts, NOT_MEASURED]
 
@@ -241,53 +258,94 @@ class SeparatedModel(PickledByFields):
         return as_html(self.tables())
 
     def save(self, path: str | Path) -> None:
-        """Write the model file (HDF5), see rom.separated.model_file and docs/format.md."""
-        checked_file.save(Path(path), model_file.KIND, model_file.FORMAT, lambda file: model_file.write(self, file))
+        """Write the model file (HDF5), see docs/format.md."""
+        axes = [(parameter["name"], parameter["unit"]) for parameter in self.parameters[:-1]]
+        cells = (self.cells,) * len(self.parameters)
+        contents: dict[str, Any] = {name: getattr(self, name) for name in PLAIN} | {
+            "free": _tree(self.free, axes, "m", FREE),
+            "contact": _tree(self.contact, [*axes, ("s", "-")], "-, -, -, N/m, Pa/m", CONTACT),
+            "answered": (self.answered.astype(np.uint8).reshape(cells), "-"),
+            "error": asdict(self.errors) | {"contact": (self.errors.contact.reshape(*cells, -1), PER_PATH)},
+        }
+        if self.displacements is not None:
+            contents["displacement"] = dict(
+                zip(Field._fields, zip(self.displacements, "mm-", strict=True), strict=True)
+            )
+        checked_file.save(Path(path), KIND, FORMAT, lambda file: checked_file.write_tree(file, contents))
 
     @classmethod
     def load(cls, path: str | Path, tolerance: float = 0.0) -> SeparatedModel:
-        """Read a model file.
-
-        Args:
-            path: the file.
-            tolerance: keep only the terms needed for this relative separation error [-]; 0 keeps all.
+        """Read a model file, with the terms needed for a relative separation error `tolerance` [-]; 0 keeps all.
 
         Raises:
             ModelError: no file, no model, a damaged one, or one of another format.
         """
         if not tolerance >= 0:
             raise ModelError(f"tolerance must be at least 0, got {tolerance}")
-        whole = checked_file.load(Path(path), model_file.KIND, model_file.FORMAT, cls._of)
+        whole = checked_file.load(Path(path), KIND, FORMAT, cls._of)
         return whole.truncated(tolerance) if tolerance > 0 else whole
 
     @classmethod
     def _of(cls, file: h5py.File) -> SeparatedModel:
-        model = cls(**model_file.fields(file))
-        limits.check(model)
+        """What a file holds; refuses what compiled code and controllers cannot read, by name and rule."""
+        tree = checked_file.read_tree(file)
+        p, cells, rates = len(tree["parameters"]), tree["answered"], tree["error"]["contact"]
+        require(2 <= p <= MOST_PARAMETERS, f"parameters must be from 2 to {MOST_PARAMETERS}", p)
+        cube = cells.size > 0 and cells.shape == (len(cells),) * p
+        require(cube, f"cells must be as many along each of {p} parameters", cells.shape)
+        scene = tree["scene"] | of_tables(tree["scene"])
+        model = cls(
+            **{name: tree[name] for name in PLAIN} | {"scene": scene},
+            free=_form("free", tree["free"], p - 1, len(FREE), FREE),
+            contact=_form("contact", tree["contact"], p, len(CONTACT) - 1, CONTACT),
+            answered=cells.ravel() != 0,
+            errors=Errors(**tree["error"] | {"contact": rates.reshape(cells.size, -1)}),
+            displacements=Field(**tree["displacement"]) if "displacement" in tree else None,
+        )
+        errors, (lower, upper) = model.errors, model.limits
+        ordered = bool(np.isfinite([lower, upper]).all() and (lower < upper).all())
+        require(ordered, "parameters must have finite lower ends below their upper ends", [*lower, *upper])
+        require(0 <= model.lead < p - 1, f"lead must be from 0 to {p - 2}", model.lead)
+        require(len(scene["tendons"]) == p - 1, f"tendons must be {p - 1}", len(scene["tendons"]))
+        shaped("error", errors.contact, (cells.size, 3 + model.has_pad), finite=False)
+        least = [errors.tip, errors.displacement, errors.touch_distance, errors.margin, *errors.contact.ravel()]
+        require(bool(np.min(least) >= 0) and np.isfinite(errors.margin), "error must be at least 0", "others")
+        if model.displacements is not None:
+            nodes, *modes = model.displacements
+            shaped("nodes", nodes, (len(nodes), 3))
+            for name, part, form in zip(("free", "contact"), modes, (model.free, model.contact), strict=True):
+                shaped(f"displacement by {name}", part, (nodes.size, form.terms))
         return model
 
     def _point(self, parameters: ArrayLike, most: int = 1) -> np.ndarray:
+        names = ", ".join(self.names)
         try:
             point = np.ascontiguousarray(parameters, float)
         except (TypeError, ValueError):
-            raise ModelError(
-                f"parameters must be numbers, one for each of {', '.join(self.names)}, got {parameters!r}"
-            ) from None
+            raise ModelError(f"parameters must be numbers, one for each of {names}, got {parameters!r}") from None
         if point.shape[-1:] != (len(self.parameters),) or point.ndim > most:
-            raise ModelError(f"parameters must be {', '.join(self.names)} (in that order), got shape {point.shape}")
+            raise ModelError(f"parameters must be {names} (in that order), got shape {point.shape}")
         return point
 
-    def _estimated(self, points: np.ndarray, touch: np.ndarray) -> dict[str, np.ndarray]:
-        """Estimated errors at points, shape (n, p), with touch distances, shape (n,), by quantity, shapes (n,)."""
-        errors = self.errors
-        contact = answer.contact_errors(self.kernel, errors.contact, errors.margin, points, touch)
-        found = {
-            "tip": errors.tip + contact[:, 0],
-            "contact_force": contact[:, 1],
-            "touch_distance": np.full_like(touch, errors.touch_distance),
-        }
-        if self.has_pad:
-            found["pad_pressure"] = contact[:, 3]
-        if self.displacements is not None:
-            found["displacement"] = errors.displacement + contact[:, 2]
-        return found
+
+def _tree(form: Separated, axes: list[tuple[str, str]], unit: str, names: Sequence[str]) -> dict[str, Any]:
+    """A separated form for its file; `names` are those of its components."""
+    units = [unit for _, unit in axes]
+    described = {"components": list(names[: len(form.modes)]), "axes": [name for name, _ in axes]}
+    arrays = {"modes": (form.modes, unit), "errors": (form.errors, "-"), "ends": (form.ends, ", ".join(units))}
+    functions = zip(form.functions, units, strict=True)
+    return described | arrays | {f"functions_{a}": (part, f"-, 1/{of}") for a, (part, of) in enumerate(functions)}
+
+
+def _form(name: str, tree: dict[str, Any], axes: int, least: int, names: Sequence[str]) -> Separated:
+    """A separated form from its file."""
+    functions, (components, terms) = [tree[f"functions_{a}"] for a in range(axes)], tree["modes"].shape
+    require(least <= components <= len(names), f"{name} must have {least} to {len(names)} components", components)
+    require(1 <= terms <= MOST_TERMS, f"{name} must have from 1 to {MOST_TERMS} terms", terms)
+    shaped(f"modes of {name}", tree["modes"], (components, terms))
+    shaped(f"errors of {name}", tree["errors"], (terms,))
+    shaped(f"ends of {name}", tree["ends"], (2, axes))
+    require(bool((tree["ends"][0] < tree["ends"][1]).all()), f"ends of {name} must ascend", tree["ends"].tolist())
+    for a, function in enumerate(functions):
+        shaped(f"functions_{a} of {name}", function, (2, max(*function.shape[1:2], 2), terms))
+    return Separated(ends=tree["ends"], functions=functions, modes=tree["modes"], errors=tree["errors"])

@@ -1,67 +1,63 @@
-"""A finger of rod elements before one object, as a source of a table: as many samples as wanted, in seconds."""
+"""A finger of rod elements before one object as a source: as many samples as wanted, in seconds."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from rom.brief import brief
+from rom.error_statistics import compared, differences
+from rom.native.answer import Answer
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import QUANTITIES
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.alternating_directions import EnrichmentOptions
+from rom.separated.errors import with_errors
 from rom.separated.model import SeparatedModel
-from rom.separated.table_errors import Truth, compared, with_errors
-from rom.separated.tabulated import NODES, Sampled, tabulated
+from rom.separated.tabulated import Source, tabulated
 from rom.terminal import Progress, quiet
 
+NODES = 32  # of every axis
+FIRST = 1e-4  # node of s next to touch, where contact is as good as its limit [-]
+CELLS = 20_000  # of estimated errors and marks, at most
+DETERMINED = 3.0  # values for every number of the separated form [-]
 CALIBRATING, MEASURING = 30_000, 8_000  # random points that calibrate the estimated errors; others that measure them
 FEWEST = 20  # of the latter with a contact force inside
 BEYOND = 2.0  # forces over the largest trained one up to which answers support a table [-]
 
 
-@brief
-@dataclass(frozen=True)
-class RodSource:
-    """A finger and its object, which a table samples."""
+def rod_source(model: TouchedSegment, nodes: int = NODES) -> Source:
+    """A finger before its object, on a grid of so many nodes of every axis.
 
-    model: TouchedSegment
-    has_pad: ClassVar[bool] = False
-    modes: ClassVar[None] = None
+    Raises:
+        ValueError: fewer than 4 nodes.
+    """
+    if nodes < 4:
+        raise ValueError(f"nodes must be at least 4, got {nodes}")
+    lower, upper = model.limits
+    farthest = sum(model.scene["geometry"]["segments"])  # contact begins beyond the limits, too
 
-    @property
-    def parameters(self) -> list[dict[str, Any]]:
-        """Name, unit, lower and upper of tensions and d."""
-        return self.model.parameters
+    def sampled(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        asked = ~np.isnan(points[:, -1])
+        wide = replace(model.obstacle, distances=(lower[-1], max(upper[-1], farthest)))
+        answers = replace(model, obstacle=wide).answers(points[asked])
+        good = (answers.evaluations > 0) & (answers.out[:, 3] < BEYOND * model.rod.force)
+        values = np.full((len(points), answers.out.shape[1]), np.nan)
+        jacobian = np.full((*values.shape, points.shape[1]), np.nan)
+        values[asked] = np.where(good[:, None], answers.out, np.nan)
+        jacobian[asked] = np.where(good[:, None, None], answers.jacobians, np.nan)
+        return values, jacobian
 
-    @property
-    def scene(self) -> dict[str, Any]:
-        """The finger's."""
-        return self.model.scene
-
-    @property
-    def lead(self) -> int:
-        """The tension that pushes most towards the object."""
-        return self.model.lead
-
-    def sampled(self, points: np.ndarray) -> Sampled:
-        """Answers at points, shape (n, p), wherever the object is."""
-        at = points[np.isfinite(points[:, -1]), -1]
-        everywhere = (float(at.min()), float(at.max())) if at.size else self.model.obstacle.distances
-        found = replace(self.model, obstacle=replace(self.model.obstacle, distances=everywhere)).answers(points)
-        supports = (found.evaluations > 0) & (found.out[:, 3] < BEYOND * self.model.rod.force)
-        return Sampled(found.out, found.jacobians, supports)
-
-    def truth(self, random: np.random.Generator, count: int) -> Truth:
-        """Answers at random points within the limits, with the finger's own estimated errors."""
-        lower, upper = self.model.limits
-        points = lower + random.random((count, len(lower))) * (upper - lower)
-        answer = self.model.evaluate(points)
-        out = np.column_stack([answer.tip, answer.contact_force, answer.touch_distance])
-        errors = np.column_stack([answer.error[name] for name in QUANTITIES])
-        return Truth(points, out, errors, np.asarray(answer.inside, bool))
+    ends = zip(lower[:-1], upper[:-1], strict=True)
+    return Source(
+        parameters=model.parameters,
+        scene=model.scene,
+        lead=model.lead,
+        axes=[*(np.linspace(low, high, nodes) for low, high in ends), np.linspace(FIRST, 1.0, nodes)],
+        sampled=sampled,
+        determined=DETERMINED,
+    )
 
 
 def specialise(
@@ -72,7 +68,7 @@ def specialise(
     seed: int = 0,
     progress: Progress = quiet,
 ) -> SeparatedModel:
-    """The table of a finger before its object, for tensions and d within the finger's limits.
+    """The separated model of a finger before its object, for tensions and d within the finger's limits.
 
     It states its error against the finger at random points. Estimated errors count the finger's own, and cells in which
     the finger has no answer within its limits are marked.
@@ -90,21 +86,42 @@ def specialise(
     Example:
         >>> table = specialise(TouchedSegment.load(), nodes=12)  # doctest: +SKIP
     """
-    source = RodSource(model)
-    table = tabulated(source, nodes, options, progress)
+    table = tabulated(rod_source(model, nodes), options or EnrichmentOptions(), progress)
     progress("measuring the errors", 0, 2)
-    table = with_errors(table, source.truth(np.random.default_rng([seed, 0]), CALIBRATING))
+    points, own = _random(model, np.random.default_rng([seed, 0]), CALIBRATING)
+    off = differences(table.evaluate(points), {name: getattr(own, name) for name in QUANTITIES})
+    off = {name: error + own.error[name] for name, error in off.items()}
+    table = with_errors(table, points, off, np.asarray(own.inside), int(CELLS ** (1 / points.shape[1]) + 1e-9))
     progress("measuring the errors", 1, 2)
-    measured = compared(table, source.truth(np.random.default_rng([seed, 1]), MEASURING))
-    if measured["contact_force"]["count"] < FEWEST:
+    found = measured(table, model, np.random.default_rng([seed, 1]), MEASURING)
+    if found["contact_force"]["count"] < FEWEST:
         raise ValueError(
             f"the table must have contact forces at {FEWEST} of {MEASURING} points at least, got "
-            f"{measured['contact_force']['count']}: all others are marked; take other distances or more nodes"
+            f"{found['contact_force']['count']}: all others are marked; take other distances or more nodes"
         )
-    plane = facing_plane(model.scene["geometry"]["side"], model.obstacle.distances)
     origin = {
         "specialised_from": model.scene["name"],
         "object": repr(model.obstacle),
-        "facing_plane": model.obstacle == plane,
+        "facing_plane": model.obstacle == facing_plane(model.scene["geometry"]["side"], model.obstacle.distances),
     }
-    return replace(table, accuracy=measured, provenance=table.provenance | origin)
+    return replace(table, accuracy=found, provenance=table.provenance | origin)
+
+
+def measured(
+    table: SeparatedModel, model: TouchedSegment, random: np.random.Generator, count: int
+) -> dict[str, dict[str, Any]]:
+    """Errors against the finger at random points inside both, see `compared`; `decided`: the share of right touches."""
+    points, own = _random(model, random, count)
+    answers, true = table.evaluate(points), {name: getattr(own, name) for name in QUANTITIES}
+    inside = np.asarray(own.inside & answers.inside)
+    right = (answers.contact_force > 0) == (own.contact_force > 0)
+    found = compared(answers, true, differences(answers, true), inside)
+    found["touch_distance"]["decided"] = float(np.mean(right[inside]))
+    return found
+
+
+def _random(model: TouchedSegment, random: np.random.Generator, count: int) -> tuple[np.ndarray, Answer]:
+    """Points within the limits, shape (count, p), and what the finger answers."""
+    lower, upper = model.limits
+    points = lower + random.random((count, len(lower))) * (upper - lower)
+    return points, model.evaluate(points)

@@ -14,8 +14,8 @@ import numpy as np
 
 from rom.brief import brief
 
-FORMAT = 7  # of snapshot sets
-FORMER = 6  # of which held-out sets and those of scenes with a load are as they are now, but for another key
+FORMAT = 8  # of snapshot sets
+FORMER = 7  # of which held-out sets and those of scenes with a load are as they are now, but for another key
 # Keys of a scene that change none of the finger's answers.
 NOT_OF_THE_FINGER = ("name", "sampling", "expected", "coarse", "accuracy", "budget", "preset")
 
@@ -46,8 +46,8 @@ class Line:
     Attributes:
         kind: free (along the lead tension), contact (along the contact path), pressed (a free state and pressed ones,
             at tensions of its own) or random (held-out states of the same tensions).
-        index: what it holds fixed, as positions: of the other tensions' combination; and for contact of the onset node.
-            A number of its own for pressed and random lines.
+        index: what it holds fixed, as positions: of the other tensions' combination; and for contact of the lead
+            tension's node. A number of its own for pressed and random lines.
         nodes: positions along the line, of `tension_nodes[lead]` or of `contact_nodes`; of a random line in `random`;
             of a pressed line 0 for the free state, then 1 and so on in its `wrenches`.
         tensions: of a pressed line [N].
@@ -69,7 +69,6 @@ class Description:
         parameters: name, unit, lower and upper of each, tensions first, then d or the wrenches' components.
         lead: index of the lead tension.
         tension_nodes: nodes of every tension [N].
-        onset_nodes: nodes of the lead tension between onset (0) and its highest (1) [-].
         contact_nodes: nodes of the contact path between touch (0) and its nearest (1) [-].
         random: held-out parameters, shape (count, p); empty for a training set.
         scattered: tensions of the lines of a scene with a load, shape (lines, tensions) [N]; empty for a grid.
@@ -82,7 +81,6 @@ class Description:
     parameters: list[dict[str, Any]]
     lead: int
     tension_nodes: list[list[float]]
-    onset_nodes: list[float]
     contact_nodes: list[float]
     random: list[list[float]]
     scattered: list[list[float]]
@@ -142,7 +140,7 @@ class Description:
         others, contact = range(len(self.others)), tuple(range(len(self.contact_nodes)))
         found = {f"free-{j}": Line("free", (j,), tuple(range(len(self.tension_nodes[self.lead])))) for j in others}
         if self.has_obstacle:
-            for j, i in product(others, range(len(self.onset_nodes))):
+            for j, i in product(others, range(len(self.tension_nodes[self.lead]))):
                 found[f"contact-{j}-{i}"] = Line("contact", (j, i), contact)
         return found
 

@@ -48,7 +48,6 @@ def create(path: str | Path, description: Description) -> None:
     for name in (
         "fingerprint",
         "tension_nodes",
-        "onset_nodes",
         "contact_nodes",
         "random",
         "scattered",

@@ -10,8 +10,7 @@ these it holds, of every state:
     reason       (n,)     why not, empty if converged
     last_good    (n, p)   last load with an equilibrium on the way to a state that did not converge
 
-and of the line: task, fingerprint, seconds; of a free line onset, the lead tension that first reaches the nearest plane
-[N], and onset_jacobian, its derivatives by the other tensions [-].
+and of the line: task, fingerprint, seconds.
 """
 
 from __future__ import annotations
@@ -148,7 +147,7 @@ def not_finite(arrays: Mapping[str, np.ndarray], converged: np.ndarray) -> str:
     for name, values in arrays.items():
         own = values[:, :-1] if name == "parameters" else values  # d is nan in a free state
         if name == "parameters" or name.removesuffix("_jacobian") in names:
-            wrong = np.flatnonzero(converged & ~np.isfinite(own).reshape(len(own), -1).all(axis=1))
+            wrong = np.flatnonzero(converged & ~np.isfinite(own).all(axis=tuple(range(1, own.ndim))))
             if wrong.size:
                 return f"{name} must be finite in a converged state, got nan or infinity in state {wrong[0]}"
     return ""

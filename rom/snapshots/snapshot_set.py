@@ -8,7 +8,7 @@ A set is a folder:
     tasks/NAME.npz      one file per task, a line of states solved in a fixed order, see rom.snapshots.schema
 
 Names of tasks: `free-J` is a line along the lead tension, which bends the finger most towards the plane; `contact-J-I`
-brings the plane from touch to its nearest, where one state stands for the line if both are the same; `pressed-K` has
+brings the plane from touch to its nearest, without a state where the finger does not reach it; `pressed-K` has
 tensions of its own, and wrenches on the plates; `random-K` is held out. See rom.snapshots.description.Line.
 """
 
@@ -44,7 +44,7 @@ def read_description(path: str | Path) -> Description:
         table = json.loads((Path(path) / "set.json").read_text())
         if table["format"] == FORMER and (table["random"] or table["wrenches"]):
             table |= {"format": FORMAT}
-            del table["strides"]
+            del table["onset_nodes"]
         if table["format"] != FORMAT:
             told = f"must be a set of format {FORMAT}, got {table['format']}"
             raise SnapshotError(f"{path}: {told}; fingerfem snapshots solves it in another folder")
@@ -167,56 +167,33 @@ class SnapshotSet:
         tasks = [task for task, line in self.plan.lines.items() if line.kind == kind and task in self._tasks]
         return np.concatenate([self._values(task, name)[self._tasks[task]["converged"]] for task in tasks])
 
-    def _stored(self, task: str, line: Line) -> np.ndarray:
-        """Where the states of a line stand in its task: one that stands for all is read for all."""
-        count, nodes = len(self._tasks[task]["converged"]), len(line.nodes)
-        return np.arange(nodes) if count == nodes else np.zeros(nodes, int)
-
     def _on_grid(self, line: Line) -> np.ndarray:
-        """Positions on the grid of a line's nodes, shape (nodes, axes); of contact lines the onset node leads."""
-        shape = self._other_shape
-        others = [int(k) for k in np.unravel_index(line.index[0], shape)] if shape else []
-        if line.kind == "free":
-            return np.insert(np.tile(np.array(others, int), (len(line.nodes), 1)), self.description.lead, line.nodes, 1)
-        others.insert(self.description.lead, line.index[1])
-        return np.column_stack([np.tile(others, (len(line.nodes), 1)), line.nodes])
-
-    def onset(self, name: str = "onset") -> np.ndarray:
-        """Onset tension [N], or its derivatives, on the grid of the other tensions; nan where it is not known."""
-        found = {
-            line.index[0]: self._tasks[task][name]
-            for task, line in self.plan.lines.items()
-            if line.kind == "free" and task in self._tasks and name in self._tasks[task]
-        }
-        grid = np.full((len(self.description.others), *np.shape(next(iter(found.values())))), np.nan)
-        for j, value in found.items():
-            grid[j] = value
-        return grid.reshape((*self._other_shape, *grid.shape[1:]))
+        """Positions on the grid of a line's nodes, shape (nodes, axes)."""
+        shape = [len(self.description.tension_nodes[k]) for k in self.description.other_axes]
+        others, count = np.unravel_index(line.index[0], shape) if shape else (), len(line.nodes)
+        lead, contact = (line.nodes, ()) if line.kind == "free" else ([line.index[1]] * count, (line.nodes,))
+        columns = [np.full(count, k) for k in others]
+        columns.insert(self.description.lead, np.array(lead))
+        return np.column_stack([*columns, *contact])
 
     def free(self, name: str) -> np.ndarray:
-        """A quantity of the free states on the grid, shape (tension 1, tension 2, ..., *quantity); 0 if not known."""
+        """A quantity of the free states on the grid, shape (tension 1, tension 2, ..., *quantity); nan if missing."""
         return self._grid("free", name, [len(axis) for axis in self.description.tension_nodes])
 
     def contact(self, name: str) -> np.ndarray:
-        """A quantity of the contact states on the grid, shape (tension 1, ..., contact path, *quantity).
-
-        The lead axis runs over `onset_nodes`, the last over `contact_nodes`. 0 if not known.
-        """
+        """A quantity of the contact states on the grid, shape (tension 1, ..., contact path, *quantity)."""
         description = self.description
-        shape = [len(axis) for axis in description.tension_nodes]
-        shape[description.lead] = len(description.onset_nodes)
-        return self._grid("contact", name, [*shape, len(description.contact_nodes)])
+        return self._grid("contact", name, [*map(len, description.tension_nodes), len(description.contact_nodes)])
 
     def _grid(self, kind: str, name: str, shape: list[int]) -> np.ndarray:
         places, values = [], []
         for task, line in self.plan.lines.items():
             if line.kind == kind and task in self._tasks:
-                rows = self._stored(task, line)
-                answered = self._tasks[task]["converged"][rows]
-                places.append(self._on_grid(line)[answered])
-                values.append(self._values(task, name)[rows[answered]])
+                answered = self._tasks[task]["converged"]
+                places.append(self._on_grid(line)[: len(answered)][answered])
+                values.append(self._values(task, name)[answered])
         found = np.concatenate(values)
-        grid = np.zeros((*shape, *found.shape[1:]), found.dtype)
+        grid = np.full((*shape, *found.shape[1:]), np.nan if found.dtype.kind == "f" else 0, found.dtype)
         grid[tuple(np.concatenate(places).T)] = found
         return grid
 
@@ -234,7 +211,3 @@ class SnapshotSet:
         """Parameters of all states that have an answer, shape (states, p); d of a free state is infinite."""
         parameters = self.answered("parameters")
         return np.where(np.isnan(parameters), np.inf, parameters)
-
-    @property
-    def _other_shape(self) -> tuple[int, ...]:
-        return tuple(len(self.description.tension_nodes[k]) for k in self.description.other_axes)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from rom.separated.alternating_directions import EnrichmentOptions, compose, separate
-from rom.separated.separated_form import Separated
+from rom.separated.form import Separated
 from studies.extremes.verdicts import Row, judged
 
 PART = "separated form"
@@ -49,12 +49,10 @@ def rows() -> Iterator[Row]:
     def two_nodes() -> float:
         data = np.random.default_rng(3).standard_normal((1, 2, 2))
         factors, errors = separate(data, EnrichmentOptions(tolerance=1e-12))
-        form = Separated(
-            lower=np.zeros(2), upper=np.ones(2), factors=factors[1:],
-            slopes=[np.repeat(np.diff(factor, axis=0), 2, axis=0) for factor in factors[1:]],
-            modes=factors[0], errors=errors, lost=np.zeros((len(errors), 1)),
-        )  # fmt: skip
-        corners = [float(form.value([i, j])[0]) - data[0, i, j] for i in (0, 1) for j in (0, 1)]
+        functions = [np.array([factor, np.repeat(np.diff(factor, axis=0), 2, axis=0)]) for factor in factors[1:]]
+        ends = np.array([[0.0, 0.0], [1.0, 1.0]])
+        form = Separated(ends=ends, functions=functions, modes=factors[0], errors=errors)
+        corners = [float(form.value_and_gradient([i, j])[0][0]) - data[0, i, j] for i in (0, 1) for j in (0, 1)]
         return float(np.abs(corners).max())
 
     yield judged(PART, "nodes", "two an axis", "the data at their corners", 1e-9, two_nodes)

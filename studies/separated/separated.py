@@ -13,7 +13,7 @@ import numpy as np
 from rom import SeparatedModel, TouchedSegment, load, specialise
 from rom.native.forms import values
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.separated.separate import Samples, separated_samples
+from rom.separated.form import Separated
 from studies import sets
 from studies.measures import call_times, quantiles, random_points
 from studies.runner import ROOT, Run
@@ -65,9 +65,8 @@ def _plain(nodes: int, terms: int) -> dict[str, Any]:
     lower, upper = model.limits
     axes = [np.linspace(low, high, nodes) for low, high in zip(lower, upper, strict=True)]
     found = model.answers(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes)))
-    force, by = found.out[:, 3:4], found.jacobians[:, 3:4]
-    samples = Samples(axes, force, by, np.ones(len(force), bool), np.abs(force).max(axis=0))
-    form = separated_samples(samples, EnrichmentOptions(tolerance=TOLERANCE, terms=terms))
+    force, by = (part[:, 3:4].reshape(*[nodes] * len(axes), 1, *part.shape[2:]) for part in found[:2])
+    form = Separated.of(axes, force, by, EnrichmentOptions(tolerance=TOLERANCE, terms=terms))
     points = random_points(model, RANDOM)
     answer = model.evaluate(points)
     felt = answer.inside & (answer.contact_force > FELT)

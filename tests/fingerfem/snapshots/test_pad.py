@@ -35,5 +35,6 @@ def test_a_pad_that_bears_everything_presses_with_the_contact_force_over_its_are
     force, pressure = states.contact("contact_force"), states.contact("pad_pressure")
     slopes, by = states.contact("contact_force_jacobian"), states.contact("pad_pressure_jacobian")
     assert (force > 0.5).sum() > 10
-    assert pressure * AREA == pytest.approx(force, rel=1e-6, abs=1e-9)
-    assert by * AREA == pytest.approx(slopes, rel=1e-6, abs=1e-6 * np.abs(slopes).max())
+    reached = np.isfinite(force)
+    assert pressure[reached] * AREA == pytest.approx(force[reached], rel=1e-6, abs=1e-9)
+    assert by[reached] * AREA == pytest.approx(slopes[reached], rel=1e-6, abs=1e-6 * np.abs(slopes[reached]).max())

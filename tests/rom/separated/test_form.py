@@ -1,0 +1,76 @@
+"""The compiled sum of products is the sum of products, its gradient the derivative; and it is found from samples."""
+
+import numpy as np
+import pytest
+
+from rom.native.forms import values
+from rom.separated.alternating_directions import EnrichmentOptions
+from rom.separated.form import Separated
+
+
+@pytest.fixture(params=[1, 2, 3, 4])
+def form(request) -> Separated:
+    random, axes = np.random.default_rng(request.param), request.param
+    lower = random.random(axes)
+    return Separated(
+        ends=np.array([lower, lower + 1 + random.random(axes)]),
+        functions=[random.standard_normal((2, 6, 5)) for _ in range(axes)],
+        modes=random.standard_normal((3, 5)),
+        errors=np.array([0.5, 0.2, 0.1, 0.01, 0.001]),
+    )
+
+
+def value(form: Separated, x: np.ndarray) -> np.ndarray:
+    return values(form.tables, 0, np.atleast_2d(x))[0]
+
+
+def test_at_the_nodes_it_is_the_composed_tensor(form):
+    nodes = np.linspace(*form.ends, 6)
+    for index in np.ndindex(*[3] * nodes.shape[1]):
+        product = np.prod([function[0, i] for function, i in zip(form.functions, index, strict=True)], axis=0)
+        assert value(form, nodes[index, range(len(index))]) == pytest.approx(form.modes @ product, abs=1e-10)
+
+
+def test_gradients_are_differences(form):
+    x = form.ends[0] + 0.53 * np.ptp(form.ends, axis=0)
+    _, gradient = form.value_and_gradient(x)
+    for a in range(len(x)):
+        h = 1e-6 * np.eye(len(x))[a]
+        slope = (value(form, x + h) - value(form, x - h)) / 2e-6
+        assert gradient[:, a] == pytest.approx(slope, rel=1e-6, abs=1e-5)
+
+
+def test_outside_it_goes_on_for_one_interval_and_then_stays(form):
+    upper, step = form.ends[1], np.ptp(form.ends, axis=0) / 5
+    assert value(form, upper + 10 * step) == pytest.approx(value(form, upper + step))
+    assert not form.value_and_gradient(upper + 10 * step)[1].any()
+    assert form.value_and_gradient(upper + 0.5 * step)[1].any()
+
+
+def test_truncation_keeps_the_fewest_terms_that_meet_the_tolerance_and_says_what_is_lost(form):
+    assert form.truncated(0.2)[0].terms == 2
+    whole, lost = form.truncated(1e-9)
+    assert whole.terms == 5 and not lost.any()
+    few, lost = form.truncated(0.15)
+    assert few.terms == 3
+    nodes = np.stack(np.meshgrid(*np.linspace(*form.ends, 6).T, indexing="ij"), axis=-1).reshape(
+        -1, len(form.functions)
+    )
+    off = np.abs(values(form.tables, 0, nodes) - values(few.tables, 0, nodes))
+    assert lost == pytest.approx(np.percentile(off, 95, axis=0))
+
+
+def test_a_separable_function_is_found_from_samples_with_missing_and_left_out_nodes():
+    """u = sin(x) exp(y) + x y and a multiple of it; every second node of x alone, and 2 points missing."""
+    x, y = np.linspace(0, 1, 9)[[0, 2, 4, 5, 6, 8]], np.linspace(1, 2, 6)
+    at = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    u = np.sin(at[..., 0]) * np.exp(at[..., 1]) + at.prod(axis=-1)
+    by = np.stack([np.cos(at[..., 0]) * np.exp(at[..., 1]) + at[..., 1], u - at.prod(axis=-1) + at[..., 0]], axis=-1)
+    samples, gradient = np.stack([u, 3 * u], axis=-1), by[..., None, :]
+    for missing in ((2, 3), (4, 0)):
+        samples[missing], gradient[missing] = np.nan, np.nan
+    form = Separated.of([x, y], samples, gradient, EnrichmentOptions(terms=2, sweeps=1000))
+    for point in ([0.5, 1.6], [0.31, 1.05], [0.93, 1.77]):
+        true = np.sin(point[0]) * np.exp(point[1]) + np.prod(point)
+        found = value(form, np.array(point))
+        assert found[0] == pytest.approx(true, rel=1e-4) and found[1] == pytest.approx(3 * true, rel=5e-3)
