@@ -9,8 +9,7 @@ makes them.
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -21,21 +20,17 @@ from numpy.typing import ArrayLike
 
 from rom import checked_file
 from rom.brief import brief
-from rom.checked_file import ModelError, require, shaped
+from rom.checked_file import ModelError
 from rom.native import EVALUATION, PickledByFields, answer
 from rom.native.answer import Answer
-from rom.rod.scene_of_rod import of_tables
+from rom.separated import model_file
 from rom.separated.form import Separated, tables
 from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters
 
 logger = logging.getLogger(__name__)
 
 KIND, FORMAT = "fingerfem separated model", 2
-PLAIN = ("parameters", "scene", "accuracy", "provenance", "lead")
-FREE, CONTACT = ("x", "y", "z", "touch_distance"), ("x", "y", "z", "contact_force", "pad_pressure")
-PER_PATH = "tip -, contact force N/m, displacement -, pad pressure Pa/m"  # units of estimated errors
 FREE_SHARE = 0.01  # of a tolerance, for the free form: contact begins at its touch distance [-]
-MOST_PARAMETERS, MOST_TERMS = 9, 1 << 16  # as in native/kernel.h; places in memory are counted in 32 bits
 
 
 @brief
@@ -259,18 +254,7 @@ class SeparatedModel(PickledByFields):
 
     def save(self, path: str | Path) -> None:
         """Write the model file (HDF5), see docs/format.md."""
-        axes = [(parameter["name"], parameter["unit"]) for parameter in self.parameters[:-1]]
-        cells = (self.cells,) * len(self.parameters)
-        contents: dict[str, Any] = {name: getattr(self, name) for name in PLAIN} | {
-            "free": _tree(self.free, axes, "m", FREE),
-            "contact": _tree(self.contact, [*axes, ("s", "-")], "-, -, -, N/m, Pa/m", CONTACT),
-            "answered": (self.answered.astype(np.uint8).reshape(cells), "-"),
-            "error": asdict(self.errors) | {"contact": (self.errors.contact.reshape(*cells, -1), PER_PATH)},
-        }
-        if self.displacements is not None:
-            contents["displacement"] = dict(
-                zip(Field._fields, zip(self.displacements, "mm-", strict=True), strict=True)
-            )
+        contents = model_file.contents(self)
         checked_file.save(Path(path), KIND, FORMAT, lambda file: checked_file.write_tree(file, contents))
 
     @classmethod
@@ -287,35 +271,12 @@ class SeparatedModel(PickledByFields):
 
     @classmethod
     def _of(cls, file: h5py.File) -> SeparatedModel:
-        """What a file holds; refuses what compiled code and controllers cannot read, by name and rule."""
-        tree = checked_file.read_tree(file)
-        p, cells, rates = len(tree["parameters"]), tree["answered"], tree["error"]["contact"]
-        require(2 <= p <= MOST_PARAMETERS, f"parameters must be from 2 to {MOST_PARAMETERS}", p)
-        cube = cells.size > 0 and cells.shape == (len(cells),) * p
-        require(cube, f"cells must be as many along each of {p} parameters", cells.shape)
-        scene = tree["scene"] | of_tables(tree["scene"])
-        model = cls(
-            **{name: tree[name] for name in PLAIN} | {"scene": scene},
-            free=_form("free", tree["free"], p - 1, len(FREE), FREE),
-            contact=_form("contact", tree["contact"], p, len(CONTACT) - 1, CONTACT),
-            answered=cells.ravel() != 0,
-            errors=Errors(**tree["error"] | {"contact": rates.reshape(cells.size, -1)}),
-            displacements=Field(**tree["displacement"]) if "displacement" in tree else None,
+        tree = model_file.checked(checked_file.read_tree(file))
+        moved = tree.pop("displacement", None)
+        return cls(
+            **tree | {"errors": Errors(**tree["errors"])},
+            displacements=None if moved is None else Field(**moved),
         )
-        errors, (lower, upper) = model.errors, model.limits
-        ordered = bool(np.isfinite([lower, upper]).all() and (lower < upper).all())
-        require(ordered, "parameters must have finite lower ends below their upper ends", [*lower, *upper])
-        require(0 <= model.lead < p - 1, f"lead must be from 0 to {p - 2}", model.lead)
-        require(len(scene["tendons"]) == p - 1, f"tendons must be {p - 1}", len(scene["tendons"]))
-        shaped("error", errors.contact, (cells.size, 3 + model.has_pad), finite=False)
-        least = [errors.tip, errors.displacement, errors.touch_distance, errors.margin, *errors.contact.ravel()]
-        require(bool(np.min(least) >= 0) and np.isfinite(errors.margin), "error must be at least 0", "others")
-        if model.displacements is not None:
-            nodes, *modes = model.displacements
-            shaped("nodes", nodes, (len(nodes), 3))
-            for name, part, form in zip(("free", "contact"), modes, (model.free, model.contact), strict=True):
-                shaped(f"displacement by {name}", part, (nodes.size, form.terms))
-        return model
 
     def _point(self, parameters: ArrayLike, most: int = 1) -> np.ndarray:
         names = ", ".join(self.names)
@@ -326,26 +287,3 @@ class SeparatedModel(PickledByFields):
         if point.shape[-1:] != (len(self.parameters),) or point.ndim > most:
             raise ModelError(f"parameters must be {names} (in that order), got shape {point.shape}")
         return point
-
-
-def _tree(form: Separated, axes: list[tuple[str, str]], unit: str, names: Sequence[str]) -> dict[str, Any]:
-    """A separated form for its file; `names` are those of its components."""
-    units = [unit for _, unit in axes]
-    described = {"components": list(names[: len(form.modes)]), "axes": [name for name, _ in axes]}
-    arrays = {"modes": (form.modes, unit), "errors": (form.errors, "-"), "ends": (form.ends, ", ".join(units))}
-    functions = zip(form.functions, units, strict=True)
-    return described | arrays | {f"functions_{a}": (part, f"-, 1/{of}") for a, (part, of) in enumerate(functions)}
-
-
-def _form(name: str, tree: dict[str, Any], axes: int, least: int, names: Sequence[str]) -> Separated:
-    """A separated form from its file."""
-    functions, (components, terms) = [tree[f"functions_{a}"] for a in range(axes)], tree["modes"].shape
-    require(least <= components <= len(names), f"{name} must have {least} to {len(names)} components", components)
-    require(1 <= terms <= MOST_TERMS, f"{name} must have from 1 to {MOST_TERMS} terms", terms)
-    shaped(f"modes of {name}", tree["modes"], (components, terms))
-    shaped(f"errors of {name}", tree["errors"], (terms,))
-    shaped(f"ends of {name}", tree["ends"], (2, axes))
-    require(bool((tree["ends"][0] < tree["ends"][1]).all()), f"ends of {name} must ascend", tree["ends"].tolist())
-    for a, function in enumerate(functions):
-        shaped(f"functions_{a} of {name}", function, (2, max(*function.shape[1:2], 2), terms))
-    return Separated(ends=tree["ends"], functions=functions, modes=tree["modes"], errors=tree["errors"])

@@ -16,7 +16,7 @@ from rom.native import EVALUATION, SEGMENT, compiler
 from rom.rod import limits as rod_limits
 from rom.rod.scene_of_rod import MOST_SEGMENTS
 from rom.rod.touched_segment import SHIPPED
-from rom.separated.model import MOST_PARAMETERS
+from rom.separated.model_file import MOST_PARAMETERS
 from tests.rom import fuzzed
 
 ROOT = Path(__file__).resolve().parents[2]
