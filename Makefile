@@ -111,6 +111,7 @@ out/peers/pypardiso/ready: .venv/ready
 
 # The documentation as a site, out/site/index.html: no link may be broken. What its pages quote, docs/.site/samples.py makes anew.
 site: out/site-venv/ready
+	$(PYTHON) docs/.site/language.py
 	NO_MKDOCS_2_WARNING=1 out/site-venv/bin/mkdocs build --strict
 
 out/site-venv/ready: docs/.site/requirements.txt

@@ -47,8 +47,8 @@ Touch is decided correctly in {found["touch"]["count"] - found["touch"]["wrong"]
 
 {table(report.ERROR_HEADER, [row for row in report.error_rows(numbers) if row[0] != "touch distance"])}
 
-A hold takes {sweep["mean_us"]:.0f} µs on average and {sweep["p99_us"]:.0f} µs at the 99th percentile of the authors' {sweep["starts"]:,}, on the machine that measured this; the paper reports
-7,160 µs on average and 31,000 µs at worst on theirs.
+A hold of the authors' {sweep["starts"]:,} takes {sweep["mean_us"]:.0f} µs on average and {sweep["p99_us"]:.0f} µs at the 99th percentile. The paper reports
+7,160 µs on average and 31,000 µs at most, on another machine.
 """
 
 
@@ -62,7 +62,7 @@ The demo's finger (`scenes/demo/`) is assembled from {len(numbers["elements"])} 
 states on {report.mesh_name(numbers["meshes"]["fine"])} ({numbers["unknowns"]["fine"]:,} unknowns; {fine["newton_iterations"] / fine["states"]:.1f} factorisations per state). Each began at the same state on
 {report.mesh_name(numbers["meshes"]["coarse"])} ({coarse["newton_iterations"] / coarse["states"]:.1f} per state); {coarse["failed"] + fine["failed"]} failed. Contact is solved for online. The table compares the finger with {found["states"]}
 held-out states of the fine mesh before a plane ({held_out["newton_iterations"] / held_out["states"]:.1f} factorisations per state), contact forces above 0.1 N. Marked answers,
-where rubber touches or the force is beyond the trained range, are not counted: {found["marked"]}.
+whose force is beyond the trained range, are not counted: {found["marked"]}.
 
 {table(report.ERROR_HEADER, report.error_rows(numbers))}
 
@@ -75,8 +75,8 @@ Contact forces held at {numbers["grasp"]["target"]:g} N, fed to the full-order m
 {table(report.HOLD_HEADER, report.hold_rows(numbers))}
 
 The authors' sweep of {sweep["starts"]:,} holds: {sweep["converged"]:,} converged, {sweep["unreachable"]:,} unreachable and flagged,
-{sweep["failed"]} without an answer (`out_of_domain`: so near that rubber may touch the plane, too), {sweep["out_of_limits"]} outside the limits; {sweep["mean_us"]:.0f} µs per solve on average and {sweep["p99_us"]:.0f} µs at the 99th percentile
-on the machine that measured this (the authors report 7,160 µs and 31,000 µs at worst on theirs).
+{sweep["failed"]} without an answer (`out_of_domain`: beyond the trained force), {sweep["out_of_limits"]} outside the limits. A solve takes {sweep["mean_us"]:.0f} µs on average and {sweep["p99_us"]:.0f} µs at the 99th percentile.
+The authors report 7,160 µs on average and 31,000 µs at most, on another machine.
 """
 
 

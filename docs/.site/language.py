@@ -1,6 +1,7 @@
-"""Finds words that this project does not use, and sentences of pages that are too long (CONTRIBUTING.md, Language).
+"""Finds words that this project does not use, and sentences of pages that are too long.
 
-python docs/.site/language.py    prints one line for each, and exits with 1 if there are any
+python docs/.site/language.py          prints one line for each in the pages that are written by hand; exits with 1 if any
+python docs/.site/language.py --all    the same of all pages and sources
 """
 
 from __future__ import annotations
@@ -24,23 +25,29 @@ WORDS = {
     "stations?": "cross-sections",
 }
 AVOIDED = {re.compile(rf"(?<![a-z])({words})(?![a-z])", re.IGNORECASE): better for words, better in WORDS.items()}
-CODE = "*.py", "*.c", "*.h", "*.in", "*.j2"
-FOLDERS = "fingerfem", "rom", "control", "studies", "tests", "docs"
+BY_HAND = (
+    "README.md",
+    "docs/index.md",
+    "docs/format.md",
+    *(f"docs/{name}" for name in ("howto", "tutorials", "explanation", "reference")),
+)
+FOLDERS = "README.md", "fingerfem", "rom", "control", "studies", "tests", "docs"
+KINDS = ".md", ".py", ".c", ".h", ".in", ".j2"
 OTHERS_OWN = "node_modules", "samples", ".site"  # folders whose text is not ours, or names these words
 FENCE = re.compile(r"^ *(```|~~~).*?^ *\1", re.MULTILINE | re.DOTALL)
-IN_LINE = re.compile(r"`[^`]*`|\$[^$]*\$|<[^>]*>|\]\([^)]*\)|\{[{%].*?[%}]\}")
+IN_LINE = re.compile(
+    r"\[[^]]*\]\([^)]*\)|`[^`]*`|\$[^$]*\$|<[^>]*>|\{[{%].*?[%}]\}"
+)  # links, code, formulas: a word each
 SENTENCE = re.compile(r"(?<=[.:;?!])\s+(?=\W*[A-Z])")
 NO_PROSE = "|", "#", ":::", "---", "!", "<"
 
 
-def files() -> Iterator[Path]:
-    """All pages and sources."""
-    yield ROOT / "README.md"
-    for folder in FOLDERS:
-        for pattern in (*CODE, "*.md"):
-            for file in sorted((ROOT / folder).rglob(pattern)):
-                if not set(OTHERS_OWN) & set(file.parts):
-                    yield file
+def files(names: tuple[str, ...]) -> Iterator[Path]:
+    """Files of these names, and all texts in folders of these names."""
+    for place in (ROOT / name for name in names):
+        for file in [place] if place.is_file() else sorted(place.rglob("*")):
+            if file.suffix in KINDS and not set(OTHERS_OWN) & set(file.parts):
+                yield file
 
 
 def avoided(text: str) -> Iterator[tuple[int, str]]:
@@ -56,22 +63,22 @@ def too_long(page: str) -> Iterator[tuple[int, str]]:
     text, line = FENCE.sub(lambda code: "\n" * code[0].count("\n"), page), 1
     for part in re.split(r"(\n\s*\n|\n(?= *[-*] | *\d+\. ))", text):
         prose = " ".join(row for row in part.splitlines() if not row.lstrip().startswith(NO_PROSE))
-        for sentence in SENTENCE.split(IN_LINE.sub("x", prose)):
+        for sentence in SENTENCE.split(IN_LINE.sub("X", prose)):
             count = len(sentence.split())
             if count > MOST_WORDS:
                 yield line, f"{count} words, at most {MOST_WORDS}: {sentence.strip()[:60]} ..."
         line += part.count("\n")
 
 
-def complaints() -> Iterator[str]:
+def complaints(names: tuple[str, ...] = BY_HAND) -> Iterator[str]:
     """One line for every word and sentence."""
-    for file in files():
+    for file in files(names):
         text = file.read_text()
-        found = [*avoided(text), *(too_long(text) if file.suffix == ".md" else ())]
-        yield from (f"{file.relative_to(ROOT)}:{line}: {complaint}" for line, complaint in found)
+        faults = [*avoided(text), *(too_long(text) if file.suffix == ".md" else ())]
+        yield from (f"{file.relative_to(ROOT)}:{line}: {complaint}" for line, complaint in faults)
 
 
 if __name__ == "__main__":
-    lines = list(complaints())
+    lines = list(complaints(FOLDERS if "--all" in sys.argv else BY_HAND))
     print("\n".join(lines))
     sys.exit(bool(lines))
