@@ -24,7 +24,7 @@ def grid(undisturbed) -> SnapshotSet:
 def table(grid, tmp_path_factory) -> Path:
     """The file of a table of full-order states."""
     file = tmp_path_factory.mktemp("table") / "table.h5"
-    separate_grid(grid, 6).save(file)
+    separate_grid(grid).save(file)
     return file
 
 
