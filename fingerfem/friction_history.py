@@ -13,13 +13,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fingerfem.discretisation import regions
+from fingerfem.discretisation.contact_points import FixedPoints, SurfaceFacets
+from fingerfem.discretisation.friction_points import FrictionPoints, Law
 from fingerfem.discretisation.obstacle_contact import ObstacleContact
+from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
+from fingerfem.mechanics import contact
 from fingerfem.model import FingerModel
 
 TRIES = 20  # of Newton's method, until its forces obey the law
 LAWFUL, LEAST = 1e-7, 1e-7  # sum of what forces disobey, over the sum of their bounds [-], or [N], that is none
 HALVINGS = 8  # of an increment that finds no equilibrium
+# r of `mechanics.friction` over a cell's stiffness E h, at nodes and in lattices: with more, or less, Newton's
+# method goes in circles in some histories [-].
+YIELDING = 0.1, 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,6 +81,20 @@ def friction_history(
     return list(_History(model, coefficient).states(rows, ways, increments))
 
 
+def friction_points(problem: Problem, coefficient: float) -> FrictionPoints:
+    """The points at which one body touches a finger with the penalty method and with friction [-]."""
+    assert problem.contact is not None
+    (body,), closest = problem.bodies, problem.contact.bodies[0].closest
+    rule, kinds = contact.nodal_rule(problem.scene.mesh.order), list(regions.SURFACE)
+    if closest is not None:
+        rule, kinds = contact.lattice_rule(contact.POINTS[0]), list(regions.RUBBER_FACETS)
+    facets = SurfaceFacets(problem.space, np.concatenate([problem.mesh.facets.find(kind) for kind in kinds]))
+    fixed = FixedPoints(facets, rule, float(problem.fields.stiffness.value), body)
+    cell = problem.law.young_modulus * problem.mesh.smallest
+    law = Law(body, coefficient, YIELDING[closest is not None] * cell)
+    return FrictionPoints(problem.fields.u, problem.fields.distance, fixed, closest, law)
+
+
 def _checked(
     model: FingerModel, points: ArrayLike, moved: ArrayLike | None, coefficient: float, increments: int
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -107,7 +129,7 @@ class _History:
         self._contact: ObstacleContact = problem.contact
         self._body = problem.bodies[0]
         self._direction = np.array(self._body.direction)
-        self._points = problem.friction_points(coefficient)
+        self._points = friction_points(problem, coefficient)
         self._stiffness = float(problem.fields.stiffness.value)
         self.iterations, self.dissipated = 0, 0.0
 

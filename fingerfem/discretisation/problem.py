@@ -12,10 +12,9 @@ from petsc4py import PETSc
 
 from fingerfem.discretisation import contact_points, regions
 from fingerfem.discretisation.assembly import Assembly
-from fingerfem.discretisation.contact_points import ContactPoints, FixedPoints, SurfaceFacets
+from fingerfem.discretisation.contact_points import ContactPoints
 from fingerfem.discretisation.deformation_limits import DeformationLimits
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_measure
-from fingerfem.discretisation.friction_points import FrictionPoints, Law
 from fingerfem.discretisation.mesh import build_mesh
 from fingerfem.discretisation.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
@@ -25,9 +24,6 @@ from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene import grid_lines
 from fingerfem.scene.scene import Scene
 
-# r of `mechanics.friction` over a cell's stiffness E h, at nodes and in lattices: with more, or less, Newton's
-# method goes in circles in some histories [-].
-YIELDING = 0.1, 1.0
 FAR = 1e3  # [m]: where the plane stands while nothing may touch it
 
 
@@ -289,18 +285,6 @@ class Problem(Assembly):
         kinds = (regions.RUBBER_FACETS, regions.PLATE_FACETS)
         facets = [np.concatenate([self.mesh.facets.find(kind) for kind in those]) for those in kinds]
         return contact_points.on_facets(self.space, zip(facets, contact.POINTS, strict=True))
-
-    def friction_points(self, coefficient: float) -> FrictionPoints:
-        """The points where one body, before a finger with the penalty method, is touched with friction [-]."""
-        assert self.contact is not None
-        (body,), closest = self.bodies, self.contact.bodies[0].closest
-        rule, kinds = contact.nodal_rule(self.scene.mesh.order), list(regions.SURFACE)
-        if closest is not None:
-            rule, kinds = contact.lattice_rule(contact.POINTS[0]), list(regions.RUBBER_FACETS)
-        facets = SurfaceFacets(self.space, np.concatenate([self.mesh.facets.find(kind) for kind in kinds]))
-        fixed = FixedPoints(facets, rule, self._contact_stiffness(), body)
-        law = Law(body, coefficient, YIELDING[closest is not None] * self.law.young_modulus * self.mesh.smallest)
-        return FrictionPoints(self.fields.u, self.fields.distance, fixed, closest, law)
 
     def surface_places(self) -> np.ndarray:
         """Where these points are in space, shape (points, 3) [m]."""

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fingerfem import FingerModel
+from fingerfem.friction_history import friction_points
 from fingerfem.scene.scene import Scene
 
 ROUND = {"centre": [0.03, 0.016, 0.0], "direction": [-0.6, 0.8, 0.0], "distance": [-0.006, 0.03], "method": "penalty"}
@@ -20,7 +21,7 @@ def pressed(table: dict, shape: str):
     tensions = [40.0, 5.0] if shape == "plane" else [10.0, 0.0]
     touch = model.solve(tensions, None, sensitivities=False).touch_distance
     model.solve(tensions, touch - (0.007 if shape == "plane" else 0.001), sensitivities=False)
-    return model.problem, model.problem.friction_points(0.4)
+    return model.problem, friction_points(model.problem, 0.4)
 
 
 def nodal(points, shape: tuple) -> np.ndarray:
