@@ -22,8 +22,8 @@ from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.mechanics import contact
 from fingerfem.model import FingerModel
 
-TRIES = 20  # of Newton's method, until its forces obey the law
-LAWFUL, LEAST = 1e-7, 1e-7  # sum of what forces disobey, over the sum of their bounds [-], or [N], that is none
+TRIES = 20  # solutions by Newton's method, until the forces obey the law
+LAWFUL, LEAST = 1e-7, 1e-7  # deviation from the law: over the sum of the bounds [-], and [N]
 HALVINGS = 8  # of an increment that finds no equilibrium
 # r of `mechanics.friction` over a cell's stiffness E h, at nodes and in lattices: with more, or less, Newton's
 # method goes in circles in some histories [-].

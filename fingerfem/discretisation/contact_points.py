@@ -95,7 +95,7 @@ class Pressing(NamedTuple):
     """Points that press on a body, or may.
 
     Attributes:
-        slots: what they are among all points of their facets, ascending, shape (m,).
+        slots: their indices among all points of their facets, ascending, shape (m,).
         nodes: of their facets, shape (m, n).
         weights: of these nodes, shape (m, n) [-].
         stiffness: of the contact's springs there, shape (m,) [N/m].
@@ -110,13 +110,13 @@ class Pressing(NamedTuple):
 
 
 class FixedPoints:
-    """The points of a rule on facets, each with its share of the penalty.
+    """The points of a quadrature rule on facets, each with its part of the penalty.
 
     Args:
         facets: that may touch.
         rule: places on the reference facet, shape (points, 2), and weights, shape (points,) [-].
         stiffness: of contact, by area [N/m^3].
-        body: what is touched.
+        body: the obstacle.
     """
 
     def __init__(self, facets: SurfaceFacets, rule: tuple[np.ndarray, np.ndarray], stiffness: float, body: Body):
@@ -126,7 +126,7 @@ class FixedPoints:
         self.count = self._stiffness.size
 
     def pressing(self, displacement: np.ndarray, distance: float, tried: np.ndarray) -> Pressing:
-        """Those inside the body at nodal displacements, shape (3 nodes,), and its distance [m]; and slots tried."""
+        """Points inside the body at nodal displacements, shape (3 nodes,), and its distance [m]; and slots `tried`."""
         places = self._facets.places(displacement)
         middles = places.mean(axis=1)
         radii = np.linalg.norm(places - middles[:, None], axis=2).max(axis=1, initial=0.0)

@@ -238,11 +238,6 @@ def _contact(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields) -> dict[
     return wanted
 
 
-def surface_area(ds: ufl.Measure, space: fem.FunctionSpace) -> fem.Form:
-    """Area of the contact surface around every node, as the component x [m^2]."""
-    return form_cache.form(ufl.TestFunction(space)[0] * ds(regions.SURFACE))
-
-
 def pad_areas(ds: ufl.Measure, space: fem.FunctionSpace) -> tuple[fem.Form, fem.Form]:
     """Areas around the nodes, in y, of the pad and of the whole face it lies on [m^2].
 

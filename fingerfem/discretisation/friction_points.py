@@ -1,12 +1,11 @@
 """Contact with friction: the forces of points that press on an obstacle, their tangent, their history.
 
-They are the points that press without friction too, each with its own normal force, and the same stiffness along the
-surface as across it. Here they take the place of the compiled forms. A plate's springs at closest points stay, and get
-friction here. They move along the plate as a round obstacle rolls: what such a point has moved is what the plate's
-material there has.
+The points are those of contact without friction. Each has its own normal force, and one stiffness along the surface
+and across it. During a history they replace the compiled forms. Springs at the closest points of plates remain, and get
+friction here. Such a point moves along the plate as a round obstacle rolls; its displacement is that of the material.
 
-What is symmetric of the tangent goes where other springs go. A bound changes with the normal force, and a force turns
-with the obstacle's normal: both are not symmetric, of low rank, and in `LowRank`.
+The symmetric part of the tangent is assembled with the other springs. A bound changes with the normal force, and a
+force turns with the obstacle's normal: both parts are not symmetric, and have a low rank (`LowRank`).
 """
 
 from __future__ import annotations
@@ -38,19 +37,19 @@ class Drag(NamedTuple):
 
     Attributes:
         points: m of them.
-        bears: whether a point's normal force is among what is here, shape (m,).
+        is_fixed: whether a point is one of FixedPoints, whose normal forces are assembled here, shape (m,).
         places: of the points, shape (m, 3) [m].
         normals: of the obstacle, shape (m, 3) [-].
         curvatures: gradients of the normals, shape (m, 3, 3) [1/m].
         normal_forces: shape (m,) [N].
-        missed: what points that were taken for open would press with [N].
+        missed: sum of the normal forces at points that the active set has as open [N].
         bounds: of the tangential forces, shape (m,) [N].
         stretches: of the tangential springs, shape (m, 3) [m].
         tangential: their forces by the linearised law.
     """
 
     points: Pressing
-    bears: np.ndarray
+    is_fixed: np.ndarray
     places: np.ndarray
     normals: np.ndarray
     curvatures: np.ndarray
@@ -65,19 +64,19 @@ class Drag(NamedTuple):
         return friction.returned(self.stretches, self.points.stiffness, self.bounds)
 
     def pushing(self) -> tuple[np.ndarray, np.ndarray]:
-        """Normal forces that are borne here, and minus their derivatives by the places, shapes (m, 3), (m, 3, 3)."""
-        force = np.where(self.bears, self.normal_forces, 0.0)[:, None] * self.normals
-        stiffness = np.where(self.bears, self.points.stiffness, 0.0)[:, None, None]
-        turning = np.where(self.bears, self.normal_forces, 0.0)[:, None, None] * self.curvatures
+        """Normal forces of the fixed points, and minus their derivatives by the places, shapes (m, 3), (m, 3, 3)."""
+        force = np.where(self.is_fixed, self.normal_forces, 0.0)[:, None] * self.normals
+        stiffness = np.where(self.is_fixed, self.points.stiffness, 0.0)[:, None, None]
+        turning = np.where(self.is_fixed, self.normal_forces, 0.0)[:, None, None] * self.curvatures
         return force, stiffness * self.normals[:, :, None] * self.normals[:, None] - turning
 
     def kept(self) -> np.ndarray:
-        """The stretches that these forces leave the springs with, shape (m, 3) [m]."""
+        """Stretches of the springs under the lawful forces, shape (m, 3) [m]."""
         return np.asarray(self.lawful() / self.points.stiffness[:, None])
 
 
 class History(NamedTuple):
-    """What an equilibrium leaves.
+    """An equilibrium, from which the next increment begins.
 
     Attributes:
         displacement: of the nodes, shape (3 nodes,) [m].
@@ -96,8 +95,8 @@ class FrictionPoints:
     Args:
         displacement: of the finger.
         distance: of the obstacle [m].
-        fixed: points whose normal forces are among what these do.
-        closest: points of plates, whose springs bear the normal forces; or none.
+        fixed: points whose normal forces are assembled here.
+        closest: points of plates, whose normal forces are assembled with their springs; or none.
         law: of friction.
     """
 
@@ -117,10 +116,10 @@ class FrictionPoints:
         """Start from a history, or without any from the present displacement."""
         self.history = history or History(*self._now(), None)
         self._carried = np.zeros(3)
-        self._drag, self._of = self.history.drag, self.history[:2]  # the last one, and what it is of
+        self._drag, self._of = self.history.drag, self.history[:2]  # the last one, its displacement and distance
 
     def begin(self, carried: np.ndarray) -> None:
-        """Begin an increment: the obstacle moves by `carried`, shape (3,) [m]; first tried are the last forces."""
+        """Begin an increment: the obstacle moves by `carried`, shape (3,) [m]. The last forces are the first trial."""
         self._carried, self._drag = carried, None
 
     def settle(self) -> float:
@@ -130,14 +129,14 @@ class FrictionPoints:
         return float(np.sum(drag.lawful() * (drag.stretches - drag.kept())))
 
     def unlawful(self) -> float:
-        """By how much the forces disobey the laws [N]; if they do, those of the linearised laws are tried next."""
+        """Sum of the deviations of forces from the laws [N]. The forces of the linearised laws are the next trial."""
         drag = self.drag()
         wrong = np.abs(drag.tangential.forces - drag.lawful()).sum() + np.maximum(-drag.normal_forces, 0.0).sum()
         self._of = np.zeros(0), 0.0
         return float(wrong) + drag.missed
 
     def drag(self) -> Drag:
-        """That of now. What is tried are the forces that the last one's linearised law has here."""
+        """The present one. Its trial forces are those of the last one's linearised law at the present displacement."""
         now = self._now()
         if self._drag is None or self._of[1] != now[1] or not np.array_equal(self._of[0], now[0]):
             self._drag, self._of = self._next(*now), now
@@ -148,7 +147,7 @@ class FrictionPoints:
 
     def _next(self, displacement: np.ndarray, distance: float) -> Drag:
         last = self._drag or self.history.drag
-        points, bears, missed = self._pressing(displacement, distance, last)
+        points, is_fixed, missed = self._pressing(displacement, distance, last)
         m = len(points.slots)
         places, far = self._places(displacement, points), np.full(m, distance)
         normals, curvatures = (at(places, far) for at in (self._law.body.normal_at, self._law.body.curvature_at))
@@ -164,7 +163,7 @@ class FrictionPoints:
         stiffness = points.stiffness, np.minimum(points.stiffness, self._law.yielding)
         tangential = friction.law(stretches, normals, stiffness, bounds, np.einsum("mij,mj->mi", across, tried))
         tangential = tangential._replace(by_bounds=np.where((bounds > 0)[:, None], tangential.by_bounds, 0.0))
-        return Drag(points, bears, places, normals, curvatures, normal_forces, missed, bounds, stretches, tangential)
+        return Drag(points, is_fixed, places, normals, curvatures, normal_forces, missed, bounds, stretches, tangential)
 
     def _tried(self, slots: np.ndarray, stretches: np.ndarray, bounds: np.ndarray, last: Drag) -> np.ndarray:
         """Forces of the last linearised law, or those of the last equilibrium, shape (m, 3) [N]."""
@@ -180,11 +179,11 @@ class FrictionPoints:
     def _pressing(
         self, displacement: np.ndarray, distance: float, last: Drag | None
     ) -> tuple[Pressing, np.ndarray, float]:
-        """Points that press, whether their normal forces are borne here, and what is missed, see Drag.
+        """Points that press, whether they are fixed ones, and the missed force, see Drag.
 
         As `mechanics.friction` has it, f - r (g + f/k) > 0 with the linearised normal force f, not with -k g.
         """
-        slots = np.zeros(0, int) if last is None else last.points.slots[last.bears]
+        slots = np.zeros(0, int) if last is None else last.points.slots[last.is_fixed]
         points = self._fixed.pressing(displacement, distance, slots)
         tried = np.zeros(len(points.slots))
         if last is not None:
@@ -200,23 +199,20 @@ class FrictionPoints:
         if self._closest is not None:
             others = self._closest.pressing(displacement, distance)
             parts.append(others._replace(slots=others.slots + self._fixed.count))
-        bears = np.arange(sum(len(part.slots) for part in parts)) < len(parts[0].slots)
-        return Pressing(*map(np.concatenate, zip(*parts, strict=True))), bears, missed
+        is_fixed = np.arange(sum(len(part.slots) for part in parts)) < len(parts[0].slots)
+        return Pressing(*map(np.concatenate, zip(*parts, strict=True))), is_fixed, missed
 
     def springs(self) -> Springs:
-        """What the tangent and the residual take, by facets."""
+        """Forces and symmetric stiffness, by facets."""
         drag = self.drag()
         points = drag.points
         if not len(points.slots):
             return NONE
-        own, across = drag.tangential.forces - drag.pushing()[0], drag.tangential.stiffness + drag.pushing()[1]
-        nodes, facet = np.unique(points.nodes, axis=0, return_inverse=True)
-        facet = facet.ravel()  # NumPy 2.0 has it as a column
-        m, n = nodes.shape
-        forces, stiffness = np.zeros((m, n, 3)), np.zeros((m, 3 * n, 3 * n))
-        np.add.at(forces, facet, points.weights[:, :, None] * own[:, None])
-        np.add.at(stiffness, facet, _between_nodes(points.weights, across))
-        return Springs(nodes=nodes, forces=forces, stiffness=stiffness, gaps=np.zeros(m), energy=0.0, work=0.0)
+        normal_force, normal_stiffness = drag.pushing()
+        nodal = points.weights[:, :, None] * (drag.tangential.forces - normal_force)[:, None]
+        between = _between_nodes(points.weights, drag.tangential.stiffness + normal_stiffness)
+        nodes, forces, stiffness = _by_facet(points.nodes, nodal, between)
+        return Springs(nodes=nodes, forces=forces, stiffness=stiffness, gaps=np.zeros(len(nodes)), energy=0.0, work=0.0)
 
     def load_gradient(self, carried: np.ndarray) -> np.ndarray:
         """Change of this rank's nodal forces with a motion of the obstacle, shapes (nodes, 3) [N], (3,) [m]."""
@@ -230,17 +226,13 @@ class FrictionPoints:
         return nodal
 
     def unsymmetric(self) -> LowRank:
-        """What is to be taken from the tangent, supports aside (collective)."""
+        """The part that is subtracted from the tangent, without supports (collective)."""
         space, drag = self._u.function_space, self.drag()
         points, tangential, normals = drag.points, drag.tangential, drag.normals
         turning = np.einsum("mij,mj->mi", drag.curvatures, tangential.forces)
         stiffer = (self._law.coefficient * points.stiffness)[:, None] * tangential.by_bounds
         blocks = stiffer[:, :, None] * normals[:, None] + normals[:, :, None] * turning[:, None]
-        nodes, facet = np.unique(points.nodes, axis=0, return_inverse=True)
-        facet = facet.ravel()  # NumPy 2.0 has it as a column
-        n = 3 * nodes.shape[1]
-        whole = np.zeros((len(nodes), n, n))
-        np.add.at(whole, facet, _between_nodes(points.weights, blocks))
+        nodes, whole = _by_facet(points.nodes, _between_nodes(points.weights, blocks))
         left, sizes, right = np.linalg.svd(whole)
         of, column = np.nonzero(sizes > NEGLIGIBLE * sizes.max(axis=1, initial=0.0, keepdims=True))
         left, right = left[of, :, column] * sizes[of, column, None], right[of, column]
@@ -256,6 +248,15 @@ def _of_slots(slots: np.ndarray, last: Drag, values: np.ndarray) -> np.ndarray:
     own, then = np.intersect1d(slots, last.points.slots, assume_unique=True, return_indices=True)[1:]
     chosen[own] = values[then]
     return chosen
+
+
+def _by_facet(nodes: np.ndarray, *values: np.ndarray) -> list[np.ndarray]:
+    """Nodes of the different facets, shape (facets, n), and sums over each one's points of values, shapes (m, ...)."""
+    facets, facet = np.unique(nodes, axis=0, return_inverse=True)
+    sums = [np.zeros((len(facets), *part.shape[1:])) for part in values]
+    for own, part in zip(sums, values, strict=True):
+        np.add.at(own, facet.ravel(), part)  # NumPy 2.0 has a column
+    return [facets, *sums]
 
 
 def _between_nodes(weights: np.ndarray, blocks: np.ndarray) -> np.ndarray:

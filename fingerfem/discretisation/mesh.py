@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 import dolfinx
 import numpy as np
+from dolfinx import fem
 from mpi4py import MPI
 
 from fingerfem.discretisation import regions
 from fingerfem.scene.grid_lines import grid_lines, in_channel, in_hole
 from fingerfem.scene.scene import Scene
+from fingerfem.scene.tables import Geometry
 
 
 @dataclass(frozen=True)
@@ -86,3 +88,12 @@ def _faces(scene: Scene, x: np.ndarray) -> np.ndarray:
         kinds[abs(x[2]) < tolerance] = regions.CUT
     kinds[x[0] < tolerance] = regions.CLAMP
     return kinds.astype(np.int32)
+
+
+def section_sizes(mesh: FingerMesh, geometry: Geometry) -> fem.Function | None:
+    """Size of the sections over that at the clamp [-]; None without taper."""
+    if not geometry.is_tapered:
+        return None
+    size = fem.Function(fem.functionspace(mesh.mesh, ("Lagrange", 1)))
+    size.interpolate(lambda x: geometry.size_at(x[0]))
+    return size

@@ -15,7 +15,7 @@ from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.contact_points import ContactPoints
 from fingerfem.discretisation.deformation_limits import DeformationLimits
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_measure
-from fingerfem.discretisation.mesh import build_mesh
+from fingerfem.discretisation.mesh import build_mesh, section_sizes
 from fingerfem.discretisation.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
 from fingerfem.discretisation.tangent import Tangent, VolumeTangent
@@ -50,7 +50,7 @@ class Problem(Assembly):
             probe_density=fem.Function(by_cell),
             distance=fem.Constant(self.mesh.mesh, FAR),
             stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
-            size=self._size(),
+            size=section_sizes(self.mesh, scene.geometry),
             pad_share=self._pad_share(),
         )
         self.forms = compile_forms(scene, self.mesh, self.fields)
@@ -69,7 +69,8 @@ class Problem(Assembly):
         self.plates = PlateLoads(scene, self.mesh, self.space) if scene.load is not None else None
         self.wrenches = np.zeros((len(scene.geometry.segments), 6))
         self._tip_volume = float(np.prod(2 * scene.geometry.half_lengths[-1]))
-        self._tendon_cells = [self._cells_of(k) for k in range(len(scene.tendons))]
+        outline, midpoints = scene.outline, self.mesh.midpoints
+        self._tendon_cells = [grid_lines.tendon_cells(outline, tendon, midpoints) for tendon in scene.tendons]
         self.rest_lengths = np.array([self.tendon_length(k) for k in range(len(scene.tendons))])  # [m]
 
     def _contact_stiffness(self) -> float:
@@ -87,13 +88,6 @@ class Problem(Assembly):
         stiffer = contact.PLATES if self.scene.obstacle.method == "nitsche" else 1.0
         return StiffFacets(np.sort(facets), stiffer * self._contact_stiffness())
 
-    def _size(self) -> fem.Function | None:
-        if not self.scene.geometry.is_tapered:
-            return None
-        size = fem.Function(fem.functionspace(self.mesh.mesh, ("Lagrange", 1)))
-        size.interpolate(lambda x: self.scene.geometry.size_at(x[0]))
-        return size
-
     def _pad_share(self) -> fem.Function | None:
         if self.scene.obstacle is None or self.scene.obstacle.pad is None:
             return None
@@ -101,15 +95,6 @@ class Problem(Assembly):
         pad, face = (self.nodal(form).ravel() for form in pad_areas(surface_measure(self.scene, self.mesh), self.space))
         np.divide(pad, face, out=share.x.array, where=face > 0)
         return share
-
-    def _cells_of(self, k: int) -> tuple[np.ndarray, float]:
-        """Cells over which tendon k's tension is spread, and their area at the clamp [m^2] or volume [m^3], whole."""
-        geometry, tendon = self.scene.geometry, self.scene.tendons[k]
-        area = geometry.channel_width**2
-        if tendon.path == "channel":
-            return grid_lines.in_channel(self.scene.outline, tendon, self.mesh.midpoints), area
-        volume = area * geometry.plate * float(geometry.sizes[tendon.segment - 1]) ** 3
-        return grid_lines.in_hole(self.scene.outline, tendon, self.mesh.midpoints), volume
 
     def _boundary_conditions(self) -> tuple[list[fem.DirichletBC], np.ndarray, np.ndarray]:
         """The supports; owned indices of the clamp's unknowns, and of all that are held."""
@@ -266,13 +251,6 @@ class Problem(Assembly):
     # -- geometry of the deformed finger -----------------------------------------------------------------------------
 
     @cached_property
-    def surface_nodes(self) -> np.ndarray:
-        """Local indices, shape (nodes,), of the nodes that may touch the plane."""
-        facets = [self.mesh.facets.find(kind) for kind in regions.SURFACE]
-        dim = self.mesh.mesh.topology.dim - 1
-        return fem.locate_dofs_topological(self.space, dim, np.sort(np.concatenate(facets)))
-
-    @cached_property
     def bodies(self) -> list[Body]:
         """What the scene's finger may touch; of a scene without an obstacle, the plane y = side/2 + d."""
         return obstacles.bodies(self.scene.obstacle, self.scene.geometry.side)
@@ -281,10 +259,12 @@ class Problem(Assembly):
     def contact_points(self) -> ContactPoints:
         """Where this rank's surface may touch: at the nodes, or against a round body between them too."""
         if obstacles.all_flat(self.bodies):
-            return contact_points.at_nodes(self.space, self.surface_nodes)
+            facets = np.sort(np.concatenate([self.mesh.facets.find(kind) for kind in regions.SURFACE]))
+            nodes = fem.locate_dofs_topological(self.space, self.mesh.mesh.topology.dim - 1, facets)
+            return contact_points.at_nodes(self.space, nodes)
         kinds = (regions.RUBBER_FACETS, regions.PLATE_FACETS)
-        facets = [np.concatenate([self.mesh.facets.find(kind) for kind in those]) for those in kinds]
-        return contact_points.on_facets(self.space, zip(facets, contact.POINTS, strict=True))
+        parts = [np.concatenate([self.mesh.facets.find(kind) for kind in those]) for those in kinds]
+        return contact_points.on_facets(self.space, zip(parts, contact.POINTS, strict=True))
 
     def surface_places(self) -> np.ndarray:
         """Where these points are in space, shape (points, 3) [m]."""

@@ -199,7 +199,7 @@ def _sensitivities(continuation: Continuation) -> dict[str, Any]:
     if found.contact_force is not None:
         answer["contact_force"] = dict(zip(names, found.contact_force.tolist(), strict=True))
     return {
-        # Whether following loads are borne depends on what presses, not on the finger alone.
+        # Stability under following loads depends on the loads, not on the finger alone.
         "stable": None if problem.wrenches.any() else linearisation.stable,
         "plate_motion": found.plate_motion,
         "sensitivities": answer,

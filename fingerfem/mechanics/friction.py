@@ -1,8 +1,8 @@
 """Coulomb friction at points of a surface that press on a rigid obstacle.
 
-A point that presses with the force N has a tangential spring of the contact's own stiffness k [N/m]. The spring's
-stretch s is what the point has moved along the obstacle since the last equilibrium, and what the spring was stretched
-then. Its force f, the point's drag on the obstacle, obeys Coulomb's law. With any stiffness r of at most k, b = mu N:
+A point that presses with the force N has a tangential spring of the contact's own stiffness k [N/m]. The stretch s of
+the spring is that of the last equilibrium, plus the displacement of the point along the obstacle since then. Its force
+f, the drag on the obstacle, obeys Coulomb's law. With any stiffness r of at most k, and b = mu N:
 
     |f + r (s - f/k)| <= b: s = f/k (it sticks),    else f = b m, m = (f + r (s - f/k)) / |f + r (s - f/k)| (it slides)
 
@@ -74,7 +74,7 @@ def law(
 
 
 def returned(stretches: np.ndarray, k: np.ndarray, bounds: np.ndarray) -> np.ndarray:
-    """The forces that obey the law: the return mapping of k s, shape (m, 3) [N]."""
+    """The forces that obey the law, by the return mapping of k s, shape (m, 3) [N]."""
     size = k * np.linalg.norm(stretches, axis=1)
     share = np.minimum(1.0, bounds / np.where(size > 0, size, 1.0))
     return np.asarray((np.where(size > 0, share, 1.0) * k)[:, None] * stretches)

@@ -194,3 +194,15 @@ def in_hole(outline: Outline, tendon: Tendon, x: np.ndarray) -> np.ndarray:
     """Which of the points x, shape (3, n) [m], lie in the hole of a tendon in its plate."""
     start, end = outline.plates[tendon.segment - 1]
     return in_column(outline.geometry, tendon, x) & (x[0] > start) & (x[0] < end)
+
+
+def tendon_cells(outline: Outline, tendon: Tendon, x: np.ndarray) -> tuple[np.ndarray, float]:
+    """Cells with midpoints x, shape (3, n) [m], over which a tendon's tension is spread, and their whole measure.
+
+    The measure of a channel is its area at the clamp [m^2], that of a hole its volume [m^3].
+    """
+    geometry = outline.geometry
+    area = geometry.channel_width**2
+    if tendon.path == "channel":
+        return in_channel(outline, tendon, x), area
+    return in_hole(outline, tendon, x), area * geometry.plate * float(geometry.sizes[tendon.segment - 1]) ** 3

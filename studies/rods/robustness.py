@@ -9,7 +9,7 @@ import numpy as np
 
 from rom import Rod, TouchedSegment, friction_history
 from rom.rod.objects.shapes import facing_plane
-from studies.rods.rubber import clear_of_clamp
+from studies.rods.on_rubber.rubber import clear_of_clamp
 from studies.rods.scattered_objects import DISTANCE, SHAPES, placed, tensions
 from studies.runner import Run
 

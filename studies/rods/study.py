@@ -1,17 +1,7 @@
 """The parts of docs/segment.md."""
 
-from studies.rods import (
-    accuracy,
-    histories,
-    indentation,
-    lengths,
-    objects,
-    positions,
-    robustness,
-    rubber,
-    several,
-    speed,
-)
+from studies.rods import accuracy, lengths, objects, robustness, speed
+from studies.rods.on_rubber import histories, indentation, positions, rubber, several
 
 PARTS = {
     "accuracy": accuracy.measure,

@@ -16,7 +16,7 @@ is thick; over the line's own slice, by f / (E h) ROW (ln(DEPTH h / p) + 3/2). T
     f / (E h) OPPOSITE exp(-x / (REACH h)).
 
 DEPTH, OPPOSITE and REACH are those of linear elasticity on 40 x 10 cells, EDGE and FACE of balls and cylinders that
-squeeze a finger from two sides (studies/rods/indentation.py).
+squeeze a finger from two sides (studies/rods/on_rubber/indentation.py).
 """
 
 from __future__ import annotations

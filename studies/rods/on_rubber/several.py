@@ -10,8 +10,8 @@ from rom import Cylinder, Rod
 from rom.rod.objects.shapes import Object
 from studies.rods import plans
 from studies.rods.full_order import Table, obstacle
-from studies.rods.pressed_objects import Pressed, by_core, summary
-from studies.rods.rubber import DEPTHS, MOST, anywhere, clear_of_clamp
+from studies.rods.on_rubber.pressed_objects import Pressed, by_core, summary
+from studies.rods.on_rubber.rubber import DEPTHS, MOST, anywhere, clear_of_clamp
 from studies.rods.scattered_objects import DISTANCE, SHAPES, tensions
 from studies.runner import Run
 

@@ -13,7 +13,7 @@ from rom.rod.objects.shapes import Object
 from studies import sets
 from studies.rods import plans
 from studies.rods.full_order import FullOrder, obstacle
-from studies.rods.pressed_objects import together
+from studies.rods.on_rubber.pressed_objects import together
 from studies.runner import Run
 
 MESHES, QUICK_MESHES = [(20, 5), (40, 10)], [(8, 3)]  # cells along and across, of order 1

@@ -17,7 +17,7 @@ from rom.rod.objects.shapes import facing_plane
 from rom.rod.touched_rod import ContactForce
 from studies.rods import plans
 from studies.rods.full_order import Table, obstacle
-from studies.rods.rubber import anywhere, clear_of_clamp
+from studies.rods.on_rubber.rubber import anywhere, clear_of_clamp
 from studies.rods.scattered_objects import DISTANCE
 from studies.runner import Run
 

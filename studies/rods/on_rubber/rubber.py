@@ -11,7 +11,7 @@ from rom import Cylinder, Plane, Rod, Sphere, TouchedSegment
 from rom.rod.objects.shapes import Object
 from studies.rods import plans
 from studies.rods.full_order import Table, obstacle, random_box
-from studies.rods.pressed_objects import Pressed, by_core, summary
+from studies.rods.on_rubber.pressed_objects import Pressed, by_core, summary
 from studies.rods.scattered_objects import DISTANCE, SHAPES, tensions
 from studies.runner import Run
 
