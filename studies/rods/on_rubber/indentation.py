@@ -16,7 +16,7 @@ from studies.rods.full_order import FullOrder, obstacle
 from studies.rods.on_rubber.pressed_objects import together
 from studies.runner import Run
 
-MESHES, QUICK_MESHES = [(20, 5), (40, 10)], [(8, 3)]  # cells along and across, of order 1
+MESHES, QUICK_MESHES = [(20, 5), (40, 10)], [(10, 5)]  # cells along and across, of order 1
 DEPTHS = 1e-4, 4e-4  # [m]
 AT = 0.5  # of the finger's length
 FACE, EDGE = (0.0, 1.0, 0.0), (0.0, 1.0, 1.0)  # where they press
