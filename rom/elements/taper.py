@@ -1,7 +1,7 @@
 """Elements of a tapered segment: each stands for a frustum of rubber, between sections of two sizes.
 
 It is a trained prismatic element, scaled to one size by similarity, and bends as the frustum does under a tendon. With
-the relative taper p = s' / s along x and the length l, two things of first order in p are added to its pose.
+the relative taper p = s' / s along x and the length l, its pose gets two terms of first order in p.
 
 Under a wrench (f, m) the stress of bending runs along fibres that converge, so that the shear force of a section is
 f_y + p m_z, and f_z - p m_y (Timoshenko, Strength of Materials, on tapered beams). With the shear compliance c of the
@@ -29,7 +29,7 @@ from rom.elements.law import ElementMap
 from rom.elements.pieces import MOST_ELEMENTS, Piece, pieces
 
 WARPING = 0.98  # b over the side [-]
-ROUNDS = 50  # towards a size that a piece's own length depends on; each takes away nine tenths of what is off
+ROUNDS = 50  # of the fixed point for sizes of end pieces; each reduces the error to a tenth
 
 
 class Rubber(NamedTuple):
@@ -101,14 +101,14 @@ def shear_compliance(element: ElementMap, length: float) -> float:
 
 
 class Prism(NamedTuple):
-    """What is needed of the prismatic elements at size 1: side [m], and compliance in shear over the length [1/N]."""
+    """The prismatic elements at size 1: side [m], and shear compliance over the length [1/N]."""
 
     side: float
     shear: float
 
 
 def tapered(element: ElementMap, piece: Piece, prism: Prism) -> ElementMap:
-    """A prismatic element with what is added of the frustum that it stands for.
+    """A prismatic element with both first-order terms of its frustum.
 
     Args:
         element: at the piece's size and length.

@@ -129,8 +129,8 @@ void response_press(const placed *at, int k, double force, double *wrench)
         for (int i = 0; i < W; i++) wrench[W * arms->bodies[a] + i] += force * arms->wrenches[a][i];
 }
 
-/* The deflection at the share a of an element, held at both ends, by a unit force at its share b [m/N]: that of a cantilever less what
- * the forces and moments of its held end take back, over length^3 / (E I), phi as in slice_forces.c. */
+/* The deflection at the fraction a of an element, clamped at both ends, by a unit force at its fraction b [m/N]. It is that of a
+ * cantilever, minus the part of the reactions at its other end; phi as in slice_forces.c. */
 static double deflection(double length, double phi, double stiffness, double a, double b)
 {
     const double near = fmin(a, b), far = fmax(a, b), held = 12.0 / (1.0 + phi);
@@ -141,7 +141,7 @@ static double deflection(double length, double phi, double stiffness, double a, 
     return length * length * length / stiffness * (free - back);
 }
 
-/* The same between two contacts, across the finger; 0 if they are not on one element. */
+/* This deflection at contact k by a unit force at another one, along both normals; 0 if they are on different elements. */
 static double element_compliance(const placed *at, int k, int other)
 {
     const objects_contacts *contacts = &at->contacts;

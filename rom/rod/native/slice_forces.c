@@ -42,22 +42,23 @@ static void arms_to(const rubber_slice *slice, const chain_state *state, const b
     }
 }
 
-/* The couple of a force on the begin of its element, which the end has the opposite of: of a point and a force, seen from the slice. */
+/* The couple, (3), that a force f at a point p puts on the distal end of its element, all seen from the slice. The proximal end gets the
+ * opposite couple. */
 static void couple_of(const rubber_slice *slice, int name, const double *p, const double *f, double *couple)
 {
-    const double gain = slice->bulging * (name < SLICE_LINES ? 1.0 : 2.0 / 3.0); /* of a line across a face, the mean */
+    const double gain = slice->bulging * (name < SLICE_LINES ? 1.0 : 2.0 / 3.0); /* a line across a face has the mean over its width */
     const double even = 0.5 * (p[1] * p[1] - p[2] * p[2]), odd = p[1] * p[2];
     couple[0] = 0.0;
     couple[1] = gain * (f[2] * even - f[1] * odd);
     couple[2] = gain * (f[1] * even + f[2] * odd);
 }
 
-/* How that changes with the point. */
+/* The change of this couple with a change dp of the point. */
 static void couple_change(const rubber_slice *slice, int name, const double *p, const double *dp, const double *f, double *change)
 {
     const double sum[3] = {0.0, p[1] + dp[1], p[2] + dp[2]}, difference[3] = {0.0, p[1] - dp[1], p[2] - dp[2]};
     double ahead[3], behind[3];
-    couple_of(slice, name, sum, f, ahead); /* of second order in the point: central differences are exact */
+    couple_of(slice, name, sum, f, ahead); /* quadratic in the point, so that central differences are exact */
     couple_of(slice, name, difference, f, behind);
     for (int i = 0; i < 3; i++) change[i] = 0.5 * (ahead[i] - behind[i]);
 }
