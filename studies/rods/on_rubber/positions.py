@@ -13,7 +13,7 @@ from studies.rods.full_order import FullOrder, obstacle
 from studies.runner import ROOT, Run
 
 SCENE = ROOT / "scenes" / "demo" / "bundled_finest.toml"
-QUICK_MESH = {"cells": [10, 5], "order": 2}
+QUICK_MESH: dict[str, Any] = {"cells": [10, 5], "order": 2}
 RADIUS, DEPTH, TOUCH = 0.004, 3e-4, 1e-3  # of the ball; how far it advances beyond touch; d there [m]
 POSITIONS, QUICK_POSITIONS = (5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 40.0), (15.0, 40.0)  # from the clamp [mm]
 AFAR, BRACKET = 0.04, 2.5e-4  # d without contact; of the rod's d at the full-order force, from its own [m]
