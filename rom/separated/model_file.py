@@ -47,6 +47,8 @@ def checked(tree: dict[str, Any]) -> dict[str, Any]:
     require(2 <= p <= MOST_PARAMETERS, f"parameters must be from 2 to {MOST_PARAMETERS}", p)
     cube = cells.size > 0 and cells.shape == (len(cells),) * p
     require(cube, f"cells must be as many along each of {p} parameters", cells.shape)
+    texts = [parameter[of] for parameter in tree["parameters"] for of in ("name", "unit")]
+    require(all(isinstance(text, str) for text in texts), "parameters must have text as names and units", texts)
     lower, upper = ([parameter[end] for parameter in tree["parameters"]] for end in ("lower", "upper"))
     ordered = bool(np.isfinite([lower, upper]).all() and np.less(lower, upper).all())
     require(ordered, "parameters must have finite lower ends below their upper ends", [*lower, *upper])

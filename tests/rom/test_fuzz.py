@@ -282,6 +282,12 @@ def another_side(file) -> None:
     file["answered"] = cells[:-1]
 
 
+def number_as_name(file) -> None:
+    parameters = json.loads(file.attrs["parameters"])
+    parameters[1]["name"] = 1e300
+    file.attrs["parameters"] = json.dumps(parameters)
+
+
 def without_force(file) -> None:
     values = file["contact/modes"][:3]
     del file["contact/modes"]
@@ -292,6 +298,7 @@ OF_TABLES = {
     "cells that are not a cube": (another_side, "cells must be as many along each of 3 parameters, got "),
     "no contact force": (without_force, "contact must have 4 to 5 components, got 3"),
     "axes the other way round": (swapped, "functions_0 of free must have shape (2, "),
+    "a number as a name": (number_as_name, "parameters must have text as names and units, got ["),
     "no lead": (lambda file: file.attrs.__setitem__("lead", "2"), "lead must be from 0 to 1, got 2"),
 }
 
