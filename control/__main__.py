@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rom.program import begin
+from rom.console.program import begin
 
 if __name__ == "__main__":
     begin()
@@ -19,9 +19,9 @@ from control.gripper import Grasp
 from control.model import Model
 from control.motion import Motion
 from rom import load
-from rom.command_line import NOTHING_USABLE, AsJson, application, run, show
-from rom.table import Table, millimetres, percent
-from rom.terminal import steps
+from rom.console.command_line import NOTHING_USABLE, AsJson, application, run, show
+from rom.console.table import Table, millimetres, percent
+from rom.console.terminal import steps
 
 app = application()
 COUNTED = ("converged", "unreachable", "failed", "out_of_limits")

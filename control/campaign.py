@@ -17,7 +17,7 @@ from control.least_squares import CONVERGED, STATIONARY
 from control.model import Model
 from control.problems import hold_many, rules
 from rom.brief import brief
-from rom.terminal import Progress, quiet
+from rom.console.terminal import Progress, quiet
 
 CALLS = 2000  # of Python that are timed
 AT_ONCE = 10_000  # holds between two moments at which it can be interrupted

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.packages import require
+from rom.console.packages import require
 
 require("gymnasium")
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.brief import brief
+from rom.console.table import Table, as_html, quantities, row
 from rom.native.answer import Answer
-from rom.table import Table, as_html, quantities, row
 
 MEANING = {
     "converged": "converged",

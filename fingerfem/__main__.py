@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rom.program import NOTHING_USABLE, begin, one_line
+from rom.console.program import NOTHING_USABLE, begin, one_line
 
 if __name__ == "__main__":
     begin()
@@ -24,9 +24,9 @@ from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.output.rows import finish
 from fingerfem.scene.amounts import seconds as duration
 from fingerfem.scene.amounts import share
-from rom.interruption import first_rank, interruptible
-from rom.packages import DRAWING, SOLVING, require
-from rom.terminal import log_lines, say
+from rom.console.interruption import first_rank, interruptible
+from rom.console.packages import DRAWING, SOLVING, require
+from rom.console.terminal import log_lines, say
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 KEPT = "stopped by {}: solved states are kept; run the same command again"
@@ -214,7 +214,7 @@ SetFolder = Annotated[Path, typer.Argument(metavar="SET/", help="The set's folde
 def status(folder: SetFolder, as_json: AsJson = False) -> None:
     """Say what became of every state of a snapshot set; while others work on it, too."""
     from fingerfem.snapshots.ledger import Ledger, sentence
-    from rom.snapshots.snapshot_set import read_description
+    from rom.dataset.snapshot_set import read_description
 
     description = read_description(folder)
     ledger = Ledger(folder, description)
@@ -235,7 +235,7 @@ def status(folder: SetFolder, as_json: AsJson = False) -> None:
 def retry(folder: SetFolder) -> None:
     """Forget the lines of a set that have failed or quarantined states, so that snapshots solves them again."""
     from fingerfem.snapshots.ledger import Ledger
-    from rom.snapshots.snapshot_set import read_description
+    from rom.dataset.snapshot_set import read_description
 
     ledger = Ledger(folder, read_description(folder))
     ledger.refresh()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rom.program import begin
+from rom.console.program import begin
 
 if __name__ == "__main__":
     begin()
@@ -15,7 +15,10 @@ import typer
 
 from rom import load
 from rom.checked_file import kind_of
-from rom.command_line import NOTHING_USABLE, AsJson, application, check_parts, run, show
+from rom.console.command_line import NOTHING_USABLE, AsJson, application, check_parts, run, show
+from rom.console.table import percent
+from rom.console.terminal import log_lines, say, steps
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.file_kinds import uses_of
 from rom.rod import rod
 from rom.rod.rod import Rod
@@ -23,10 +26,7 @@ from rom.rod.touched_segment import TouchedSegment
 from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.model import SeparatedModel
 from rom.separated.rod_source import NODES
-from rom.snapshots.snapshot_set import SnapshotSet
 from rom.summaries import origin, rod_summary, separated_summary
-from rom.table import percent
-from rom.terminal import log_lines, say, steps
 
 MOST = 1.0  # expected relative error of a model that is written [-]
 app = application()

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from rom.console.terminal import Progress, quiet
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.elements import training
 from rom.elements.calibration import conformal
 from rom.elements.samples.section_states import read_section_states
@@ -22,9 +24,7 @@ from rom.separated.errors import enlarged, with_errors
 from rom.separated.grid_source import grid_source
 from rom.separated.model import SeparatedModel
 from rom.separated.tabulated import tabulated
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 from rom.summaries import finer_origin, origin
-from rom.terminal import Progress, quiet
 
 FEWEST = 3  # states on a finer mesh that touch
 

@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 
 from rom import error_statistics as statistics
+from rom.console.terminal import Progress, quiet
+from rom.dataset import mesh_transfer
+from rom.dataset.description import difference
+from rom.dataset.grid import SHARE
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.error_statistics import mean_size
 from rom.file_kinds import uses_of
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
-from rom.snapshots import mesh_transfer
-from rom.snapshots.description import difference
-from rom.snapshots.grid import SHARE
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
-from rom.terminal import Progress, quiet
 
 Model = SeparatedModel | TouchedSegment
 MARGIN = 5e-5  # [m] from touch, within which a touch decision may be wrong

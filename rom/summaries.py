@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.rod.rod import Rod
 from rom.separated.model import SeparatedModel
-from rom.snapshots.snapshot_set import SnapshotSet
 
 
 def origin(snapshots: SnapshotSet) -> dict[str, Any]:

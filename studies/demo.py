@@ -25,8 +25,8 @@ from numpy.typing import ArrayLike
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from rom import terminal
-from rom.interruption import interruptible
+from rom.console import terminal
+from rom.console.interruption import interruptible
 
 if __name__ == "__main__":  # before what takes seconds to import
     interruptible("demo: stopped by Ctrl-C: solved states are kept; run the same command again")
@@ -37,15 +37,15 @@ from control.model import Model
 from fingerfem import FingerModel, State, load_scene
 from fingerfem.full_order_plant import FullOrderPlant
 from fingerfem.output.pictures import Deformed, draw
+from rom.console.terminal import Progress, steps
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
 from rom.export.page import write as write_page
 from rom.held_out import before_plane, check
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
-from rom.snapshots.snapshot_set import SnapshotSet
 from rom.summaries import origin
-from rom.terminal import Progress, steps
 from studies import report, sets
 
 SCENES = Path(__file__).resolve().parents[1] / "scenes" / "demo"

@@ -9,9 +9,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from control.gripper import Grasp
+from rom.console.table import percent
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.rod.touched_segment import TouchedSegment
-from rom.snapshots.snapshot_set import SnapshotSet
-from rom.table import percent
 
 
 def parity(model: TouchedSegment, held_out: SnapshotSet, picture: Path) -> dict:

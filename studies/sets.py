@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.whole_file import write_whole
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -50,6 +50,6 @@ def report(demo) -> dict:
 
 @pytest.fixture(scope="session")
 def held_out(trained):
-    from rom.snapshots.snapshot_set import SnapshotSet
+    from rom.dataset.snapshot_set import SnapshotSet
 
     return SnapshotSet(trained / "heldout")

@@ -13,7 +13,7 @@ from importlib.metadata import requires
 import typer
 from terminal import ROOT
 
-from rom.packages import REMEDIES
+from rom.console.packages import REMEDIES
 
 WITHOUT = """
 import runpy, sys

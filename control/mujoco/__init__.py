@@ -3,7 +3,7 @@
 Needs the optional extra: pip install -e '.[mujoco]'.
 """
 
-from rom.packages import require
+from rom.console.packages import require
 
 require("mujoco")
 

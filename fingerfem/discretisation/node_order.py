@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from fingerfem.discretisation.problem import Problem
-from rom.snapshots.grid import levels
+from rom.dataset.grid import levels
 
 
 class NodeOrder:

@@ -46,7 +46,7 @@ class ChannelLengths:
         problem.displacement[:] = state
 
     def quantities(self, changes: np.ndarray) -> dict[str, np.ndarray]:
-        """The shortenings at the state the problem is in, and their derivatives, as `rom.snapshots.schema` names them.
+        """The shortenings at the state the problem is in, and their derivatives, as `rom.dataset.schema` names them.
 
         Args:
             changes: of the displacement by p parameters, this rank's owned values, shape (p, owned values) [m].

@@ -12,7 +12,7 @@ from fingerfem.equilibrium.continuation import Continuation
 from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.equilibrium.sensitivities import differentiate
 from fingerfem.equilibrium.state_tables import tables
-from rom.table import Table, as_html
+from rom.console.table import Table, as_html
 
 
 @dataclass(frozen=True, kw_only=True)

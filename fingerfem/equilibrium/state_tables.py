@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rom.table import Table, components, number, quantities, row, shown
+from rom.console.table import Table, components, number, quantities, row, shown
 
 UNITS = {
     "touch_distance": "m",

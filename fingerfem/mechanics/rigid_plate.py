@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rom.snapshots import rigid_motion
+from rom.dataset import rigid_motion
 
 
 @dataclass(frozen=True, kw_only=True)

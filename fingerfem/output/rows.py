@@ -9,7 +9,7 @@ import textwrap
 from collections.abc import Iterable, Iterator
 from typing import Any, NoReturn
 
-from rom.table import Table, print_tables
+from rom.console.table import Table, print_tables
 
 NAME = 24  # columns of a name
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fingerfem.scene.tables import Geometry, Mesh, Outline, Tendon
-from rom.snapshots.grid import levels
+from rom.dataset.grid import levels
 
 FINE = 1000  # points between which sections of a tapered segment have one side
 MORE = 40  # cells across that are tried where fewer do not fit

@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from fingerfem.scene.laws import Table
-from rom.snapshots import geometry
-from rom.snapshots.grid import SHARE
+from rom.dataset import geometry
+from rom.dataset.grid import SHARE
 
 Length = Annotated[float, Field(ge=1e-6, le=1.0)]  # [m]; a length above 1 m is a length in mm
 Offset = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]

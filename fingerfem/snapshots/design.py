@@ -11,9 +11,9 @@ from scipy.stats import qmc
 from fingerfem.scene.scene import Scene, SceneError
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.given_points import GivenPoints
-from rom.snapshots.body import Body
-from rom.snapshots.sections import CrossSections
-from rom.snapshots.snapshot_set import Description
+from rom.dataset.body import Body
+from rom.dataset.sections import CrossSections
+from rom.dataset.snapshot_set import Description
 
 
 @dataclass(frozen=True, kw_only=True)

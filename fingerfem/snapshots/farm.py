@@ -22,8 +22,8 @@ from fingerfem.snapshots.claims import open_claims
 from fingerfem.snapshots.design import body
 from fingerfem.snapshots.lines.setting import NOTHING_KNOWN, Arrays, Known
 from fingerfem.snapshots.lines.solver import LineSolver
-from rom.snapshots.plan import Plan, Round
-from rom.snapshots.snapshot_set import Description, SnapshotError, body_file, task_file, write_task
+from rom.dataset.plan import Plan, Round
+from rom.dataset.snapshot_set import Description, SnapshotError, body_file, task_file, write_task
 
 T = TypeVar("T")
 
@@ -67,7 +67,7 @@ def run(
     """Work on a set until none of its tasks is missing; every group of a job calls this, and none waits for another.
 
     Args:
-        description: what the set holds, begun by `rom.snapshots.create`.
+        description: what the set holds, begun by `rom.dataset.create`.
         model: this group's model.
         path: the set's folder.
         progress: called on the group's first rank whenever it looks for a task.

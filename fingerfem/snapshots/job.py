@@ -23,11 +23,11 @@ from fingerfem.snapshots.neighbours import KnownSet
 from fingerfem.snapshots.progress import Reporter
 from fingerfem.snapshots.reuse import Donor
 from fingerfem.versions import versions
+from rom.dataset.description import Description
+from rom.dataset.folder import create, set_aside_broken_rounds, set_aside_strangers
+from rom.dataset.plan import Round
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements import growth
-from rom.snapshots.description import Description
-from rom.snapshots.folder import create, set_aside_broken_rounds, set_aside_strangers
-from rom.snapshots.plan import Round
-from rom.snapshots.snapshot_set import SnapshotSet
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from rom.snapshots.plan import Plan
-from rom.snapshots.snapshot_set import Description, SnapshotError, read_task, task_file
+from rom.dataset.plan import Plan
+from rom.dataset.snapshot_set import Description, SnapshotError, read_task, task_file
 
 DEATHS = 3  # of processes at one task, after which nobody tries it again
 # What follows the note of a process that was asked to end. mpirun and scancel send SIGCONT before SIGTERM, which METIS

@@ -19,9 +19,9 @@ import numpy as np
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.model import FingerModel
+from rom.dataset import mesh_transfer
+from rom.dataset.snapshot_set import Description, SnapshotError, SnapshotSet, read_task
 from rom.file_kinds import uses_of
-from rom.snapshots import mesh_transfer
-from rom.snapshots.snapshot_set import Description, SnapshotError, SnapshotSet, read_task
 
 
 class _State(NamedTuple):

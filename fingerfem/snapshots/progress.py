@@ -17,7 +17,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from fingerfem.snapshots.ledger import Ledger
-from rom.terminal import own_terminal
+from rom.console.terminal import own_terminal
 
 EVERY = {"bar": 0.5, "plain": 30.0, "json": 1.0}  # [s]
 STYLES = ("auto", *EVERY)

@@ -16,8 +16,8 @@ from fingerfem.equilibrium.state import channel_shortening, pad_pressure
 from fingerfem.mechanics.rigid_plate import Pose
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.design import body as finger_at_rest
-from rom.snapshots import schema
-from rom.snapshots.sections import CrossSections
+from rom.dataset import schema
+from rom.dataset.sections import CrossSections
 
 logger = logging.getLogger(__name__)
 

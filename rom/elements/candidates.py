@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
+from rom.dataset.grid import levels
 from rom.elements.law import POSE, ElementLaw, combined
 from rom.elements.polynomial import Polynomial
 from rom.elements.regression import NormalEquations, chosen, index_set
 from rom.elements.samples.element_samples import Samples
 from rom.elements.samples.symmetry import Mirror, mirrors
 from rom.elements.samples.tension_map import TensionMap, of_scene
-from rom.snapshots.grid import levels
 
 # Weights of powers, measured [-]: of combinations of tensions by the order of their moment, and of higher ones; of a
 # wrench's force and moment.

@@ -12,8 +12,8 @@ import numpy as np
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.dataset.grid import SHARE
 from rom.elements.polynomial import Polynomial
-from rom.snapshots.grid import SHARE
 
 POSE = 6  # first values of a law: place [m], Rodrigues vector [-]
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rom.brief import brief
+from rom.dataset.grid import SHARE, levels
 from rom.elements.candidates import box, weights_of
 from rom.elements.law import combined
 from rom.elements.polynomial import Polynomial
@@ -20,7 +21,6 @@ from rom.elements.samples.element_samples import Samples, own_samples
 from rom.elements.samples.section_states import SectionStates
 from rom.elements.samples.symmetry import Mirror, mirrors
 from rom.elements.samples.tension_map import TensionMap, of_scene
-from rom.snapshots.grid import SHARE, levels
 
 CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])  # y and z of corners, over half the side [-]
 NUMBERS = 3 * len(CORNERS)

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rom.checked_file import ModelError
+from rom.dataset.grid import SHARE
 from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE
-from rom.snapshots.grid import SHARE
 
 MOST_ELEMENTS = 64  # of a segment, as in rom/rod/native/segment.h
 

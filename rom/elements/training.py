@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
+from rom.console.terminal import Progress, quiet
+from rom.dataset.snapshot_set import SnapshotError
 from rom.elements.calibration import error_factors, floors_of
 from rom.elements.candidates import STEP, Candidates, candidates
 from rom.elements.contact_error import relative_force_errors
@@ -27,8 +29,6 @@ from rom.elements.samples.cuts import cut, outline_pairs
 from rom.elements.samples.element_samples import element_samples
 from rom.elements.samples.section_states import SectionStates
 from rom.error_statistics import quantiles
-from rom.snapshots.snapshot_set import SnapshotError
-from rom.terminal import Progress, quiet
 
 LOWEST, HIGHEST = 2.0, 5.0  # weighted degrees that are tried [-]
 FOLDS = 7  # groups of lines that are left out together, at most

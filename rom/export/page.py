@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 
 from rom.checked_file import ModelError
+from rom.dataset.geometry import tip_at_rest
 from rom.export.image import Image
 from rom.export.model import struct
 from rom.rod.native import ENDS
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
-from rom.snapshots.geometry import tip_at_rest
 from rom.whole_file import write_whole
 
 VIEWER = Path(__file__).with_name("viewer.html")

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
+from rom.console.table import COVERED, Table, as_html, components, number, quantities, row, shown
 from rom.native import EVALUATION, pointer
 from rom.native.forms import memory_of
-from rom.table import COVERED, Table, as_html, components, number, quantities, row, shown
 
 TIP, FORCE, TOUCH, PAD = 0, 3, 4, 5  # rows of an answer, as in kernel.h; the pad only where a model has it
 FEW = 10  # points of many that a table shows

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from rom.dataset.description import difference
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.elements.calibration import force_deviations
 from rom.elements.contact_error import relative_force_errors
 from rom.elements.march import march
@@ -13,8 +15,6 @@ from rom.elements.rotation_vectors import angles
 from rom.elements.samples.section_states import read_section_states
 from rom.error_statistics import quantiles
 from rom.rod.rod import Rod
-from rom.snapshots.description import difference
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
 OF_THE_FINGER = "geometry", "material", "tendons"
 

@@ -17,6 +17,8 @@ from numpy.typing import ArrayLike
 from rom import checked_file
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.console.table import Table, as_html
+from rom.dataset.geometry import sizes_of, steepest, tip_at_rest
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
 from rom.elements.pieces import Piece
@@ -28,8 +30,6 @@ from rom.rod.limits import check as check_rod
 from rom.rod.native import reports
 from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
-from rom.snapshots.geometry import sizes_of, steepest, tip_at_rest
-from rom.table import Table, as_html
 
 KIND, FORMAT = "fingerfem rod", 2
 PLAIN = ("scene", "accuracy")

@@ -15,8 +15,8 @@ import numpy as np
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.dataset.geometry import sizes_of
 from rom.file_kinds import uses_of
-from rom.snapshots.geometry import sizes_of
 
 NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
 MOST_SEGMENTS = 8

@@ -10,14 +10,14 @@ from numpy.typing import ArrayLike
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.dataset.geometry import size_at
+from rom.dataset.grid import SHARE
 from rom.elements import rotation_vectors
 from rom.elements.elements import INTERIOR
 from rom.elements.law import POSE
 from rom.elements.outline import CORNERS
 from rom.elements.pieces import Piece
 from rom.rod.native import reports
-from rom.snapshots.geometry import size_at
-from rom.snapshots.grid import SHARE
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod

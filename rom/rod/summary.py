@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rom.snapshots.grid import SHARE
-from rom.table import NOT_MEASURED, Table, accuracy, parameters, percent
+from rom.console.table import NOT_MEASURED, Table, accuracy, parameters, percent
+from rom.dataset.grid import SHARE
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod

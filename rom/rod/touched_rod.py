@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.console.table import Table, as_html, parameters
 from rom.native import PickledByFields
 from rom.native.answer import Answer
 from rom.rod.native import SEGMENT
@@ -23,7 +24,6 @@ from rom.rod.objects.shapes import Object
 from rom.rod.report import Report
 from rom.rod.rod import QUANTITIES, Rod
 from rom.rod.shape import Sections
-from rom.table import Table, as_html, parameters
 
 MOST = 8  # objects, as in segment.h
 

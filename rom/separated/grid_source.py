@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.file_kinds import uses_of
 from rom.separated.tabulated import Source
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
 MOST_TENSIONS, LEAST_NODES = 2, 3
 DETERMINED = 1.4  # values for every number of the separated form [-]

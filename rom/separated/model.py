@@ -21,11 +21,11 @@ from numpy.typing import ArrayLike
 from rom import checked_file
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.console.table import NOT_MEASURED, Table, accuracy, as_html, parameters
 from rom.native import EVALUATION, PickledByFields, answer
 from rom.native.answer import Answer
 from rom.separated import model_file
 from rom.separated.form import Separated, tables
-from rom.table import NOT_MEASURED, Table, accuracy, as_html, parameters
 
 logger = logging.getLogger(__name__)
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.console.terminal import Progress, quiet
 from rom.error_statistics import compared, differences
 from rom.native.answer import Answer
 from rom.rod.objects.shapes import facing_plane
@@ -16,7 +17,6 @@ from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.errors import with_errors
 from rom.separated.model import SeparatedModel
 from rom.separated.tabulated import Source, tabulated
-from rom.terminal import Progress, quiet
 
 NODES = 32  # of every axis
 FIRST = 1e-4  # node of s next to touch, where contact is as good as its limit [-]

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
+from rom.console.terminal import Progress, quiet
 from rom.native.answer import FORCE, PAD, TOUCH
 from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.form import Separated
 from rom.separated.model import Errors, Field, SeparatedModel
-from rom.terminal import Progress, quiet
 
 FINER = 0.03  # share of the tolerance that the free answer is separated to: contact begins where it says
 STEEPEST = 3.0  # of slopes at nodes over differences between them: beyond, a cubic function is no longer monotone [-]

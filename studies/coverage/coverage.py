@@ -10,11 +10,11 @@ import numpy as np
 
 from fingerfem import load_scene
 from rom import TouchedSegment
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
 from rom.held_out import differences
 from rom.rod.rod import Rod
-from rom.snapshots.snapshot_set import SnapshotSet
 from studies import sets
 from studies.control.models import finger
 from studies.coverage import points

@@ -6,7 +6,7 @@ from typing import Any
 
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
-from rom.snapshots.snapshot_set import read_task
+from rom.dataset.snapshot_set import read_task
 from studies import sets
 from studies.kinds import forms_of, kinds
 from studies.runner import Run

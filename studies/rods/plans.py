@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
 from rom.rod.rod import Rod
-from rom.snapshots.snapshot_set import SnapshotSet
 from rom.summaries import origin
 from studies import sets
 from studies.runner import Run

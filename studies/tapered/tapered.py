@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.held_out import check
 from rom.rod.check import check_pressed
 from rom.rod.rod import Rod
-from rom.snapshots.snapshot_set import SnapshotSet
 from studies import sets
 from studies.rods import plans
 from studies.rods.plans import Plan

@@ -13,10 +13,10 @@ import numpy as np
 from control import campaign
 from fingerfem import load_scene
 from rom import Rod, TouchedSegment
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
 from rom.rod.objects.shapes import facing_plane
-from rom.snapshots.snapshot_set import SnapshotSet
 from rom.summaries import origin
 from studies import sets
 from studies.control.models import DISTANCES

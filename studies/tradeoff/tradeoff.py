@@ -13,7 +13,7 @@ import numpy as np
 
 from control import Finger
 from control.model import Model
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.dataset.snapshot_set import SnapshotSet
 from studies import sets
 from studies.measures import quantiles
 from studies.runner import Run

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rom.snapshots.folder import create
-from rom.snapshots.snapshot_set import read_description, read_task
+from rom.dataset.folder import create
+from rom.dataset.snapshot_set import read_description, read_task
 from studies.runner import ROOT, Run
 from studies.sets import farm, grid_scene
 
@@ -65,7 +65,7 @@ CLAIMING = """
 import sys, time
 from pathlib import Path
 from fingerfem.snapshots.farm import Queue
-from rom.snapshots.snapshot_set import read_description, read_task
+from rom.dataset.snapshot_set import read_description, read_task
 ours, theirs = map(Path, sys.argv[1:])
 description = read_description(ours)
 arrays = read_task(theirs, "contact-0-0")

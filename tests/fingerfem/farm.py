@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rom.snapshots.snapshot_set import read_description, read_task
+from rom.dataset.snapshot_set import read_description, read_task
 
 PATIENCE = 1800.0  # [s] after which a job counts as hanging, on a loaded machine too; tests assert no other time
 ROOT = Path(__file__).resolve().parents[2]

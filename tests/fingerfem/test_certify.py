@@ -12,7 +12,7 @@ from farm import ROOT
 from fingerfem.certify import Certifier, full_order_scene
 from rom import SeparatedModel, TouchedSegment
 from rom.build import separate_grid
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.dataset.snapshot_set import SnapshotSet
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 from farm import assert_same, command, run
 from terminal import shown
 
-from rom.snapshots.snapshot_set import read_description, task_file
+from rom.dataset.snapshot_set import read_description, task_file
 
 FARM = [sys.executable, "-m", "fingerfem", "snapshots"]
 LEFT = 12  # lines of states that are to be solved: enough for a bar to show some of them, however fast they are
@@ -17,7 +17,7 @@ KEPT = "solved states are kept; run the same command again"
 DEMO = """
 import sys
 from pathlib import Path
-from rom.interruption import interruptible
+from rom.console.interruption import interruptible
 
 interruptible("demo: stopped")
 from studies.demo import farm

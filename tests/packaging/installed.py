@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
 
-from rom.packages import explained
+from rom.console.packages import explained
 
 PROGRAMS = ("fingerfem", "rom", "control")
 

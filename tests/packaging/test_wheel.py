@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from rom.console.packages import REMEDIES
 from rom.native import levels
-from rom.packages import REMEDIES
 
 ROOT = Path(__file__).resolve().parents[2]
 INSTALLED = Path(__file__).with_name("installed.py")

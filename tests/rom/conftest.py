@@ -3,9 +3,9 @@
 import pytest
 
 from rom.build import separate_grid
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements import training
 from rom.rod.rod import Rod
-from rom.snapshots.snapshot_set import SnapshotSet
 from tests.rom.elements import elastic_rod
 
 

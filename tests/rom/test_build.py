@@ -14,11 +14,11 @@ import pytest
 from terminal import ROOT
 
 from rom.build import covering, separate_grid
+from rom.dataset.plan import Plan
+from rom.dataset.schema import QUANTITIES
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet, read_description, task_file
 from rom.held_out import check
 from rom.separated.errors import enlarged
-from rom.snapshots.plan import Plan
-from rom.snapshots.schema import QUANTITIES
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet, read_description, task_file
 
 NAMES = {quantity.name for quantity in QUANTITIES}
 

@@ -10,7 +10,7 @@ from farm import ROOT
 from fingerfem import FingerModel, load_scene
 from fingerfem.scene.scene import Scene
 from rom import Rod, TouchedSegment
-from rom.table import percent
+from rom.console.table import percent
 
 
 def test_every_held_force_is_near_the_target_by_the_full_order_model(report):

@@ -6,8 +6,8 @@ import numpy as np
 
 from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.snapshots.lines.setting import Arrays, Setting
-from rom.snapshots.description import Line
-from rom.snapshots.snapshot_set import read_task
+from rom.dataset.description import Line
+from rom.dataset.snapshot_set import read_task
 
 
 def needs(setting: Setting, task: str, line: Line) -> list[str]:

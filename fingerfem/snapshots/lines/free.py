@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fingerfem.snapshots.lines.setting import Arrays, Setting
-from rom.snapshots.description import Line
+from rom.dataset.description import Line
 
 
 def needs(setting: Setting, task: str, line: Line) -> list[str]:

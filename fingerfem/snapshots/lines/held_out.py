@@ -12,7 +12,7 @@ from fingerfem.model import FingerModel
 from fingerfem.snapshots.lines.setting import Arrays, Setting
 from fingerfem.snapshots.neighbours import KnownSet
 from fingerfem.snapshots.recorder import Recorder
-from rom.snapshots.description import Line
+from rom.dataset.description import Line
 
 Start = Callable[[], None]
 

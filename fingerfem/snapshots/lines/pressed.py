@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from fingerfem.snapshots.lines.setting import Arrays, Setting
-from rom.snapshots.description import Line
-from rom.snapshots.snapshot_set import read_task
+from rom.dataset.description import Line
+from rom.dataset.snapshot_set import read_task
 
 ROOTS = 12  # lines whose free state is solved from rest; every other line begins at the nearest of these
 

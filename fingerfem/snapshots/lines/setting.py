@@ -14,9 +14,9 @@ from fingerfem.model import FingerModel
 from fingerfem.snapshots.neighbours import KnownSet
 from fingerfem.snapshots.recorder import Recorder
 from fingerfem.snapshots.reuse import Donor
-from rom.snapshots.description import Description, Line
-from rom.snapshots.plan import Plan
-from rom.snapshots.snapshot_set import read_task
+from rom.dataset.description import Description, Line
+from rom.dataset.plan import Plan
+from rom.dataset.snapshot_set import read_task
 
 Arrays = dict[str, np.ndarray]
 SAME_PLACE = 1e-6  # of the side: a plane whose path from touch to its nearest is no longer does not move [-]

@@ -12,9 +12,9 @@ from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.lines import contact, free, held_out, pressed
 from fingerfem.snapshots.lines.setting import NOTHING_KNOWN, Arrays, Known, Setting
-from rom.snapshots.description import Description, Line
-from rom.snapshots.plan import Plan
-from rom.snapshots.snapshot_set import task_file
+from rom.dataset.description import Description, Line
+from rom.dataset.plan import Plan
+from rom.dataset.snapshot_set import task_file
 
 
 class Kind(Protocol):

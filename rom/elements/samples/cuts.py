@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from rom.dataset.grid import SHARE
 from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE
-from rom.snapshots.grid import SHARE
 
 END = 1.0  # length of rubber in a clamp or plate piece, over the side: nearer, the section cannot warp freely [-]
 LONGEST = 1.1  # length of an interior element over the side [-]

@@ -13,10 +13,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from rom.brief import brief
+from rom.dataset.geometry import tip_at_rest
+from rom.dataset.rigid_motion import motions, rotations
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.file_kinds import uses_of
-from rom.snapshots.geometry import tip_at_rest
-from rom.snapshots.rigid_motion import motions, rotations
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
 WRENCH = 6  # force [N] and moment [N m]
 NEAREST = 6  # cross-sections that one between them is interpolated by

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from rom.brief import brief
+from rom.dataset.grid import SHARE
 from rom.elements.samples.tension_map import TensionMap
-from rom.snapshots.grid import SHARE
 
 
 @brief

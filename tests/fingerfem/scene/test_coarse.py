@@ -9,7 +9,7 @@ from farm import ROOT
 
 from fingerfem.scene.presets import front
 from fingerfem.scene.scene import Scene, SceneError
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.dataset.snapshot_set import SnapshotSet
 from studies.sets import as_toml
 
 RODS = front()

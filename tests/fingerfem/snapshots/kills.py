@@ -20,12 +20,9 @@ import numpy as np
 
 from fingerfem.snapshots import ledger
 from rom import Rod, TouchedSegment
-from rom.export.c_header import export
-from rom.export.page import write as write_page
-from rom.rod.touched_segment import SHIPPED
-from rom.snapshots.folder import create
-from rom.snapshots.plan import Plan, Round, read_round
-from rom.snapshots.snapshot_set import (
+from rom.dataset.folder import create
+from rom.dataset.plan import Plan, Round, read_round
+from rom.dataset.snapshot_set import (
     SnapshotError,
     SnapshotSet,
     body_file,
@@ -34,6 +31,9 @@ from rom.snapshots.snapshot_set import (
     task_file,
     write_task,
 )
+from rom.export.c_header import export
+from rom.export.page import write as write_page
+from rom.rod.touched_segment import SHIPPED
 
 MACHINE = ctypes.CDLL(None)
 

@@ -15,7 +15,7 @@ from farm import PATIENCE, ROOT, assert_same, command, run
 
 from fingerfem.snapshots import ledger
 from fingerfem.snapshots.claims import ClaimFiles, Locks, why_no_locks
-from rom.snapshots.snapshot_set import read_description, read_task, task_file
+from rom.dataset.snapshot_set import read_description, read_task, task_file
 
 
 def begun(line: list[str], folder: Path, files: int, **settings) -> subprocess.Popen:

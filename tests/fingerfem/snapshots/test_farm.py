@@ -11,7 +11,7 @@ import pytest
 from farm import ROOT, assert_same, assert_same_task, command, run
 
 from fingerfem import FingerModel, load_scene
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet, read_description, read_task, task_file
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet, read_description, read_task, task_file
 
 
 def test_a_set_keeps_free_states_and_contact_states_apart(undisturbed):

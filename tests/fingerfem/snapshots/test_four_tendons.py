@@ -12,9 +12,9 @@ from farm import ROOT, run
 from control import Finger
 from fingerfem import load_scene
 from rom import TouchedSegment
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.rod.check import check_pressed
 from rom.rod.rod import Rod
-from rom.snapshots.snapshot_set import SnapshotSet
 from studies.sets import as_toml
 
 OFFSETS = ([0.004, 0.0], [0.0, 0.004], [-0.004, 0.0], [0.0, -0.004])

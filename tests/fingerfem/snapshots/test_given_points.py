@@ -7,7 +7,7 @@ import pytest
 from farm import ROOT, command, run
 
 from fingerfem import FingerModel, load_scene
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.dataset.snapshot_set import SnapshotSet
 
 POINTS = [[0.006, 40.0, 8.0], [0.006, 45.0, 0.0], [0.020, 45.0, 0.0]]  # d, F1, F2
 

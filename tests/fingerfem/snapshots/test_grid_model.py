@@ -7,10 +7,10 @@ import pytest
 from farm import run
 
 from rom.build import separate_grid
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.grid_source import grid_source
 from rom.separated.tabulated import tabulated
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
 
 FEWER = EnrichmentOptions(terms=60)
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from farm import PATIENCE, ROOT, assert_same_task, command, run
 
+from rom.dataset.plan import Plan
+from rom.dataset.snapshot_set import SnapshotSet, read_description, read_task, write_task
 from rom.elements import growth
 from rom.rod.check import check_pressed
 from rom.rod.rod import Rod
-from rom.snapshots.plan import Plan
-from rom.snapshots.snapshot_set import SnapshotSet, read_description, read_task, write_task
 
 UNTIL = "0.07 %"
 

@@ -10,10 +10,10 @@ from pydantic import ValidationError
 from fingerfem.scene.grid_lines import fitting, grid_lines, in_column, in_plate
 from fingerfem.scene.scene import Scene
 from fingerfem.snapshots.design import body
+from rom.dataset.grid import levels
+from rom.dataset.mesh_transfer import interpolation
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.samples.section_states import read_section_states
-from rom.snapshots.grid import levels
-from rom.snapshots.mesh_transfer import interpolation
-from rom.snapshots.snapshot_set import SnapshotSet
 
 FINGERS = 300
 LAW = {"law": "neo-hookean", "C1": 1e5, "D1": 1e-6}

@@ -6,7 +6,7 @@ import pytest
 from farm import ROOT, run
 
 from fingerfem import FingerModel, load_scene
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.dataset.snapshot_set import SnapshotSet
 
 DRAFT = (ROOT / "scenes" / "draft.toml").read_text().replace("[20, 5]", "[10, 5]")
 SECOND_TENDON = DRAFT[DRAFT.rindex("[[tendons]]") : DRAFT.index("[obstacle]")]

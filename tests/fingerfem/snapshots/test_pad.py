@@ -6,7 +6,7 @@ from farm import run
 
 from fingerfem import FingerModel, load_scene
 from fingerfem.equilibrium.sensitivities import differentiate
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.dataset.snapshot_set import SnapshotSet
 
 AREA = 0.001 * 0.010  # [m^2]
 

@@ -14,9 +14,9 @@ from fingerfem.scene.scene import SceneError
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.design import HeldOut, describe
 from rom import Rod, TouchedSegment
+from rom.dataset.snapshot_set import SnapshotSet, read_task, task_file
 from rom.elements.samples.section_states import read_section_states
 from rom.rod.objects.shapes import facing_plane
-from rom.snapshots.snapshot_set import SnapshotSet, read_task, task_file
 
 FORCE = 4.0
 

@@ -8,7 +8,7 @@ from farm import run
 
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
-from rom.snapshots.snapshot_set import SnapshotSet, read_task
+from rom.dataset.snapshot_set import SnapshotSet, read_task
 from studies.kinds import forms_of
 from studies.sets import as_toml
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from farm import ROOT, command, run
 
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.dataset.snapshot_set import SnapshotSet
 
 
 @pytest.fixture(scope="module")

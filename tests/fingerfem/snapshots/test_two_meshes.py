@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from farm import ROOT, run
 
-from rom.snapshots.mesh_transfer import interpolation
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+from rom.dataset.mesh_transfer import interpolation
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 
 DRAFT = (ROOT / "scenes" / "draft.toml").read_text()
 SECOND = DRAFT[DRAFT.rindex("[[tendons]]") : DRAFT.index("[obstacle]")]

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from rom.dataset.plan import Plan, round_file
 from rom.elements.growth import STALE, has_stalled
-from rom.snapshots.plan import Plan, round_file
 
 
 def test_errors_that_fall_go_on_and_errors_that_stay_end():

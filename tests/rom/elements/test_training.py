@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rom.dataset.snapshot_set import SnapshotError
 from rom.elements import rotation_vectors, training
 from rom.elements.regression import NormalEquations
 from rom.elements.samples.cuts import END, LONGEST, cut
 from rom.elements.samples.element_samples import element_samples
 from rom.elements.samples.section_states import Bodies
 from rom.elements.samples.symmetry import mirrors
-from rom.snapshots.snapshot_set import SnapshotError
 from tests.rom.elements import elastic_rod
 from tests.rom.elements.images import image
 

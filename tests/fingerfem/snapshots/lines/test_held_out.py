@@ -11,7 +11,7 @@ from fingerfem import FingerModel, load_scene
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.snapshots.lines.held_out import HeldOutSolver
 from fingerfem.snapshots.neighbours import KnownSet
-from rom.snapshots.snapshot_set import SnapshotSet
+from rom.dataset.snapshot_set import SnapshotSet
 
 # A state is converged to a residual of 1e-9 E a^2, about 1e-6 N; a contact just touched is that much less sure of.
 TOLERANCE = {"tip": 1e-8, "contact_force": 1e-4, "touch_distance": 1e-8, "displacement": 1e-8}  # [m], [N]

@@ -8,7 +8,7 @@ from fingerfem import FingerModel, load_scene
 from fingerfem.scene.scene import Scene, SceneError
 from fingerfem.snapshots.design import HeldOut, describe
 from fingerfem.snapshots.lines.pressed import ROOTS
-from rom.snapshots.snapshot_set import read_description, read_task
+from rom.dataset.snapshot_set import read_description, read_task
 
 LINES = 18
 LOAD = {"force": 5.0}

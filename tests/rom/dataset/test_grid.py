@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rom.snapshots.grid import levels
+from rom.dataset.grid import levels
 
 
 @given(st.lists(st.floats(1e-3, 1.0), min_size=2, max_size=30), st.floats(-4, 1), st.integers(0, 2**32))

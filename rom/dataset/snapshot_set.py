@@ -3,13 +3,13 @@
 A set is a folder:
 
     set.json            what was asked for: scene, parameters, sampling nodes, tasks, versions
-    body.npz            the finger at rest, see rom.snapshots.body
-    rounds/NNNN.json    lines that are added to the set, see rom.snapshots.plan
-    tasks/NAME.npz      one file per task, a line of states solved in a fixed order, see rom.snapshots.schema
+    body.npz            the finger at rest, see rom.dataset.body
+    rounds/NNNN.json    lines that are added to the set, see rom.dataset.plan
+    tasks/NAME.npz      one file per task, a line of states solved in a fixed order, see rom.dataset.schema
 
 Names of tasks: `free-J` is a line along the lead tension, which bends the finger most towards the plane; `contact-J-I`
 brings the plane from touch to its nearest, without a state where the finger does not reach it; `pressed-K` has
-tensions of its own, and wrenches on the plates; `random-K` is held out. See rom.snapshots.description.Line.
+tensions of its own, and wrenches on the plates; `random-K` is held out. See rom.dataset.description.Line.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from pathlib import Path
 
 import numpy as np
 
+from rom.dataset.body import Body, body_file
+from rom.dataset.description import FORMAT, FORMER, Description, Line
+from rom.dataset.plan import Plan
+from rom.dataset.schema import FIELDS, not_finite
 from rom.file_kinds import uses_of
-from rom.snapshots.body import Body, body_file
-from rom.snapshots.description import FORMAT, FORMER, Description, Line
-from rom.snapshots.plan import Plan
-from rom.snapshots.schema import FIELDS, not_finite
 from rom.whole_file import write_whole
 
 

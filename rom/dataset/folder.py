@@ -8,10 +8,10 @@ import os
 from dataclasses import asdict
 from pathlib import Path
 
-from rom.snapshots.description import Description, difference
-from rom.snapshots.plan import Plan, PlanError, read_round
-from rom.snapshots.schema import FIELDS
-from rom.snapshots.snapshot_set import SnapshotError, read_description, read_task
+from rom.dataset.description import Description, difference
+from rom.dataset.plan import Plan, PlanError, read_round
+from rom.dataset.schema import FIELDS
+from rom.dataset.snapshot_set import SnapshotError, read_description, read_task
 from rom.whole_file import write_whole
 
 OURS = (

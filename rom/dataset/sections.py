@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rom.snapshots import rigid_motion
-from rom.snapshots.grid import levels
+from rom.dataset import rigid_motion
+from rom.dataset.grid import levels
 
 
 def line_weights(line: np.ndarray, order: int) -> np.ndarray:

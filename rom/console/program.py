@@ -12,9 +12,9 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import NoReturn
 
-from rom.interruption import first_rank, interruptible
-from rom.packages import explained
-from rom.terminal import replacement, say
+from rom.console.interruption import first_rank, interruptible
+from rom.console.packages import explained
+from rom.console.terminal import replacement, say
 
 BAD_INPUT, NOTHING_USABLE = 2, 3
 PLAIN = "fingerfem.plain"  # name of the error handler of `codecs`

@@ -9,9 +9,9 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from rom.program import NOTHING_USABLE as NOTHING_USABLE
-from rom.program import one_line
-from rom.table import Table, accuracy, print_tables
+from rom.console.program import NOTHING_USABLE as NOTHING_USABLE
+from rom.console.program import one_line
+from rom.console.table import Table, accuracy, print_tables
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 

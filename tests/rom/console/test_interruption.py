@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rom.interruption import INTERRUPTED, NOTHING_KEPT
+from rom.console.interruption import INTERRUPTED, NOTHING_KEPT
 
 ROOT = Path(__file__).resolve().parents[2]
 SENT = "os.kill(os.getpid(), signal.SIGINT); time.sleep(5)"
@@ -27,7 +27,8 @@ PLACES = {"while a module is imported that swallows all exceptions": "import tol
 @pytest.mark.parametrize("place", PLACES)
 def test_a_process_ends_in_one_line(tmp_path, place):
     (tmp_path / "tolerant.py").write_text(TOLERANT)
-    program = f"import os, signal, time; import rom.interruption as i; i.interruptible(); {PLACES[place]}; print('on')"
+    begun = "import os, signal, time; import rom.console.interruption as i; i.interruptible()"
+    program = f"{begun}; {PLACES[place]}; print('on')"
     ended = subprocess.run(
         [sys.executable, "-c", program],
         env=os.environ | {"PYTHONPATH": os.pathsep.join(map(str, [ROOT, tmp_path]))},

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from rom.brief import brief
-from rom.snapshots.grid import SHARE
+from rom.dataset.grid import SHARE
 from rom.whole_file import write_whole
 
 

@@ -50,6 +50,6 @@ def _importing(frame: FrameType | None) -> bool:
 
 
 def _say(line: str) -> None:
-    from rom.terminal import say  # not before: until this module is imported, Ctrl-C is Python's
+    from rom.console.terminal import say  # not before: until this module is imported, Ctrl-C is Python's
 
     say(line)

@@ -13,7 +13,7 @@ from typing import Any, TextIO
 import numpy as np
 
 from rom.brief import brief
-from rom.terminal import fitted, printable
+from rom.console.terminal import fitted, printable
 
 SHOWN = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}  # see `shown`
 ABSOLUTE = {"_m": (1e6, "µm"), "_rad": (1e3, "mrad")}  # of errors that are not relative, by the end of their name

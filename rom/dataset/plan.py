@@ -11,7 +11,7 @@ from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 
 from rom.brief import brief
-from rom.snapshots.description import Description, Line
+from rom.dataset.description import Description, Line
 from rom.whole_file import write_whole
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from rom.snapshots.sections import CrossSections, line_weights
+from rom.dataset.sections import CrossSections, line_weights
 
 LINES = [np.array([0.0, 3e-3, 1e-2, 1.2e-2]), np.array([-5e-3, -2e-3, 0.0, 2e-3, 5e-3])]  # uneven, y symmetric [m]
 CASES = list(product((1, 2), (False, True)))  # order, is_half

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rom.snapshots import schema
-from rom.snapshots.body import Body, body_file
-from rom.snapshots.description import Description
-from rom.snapshots.folder import create
-from rom.snapshots.snapshot_set import write_task
+from rom.dataset import schema
+from rom.dataset.body import Body, body_file
+from rom.dataset.description import Description
+from rom.dataset.folder import create
+from rom.dataset.snapshot_set import write_task
 
 NODES = 4
 BODY = Body(

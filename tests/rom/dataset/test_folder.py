@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rom.snapshots.folder import create, set_aside_strangers
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet, read_description, read_task, task_file, write_task
+from rom.dataset.folder import create, set_aside_strangers
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet, read_description, read_task, task_file, write_task
 
 
 def test_a_set_that_another_rank_begins_meanwhile_is_no_stranger(grid_set, tmp_path, monkeypatch):

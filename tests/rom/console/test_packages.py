@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from plain_environment import OPTIONAL, commands, run_without
 
-from rom.packages import REMEDIES, REQUIRED, MissingPackage, explained, require
+from rom.console.packages import REMEDIES, REQUIRED, MissingPackage, explained, require
 
 SCENE, MODEL = "scenes/draft.toml", "rom/finger.h5"
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from rom.snapshots.description import NOT_OF_THE_FINGER, difference
-from rom.snapshots.grid import SHARE, levels
-from rom.snapshots.snapshot_set import SnapshotError, SnapshotSet
+from rom.dataset.description import NOT_OF_THE_FINGER, difference
+from rom.dataset.grid import SHARE, levels
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 
 OWN = (*NOT_OF_THE_FINGER, "mesh")  # keys of a scene that may differ
 

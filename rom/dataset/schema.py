@@ -4,7 +4,7 @@ A task's file holds them state by state, first axis n; X_jacobian holds the deri
 these it holds, of every state:
 
     parameters   (n, p)   tensions [N], then d [m] (nan in a free state) or what presses on the plates [N, N m]
-    nodes        (n,)     positions along the line, see rom.snapshots.description.Line; of all but held-out lines
+    nodes        (n,)     positions along the line, see rom.dataset.description.Line; of all but held-out lines
     iterations   (n,)     Newton iterations
     converged    (n,)     bool; a state that is not is nan everywhere
     reason       (n,)     why not, empty if converged
@@ -69,7 +69,7 @@ QUANTITIES = (
         name="section_place",
         shape=("sections", 3),
         unit="m",
-        meaning="mean position of every cross-section, see rom.snapshots.sections",
+        meaning="mean position of every cross-section, see rom.dataset.sections",
         scope="load",
     ),
     Quantity(

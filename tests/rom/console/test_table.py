@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rom import Rod, TouchedSegment
+from rom.console.table import Table, number, parameters, print_tables, quantities, row
 from rom.rod.touched_segment import SHIPPED
-from rom.table import Table, number, parameters, print_tables, quantities, row
 
 
 def test_values_are_in_the_units_that_people_read():
