@@ -2,7 +2,7 @@
 # make test   tests, lint, types, import contracts; make test-long  the repetitions of faults, and what takes long
 # make docs   measure anew what README and docs/ show; make readme  README's numbers alone; make peers  docs/peers.md alone
 # make model  rom/finger.h5, the bundled finger; make wheel  dist/*.whl
-# make page   rom/export/viewer.html, what `rom page` writes models into
+# make page   control/export/viewer.html, what `control export` writes models into
 # make site   the documentation as a site, in out/site
 # make bench  the short form of all studies, compared with docs/bench.json
 # make clean  remove what the others made (the built environment stays)
@@ -67,12 +67,12 @@ model:
 	$(SNAPSHOTS) scenes/demo/plane_finest.toml out/model/heldout --random 15 --distances 4 --seed 2020 --near out/model/heldout-coarse
 	docker/run python3 -m rom build out/model/fine --finer out/model/finest --held-out out/model/heldout -o rom/finger.h5
 
-# rom/export/viewer.html, the page that `python3 -m rom page` writes models into: three.js, and the C that Python calls as
+# control/export/viewer.html, the page that `python3 -m control export` writes models into: three.js, and the C that Python calls as
 # WebAssembly. Needs node and npm; a compiler for WebAssembly comes from PyPI.
 page: .venv/ready
 	.venv/bin/python -m pip install -q --disable-pip-version-check ziglang==0.17.1
-	cd rom/export/browser && npm ci --silent
-	PYTHONPATH=. .venv/bin/python rom/export/browser/build.py
+	cd control/export/browser && npm ci --silent
+	PYTHONPATH=. .venv/bin/python control/export/browser/build.py
 
 # What a machine without a C compiler installs: dist/*.whl.
 wheel:

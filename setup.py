@@ -13,7 +13,7 @@ from setuptools import setup
 from setuptools.command.build_py import build_py
 
 sys.path.insert(0, str(Path(__file__).parent))
-from rom.native import EVALUATION, SEGMENT, compiler, levels
+from rom.native import LIBRARY, compiler, levels
 
 
 class BuildWithLibraries(build_py):
@@ -27,7 +27,7 @@ class BuildWithLibraries(build_py):
         if self.editable_mode or not compiler():
             return
         control = runpy.run_path("control/native/__init__.py")["CONTROL"]  # the package itself imports NumPy
-        for library, package in ((EVALUATION, "rom"), (SEGMENT, "rom/rod"), (control, "control")):
+        for library, package in ((LIBRARY, "rom"), (control, "control")):
             for level in levels():
                 library.build(Path(self.build_lib) / package / "native", level)
 

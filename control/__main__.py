@@ -1,4 +1,4 @@
-"""python3 -m control reach | hold | grasp | campaign."""
+"""python3 -m control reach | hold | grasp | campaign | export."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from control.gripper import Grasp
 from control.model import Model
 from control.motion import Motion
 from rom import load
-from rom.console.command_line import NOTHING_USABLE, AsJson, application, run, show
+from rom.console.command_line import NOTHING_USABLE, AsJson, application, check_folder, run, show
 from rom.console.table import Table, millimetres, percent
-from rom.console.terminal import steps
+from rom.console.terminal import say, steps
 
 app = application()
 COUNTED = ("converged", "unreachable", "failed", "out_of_limits")
@@ -150,6 +150,35 @@ def campaign(
         Table(header=["time per hold [µs]", "mean", "median", "99 % below", "longest"], rows=times),
     ]
     show(result, parts, as_json, 0 if result["converged"] else NOTHING_USABLE)
+
+
+@app.command("export")
+def export_controller(
+    model: ModelFile,
+    output: Annotated[Path, typer.Argument(metavar="FINGER.html|FINGER.fmu", help="A page or an FMU, by its ending.")],
+    tolerance: Annotated[
+        float, typer.Option(min=0, max=0.5, help="Of a table: keep only the terms this relative error needs.")
+    ] = 0.0,
+    fmi: Annotated[int, typer.Option(metavar="2|3", help="Version of FMI of an FMU.")] = 3,
+) -> None:
+    """Write a controller for those without Python: a page for a browser, or an FMU that holds a contact force.
+
+    On the page the finger bends as sliders move; it is one file and needs no network. The FMU is for co-simulation.
+    """
+    check_folder(output)
+    finger, ending = load(model, tolerance), output.suffix.lower()
+    if ending == ".fmu":
+        from control.export.fmu import write as write_fmu
+
+        write_fmu(finger, output, fmi)
+    elif ending in (".html", ".htm") and fmi == 3:
+        from control.export.page import write as write_page
+
+        write_page(finger, output)
+    else:
+        ask = "--fmi needs .fmu" if ending in (".html", ".htm") else "rom export writes .h and the FMU of a model"
+        raise ValueError(f"output must be named .html or .fmu, got {output}; {ask}")
+    say(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
 
 
 if __name__ == "__main__":

@@ -15,8 +15,8 @@ from control.least_squares import CONVERGED, STATIONARY
 from control.model import Model
 from control.motion import Limits, Motion
 from control.problems import compiled_finger, rules
+from rom.answer import FORCE, PAD
 from rom.dataset.geometry import tip_at_rest
-from rom.native.answer import FORCE, PAD
 
 NORMAL_95 = 1.96  # standard deviations within which 95 % of a normal distribution are [-]
 

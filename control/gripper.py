@@ -15,8 +15,8 @@ from control.grasp_forces import Object, Targets, targets
 from control.model import Model
 from control.motion import Limits
 from control.plant import Plant, age_of
+from rom.answer import FORCE
 from rom.brief import brief
-from rom.native.answer import FORCE
 
 FIRST = 0.3  # of a contact force that the first touch may have, readings in doubt and late included
 SQUEEZE = 0.06  # [s] from touch to the held force

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom.native.answer import Answer
+from rom.answer import Answer
 
 
 class Model(Protocol):

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rom.answer import Answer
 from rom.brief import brief
 from rom.console.table import Table, as_html, quantities, row
-from rom.native.answer import Answer
 
 MEANING = {
     "converged": "converged",

@@ -12,9 +12,9 @@ import numpy as np
 from control.least_squares import Rules, struct
 from control.model import Model
 from control.native import CONTROL
+from rom.answer import FORCE, TOUCH
 from rom.brief import brief
 from rom.native import KINDS, pointer
-from rom.native.answer import FORCE, TOUCH
 
 ATLAS = 20000  # points, about
 

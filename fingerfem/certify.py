@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from fingerfem.model import FingerModel
 from fingerfem.scene.scene import Scene
-from rom.native.answer import Answer
+from rom.answer import Answer
 from rom.rod import rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rom.native.answer import Answer
+    from rom.answer import Answer
     from rom.rod.friction.history import friction_history
     from rom.rod.objects.search import find_object
     from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # Where each is.
 _HOMES = {
-    "Answer": "rom.native.answer",
+    "Answer": "rom.answer",
     "Rod": "rom.rod.rod",
     "Cylinder": "rom.rod.objects.shapes",
     "Hull": "rom.rod.objects.shapes",

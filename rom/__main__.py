@@ -1,4 +1,4 @@
-"""python3 -m rom build | assemble | specialise | check | info | export | page."""
+"""python3 -m rom build | assemble | specialise | check | info | export."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import typer
 
 from rom import load
 from rom.checked_file import kind_of
-from rom.console.command_line import NOTHING_USABLE, AsJson, application, check_parts, run, show
+from rom.console.command_line import NOTHING_USABLE, AsJson, application, check_folder, check_parts, run, show
 from rom.console.table import percent
 from rom.console.terminal import log_lines, say, steps
 from rom.dataset.snapshot_set import SnapshotSet
@@ -109,12 +109,6 @@ def write_separated(table: SeparatedModel, output: Path, force: bool, as_json: b
         check_expected(measured, output, force)
     table.save(output)
     show(separated_summary(table), table.tables(), as_json)
-
-
-def check_folder(output: Path) -> None:
-    """Refuse a file that could not be written, before there is anything to write."""
-    if not output.parent.is_dir():
-        raise ValueError(f"output must be in a folder that exists, got {output}")
 
 
 def check_expected(error: float, output: Path, force: bool) -> None:
@@ -232,9 +226,6 @@ def export_model(
     output: Annotated[Path, typer.Argument(metavar="FINGER.h|FINGER.fmu", help="A C header or an FMU, by its ending.")],
     tolerance: Tolerance = 0.0,
     fmi: Annotated[int, typer.Option(metavar="2|3", help="Version of FMI of an FMU.")] = 3,
-    controller: Annotated[
-        bool, typer.Option("--controller", help="An FMU that holds a contact force: tensions come out.")
-    ] = False,
 ) -> None:
     """Write a model for those without Python: a C99 header, FINGER.h, or an FMU for co-simulation, FINGER.fmu.
 
@@ -247,30 +238,16 @@ def export_model(
         from rom.export.c_header import export
 
         if output.suffix.lower() != ".h":
-            raise ValueError(f"output must be named .h or .fmu, got {output}; rom page writes .html")
-        if controller or fmi != 3:
-            raise ValueError(f"output must be named .fmu for --fmi and --controller, got {output}")
+            raise ValueError(f"output must be named .h or .fmu, got {output}; control export writes .html")
+        if fmi != 3:
+            raise ValueError(f"output must be named .fmu for --fmi, got {output}")
         export(known, output)
         say(f"{output}: {output.stat().st_size / 1e6:.1f} MB; its first lines describe it")
         return
     from rom.export.fmu import write
 
-    write(known, output, fmi, controller)
+    write(known, output, fmi)
     say(f"{output}: FMI {fmi}.0 for co-simulation, {output.stat().st_size / 1e6:.1f} MB")
-
-
-@app.command()
-def page(
-    model: ModelFile,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FINGER.html")],
-    tolerance: Tolerance = 0.0,
-) -> None:
-    """Write a page for a browser: the finger bends as sliders move, offline and with nothing but the file."""
-    from rom.export.page import write
-
-    check_folder(output)
-    write(load(model, tolerance), output)
-    say(f"{output}: {output.stat().st_size / 1e6:.1f} MB; open it in a browser")
 
 
 if __name__ == "__main__":

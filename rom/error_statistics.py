@@ -44,7 +44,7 @@ def quantiles(errors: Sequence[float] | np.ndarray) -> dict[str, float]:
 
 
 def differences(answer: Any, true: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Errors of an answer at n points (`rom.native.answer.Answer`) by quantity in its unit, shapes (n,).
+    """Errors of an answer at n points (`rom.answer.Answer`) by quantity in its unit, shapes (n,).
 
     Args:
         answer: the answer.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 FIRST = 512  # bytes of a file by which its kind is recognised
-_CONTROL = ("control reach", "control hold", "control grasp", "control campaign")
+_CONTROL = ("control reach", "control hold", "control grasp", "control campaign", "control export .html")
 _SET = ("fingerfem snapshots", "fingerfem status", "fingerfem retry")
 
 
@@ -26,7 +26,7 @@ class Kind:
 
 SEPARATED = Kind(
     "a separated model",
-    ("rom info", "rom check", "rom export .h", "rom export .fmu", "rom page .html", *_CONTROL, "fingerfem certify"),
+    ("rom info", "rom check", "rom export .h", "rom export .fmu", *_CONTROL, "fingerfem certify"),
 )
 ROD = Kind(
     "a finger of rod elements",
@@ -38,7 +38,6 @@ ROD = Kind(
             "rom check",
             "rom export .h",
             "rom export .fmu",
-            "rom page .html",
         ),
         *(*_CONTROL, "fingerfem certify"),
     ),

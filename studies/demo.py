@@ -32,6 +32,7 @@ if __name__ == "__main__":  # before what takes seconds to import
     interruptible("demo: stopped by Ctrl-C: solved states are kept; run the same command again")
 
 from control import Finger, Gripper, campaign
+from control.export.page import write as write_page
 from control.gripper import Grasp
 from control.model import Model
 from fingerfem import FingerModel, State, load_scene
@@ -41,7 +42,6 @@ from rom.console.terminal import Progress, steps
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.samples.section_states import read_section_states
 from rom.elements.training import train
-from rom.export.page import write as write_page
 from rom.held_out import before_plane, check
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment

@@ -12,8 +12,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from control.export.page import write as write_page
 from rom import TouchedSegment
-from rom.export.page import write as write_page
 from studies import badges, report
 
 BEGIN, END = "<!-- measured: written by `make readme` -->", "<!-- end -->"

@@ -15,6 +15,7 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 
+from control.export import fmu as control_fmu
 from rom.export.fmu import write
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
@@ -36,7 +37,7 @@ class Maker:
         key = f"{name}{version}{'hold' if controller else ''}"
         if key not in self._made:
             path = self._folder / f"{key}.fmu"
-            write(self._models[name], path, version, controller)
+            (control_fmu.write if controller else write)(self._models[name], path, version)
             unzipped = self._folder / key
             with zipfile.ZipFile(path) as packed:
                 packed.extractall(unzipped)

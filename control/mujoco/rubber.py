@@ -9,7 +9,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from rom.rod.native import rubber_boxes
+from rom.rod.compiled import rubber_boxes
 from rom.rod.segment import Segment
 
 NEAR = 0.003  # [m]: gaps that are looked for
@@ -43,7 +43,7 @@ class Rubber:
     def boxes(
         self, data: mujoco.MjData, inputs: np.ndarray, count: int
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-        """The rubber from where it begins to the plate, see `rom.rod.native.rubber_boxes`."""
+        """The rubber from where it begins to the plate, see `rom.rod.compiled.rubber_boxes`."""
         begins = data.xpos[self._before] + self._begins @ data.xmat[self._before].reshape(3, 3).T
         rotation = data.xmat[self._body].reshape(3, 3)
         return rubber_boxes(self._segment.struct, inputs, begins, data.xpos[self._body], rotation, count)

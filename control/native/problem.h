@@ -2,8 +2,8 @@
 #ifndef CONTROL_PROBLEM_H
 #define CONTROL_PROBLEM_H
 #include <math.h>
-#include "../../rom/native/evaluation.h"
-#include "../../rom/rod/native/segment.h"
+#include "../../rom/native/separated/evaluation.h"
+#include "../../rom/native/segment.h"
 #include "problems.h"
 #include "step.h"
 

@@ -1,8 +1,8 @@
 /* What one finger is asked: reach a point, hold a force, locate the plane. Python sees what stands here. */
 #ifndef CONTROL_PROBLEMS_H
 #define CONTROL_PROBLEMS_H
-#include "../../rom/native/kernel.h"
-#include "../../rom/rod/native/segment.h"
+#include "../../rom/native/separated/kernel.h"
+#include "../../rom/native/segment.h"
 #include "least_squares.h"
 
 /* A finger: its model, a separated one or a finger of elements before an object; its limits, and an atlas of the model's answers on a grid. What it presses with is a row of the answer: contact force, or pad

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -64,3 +65,9 @@ def run(app: Callable[[], None]) -> None:
     """Run a command line; bad input is one line on stderr and exit code 2."""
     with one_line():
         app()
+
+
+def check_folder(output: Path) -> None:
+    """Refuse a file that could not be written, before there is anything to write."""
+    if not output.parent.is_dir():
+        raise ValueError(f"output must be in a folder that exists, got {output}")

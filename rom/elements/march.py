@@ -1,4 +1,4 @@
-"""A rod of elements, condensed to its plate: the reference of rom/rod/native/rod_march.c.
+"""A rod of elements, condensed to its plate: the reference of rom/native/rod/rod_march.c.
 
 An element's law gives, by the tensions and the wrench (f, m) that its distal section carries, in that one's own frame
 and with the moment about its centre, the pose of its proximal section seen from there: place q, Rodrigues vector g.

@@ -11,7 +11,7 @@ from rom.checked_file import ModelError
 from rom.dataset.grid import SHARE
 from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE
 
-MOST_ELEMENTS = 64  # of a segment, as in rom/rod/native/segment.h
+MOST_ELEMENTS = 64  # of a segment, as in rom/native/segment.h
 
 
 class Piece(NamedTuple):

@@ -13,10 +13,12 @@ from pathlib import Path
 from rom.checked_file import ModelError
 from rom.export.numbers import definitions
 from rom.export.rod_header import rod_header
-from rom.native import HERE
+from rom.native import LIBRARY
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
 from rom.whole_file import write_whole
+
+NATIVE = Path(__file__).parent / "native"
 
 
 def header(model: SeparatedModel | TouchedSegment, name: str = "finger") -> str:
@@ -33,7 +35,7 @@ def header(model: SeparatedModel | TouchedSegment, name: str = "finger") -> str:
     parameters = [
         f"      {one['name']} [{one['unit']}] from {one['lower']:g} to {one['upper']:g}" for one in model.parameters
     ]
-    shared = "\n".join(_without_includes(HERE / file) for file in ("kernel.h", "evaluation.c"))
+    shared = "\n".join(_without_includes(LIBRARY.folder / "separated" / file) for file in ("kernel.h", "evaluation.c"))
     tables = model.kernel.tables
     axes, terms, components = tables.most_axes, tables.most_terms, tables.most_components
     texts = {
@@ -50,7 +52,7 @@ def header(model: SeparatedModel | TouchedSegment, name: str = "finger") -> str:
         "ARRAYS": "\n".join(arrays),
         "KERNEL": kernel,
     }
-    text = (HERE / "exported.h.in").read_text(encoding="utf-8")
+    text = (NATIVE / "exported.h.in").read_text(encoding="utf-8")
     return re.sub(r"@(\w+)@|@", lambda found: texts[found[1]] if found[1] else name, text)
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rom.brief import brief
-from rom.native import SEGMENT, kept_by
+from rom.native import LIBRARY, kept_by
 
 POINTER, ALIGNED = 4, 8  # [bytes]
 PACKED = {"double": "d", "float": "f", "int32_t": "i", "int64_t": "q", "uint8_t": "B", "uint64_t": "Q"}
@@ -39,7 +39,7 @@ class Image:
         """Where what lies at an address here lies in the image."""
         if at not in places:
             owner = owners[at]
-            kind = SEGMENT.ffi.typeof(owner)
+            kind = LIBRARY.ffi.typeof(owner)
             single = kind.kind == "pointer"
             size, _ = _layout(kind.item)
             self.memory.extend(bytes(-len(self.memory) % ALIGNED))
@@ -63,7 +63,7 @@ class Image:
             for k, one in enumerate(value):
                 self._write(at + size * k, kind.item, one, owners, places)
         elif kind.kind == "pointer":
-            if value != SEGMENT.ffi.NULL:
+            if value != LIBRARY.ffi.NULL:
                 self.addresses.append(at)
                 struct.pack_into("<I", self.memory, at, self._placed(address(value), owners, places))
         else:
@@ -80,7 +80,7 @@ def owners(root: Any) -> dict[int, Any]:
 
 def address(pointer: Any) -> int:
     """Where it points to here."""
-    return int(SEGMENT.ffi.cast("uintptr_t", pointer))
+    return int(LIBRARY.ffi.cast("uintptr_t", pointer))
 
 
 def _fields(kind: Any) -> list[tuple[str, int, Any]]:

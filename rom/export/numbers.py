@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rom.export.image import address, owners
-from rom.native import SEGMENT
+from rom.native import LIBRARY
 
 PER_LINE = 8  # numbers
 ALIGNED = "__attribute__((aligned(64)))"  # as arrays of `rom.native.Library.struct` are [bytes]
@@ -43,7 +43,7 @@ class _Parts:
         """The name of what lies at an address here; what it points to is defined before it, and nothing twice."""
         if at not in self.names:
             owner = self.owners[at]
-            kind = SEGMENT.ffi.typeof(owner)
+            kind = LIBRARY.ffi.typeof(owner)
             single, of = kind.kind == "pointer", kind.item
             values = [self._value(of, one) for one in ([owner[0]] if single else owner)] or ["0"]
             kind_name = f"{of.item.cname} *const" if of.kind == "pointer" else of.cname
@@ -62,7 +62,7 @@ class _Parts:
         if kind.kind == "array":
             return "{" + ", ".join(self._value(kind.item, one) for one in value) + "}"
         if kind.kind == "pointer":
-            return "NULL" if value == SEGMENT.ffi.NULL else self.define(address(value))
+            return "NULL" if value == LIBRARY.ffi.NULL else self.define(address(value))
         return literal(value, kind.cname)
 
 

@@ -1,6 +1,6 @@
 """A finger of rod elements as one C header: declarations, and in one file of a program the code and the numbers.
 
-The same C that Python calls (rom/rod/native), with the model's numbers as constants. Its limits are this finger's: a
+The same C that Python calls (rom/native), with the model's numbers as constants. Its limits are this finger's: a
 finger of one plate needs a small part of the stack that one of the most plates does.
 """
 
@@ -16,7 +16,7 @@ from rom.export.amalgamation import Sources
 from rom.export.c_text import renamed
 from rom.export.image import address, owners
 from rom.export.numbers import definitions, literal
-from rom.native import SEGMENT
+from rom.native import LIBRARY
 from rom.rod.touched_segment import TouchedSegment
 
 NATIVE = Path(__file__).parent / "native"
@@ -31,8 +31,8 @@ STACK, BY_BODY, BY_BODIES, BY_POWER = 160.0, 18.0, 3.2, 0.35
 def rod_header(model: TouchedSegment, name: str) -> str:
     """The text of a header whose names begin with `name`, a C identifier."""
     chain = model.touching.chain
-    memory, limits = SEGMENT.functions.fingerfem_chain_memory(chain), _limits(model)
-    types, sources = Sources.of(SEGMENT.units).taken_out(PUBLIC)
+    memory, limits = LIBRARY.functions.fingerfem_chain_memory(chain), _limits(model)
+    types, sources = Sources.of(LIBRARY.units).taken_out(PUBLIC)
     objects = _template("rod_objects.h.in").replace("@TYPES@\n", types)
     lines, touching = definitions(model.touching, f"{name}__part_", aligned=True)
     texts = _about(model) | {
@@ -40,7 +40,7 @@ def rod_header(model: TouchedSegment, name: str) -> str:
         "STACK": f"{_stack(limits):.0f}",
         "TENSIONS": str(chain.tensions),
         "PLATES": str(chain.plates),
-        "LOADS": str(SEGMENT.functions.fingerfem_chain_loads(chain)),
+        "LOADS": str(LIBRARY.functions.fingerfem_chain_loads(chain)),
         "MEMORY": str(memory),
         "BYTES": str(8 * memory),
         "UPPER": name.upper(),
@@ -89,7 +89,7 @@ def _limits(model: TouchedSegment) -> dict[str, int]:
     """Limits of compiled code that this finger has need of: arrays have sizes by these."""
     known, powers = owners(model.touching), [1]
     for one in known.values():
-        kind = SEGMENT.ffi.typeof(one)
+        kind = LIBRARY.ffi.typeof(one)
         fields = dict(kind.item.fields) if kind.kind == "pointer" else {}
         powers += [one.most_power] if "most_power" in fields else []
         powers += list(known[address(one.most_powers)]) if "most_powers" in fields else []

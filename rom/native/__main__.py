@@ -1,6 +1,6 @@
 """python3 -m rom.native LIBRARY...: builds libraries beside their sources, for wheels and images.
 
-A library is named by its module and name there, such as rom.native:EVALUATION. Every level of the processor gets one.
+A library is named by its module and name there, such as rom.native:LIBRARY. Every level of the processor gets one.
 """
 
 import sys
@@ -14,9 +14,8 @@ def main(names: list[str]) -> None:
     for name in names:
         module, _, attribute = name.partition(":")
         library: Library = getattr(import_module(module), attribute)
-        folder = library.units[0].parent
         for level in levels():
-            print(library.build(folder, level))
+            print(library.build(library.folder, level))
 
 
 if __name__ == "__main__":

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.brief import brief
-from rom.rod.native import SEGMENT, memory_of, pointer
+from rom.native import LIBRARY, pointer
+from rom.rod.compiled import memory_of
 from rom.rod.segment import Segment
 
 
@@ -69,7 +70,7 @@ class InverseMap:
             evaluations of the map.
         """
         self._tensions[:], self._centre[:], self._quaternion[:] = tensions, centre, quaternion
-        evaluations = int(SEGMENT.functions.fingerfem_bear(self.segment.struct, *self._given))
+        evaluations = int(LIBRARY.functions.fingerfem_bear(self.segment.struct, *self._given))
         self.inside, self.converged = bool(self._inside[0]), evaluations > 0
         return abs(evaluations)
 
@@ -79,7 +80,7 @@ class InverseMap:
         Returns:
             force, shape (6,) [N, N m]; stiffness, shape (6, 6), symmetric, without what would push the plate away.
         """
-        SEGMENT.functions.fingerfem_spring(self.segment.struct, *self._spring_given)
+        LIBRARY.functions.fingerfem_spring(self.segment.struct, *self._spring_given)
         return self._spring[0].copy(), self._spring[1].copy()
 
     def forget(self) -> None:

@@ -15,7 +15,7 @@ from rom.elements.polynomial import Polynomial
 from rom.rod.wrench_products import padded
 
 if TYPE_CHECKING:
-    from rom.rod.native import Outline, Segment
+    from rom.rod.compiled import Outline, Segment
     from rom.rod.rod import Rod
     from rom.rod.segment import Segment as RodSegment
 

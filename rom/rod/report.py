@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rom.brief import brief
-from rom.rod.native.reports import QUATERNION
-from rom.rod.native.told import Told
+from rom.rod.compiled.evaluation import Evaluation
+from rom.rod.compiled.reports import QUATERNION
 
 
 @brief
@@ -35,9 +35,9 @@ class Report(NamedTuple):
     inside: Any
 
     @classmethod
-    def of(cls, told: Told) -> Report:
+    def of(cls, evaluation: Evaluation) -> Report:
         """Of what compiled code has computed at n points."""
-        rows, jacobians, errors = told.reports
+        rows, jacobians, errors = evaluation.reports
         return cls(
             orientation=rows[:, :QUATERNION],
             shortenings=rows[:, QUATERNION:],
@@ -45,5 +45,5 @@ class Report(NamedTuple):
             shortening_jacobian=jacobians[:, QUATERNION:],
             orientation_error=errors[:, 0],
             shortening_error=errors[:, 1],
-            inside=told.inside,
+            inside=evaluation.inside,
         )

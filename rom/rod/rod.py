@@ -24,10 +24,10 @@ from rom.elements.limits import check as check_elements
 from rom.elements.pieces import Piece
 from rom.elements.taper import Rubber, tapered_pieces
 from rom.native import PickledByFields
-from rom.rod import native, shape, summary
+from rom.rod import compiled, shape, summary
+from rom.rod.compiled import reports
 from rom.rod.expected_errors import ExpectedErrors, expected_errors
 from rom.rod.limits import check as check_rod
-from rom.rod.native import reports
 from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
 
@@ -177,7 +177,7 @@ class Rod(PickledByFields):
             "turn_error": self.errors.turn,
             "shortening_error": self.errors.shortening,
         }
-        return native.chain_struct([one.struct for one in self.segments], own, self.rest, self.errors.surface, errors)
+        return compiled.chain_struct([one.struct for one in self.segments], own, self.rest, self.errors.surface, errors)
 
     def place(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> Plates:
         """Where the plates are.
@@ -189,7 +189,7 @@ class Rod(PickledByFields):
         Raises:
             ModelError: the wrong number of tensions or wrenches.
         """
-        return Plates(*native.place_chain(self.struct, *self._inputs(tensions, wrenches)))
+        return Plates(*compiled.place_chain(self.struct, *self._inputs(tensions, wrenches)))
 
     def _inputs(self, tensions: ArrayLike, wrenches: ArrayLike | None) -> tuple[np.ndarray, np.ndarray]:
         """Both as arrays, see `place`; loads of an answer, see `Touched`, stay as they are."""

@@ -18,7 +18,7 @@ from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
 from rom.elements.taper import Prism, shear_compliance, tapered
 from rom.native import PickledByFields
-from rom.rod import native
+from rom.rod import compiled
 
 UNDER = 0.4  # over half the side: largest depth of a tendon that raises a ridge on the face above it [-]
 
@@ -41,7 +41,7 @@ class Segment(PickledByFields):
     """
 
     elements: Sequence[ElementMap]
-    outlines: Sequence[native.Outline]
+    outlines: Sequence[compiled.Outline]
     names: Sequence[str]
     trained: Sequence[int]
     offsets: np.ndarray
@@ -89,14 +89,14 @@ class Segment(PickledByFields):
         Raises:
             ModelError: a segment beyond what compiled code holds.
         """
-        return native.struct(self.condensed)
+        return compiled.struct(self.condensed)
 
     @property
-    def condensed(self) -> native.Segment:
+    def condensed(self) -> compiled.Segment:
         """What of it is compiled: its elements by pose, its variants, and by the shortenings of its tendons."""
         poses = {id(one): _pose_of(one) for one in self.elements}
         shortenings = {id(one): _values(one, [POSE + k for k in self.trained]) for one in self.elements}
-        return native.Segment(
+        return compiled.Segment(
             elements=[poses[id(one)] for one in self.elements],
             half_lengths=self.half_lengths,
             begins=self.begins,
@@ -123,7 +123,7 @@ class Segment(PickledByFields):
         given = np.asarray(inputs, float)
         if given.shape != (self.tensions + 6,):
             raise ModelError(f"inputs must be {', '.join(self.names)} and a wrench, got shape {given.shape}")
-        return native.place(self.struct, given)
+        return compiled.place(self.struct, given)
 
 
 def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str], trained: Sequence[int]) -> Segment:
@@ -148,7 +148,7 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     outlines = {}
     for k, one in enumerate(pieces):
         if one not in outlines:
-            outlines[one] = native.outline_of(scaled[one].outlines[one.kind], one, 0.0 if k else half[0])
+            outlines[one] = compiled.outline_of(scaled[one].outlines[one.kind], one, 0.0 if k else half[0])
     if len({one.size for one in pieces}) > 1:
         _in_one_box(laws, outlines)
     return Segment(
@@ -163,7 +163,7 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     )
 
 
-def _in_one_box(laws: dict[Piece, ElementMap], outlines: dict[Piece, native.Outline]) -> None:
+def _in_one_box(laws: dict[Piece, ElementMap], outlines: dict[Piece, compiled.Outline]) -> None:
     """Give elements of several sizes the tensions that all of them were trained with, in place."""
     every = list(laws.values())
     tensions = np.array(

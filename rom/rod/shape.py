@@ -17,7 +17,7 @@ from rom.elements.elements import INTERIOR
 from rom.elements.law import POSE
 from rom.elements.outline import CORNERS
 from rom.elements.pieces import Piece
-from rom.rod.native import reports
+from rom.rod.compiled import reports
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod

@@ -11,15 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rom.answer import Answer
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.console.table import Table, as_html, parameters
-from rom.native import PickledByFields
-from rom.native.answer import Answer
-from rom.rod.native import SEGMENT
-from rom.rod.native.reports import QUATERNION
-from rom.rod.native.told import tells
-from rom.rod.native.touched import Touched, pressing, touches
+from rom.native import LIBRARY, PickledByFields
+from rom.rod.compiled.evaluation import evaluate
+from rom.rod.compiled.reports import QUATERNION
+from rom.rod.compiled.touched import Touched, pressing, touches
 from rom.rod.objects.shapes import Object
 from rom.rod.report import Report
 from rom.rod.rod import QUANTITIES, Rod
@@ -105,12 +104,12 @@ class TouchedRod(PickledByFields):
     @cached_property
     def touching(self) -> Any:
         """For compiled code, a struct fingerfem_touching."""
-        objects = [SEGMENT.struct("fingerfem_object", **one.numbers()) for one in self.objects]
-        return SEGMENT.struct(
+        objects = [LIBRARY.struct("fingerfem_object", **one.numbers()) for one in self.objects]
+        return LIBRARY.struct(
             "fingerfem_touching",
             chain=self.rod.struct,
             count=len(objects),
-            objects=SEGMENT.pointers("fingerfem_object", objects),
+            objects=LIBRARY.pointers("fingerfem_object", objects),
         )
 
     def answers(self, points: ArrayLike, by_object: bool = False) -> Touched:
@@ -147,7 +146,7 @@ class TouchedRod(PickledByFields):
             ModelError: the wrong number of parameters.
         """
         m = len(self.objects)
-        out, errors, inside, (rows, _, off) = tells(self.touching, self._points(parameters))
+        out, errors, inside, (rows, _, off) = evaluate(self.touching, self._points(parameters))
         if np.ndim(parameters) == 1:
             out, errors, inside, rows, off = out[0], errors[0], inside[0], rows[0], off[0]
         return Answer(
@@ -175,7 +174,7 @@ class TouchedRod(PickledByFields):
         Example:
             >>> TouchedSegment.load().report([30.0, 0.0, 0.010]).shortening_jacobian
         """
-        found = Report.of(tells(self.touching, self._points(parameters)))
+        found = Report.of(evaluate(self.touching, self._points(parameters)))
         return Report(*(one[0] for one in found)) if np.ndim(parameters) == 1 else found
 
     def contact_forces(self, parameters: ArrayLike) -> list[ContactForce]:

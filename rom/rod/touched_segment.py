@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rom.answer import Answer
 from rom.brief import brief
-from rom.native.answer import Answer
-from rom.rod import native
-from rom.rod.native import SEGMENT
-from rom.rod.native.touched import touches
+from rom.native import LIBRARY
+from rom.rod import compiled
+from rom.rod.compiled.touched import touches
 from rom.rod.objects.shapes import Object, facing_plane
 from rom.rod.rod import Rod
 from rom.rod.touched_rod import TouchedRod
@@ -83,9 +83,9 @@ class TouchedSegment(TouchedRod):
 
     def rubber_gap(self, point: np.ndarray, wrenches: np.ndarray) -> float:
         """The rubber's least distance from the object under loads, see `Rod.place` [m]; infinite if unknown."""
-        given = np.array(point, float), native.loads(self.rod.struct, np.asarray(wrenches, float))
-        memory = native.memory_of(self.rod.struct)
-        return float(SEGMENT.functions.fingerfem_rubber_gap(self.touching, *map(native.pointer, given), memory))
+        given = np.array(point, float), compiled.loads(self.rod.struct, np.asarray(wrenches, float))
+        memory = compiled.memory_of(self.rod.struct)
+        return float(LIBRARY.functions.fingerfem_rubber_gap(self.touching, *map(compiled.pointer, given), memory))
 
     @property
     def native(self) -> dict[str, Any]:

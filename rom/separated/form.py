@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
 from rom.brief import brief
-from rom.native import EVALUATION, PickledByFields
+from rom.native import LIBRARY, PickledByFields
 from rom.native.forms import AXES, COMPONENTS, MODES, ROW, TERMS, values_and_gradients
 from rom.separated.alternating_directions import EnrichmentOptions, khatri_rao, separate, slopes
 
@@ -88,7 +88,7 @@ class Separated(PickledByFields):
     @cached_property
     def tables(self) -> Any:
         """The form alone for compiled code, a struct fingerfem_tables."""
-        return EVALUATION.struct("fingerfem_tables", **tables([self]))
+        return LIBRARY.struct("fingerfem_tables", **tables([self]))
 
     def truncated(self, tolerance: float) -> tuple[Separated, np.ndarray]:
         """The fewest leading terms whose separation error is below `tolerance` [-], all of them if none is.

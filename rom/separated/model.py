@@ -18,12 +18,12 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom import checked_file
+from rom import answer, checked_file
+from rom.answer import Answer
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.console.table import NOT_MEASURED, Table, accuracy, as_html, parameters
-from rom.native import EVALUATION, PickledByFields, answer
-from rom.native.answer import Answer
+from rom.native import LIBRARY, PickledByFields, forms
 from rom.separated import model_file
 from rom.separated.form import Separated, tables
 
@@ -139,7 +139,7 @@ class SeparatedModel(PickledByFields):
     def kernel(self) -> Any:
         """The arrays for the compiled answer, a struct fingerfem_kernel."""
         lower, upper = self.limits
-        return EVALUATION.struct(
+        return LIBRARY.struct(
             "fingerfem_kernel",
             tables=tables([self.free, self.contact]),
             parameters=len(lower),
@@ -158,7 +158,7 @@ class SeparatedModel(PickledByFields):
 
     def outputs(self, points: np.ndarray) -> np.ndarray:
         """Tip [m], contact force [N], touch distance [m], pad pressure [Pa] if the model has it, shape (n, 5 or 6)."""
-        return answer.answers(self.kernel, points)[0]
+        return forms.answers(self.kernel, points)[0]
 
     def evaluate(self, parameters: ArrayLike) -> Answer:
         """Tip, contact force and touch distance at tensions [N] and d [m], shape (p,) or (n, p).
@@ -168,8 +168,8 @@ class SeparatedModel(PickledByFields):
         """
         point, errors = self._point(parameters, most=2), self.errors
         points = np.atleast_2d(point)
-        out, inside = answer.answers(self.kernel, points)
-        rates = answer.contact_errors(self.kernel, errors.contact, errors.margin, points, out[:, answer.TOUCH]).T
+        out, inside = forms.answers(self.kernel, points)
+        rates = forms.contact_errors(self.kernel, errors.contact, errors.margin, points, out[:, answer.TOUCH]).T
         late = np.full(len(points), errors.touch_distance)
         estimated = {"tip": errors.tip + rates[0], "contact_force": rates[1], "touch_distance": late}
         estimated |= {"pad_pressure": rates[3]} if self.has_pad else {}
@@ -193,7 +193,7 @@ class SeparatedModel(PickledByFields):
         its walls. Where a form swings below zero just after touch, the force is held at zero but not its derivative, so
         that a solver finds where it rises.
         """
-        return answer.answer(self.kernel, self._point(parameters))[:2]
+        return forms.answer(self.kernel, self._point(parameters))[:2]
 
     def jacobian(self, parameters: ArrayLike) -> np.ndarray:
         """The derivatives alone."""

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from rom.answer import Answer
 from rom.console.terminal import Progress, quiet
 from rom.error_statistics import compared, differences
-from rom.native.answer import Answer
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import QUANTITIES
 from rom.rod.touched_segment import TouchedSegment

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
+from rom.answer import FORCE, PAD, TOUCH
 from rom.brief import brief
 from rom.console.terminal import Progress, quiet
-from rom.native.answer import FORCE, PAD, TOUCH
 from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.form import Separated
 from rom.separated.model import Errors, Field, SeparatedModel

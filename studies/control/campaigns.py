@@ -7,7 +7,7 @@ import numpy as np
 from control import campaign
 from control.least_squares import OUTSIDE, STATIONARY
 from control.model import Model
-from rom.native.answer import FORCE
+from rom.answer import FORCE
 from studies.control.models import PAPER_US, TARGET, finger
 from studies.runner import Run
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from control import Finger, Gripper
 from rom import TouchedSegment
-from rom.native.answer import FORCE, TOUCH
+from rom.answer import FORCE, TOUCH
 
 FORCES = 0.25, 4.0  # [N], that a controller is asked to hold
 DEEPEST = 0.85  # of the way from where the plane is touched to the nearest plane [-]

@@ -9,7 +9,7 @@ import numpy as np
 
 from control import Finger, problems
 from rom import TouchedSegment
-from rom.rod.native import touched as native
+from rom.rod.compiled import touched as native
 from rom.rod.objects.shapes import facing_plane
 from studies.runner import Run
 
@@ -46,7 +46,7 @@ def row(count: int) -> dict:
     plate = finger.segments[0].struct
     room, found = native.memory_of(plate), [native.pointer(np.empty(size)) for size in (3, 9, 6 * (len(lower) + 5))]
     ours = [(plate, *map(native.pointer, part), room, *found) for part in parts]
-    place = each(native.SEGMENT.functions.fingerfem_place, ours)
+    place = each(native.LIBRARY.functions.fingerfem_place, ours)
     cold = native.touches(model.touching, points)
     warm = native.touches(model.touching, points + MOVED * np.eye(len(lower))[-1], wrenches)
     driven = Finger(model)

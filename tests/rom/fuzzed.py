@@ -23,13 +23,13 @@ from control import Finger, problems
 from rom import Hull, SeparatedModel, Sphere, TouchedSegment, load
 from rom.checked_file import BLOCK, ModelError
 from rom.export.c_header import header
-from rom.export.model import MODEL, struct
-from rom.native import pointer
+from rom.export.model import struct
+from rom.native import LIBRARY, pointer
+from rom.rod.compiled import rubber_boxes
+from rom.rod.compiled.contacts import find_contacts, material_points
+from rom.rod.compiled.evaluation import sections
+from rom.rod.compiled.reports import Reports
 from rom.rod.inverse_map import InverseMap
-from rom.rod.native import rubber_boxes
-from rom.rod.native.contacts import find_contacts, material_points
-from rom.rod.native.reports import Reports
-from rom.rod.native.told import sections
 
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 1e-300, 255, 65535, 2**31, -(2**31))
 POINTS = 10
@@ -199,14 +199,14 @@ def asked(model: SeparatedModel | TouchedSegment, random: np.random.Generator) -
         model.evaluate(point)
         model.value_and_jacobian(point)
     own = struct(model)
-    memory = np.empty(MODEL.functions.fingerfem_model_memory(own))
+    memory = np.empty(LIBRARY.functions.fingerfem_model_memory(own))
     corners = np.empty((max(own.sections, 1), 4, 3))
     for point in points[:6]:
         out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty((6, len(point))), np.zeros(WRENCHES)
         report = Reports.empty(1, len(point) - 1, 1)
         given = map(pointer, (point.copy(), memory, wrench, out, errors, jacobian))
-        MODEL.functions.fingerfem_model_tell(own, *given, report.struct)
-        MODEL.functions.fingerfem_model_sections(own, *map(pointer, (point.copy(), wrench, memory, corners)))
+        LIBRARY.functions.fingerfem_model_evaluate(own, *given, report.struct)
+        LIBRARY.functions.fingerfem_model_sections(own, *map(pointer, (point.copy(), wrench, memory, corners)))
     if isinstance(model, TouchedSegment):
         asked_of_a_rod(model, points)
     else:

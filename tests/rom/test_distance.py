@@ -5,8 +5,8 @@ import pytest
 from assembled import two_segments
 
 from rom import Plane, Sphere, TouchedSegment
-from rom.export.model import MODEL, struct
-from rom.native import pointer
+from rom.export.model import struct
+from rom.native import LIBRARY, pointer
 
 TENSIONS = [30.0, 0.0]
 
@@ -42,7 +42,7 @@ def test_c_alone_marks_the_same_distances(name, table):
     """What an FMU and the page in a browser compute."""
     model = table if name == "table" else MODELS[name]()
     own, (lower, upper) = struct(model), (float(end[-1]) for end in model.limits)
-    memory = np.empty(MODEL.functions.fingerfem_model_memory(own))
+    memory = np.empty(LIBRARY.functions.fingerfem_model_memory(own))
     for d in (np.inf, upper, 10.0, np.nextafter(upper, 1.0), np.nextafter(lower, -1.0), -1.0, np.nan):
         point, out, errors, jacobian, wrench = (
             np.array([*TENSIONS, d]),
@@ -52,7 +52,7 @@ def test_c_alone_marks_the_same_distances(name, table):
             np.zeros(3072),
         )
         given = map(pointer, (point, memory, wrench, out, errors, jacobian))
-        status = MODEL.functions.fingerfem_model_tell(own, *given, MODEL.ffi.NULL)
+        status = LIBRARY.functions.fingerfem_model_evaluate(own, *given, LIBRARY.ffi.NULL)
         assert (status == 0) == (d == np.inf or lower <= d <= upper)
 
 

@@ -10,10 +10,10 @@ from terminal import ROOT
 from typer.testing import CliRunner
 
 from control.__main__ import app as control
+from control.export.page import write as write_page
 from rom.__main__ import app as rom
 from rom.export.c_header import export
 from rom.export.fmu.archive import pack
-from rom.export.page import write as write_page
 from rom.file_kinds import (
     FMU,
     HEADER,
@@ -42,13 +42,13 @@ COMMANDS = {
     "rom specialise": ["specialise", "{}", "-o", "OUT/table.h5"],
     "rom export .h": ["export", "{}", "OUT/finger.h"],
     "rom export .fmu": ["export", "{}", "OUT/finger.fmu"],
-    "rom page .html": ["page", "{}", "-o", "OUT/finger.html"],
     "rom build": ["build", "{}", "-o", "OUT/model.h5"],
     "rom build --held-out": ["build", "TRAINING", "-o", "OUT/model.h5", "--held-out", "{}"],
     "control reach": ["reach", "{}", "0.0", "-0.001", "0.0"],
     "control hold": ["hold", "{}", "--distance", "0.01"],
     "control grasp": ["grasp", "{}"],
     "control campaign": ["campaign", "{}", "--starts", "4"],
+    "control export .html": ["export", "{}", "OUT/finger.html"],
 }
 SLOW = (
     "rom build",
@@ -132,7 +132,7 @@ def test_a_command_takes_a_file_or_says_what_takes_it(files, trained, tmp_path, 
         assert str(done.exception).endswith(uses_of(files[kind.name])), done.exception
 
 
-@pytest.mark.parametrize("command", ["rom info", "control hold", "rom page .html"])
+@pytest.mark.parametrize("command", ["rom info", "control hold", "control export .html"])
 @pytest.mark.parametrize("old", [OLD, SURROGATE], ids=lambda kind: kind.name)
 def test_an_old_file_is_refused_with_how_to_make_it_anew(files, tmp_path, command, old):
     words = [word.replace("{}", str(files[old.name])).replace("OUT/", f"{tmp_path}/") for word in COMMANDS[command]]
@@ -144,6 +144,6 @@ def test_an_old_file_is_refused_with_how_to_make_it_anew(files, tmp_path, comman
 def test_an_export_of_another_ending_names_those_that_there_are(files, tmp_path):
     done = CliRunner().invoke(rom, ["export", str(files["a separated model"]), str(tmp_path / "finger.html")])
     assert str(done.exception) == (
-        f"output must be named .h or .fmu, got {tmp_path / 'finger.html'}; rom page writes .html"
+        f"output must be named .h or .fmu, got {tmp_path / 'finger.html'}; control export writes .html"
     )
     assert not list(tmp_path.iterdir())

@@ -12,7 +12,7 @@ from assembled import in_series
 
 from rom import Rod, SeparatedModel
 from rom.checked_file import ModelError
-from rom.native import EVALUATION, SEGMENT, compiler
+from rom.native import LIBRARY, compiler
 from rom.rod import limits as rod_limits
 from rom.rod.scene_of_rod import MOST_SEGMENTS
 from rom.rod.touched_segment import SHIPPED
@@ -104,7 +104,7 @@ def test_right_files_are_answered_under_sanitizers(sources, tmp_path, cache):
 
 
 def test_limits_are_those_of_the_compiled_code():
-    lib, other = SEGMENT.functions, EVALUATION.functions
+    lib, other = LIBRARY.functions, LIBRARY.functions
     found = lib.FINGERFEM_MOST_TENSIONS, lib.FINGERFEM_MOST_POWER, lib.FINGERFEM_WRENCH, lib.FINGERFEM_CORNERS
     known = rod_limits.MOST_TENSIONS, rod_limits.MOST_POWER, rod_limits.WRENCH, rod_limits.CORNERS
     assert found == known and lib.FINGERFEM_MOST_PLATES == MOST_SEGMENTS

@@ -35,7 +35,7 @@ def test_its_commands_run(tmp_path):
     (hold,) = re.findall(r"^python3 -m control hold.*$", README, re.MULTILINE)
     done = subprocess.run([sys.executable, *hold.split()[1:]], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and done.stdout.startswith("converged"), done.stderr
-    (page,) = re.findall(r"^python3 (-m rom page .*?) +#", README, re.MULTILINE)
+    (page,) = re.findall(r"^python3 (-m control export .*?) +#", README, re.MULTILINE)
     words = page.replace("finger.html", str(tmp_path / "finger.html")).split()
     done = subprocess.run([sys.executable, *words], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and (tmp_path / "finger.html").exists(), done.stderr

@@ -8,6 +8,7 @@ import re
 import subprocess
 import tempfile
 import zipfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,19 +16,17 @@ from typing import Any
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.export.fmu import description
-from rom.export.fmu.variables import OUTPUTS, Interface, Variable, controller_interface, model_interface
-from rom.export.model import MODEL, errors_of
+from rom.export.fmu.variables import OUTPUTS, Interface, Variable, model_interface
+from rom.export.model import errors_of
 from rom.export.numbers import definitions, literal
-from rom.native import FLAGS, compiler
+from rom.native import FLAGS, LIBRARY, compiler
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
 from rom.whole_file import whole_file
 
 VERSIONS = 2, 3  # of FMI
-ROOT = Path(__file__).parents[3]  # rom/ is in it
+ROOT = Path(__file__).resolve().parents[3]  # rom/ is in it
 NATIVE = Path(__file__).parent / "native"
-CONTROL = ROOT / "control" / "native"
-CONTROL_UNITS = ("least_squares.c", "step.c", "null_space.c", "hold.c", "standalone.c")
 NUMBERS = "numbers.c"
 # An FMU's own names stay its own where a tool loads many; -s leaves out what only a debugger reads.
 OPTIONS = (*FLAGS, "-fvisibility=hidden", "-s")
@@ -53,18 +52,19 @@ class Sources:
     units: list[str]
 
 
-def write(model: SeparatedModel | TouchedSegment, path: Path, version: int = 3, controller: bool = False) -> None:
-    """Write the FMU of a model, or of the controller that holds a contact force with it.
+def write(
+    model: SeparatedModel | TouchedSegment, path: Path, version: int = 3, interface: Interface | None = None
+) -> None:
+    """Write the FMU of a model.
 
     Args:
-        model: what it knows.
+        model: its numbers are in the FMU.
         path: a file named .fmu; its stem is the model's identifier.
         version: of FMI, 2 or 3.
-        controller: whether contact force and distance go in and tensions come out.
+        interface: of what computes with the model; the model's own if omitted.
 
     Raises:
-        ModelError: no such version, no C identifier, a model that this is not possible for, no compiler, or no
-            sources of the controller.
+        ModelError: no such version, no C identifier, a model that this is not possible for, or no compiler.
     """
     if version not in VERSIONS:
         raise ModelError(f"fmi must be 2 or 3, got {version}")
@@ -74,7 +74,7 @@ def write(model: SeparatedModel | TouchedSegment, path: Path, version: int = 3, 
     machine = platform.machine()
     if machine not in FOLDERS[version] or platform.system() != "Linux":
         raise ModelError(f"machine must be Linux on x86_64 or aarch64, got {platform.system()} on {machine}")
-    interface = controller_interface(model) if controller else model_interface(model)
+    interface = interface or model_interface(model)
     sources = sources_of(model, interface, version)
     token = token_of(sources)
     sources.files[NUMBERS] = f'{sources.files[NUMBERS].decode()}const char fmu_token[] = "{token}";\n'.encode()
@@ -90,28 +90,23 @@ def write(model: SeparatedModel | TouchedSegment, path: Path, version: int = 3, 
 
 
 def sources_of(model: SeparatedModel | TouchedSegment, interface: Interface, version: int) -> Sources:
-    """All that is compiled, in the folders it has in the checkout, so that files find each other.
-
-    Raises:
-        ModelError: the controller's are not beside this package.
-    """
-    units = [NATIVE / "fmu.c", NATIVE / interface.unit, NATIVE / f"fmu{version}.c", *MODEL.units]
-    if interface.unit == "fmu_controller.c":
-        units += [CONTROL / unit for unit in CONTROL_UNITS]
-        if not (CONTROL / "standalone.c").exists():
-            raise ModelError(f"control must be installed beside rom for a controller, got no {CONTROL}")
-    files = {*units, *(header for unit in units for header in unit.parent.glob("*.h")), *included(units)}
-    contents = {file.relative_to(ROOT).as_posix(): file.read_bytes() for file in sorted(files)}
+    """All that is compiled, in the folders it has in the checkout, so that files find each other."""
+    units = [NATIVE / "fmu.c", NATIVE / f"fmu{version}.c", *interface.units, *LIBRARY.units]
+    contents = {file.relative_to(ROOT).as_posix(): file.read_bytes() for file in with_included(units)}
     contents[NUMBERS] = numbers(model, interface).encode()
     return Sources(files=contents, units=[*(unit.relative_to(ROOT).as_posix() for unit in units), NUMBERS])
 
 
-def included(units: list[Path]) -> list[Path]:
-    """C files that others include."""
-    names = [
-        (unit, re.findall(r'^#include "(.*\.c)"', unit.read_text(encoding="utf-8"), re.MULTILINE)) for unit in units
-    ]
-    return [unit.parent / name for unit, found in names for name in found]
+def with_included(units: Sequence[Path]) -> list[Path]:
+    """C files and all that they include."""
+    found, left = set[Path](), list(units)
+    while left:
+        file = left.pop()
+        if file not in found:
+            found.add(file)
+            names = re.findall(r'^#include "(.*)"', file.read_text(encoding="utf-8"), re.MULTILINE)
+            left += [(file.parent / name).resolve() for name in names]
+    return sorted(found)
 
 
 def numbers(model: SeparatedModel | TouchedSegment, interface: Interface) -> str:
@@ -141,15 +136,15 @@ def mask(outputs: list[Variable]) -> int:
 
 
 def model_struct(model: SeparatedModel | TouchedSegment) -> Any:
-    """A struct fingerfem_model that tells numbers, but no shape."""
+    """A struct fingerfem_model without its shape."""
     p = len(model.parameters)
     if isinstance(model, TouchedSegment):
-        return MODEL.struct("fingerfem_model", parameters=p, touching=model.touching)
-    return MODEL.struct("fingerfem_model", parameters=p, kernel=model.kernel, errors=errors_of(model))
+        return LIBRARY.struct("fingerfem_model", parameters=p, touching=model.touching)
+    return LIBRARY.struct("fingerfem_model", parameters=p, kernel=model.kernel, errors=errors_of(model))
 
 
 def token_of(sources: Sources) -> str:
-    """What tells this FMU from others: 32 digits of the hash of all that it is made from, as a GUID."""
+    """Identifies this FMU: 32 digits of the hash of all that it is made from, as a GUID."""
     found = hashlib.sha256()
     for file, contents in sorted(sources.files.items()):
         found.update(file.encode() + contents)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from rom.brief import brief
 from rom.checked_file import ModelError
@@ -11,10 +13,7 @@ from rom.separated.model import SeparatedModel
 
 INPUTS, OUTPUTS, FLAG, STATUS = 1, 101, 201, 202  # value references, as in native/fmu.h
 REPORT, REPORT_ERRORS = OUTPUTS + 10, OUTPUTS + 22  # of a model of elements, as in native/fmu_model.c
-RESIDUAL, FORCE_ERROR = OUTPUTS + 8, OUTPUTS + 9  # of a controller, as in native/fmu_controller.c
-MOST_INPUTS, MOST_TENSIONS = 10, 8  # likewise
-HELD = 1.0  # [N]: the contact force that a controller begins with
-TENSION = "tension that holds, or comes nearest; out_of_domain keeps the last step's"
+MOST_INPUTS = 10  # as in native/fmu.h
 UNKNOWN = "the largest number where it is not known"
 
 
@@ -54,14 +53,14 @@ class Interface:
 
     Attributes:
         title: one line.
-        unit: the C file in native/ that answers.
+        units: the C files that answer, besides those of an FMU and of models.
         variables: inputs, parameters, then outputs.
         statuses: names, numbers and meanings of the status.
         differentiable: whether there are derivatives of what is continuous.
     """
 
     title: str
-    unit: str
+    units: Sequence[Path]
     variables: list[Variable]
     statuses: list[tuple[str, int, str]] = field(default_factory=list)
     differentiable: bool = False
@@ -79,7 +78,7 @@ def model_interface(model: SeparatedModel | TouchedSegment) -> Interface:
     """
     if len(model.parameters) > MOST_INPUTS:
         raise ModelError(f"model must have at most {MOST_INPUTS} parameters for an FMU, got {len(model.parameters)}")
-    inputs = [_input(one, INPUTS + k) for k, one in enumerate(model.parameters)]
+    inputs = [input_of(one, INPUTS + k) for k, one in enumerate(model.parameters)]
     rows = [("tip_x", "m", "displacement of the tip along the finger"), ("tip_y", "m", "of the tip along y")]
     rows += [("tip_z", "m", "of the tip along z")]
     errors = [("tip_error", "m", "estimated error of the tip"), None, None, None]
@@ -90,17 +89,17 @@ def model_interface(model: SeparatedModel | TouchedSegment) -> Interface:
     if model.has_pad:
         rows.append(("pad_pressure", "Pa", "largest pressure on the pad"))
         errors[3] = ("pad_pressure_error", "Pa", "estimated error of the pad's pressure")
-    outputs = [_output(*row, OUTPUTS + k) for k, row in enumerate(rows)]
+    outputs = [output_of(*row, OUTPUTS + k) for k, row in enumerate(rows)]
     outputs += [
-        _output(name, unit, f"{text}; {UNKNOWN}", OUTPUTS + 6 + k, discrete=True)
+        output_of(name, unit, f"{text}; {UNKNOWN}", OUTPUTS + 6 + k, discrete=True)
         for k, (name, unit, text) in ((k, row) for k, row in enumerate(errors) if row)
     ]
     if isinstance(model, TouchedSegment):
         outputs += _reported(model)
     return Interface(
         title=f"{model.scene['name']}: a rubber finger, and what it touches",
-        unit="fmu_model.c",
-        variables=[*inputs, *outputs, *_flags("inside", "the answer is to be relied on: status is inside")],
+        units=[Path(__file__).parent / "native" / "fmu_model.c"],
+        variables=[*inputs, *outputs, *flags_of("inside", "the answer is to be relied on: status is inside")],
         statuses=[
             ("inside", 0, "inside of what was trained"),
             ("no_equilibrium", 1, "no equilibrium was found"),
@@ -119,73 +118,15 @@ def _reported(model: TouchedSegment) -> list[Variable]:
         ("orientation_error", "rad", "estimated error of the orientation, an angle"),
         ("shortening_error", "m", "estimated error of every shortening"),
     ]
-    found = [_output(*row, REPORT + k) for k, row in enumerate(rows)]
+    found = [output_of(*row, REPORT + k) for k, row in enumerate(rows)]
     return found + [
-        _output(name, unit, f"{text}; {UNKNOWN}", REPORT_ERRORS + k, discrete=True)
+        output_of(name, unit, f"{text}; {UNKNOWN}", REPORT_ERRORS + k, discrete=True)
         for k, (name, unit, text) in enumerate(errors)
     ]
 
 
-def controller_interface(model: SeparatedModel | TouchedSegment) -> Interface:
-    """Contact force and distance in; tensions that hold the force out.
-
-    Raises:
-        ModelError: a model without an obstacle, or with more tensions than the C has room for.
-    """
-    if not model.has_obstacle:
-        raise ModelError("model must have an obstacle for a controller, got a scene without one")
-    tensions, distance = model.parameters[:-1], model.parameters[-1]
-    if len(tensions) > MOST_TENSIONS:
-        raise ModelError(f"model must have at most {MOST_TENSIONS} tensions for a controller, got {len(tensions)}")
-    return Interface(
-        title=f"{model.scene['name']}: a rubber finger's controller, which holds a contact force",
-        unit="fmu_controller.c",
-        variables=[
-            _held_force(),
-            _input(distance, INPUTS + 1),
-            *(_start(one, INPUTS + 2 + k) for k, one in enumerate(tensions)),
-            *(_output(one["name"], "N", TENSION, OUTPUTS + k) for k, one in enumerate(tensions)),
-            _output("residual", "N", f"by how much the force is missed; {UNKNOWN}", RESIDUAL, discrete=True),
-            _output("contact_force_error", "N", f"estimated error of the force; {UNKNOWN}", FORCE_ERROR, discrete=True),
-            *_flags("converged", "the force is held: status is converged"),
-        ],
-        statuses=[
-            ("converged", 1, "the force is held"),
-            ("unreachable", 2, "no tensions hold it: these come nearest"),
-            ("iteration_limit", 3, "not solved within the iterations allowed"),
-            ("out_of_domain", 4, "beyond what was trained, or an input is no number"),
-        ],
-    )
-
-
-def _held_force() -> Variable:
-    return Variable(
-        name="contact_force",
-        reference=INPUTS,
-        causality="input",
-        description="contact force to hold, above 0",
-        unit="N",
-        lower=0.0,
-        start=HELD,
-    )
-
-
-def _start(tension: dict, reference: int) -> Variable:
-    """Of a controller's tension."""
-    return Variable(
-        name=f"start_{tension['name']}",
-        reference=reference,
-        causality="parameter",
-        description=f"{tension['name']} before the first step: of many answers the nearest is taken",
-        unit="N",
-        lower=tension["lower"],
-        upper=tension["upper"],
-        start=tension["lower"],
-    )
-
-
-def _input(parameter: dict, reference: int) -> Variable:
-    """Of a model's parameter: tensions start gently, the object far away."""
+def input_of(parameter: dict, reference: int) -> Variable:
+    """The input of a model's parameter: tensions start gently, the object far away."""
     is_distance = parameter["unit"] == "m"
     return Variable(
         name=parameter["name"],
@@ -199,13 +140,15 @@ def _input(parameter: dict, reference: int) -> Variable:
     )
 
 
-def _output(name: str, unit: str, description: str, reference: int, discrete: bool = False) -> Variable:
+def output_of(name: str, unit: str, description: str, reference: int, discrete: bool = False) -> Variable:
+    """A Real output."""
     return Variable(
         name=name, reference=reference, causality="output", description=description, unit=unit, discrete=discrete
     )
 
 
-def _flags(name: str, description: str) -> list[Variable]:
+def flags_of(name: str, description: str) -> list[Variable]:
+    """Whether an answer is to be relied on, and the status that says why not."""
     return [
         Variable(name=name, reference=FLAG, causality="output", description=description, kind="Boolean", discrete=True),
         Variable(

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rom.brief import brief
+from rom.rod.compiled.contacts import AXES, Contacts, Label, find_contacts, material_points
 from rom.rod.friction.contact_law import OPEN, Law, law
-from rom.rod.native.contacts import AXES, Contacts, Label, find_contacts, material_points
 from rom.rod.touched_segment import TouchedSegment
 
 TOLERANCE = 1e-9  # of the largest residual [N]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from rom.brief import brief
-from rom.rod.native.told import tells
+from rom.rod.compiled.evaluation import evaluate
 from rom.rod.touched_segment import TouchedSegment
 
 FORCE, TOUCH = 3, 4  # rows of an answer
@@ -124,7 +124,7 @@ def find_object(
         off[near] = stiffness * np.minimum(touch - points[:, -1], 0.0)[near]
         by_place = np.where(pressed[:, None], found.by_object[:, FORCE, :3], 0.0)
         by_place[near] = stiffness * found.by_object[near, TOUCH, :3]
-        error = np.where(pressed, tells(there.touching, points).errors[:, 1], 0.0)
+        error = np.where(pressed, evaluate(there.touching, points).errors[:, 1], 0.0)
         return off - felt, STEP * by_place, np.hypot(np.maximum(noise, LEAST), np.minimum(error, felt.max()))
 
     ends = np.full(3, within / STEP)

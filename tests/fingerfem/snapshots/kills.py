@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from control.export.page import write as write_page
 from fingerfem.snapshots import ledger
 from rom import Rod, TouchedSegment
 from rom.dataset.folder import create
@@ -32,7 +33,6 @@ from rom.dataset.snapshot_set import (
     write_task,
 )
 from rom.export.c_header import export
-from rom.export.page import write as write_page
 from rom.rod.touched_segment import SHIPPED
 
 MACHINE = ctypes.CDLL(None)

@@ -48,7 +48,7 @@ def test_every_command_of_the_full_order_model_names_what_it_misses_in_one_line(
 
 def test_models_and_controllers_need_no_optional_package(tmp_path):
     works = {
-        "rom": [["info", MODEL], ["page", MODEL, "-o", tmp_path / "finger.html"]],
+        "rom": [["info", MODEL], ["export", MODEL, tmp_path / "finger.h"]],
         "control": [["hold", "--distance", "0.01"], ["campaign", "--starts", "4"]],
     }
     for program, runs in works.items():

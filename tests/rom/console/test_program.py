@@ -76,7 +76,7 @@ def limited(*words: object) -> subprocess.CompletedProcess[str]:
     "words",
     [
         ["rom", "assemble", "scenes/draft.toml", "rom/finger.h5", "-o", "{}/finger.h5"],
-        ["rom", "page", "rom/finger.h5", "-o", "{}/finger.html"],
+        ["control", "export", "rom/finger.h5", "{}/finger.html"],
         ["rom", "export", "rom/finger.h5", "{}/finger.h"],
     ],
     ids=lambda words: words[1],

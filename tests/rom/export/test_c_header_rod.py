@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from rom.__main__ import app
 from rom.checked_file import ModelError
 from rom.export.c_header import export, header
-from rom.rod.native import memory_of
+from rom.rod.compiled import memory_of
 from rom.rod.objects.shapes import Cylinder, Sphere, box, facing_plane
 from rom.rod.rod import QUANTITIES
 from rom.rod.touched_segment import SHIPPED, TouchedSegment
@@ -256,11 +256,11 @@ int main(void)
 
 def test_a_hull_is_its_numbers_in_python(model, alone):
     from rom.export.numbers import definitions
-    from rom.native import SEGMENT
+    from rom.native import LIBRARY
 
     cube = box(centre=(0.045, 0.03, 0.0), sides=(0.02,) * 3, direction=(0.0, 1.0, 0.0), rotation=(0.2, 0.1, 0.6))
     point = [40.0, 5.0, 0.0]
-    lines, name = definitions(SEGMENT.struct("fingerfem_object", **cube.numbers()), "hull_")
+    lines, name = definitions(LIBRARY.struct("fingerfem_object", **cube.numbers()), "hull_")
     program = HULL.format(arrays="".join(lines), point=", ".join(map(str, point))).replace("(part,", f"({name},")
     ours = TouchedSegment(rod=model.rod, obstacle=cube).outputs(np.array([point]))[0]
     assert ours[3] > 0.1

@@ -15,7 +15,7 @@ import pytest
 
 import rom
 from rom.checked_file import ModelError
-from rom.export.fmu import archive, write
+from rom.export.fmu import write
 from rom.export.numbers import literal
 
 fmpy = pytest.importorskip("fmpy", reason="needs FMPy (make test installs it)")
@@ -363,9 +363,6 @@ def test_what_cannot_be_written_is_refused_in_one_line(tmp_path, monkeypatch):
     monkeypatch.setenv("CC", "false")
     with pytest.raises(ModelError, match="exit code 1"):
         write(model, tmp_path / "finger.fmu")
-    monkeypatch.setattr(archive, "CONTROL", tmp_path)
-    with pytest.raises(ModelError, match="control must be installed"):
-        write(model, tmp_path / "finger.fmu", controller=True)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -380,7 +377,7 @@ def test_the_command_writes_one_and_refuses_the_rest(table_file, tmp_path):
     assert fmpy.read_model_description(file).coSimulation.modelIdentifier == "finger"
     for arguments, said in (
         (["rom/finger.h5", str(file), "--fmi", "1"], "fmi must be 2 or 3, got 1"),
-        ([str(table_file), str(tmp_path / "finger.h"), "--controller"], ".fmu"),
+        ([str(table_file), str(tmp_path / "finger.h"), "--fmi", "2"], ".fmu"),
         ([str(table_file), str(tmp_path / "nowhere" / "finger.fmu")], "folder"),
     ):
         refused = run(*arguments)

@@ -12,18 +12,20 @@ import pytest
 
 from control.least_squares import CONVERGED, GOING, LIMIT, STATIONARY
 from control.native import CONTROL
-from rom.native import EVALUATION, FEATURES, HERE, LINE, Library, NoCompiler, answer, forms, processor
+from rom import answer
+from rom.native import LIBRARY, Library, NoCompiler, forms
+from rom.native.library import FEATURES, LINE, processor
 
 ROOT = Path(__file__).resolve().parents[3]
 HALF = "double {name}(double x);\n", "double {name}(double x) {{ return {factor} * x; }}\n"
-USE = "from rom.native import EVALUATION; print(bool(EVALUATION.functions.fingerfem_answer))"
+USE = "from rom.native import LIBRARY; print(bool(LIBRARY.functions.fingerfem_answer))"
 
 
 def sample(folder: Path, factor: float) -> Library:
     header, source = (text.format(name="scaled", factor=factor) for text in HALF)
     (folder / "sample.h").write_text("#define NOTHING\n" + header)
     (folder / "sample.c").write_text('#include "sample.h"\n' + source)
-    return Library("sample", [folder / "sample.h"], [folder / "sample.c"])
+    return Library("sample", folder, ["sample.h"], [folder / "sample.c"])
 
 
 def without(cache: Path, **settings: str) -> dict[str, str]:
@@ -86,8 +88,8 @@ def test_levels_of_the_processor_are_each_a_library_of_the_same_functions(tmp_pa
     for level in ("", *FEATURES):
         if level <= processor():  # the others would not run here
             (tmp_path / level).mkdir(exist_ok=True)
-            file = EVALUATION.build(tmp_path / level, level)
-            found.append(EVALUATION.ffi.dlopen(str(file)).fingerfem_answers)
+            file = LIBRARY.build(tmp_path / level, level)
+            found.append(LIBRARY.ffi.dlopen(str(file)).fingerfem_answers)
     assert len(found) >= 2
 
 
@@ -118,8 +120,8 @@ def test_what_c_and_python_both_name_has_one_value():
 
 
 def test_the_sources_allocate_nothing_and_keep_no_state():
-    for folder in (HERE, ROOT / "control" / "native"):
-        for file in folder.glob("*.[ch]"):
+    for library in (LIBRARY, CONTROL):
+        for file in library.folder.rglob("*.[ch]"):
             text = re.sub(r"/\*.*?\*/", "", file.read_text(), flags=re.DOTALL)
             assert not re.search(r"\b(malloc|calloc|realloc|alloca)\b", text), file
             assert not re.search(r"^static (?!inline|const)[^(]*[;=]", text, re.MULTILINE), file
@@ -127,8 +129,8 @@ def test_the_sources_allocate_nothing_and_keep_no_state():
 
 def test_arrays_of_structs_begin_with_a_cache_line():
     """Vectors of as many bytes then lie in one line each."""
-    found = EVALUATION.struct("fingerfem_tables", data=np.arange(3.0))
-    assert int(EVALUATION.ffi.cast("uintptr_t", found.data)) % LINE == 0 and list(found.data[0:3]) == [0.0, 1.0, 2.0]
+    found = LIBRARY.struct("fingerfem_tables", data=np.arange(3.0))
+    assert int(LIBRARY.ffi.cast("uintptr_t", found.data)) % LINE == 0 and list(found.data[0:3]) == [0.0, 1.0, 2.0]
 
 
 def test_a_model_that_has_answered_can_be_pickled(table):

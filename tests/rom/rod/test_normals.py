@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment, box
-from rom.rod.native.contacts import find_contacts
+from rom.rod.compiled.contacts import find_contacts
 from rom.rod.objects.shapes import Object
 from tests.rom.elements import elastic_rod as rod
 

@@ -7,7 +7,7 @@ from assembled import in_series, scaled, two_segments
 from rom import TouchedSegment
 from rom.elements import rotation_vectors
 from rom.elements.march import march
-from rom.rod.native import reports
+from rom.rod.compiled import reports
 from rom.rod.objects.shapes import Sphere, facing_plane
 
 TENSIONS, DEPTH = (20.0, 6.0), 0.001  # [N], [m]

@@ -8,11 +8,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom.checked_file import ModelError
-from rom.native import SEGMENT
-from rom.rod import limits, native
+from rom.native import LIBRARY
+from rom.rod import compiled as native
+from rom.rod import limits
+from rom.rod.compiled.arrangement import BLOCK, POSE
+from rom.rod.compiled.touched import touches
 from rom.rod.inverse_map import InverseMap
-from rom.rod.native.arrangement import BLOCK, POSE
-from rom.rod.native.touched import touches
 from rom.rod.objects.shapes import Plane
 from tests.rom.elements import laws
 
@@ -89,7 +90,7 @@ def test_a_shared_law_is_as_many_copies():
 
 def chained(rods: list):
     """Rods of two tensions one after another as a chain."""
-    errors = {name: 0.0 for name, _ in SEGMENT.ffi.typeof("fingerfem_chain").fields if "error" in name}
+    errors = {name: 0.0 for name, _ in LIBRARY.ffi.typeof("fingerfem_chain").fields if "error" in name}
     rest = np.array([sum(len(one) for one in rods) * laws.LENGTH, 0.0, 0.0])
     own = np.tile([0, 1], (len(rods), 1))
     return native.chain_struct([compiled(one) for one in rods], own, rest, errors.pop("skin_error"), errors)
@@ -118,14 +119,14 @@ def test_two_rods_stand_one_on_the_other_and_carry_its_wrench():
 
 def before(chain, one):
     """A struct fingerfem_touching of a chain and one object."""
-    return SEGMENT.struct(
-        "fingerfem_touching", chain=chain, count=1, objects=SEGMENT.pointers("fingerfem_object", [one])
+    return LIBRARY.struct(
+        "fingerfem_touching", chain=chain, count=1, objects=LIBRARY.pointers("fingerfem_object", [one])
     )
 
 
 def touching(elements, obstacle):
     """A struct fingerfem_touching, and what it needs."""
-    struct = SEGMENT.struct("fingerfem_object", **obstacle.numbers())
+    struct = LIBRARY.struct("fingerfem_object", **obstacle.numbers())
     return before(chained([elements]), struct)
 
 
@@ -238,7 +239,7 @@ def test_a_law_beyond_what_compiled_code_holds_is_refused_by_name_and_limit(chan
 def test_a_rod_beyond_what_compiled_code_holds_is_refused_by_name_and_limit():
     element = laws.law(2, 0, degree=1)
     most = limits.MOST_ELEMENTS
-    lib = SEGMENT.functions
+    lib = LIBRARY.functions
     assert (most, BLOCK, POSE) == (lib.FINGERFEM_MOST_ELEMENTS, lib.FINGERFEM_BLOCK, lib.FINGERFEM_POSE)
     assert (limits.ELEMENT, limits.ELEMENT * BLOCK) == (lib.FINGERFEM_WRENCH, lib.FINGERFEM_BLOCK_ROW)
     with pytest.raises(ModelError, match=f"elements must be from 1 to {most}, got {most + 1}"):
@@ -259,11 +260,11 @@ def test_corners_bent_by_few_tensions_are_taken_by_their_monomials():
     powers, off = powers[powers.any(axis=1)], off[powers.any(axis=1)]
     corners = replace(element, powers=powers, coefficients=off)
     far = Plane(centre=(0.0, 0.01, 0.0), normal=(0.0, -1.0, 0.0), direction=(0.0, 1.0, 0.0), distances=(0.0, 1.0))
-    errors = {name: 0.0 for name, _ in SEGMENT.ffi.typeof("fingerfem_chain").fields if "error" in name}
+    errors = {name: 0.0 for name, _ in LIBRARY.ffi.typeof("fingerfem_chain").fields if "error" in name}
     chain = native.chain_struct(
         [compiled([element], corners=corners)], np.array([[0, 1]]), np.zeros(3), errors.pop("skin_error"), errors
     )
-    own = before(chain, SEGMENT.struct("fingerfem_object", **far.numbers()))
+    own = before(chain, LIBRARY.struct("fingerfem_object", **far.numbers()))
     pull = np.array([7.0, 3.0])
     ((free, rotation, _, _),) = placed([element], pull[None], np.zeros((1, 6)))
     places = CORNERS + corners.value(np.append(pull, np.zeros(6))[None]).reshape(8, 3)

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom import Cylinder, Plane, Sphere, TouchedSegment, box
-from rom.rod.native import reports
-from rom.rod.native.touched import touches
+from rom.rod.compiled import reports
+from rom.rod.compiled.touched import touches
 from rom.rod.rod import Rod
 from tests.rom.rod.plates import touch_of_plates
 

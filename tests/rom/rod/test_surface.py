@@ -8,10 +8,10 @@ import pytest
 from rom import TouchedSegment
 from rom.checked_file import ModelError
 from rom.elements.pieces import Piece
-from rom.rod import native
-from rom.rod.native.arrangement import places_between
-from rom.rod.native.outlines import outline_of, stations_of
-from rom.rod.native.told import sections
+from rom.rod import compiled as native
+from rom.rod.compiled.arrangement import places_between
+from rom.rod.compiled.evaluation import sections
+from rom.rod.compiled.outlines import outline_of, stations_of
 from rom.rod.rod import Rod
 from rom.rod.shape import displacements, placed
 from tests.rom.elements import elastic_rod, laws

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from control import Finger
 from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment, box
-from rom.rod.native.touched import touches
+from rom.rod.compiled.touched import touches
 from rom.rod.objects.shapes import facing_plane
 from tests.rom.elements import elastic_rod as rod
 from tests.rom.rod.plates import bare, touch_of_plates

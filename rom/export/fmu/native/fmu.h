@@ -6,7 +6,7 @@
 #define FINGERFEM_FMU_H
 #include <stddef.h>
 #include <stdint.h>
-#include "../../native/model.h"
+#include "../../../native/model.h"
 
 #ifdef _WIN32
 #define FMU_EXPORT __declspec(dllexport)

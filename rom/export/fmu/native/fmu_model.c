@@ -25,7 +25,7 @@ void fmu_answer(void *own, fmu_state *state)
     double *out = state->outputs, *errors = out + FINGERFEM_MOST_ROWS, *rows = out + REPORT, *off = rows + REPORTED;
     const fingerfem_report report = {rows, state->jacobian + fmu_inputs * REPORT, off};
     memset(state->jacobian, 0, sizeof state->jacobian);
-    state->status = fingerfem_model_tell(fmu_model, state->inputs, own, loads, out, errors, state->jacobian, &report);
+    state->status = fingerfem_model_evaluate(fmu_model, state->inputs, own, loads, out, errors, state->jacobian, &report);
     for (int i = 0; i <= FINGERFEM_FORCE; i++)
         if (!isfinite(out[i]) && state->status == FINGERFEM_INSIDE) state->status = FINGERFEM_NO_EQUILIBRIUM;
     state->flag = state->status == FINGERFEM_INSIDE;

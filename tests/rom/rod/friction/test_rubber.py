@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rom import Plane, TouchedSegment, friction_history
-from rom.rod.native.contacts import AXES, Contacts, find_contacts
+from rom.rod.compiled.contacts import AXES, Contacts, find_contacts
 from rom.rod.rod import Rod
 from tests.rom.rod.test_rubber_contact import SHAPES, bundled, pressed
 

@@ -1,0 +1,1 @@
+"""What contains controllers: the browser page and the controller's FMU."""

@@ -1,0 +1,105 @@
+/* Plates somewhere, and what an object and they do to each other: what the parts of the contact solve share. */
+#ifndef FINGERFEM_CONTACT_H
+#define FINGERFEM_CONTACT_H
+#include <math.h>
+#include "../rod/chain.h"
+#include "../shapes/objects.h"
+
+/* A slice of rubber between two cross-sections next to each other: its corners, first those of the section nearer to the
+ * clamp, with -y -z, y -z, -y z and y z in turns, in space; how far the middles of its faces across y and across z are off,
+ * by section, where a beam is bent; an orthogonal frame; and the sections where its element begins and ends, with the bodies that bear what presses
+ * on it. */
+enum { SLICE_ENDS = 2, SLICE_INPUTS = SLICE_ENDS * W, SLICE_CORNERS = 8 };
+typedef struct {
+    int number, segment, element, bodies[SLICE_ENDS];
+    double dome;                  /* curvature along it besides its own, over its thickness [-] */
+    double share;                 /* of the middle, from the element's end, 0, to its begin, 1 */
+    double length;                /* of the element at rest [m] */
+    double slender;               /* 12 E I / (k G A length^2): how much its shear yields beside its bending [-] */
+    double bulging;               /* Poisson's ratio over the length of the element [1/m] */
+    double stiffness;             /* E I [N m^2] */
+    double ends[SLICE_ENDS][3];   /* centres of the sections: its begin, then its end [m] */
+    double corners[SLICE_CORNERS][3], bulges[2][2]; /* [m] */
+    double raised;                /* of the ridges far from plates and the clamp: what they have here [-] */
+    double ridges[2][2];          /* how much farther out the middles of its faces are, across y and across z, each on both sides [m] */
+    double centre[3], rotation[9], thickness;
+} rubber_slice;
+
+/* What a unit force at a contact puts on bodies: one plate, or both ends of a slice. */
+typedef struct {
+    int count, bodies[SLICE_ENDS];
+    double wrenches[SLICE_ENDS][W];
+} contact_arms;
+
+/* Bodies somewhere, and the contacts there. Slices lie after all plates in their numbers. */
+typedef struct {
+    chain_state chain;
+    objects_contacts contacts;
+    contact_arms arms[FINGERFEM_MOST_CONTACTS];
+    double d;                             /* of the objects, see contact_distance [m] */
+    int slices;
+    rubber_slice slice[FINGERFEM_MOST_CONTACTS];
+} placed;
+
+/* A state of the solve: where the bodies are, the wrenches on all of them and the forces at their contacts, and G, S and
+ * C S. */
+typedef struct {
+    placed at;
+    double wrench[CHAIN_WRENCH], forces[FINGERFEM_MOST_CONTACTS];
+    chain_matrix following, soft, yielding;
+} contact_state;
+
+/* What the solve is about. All objects come together: where one is at d, object j is at d + ahead[j], and infinity says that it is
+ * not there. */
+typedef struct {
+    const fingerfem_touching *touching;
+    chain_rods *map;
+    double ahead[FINGERFEM_MOST_OBJECTS]; /* [m] */
+} contact_problem;
+
+static inline const fingerfem_object *contact_object(const contact_problem *problem, int j) { return problem->touching->objects[j]; }
+
+static inline int contact_is_there(const contact_problem *problem, int j) { return isfinite(problem->ahead[j]); }
+
+/* Numbers of all wrenches. */
+static inline int contact_size(const contact_problem *problem) { return chain_size(problem->map); }
+
+/* The bodies under a state's wrenches, before objects at d: what they may touch becomes a body, plates alone or `rubber`, too.
+ * Returns 0 if there is no room. */
+int placed_under(const contact_problem *problem, double d, int rubber, contact_state *state);
+
+/* Whether objects at d are in the rubber, of bodies that were placed without it. */
+int placed_in_rubber(const contact_problem *problem, double d, placed *at);
+
+/* Slices of rubber with gaps below `near` [m] before object j at its own d, and their contacts besides others; free, or under the
+ * wrenches that the bodies were placed under last. Slices are domed along the finger by so much over their thickness [-]. */
+void placed_slices(const contact_problem *problem, int j, int free, double dome, double d, double near, placed *at);
+
+/* The slice of a contact; NULL if it is a plate's. */
+const rubber_slice *placed_slice_of(const placed *at, int contact);
+
+/* How the wrenches of a unit force at contact k of a slice change, each in its body's frame, as both ends move: (2, 6), (2, 6). The
+ * force, (3), is along the normal, or, unless it is NULL, along another direction in space that turns with it. */
+void slices_change(const contact_problem *problem, double d, const placed *at, int k, const double *force,
+                   double (*change)[SLICE_INPUTS]);
+
+/* The direction in which d moves object j, (3), seen from a body. */
+void placed_leaving(const contact_problem *problem, int j, const chain_body *body, double *found);
+
+/* How the point of contact k moves as the tensions bend its plate, or change the shape of its slice, (tensions, 3). */
+void placed_bend(const contact_problem *problem, const placed *at, int k, double *found);
+
+/* Whether contacts that may press are missing: there is no room for more, and all that there are lie in the object. */
+int placed_crowded(const objects_contacts *contacts);
+
+/* The contact with the least gap. */
+int placed_nearest(const objects_contacts *contacts);
+
+/* The largest d at which object j touches one of the free plates, of which the contacts are left there; -infinity if it
+ * passes by. */
+double placed_touch_distance(const contact_problem *problem, int j, placed *at);
+
+/* Solve at d: from wrenches that are known, if they are not zero; or at once, where d is near the touch distance; or from
+ * where the object touches. Returns the number of evaluations of the map, negative without an answer. */
+int contact_solve(const contact_problem *problem, double touch, double d, contact_state *state);
+#endif

@@ -1,0 +1,72 @@
+/* A segment as a rod of elements, condensed to its plate: a march from section to section, from the plate to the clamp. */
+#ifndef FINGERFEM_ROD_MARCH_H
+#define FINGERFEM_ROD_MARCH_H
+#include "../element/element.h"
+#include "../element/outline.h"
+#include "../element/variants.h"
+
+enum { ROD_WRENCH = FINGERFEM_WRENCH };
+
+/* An element where it is: its distal section's place and rotation, seen from the plate, and the wrench carried through it,
+ * in its own frame; the element's pose, its place turned into the plate's frame, its derivatives by the wrench; and what
+ * turns a change of its Gibbs vector into a turn in the plate's frame. */
+typedef struct {
+    double pose[FINGERFEM_POSE], by_wrench[ROD_WRENCH * FINGERFEM_POSE]; /* first, each row in one line of the cache */
+    double place[3], rotation[9], wrench[ROD_WRENCH], arm[3], turning[9];
+    double unused[2]; /* the next one begins in another line */
+} rod_element;
+
+/* A rod at some tensions; all in memory of fingerfem_segment_memory's size, of which several rods may share the last
+ * rod_work numbers, `work`. */
+typedef struct {
+    const fingerfem_segment *segment;
+    double *monomials, *free, *contracted, *products, *work; /* free and contracted by law, products by element */
+    double *deviations;                                      /* of the variants of all elements, (elements, count, 8) */
+    int free_stride, contracted_stride, products_stride;
+    double tensions[TENSIONS_MOST];
+    rod_element *elements;
+} rod_state;
+
+/* A plate seen from its clamp: the clamp's place and rotation seen from the plate, how the plate moves by the wrench, R^T dc
+ * and R^T dtheta; and whether all elements' wrenches lie in their boxes. */
+typedef struct {
+    double place[3], rotation[9], by_wrench[ROD_WRENCH][ROD_WRENCH];
+    int inside;
+} rod_end;
+
+/* How a section moves and turns with the tensions, in the plate's frame: rows, one number for every tension. */
+typedef struct {
+    double move[3][TENSIONS_MOST], turn[3][TENSIONS_MOST];
+} rod_motion;
+
+/* Numbers of memory that a rod keeps, and that it works in. */
+int rod_memory(const fingerfem_segment *segment);
+int rod_work(const fingerfem_segment *segment);
+
+/* A rod at tensions inside their box, in such memory; for `rod_free`, it need not be contracted. */
+void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found);
+void rod_contract(const rod_state *rod);
+
+/* A part of a rod: elements `first` to `last` - 1. Its body is the distal section of its first element, the plate if that is
+ * element 0: places, rotations and motions are seen from there, and it ends where its last element does. */
+typedef struct {
+    int first, last;
+} rod_part;
+
+/* The end of a part of a contracted rod under a wrench on its body, (6). */
+void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_end *end);
+
+/* How the body moves by the tensions, (6, TENSIONS_MOST), under the wrench that `rod_under` was called with last. */
+void rod_by_tensions(const rod_state *rod, rod_part part, double (*motion)[TENSIONS_MOST]);
+
+/* How the body moves by the variants of its elements, (6, TENSIONS_MOST), at the loads that `rod_under` was called with last,
+ * or, unless it is pressed, `rod_free`. */
+void rod_by_variants(const rod_state *rod, rod_part part, int pressed, double (*motion)[TENSIONS_MOST]);
+
+/* The end of a rod without a wrench, without its motion by one, and how the plate moves by the tensions. */
+void rod_free(const rod_state *rod, rod_end *end, double (*motion)[TENSIONS_MOST]);
+
+/* How the distal section of an element moves by the tensions where `rod_free` has placed it; the clamp, if `section` is the
+ * number of elements. */
+void rod_free_motion(const rod_state *rod, int section, rod_motion *moved);
+#endif

@@ -1,0 +1,293 @@
+/* A segment, a rigid object, and where they touch: what Python sees. Arrays are row by row; nothing is allocated
+ * and no state is kept. */
+#ifndef FINGERFEM_SEGMENT_H
+#define FINGERFEM_SEGMENT_H
+#include <stdint.h>
+
+/* Six numbers of an element's pose, in rows of FINGERFEM_POSE: place of its proximal section seen from the distal one [m],
+ * and the Gibbs vector tan(angle / 2) axis of that rotation [-]. */
+enum { FINGERFEM_POSE = 8, FINGERFEM_WRENCH = 6, FINGERFEM_MOST_CONTACTS = 96, FINGERFEM_MOST_PLATES = 8 };
+
+/* Plates, loaded sections, and the ground: what may bear wrenches at once. */
+enum { FINGERFEM_MOST_BODIES = FINGERFEM_MOST_PLATES + 9, FINGERFEM_MOST_OBJECTS = 8 };
+
+/* Limits of a segment, which are checked before its struct is made. */
+enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31, FINGERFEM_MOST_ELEMENTS = 64, FINGERFEM_MOST_VARIANTS = 8 };
+enum { FINGERFEM_MOST_LOADS = FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES * FINGERFEM_MOST_ELEMENTS };
+
+/* Rows of an answer before one object, as of a separated model: tip displacement x, y, z [m], contact force [N], touch
+ * distance [m]. Before several there are the forces of all, then their touch distances: 3 + 2 count rows. */
+enum { FINGERFEM_ROWS = 5, FINGERFEM_MOST_ROWS_TOUCHED = 3 + 2 * FINGERFEM_MOST_OBJECTS };
+
+/* Sections of a segment's surface besides its places: its plate's front. */
+enum { FINGERFEM_FRONTS = 1 };
+
+enum { FINGERFEM_PLANE = 0, FINGERFEM_SPHERE = 1, FINGERFEM_CYLINDER = 2, FINGERFEM_HULL = 3 };
+
+/* An element's law: from tensions F and the wrench w that its distal section carries, in that one's frame, to the pose of
+ * its proximal section seen from there, place [m] and Gibbs vector [-]: sum_gm coefficients_gm M_m(F) P_g(w), products of
+ * Chebyshev polynomials of the scaled inputs. Group g is a product of the force times one of the moment. Product a of the
+ * force goes with the first moments_of[a] of the moment's, of which the very first is 1; so the groups lie in `rows`. Each
+ * has the first monomials of the segment's tensions, as many as its own degree leaves, the very first of which is 1. Groups
+ * are stored in blocks that have as many, the most first. */
+enum { FINGERFEM_BLOCK = 4, FINGERFEM_BLOCK_ROW = 24 /* 4 x 6 */ };
+typedef struct {
+    int32_t groups, monomials;       /* groups fill whole blocks */
+    int32_t forces, moments;         /* products of each */
+    int32_t most_power;              /* highest of the wrench */
+    const double *lower, *upper;     /* (8): the trained box of the wrench [N, N m], then -1 and 1 */
+    const int32_t *force_factors, *moment_factors; /* (forces, 3), (moments, 3): 4 (3 power + component) of every factor */
+    const int32_t *moments_of;       /* (forces): how many go with each */
+    const int32_t *rows;             /* (groups): the row of each among the contracted ones */
+    int32_t slope_count;             /* groups that depend on tensions, which have two monomials at least; and one row more */
+    const int32_t *slope_moments_of; /* (forces): how many of these go with each product of the force, the first ones */
+    const int32_t *slope_rows;       /* (groups): the row of each among these; of all others the last one */
+    const int32_t *block_monomials;  /* (groups / FINGERFEM_BLOCK) */
+    const double *coefficients;      /* (block, block_monomials, FINGERFEM_BLOCK, 6) */
+    const double *free_coefficients; /* (monomials, FINGERFEM_POSE): of the pose without a wrench */
+} fingerfem_law;
+
+/* Numbers of a plate's corners, 8 x 3. */
+enum { FINGERFEM_CORNERS = 24 };
+
+/* An element's outline: the corners, -y -z, -y z, y -z and y z, of some cross-sections, its stations, from the clamp's side to
+ * the plate's, seen from its distal section, or its plate's centre [m]: sum_k coefficients_k M_k(F) P_k(w), products of
+ * Chebyshev polynomials of the scaled tensions and of the wrench that its distal section carries. */
+typedef struct {
+    int32_t stations, numbers;           /* the latter of the corners, (stations, 4, 3), and zeros that fill eights */
+    int32_t terms, products, monomials;  /* products of the wrench; the first monomials of the tensions, for those without */
+    int32_t most_power;                  /* highest of the wrench */
+    const double *lower, *upper;         /* (6): the trained box of the wrench [N, N m] */
+    const int32_t *wrench_powers;        /* (products, 6) */
+    const int32_t *term_monomials, *term_products; /* (terms): which of the segment's monomials, and of the products */
+    const float *coefficients;           /* (terms, numbers) */
+    const double *free_coefficients;     /* (monomials, numbers): without a wrench */
+} fingerfem_outline;
+
+/* Variants of an element's law: by how much the pose of each deviates from the law's own, which is a sum of terms as an outline
+ * is. The terms of product p of the wrench are starts[p] ... starts[p + 1] - 1. */
+typedef struct {
+    int32_t count, terms, products;
+    int32_t most_power;                  /* highest of the wrench */
+    const double *lower, *upper;         /* (6): the trained box of the wrench [N, N m] */
+    const int32_t *wrench_powers;        /* (products, 6) */
+    const int32_t *starts;               /* (products + 1) */
+    const int32_t *term_monomials;       /* (terms): which of the segment's monomials */
+    const float *coefficients;           /* (terms, count, FINGERFEM_POSE) */
+} fingerfem_variants;
+
+/* A segment: a rod of elements in series, from its plate to its clamp, of which several may share a law. */
+typedef struct {
+    int32_t tensions, combinations, monomials;
+    const double *lower, *upper;         /* (tensions + 6): the box of tensions and of the plate's wrench [N, N m] */
+    const double *tension_map;           /* (combinations, tensions) [-]: times the tensions, what polynomials are of */
+    const double *combined_lower, *combined_upper; /* (combinations) [N]: scaled to [-1, 1] */
+    const int32_t *most_powers;          /* (combinations): highest of every one */
+    const int32_t *tension_powers;       /* (monomials, combinations) */
+    int32_t elements, laws;
+    const fingerfem_law *const *law;     /* (laws) */
+    const int32_t *law_of;               /* (elements), from the plate to the clamp */
+    const fingerfem_outline *const *outline; /* (laws), of the elements of each; NULL if nothing is known of the rubber */
+    int32_t sixes;                       /* laws of shortenings for every law: of six tendons each; 0: not known */
+    const fingerfem_law *const *shortening; /* (laws, sixes): how much shorter the segment's tendons, in the order of its
+                                            tensions, are in an element [m]; the same products as its law, padded with zeros */
+    int32_t deviating;                   /* number of variants that every law has; 0 if nothing is known of errors */
+    const fingerfem_variants *const *variants; /* (laws) */
+    int32_t stations;                    /* of the whole segment: where the rubber begins, those of its elements, its plate's
+                                            face; 0 if nothing is known */
+    int32_t places, near;                /* cross-sections of the rubber, evenly from the first station to the last, each
+                                            interpolated by some stations next to each other */
+    const int32_t *first;                /* (places): the first of these */
+    const double *between;               /* (places, near): their weights */
+    const int32_t *place_elements;       /* (places - 1): of which element is the rubber from each to the next */
+    const double *place_shares;          /* (places - 1): where its middle is, from the element's end, 0, to its begin, 1 */
+    const double *element_lengths;       /* (elements): at rest [m] */
+    double half_lengths[3];              /* of the plate along its own axes [m] */
+    double begins;                       /* size of the section where the segment begins over that of the plate's [-] */
+    double face_compliance, edge_compliance, line_compliance; /* of a slice: of a face's point, of an edge, and of the line across a face; 0: rigid [m/N] */
+    const double *row_compliance, *opposite_compliance;         /* (places - 1): how far a unit force on a slice lowers the same face, and the opposite one, so many slices away [m/N] */
+    double young_modulus, poisson;       /* of the rubber [Pa], [-] */
+    const double *ridges;                /* (tensions, 2): height of the ridge above each tendon, over its tension and the curvature, for
+                                            faces across y and across z; negative for the faces at -y and -z [1/Pa] */
+    int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */
+    const double *corner_coefficients;   /* (corner_monomials, FINGERFEM_CORNERS) */
+} fingerfem_segment;
+
+/* A rigid object at d = 0; at d it is moved by d along `direction`, away from the finger. */
+typedef struct {
+    int32_t shape;
+    double centre[3];     /* of it; of a plane any point on it [m] */
+    double direction[3];  /* unit vector */
+    double axis[3];       /* of a plane its normal towards the finger, of a cylinder its axis; unit vectors */
+    double radius;        /* of a sphere, a cylinder, or of what rounds a hull [m] */
+    double nearest, farthest; /* of d [m] */
+    /* A hull, seen from its centre: corners; edges with their ends, unit vectors along them, lengths and the faces at
+     * their sides, of which the second is counterclockwise of the first about the edge; faces n . x = height, and the
+     * triangles that they are made of, counterclockwise from outside. */
+    int32_t corners, edges, faces, triangles;
+    const double *vertices;          /* (corners, 3) [m] */
+    const int32_t *ends;             /* (edges, 2) */
+    const double *along;             /* (edges, 3) */
+    const double *lengths;           /* (edges) [m] */
+    const int32_t *sides;            /* (edges, 2) */
+    const double *normals;           /* (faces, 3), outward */
+    const double *heights;           /* (faces) [m] */
+    const int32_t *triangle_corners; /* (triangles, 3) */
+    const int32_t *triangle_faces;   /* (triangles) */
+} fingerfem_object;
+
+/* Segments one after another, from clamp to tip. */
+typedef struct {
+    int32_t plates, tensions;
+    const fingerfem_segment *const *segments;
+    const int32_t *own;  /* (plates, tensions): which of the tensions are a segment's; the first has all */
+    double rest[3];      /* the tip plate's centre in the undeformed finger [m] */
+    double skin_error;   /* [m] */
+    /* An estimated error is a factor times the root of the sum of squares of what all variants change, and of a floor. */
+    double tip_factor, force_factor, touch_factor; /* [-] */
+    double place_floor, force_floor;               /* of the tip along any direction [m]; of a force, relative [-] */
+    double turn_error, shortening_error;           /* of the tip's orientation [rad], and of shortenings [m] */
+} fingerfem_chain;
+
+/* Where to write what a finger reports besides an answer. Rows: the rotation of the tip plate's frame as a unit quaternion
+ * w, x, y, z with w >= 0 [-], then how much shorter every tendon is between the clamp and its plate [m], NAN where that is
+ * not known. The quaternion is continuous up to half a turn, where its sign changes. */
+enum { FINGERFEM_QUATERNION = 4, FINGERFEM_REPORT_ERRORS = 2 };
+typedef struct {
+    double *rows;     /* (FINGERFEM_QUATERNION + tensions) */
+    double *jacobian; /* (FINGERFEM_QUATERNION + tensions, tensions + count): by tensions and d, contact included */
+    double *errors;   /* (FINGERFEM_REPORT_ERRORS): estimated, of the orientation [rad] and of shortenings [m] */
+} fingerfem_report;
+
+/* A chain that objects touch, as a model of tensions and of every object's d. */
+typedef struct {
+    const fingerfem_chain *chain;
+    int32_t count;
+    const fingerfem_object *const *objects; /* (count) */
+} fingerfem_touching;
+
+/* Numbers of a chain's loads: wrenches on the plates, (plates, 6), then on the sections where the other elements of each
+ * segment begin, from its plate to its clamp, (..., 6), each in its body's own frame. */
+int32_t fingerfem_chain_loads(const fingerfem_chain *chain);
+
+/* Numbers of memory that functions of a segment, and of a chain, need: `memory`, which they spoil. */
+int32_t fingerfem_segment_memory(const fingerfem_segment *segment);
+int32_t fingerfem_chain_memory(const fingerfem_chain *chain);
+
+/* Where the plate is, seen from the clamp: centre, (3) [m], and rotation, (3, 3), at tensions and a wrench, (6), and its
+ * motion R^T dc, R^T dtheta by both, (6, tensions + 6). Beyond its box an element goes on linearly by its wrench, and stays
+ * by the tensions; returns 1 if the inputs of all elements lie inside. */
+int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *memory,
+                    double *centre, double *rotation, double *motion);
+
+/* The wrench, (6), that the plate bears where its centre, (3) [m], and its quaternion, (4), are seen from the clamp: the
+ * inverse, by Newton's method from the wrench given; and its stiffness, (6, 6), by motions R^T dc, R^T dtheta.
+ * Returns the number of evaluations; negative if it found none: then the wrench is that of the nearest pose. */
+int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, const double *centre,
+                   const double *quaternion, double *memory, double *wrench, double *stiffness, int32_t *inside);
+
+/* The same as a spring between plate and clamp: force, (6), and stiffness, (6, 6), by motions along the clamp's axes and
+ * turns about the plate's own. The stiffness is symmetric, without directions in which it would push the plate away: a
+ * turn by one radian counts as the plate's half side there. */
+void fingerfem_spring(const fingerfem_segment *segment, const double *quaternion, const double *wrench,
+                      const double *stiffness, double *force, double *seen);
+
+/* Where all plates of a chain are: centres, (plates, 3) [m], rotations, (plates, 3, 3), and motions by tensions and
+ * wrenches on plates, (plates, 6, tensions + 6 plates), under loads, (fingerfem_chain_loads); returns 1 if every segment's inputs lie in its box. */
+int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
+                          double *centres, double *rotations, double *motions);
+
+/* How much shorter the tendons of a chain are between the clamp and their plates, (tensions) [m], and the derivatives by
+ * tensions and wrenches, (tensions, tensions + 6 plates). Inputs and the returned value as in `fingerfem_chain_place`. */
+int fingerfem_chain_shortenings(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
+                                double *shortenings, double *changes);
+
+/* The distal sections of all elements, segment by segment, each from its plate to its clamp: places (elements, 3) [m] and
+ * rotations, (elements, 3, 3), in space, and the wrenches that they transmit, in their own frames, (elements, 6). Inputs and
+ * the returned value as in `fingerfem_chain_place`. */
+int fingerfem_chain_elements(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
+                             double *places, double *rotations, double *transmitted);
+
+/* Answer at a point, (tensions + count), of tensions and the d of every object: out, (3 + 2 count), its derivatives, (3 + 2 count,
+ * tensions + count), and, unless it is NULL, by_object, (3 + 2 count, count, 6), by the place of every object and by its turning
+ * about axes through its centre. The touch distance is that at which the object, coming along its direction alone, touches the
+ * free finger first, a plate or the rubber. All objects come together. The loads are where the solve begins, and what it ends
+ * with; zero begins without contact. Returns the number of evaluations of the map, negative without an equilibrium on the objects'
+ * approach; inside is 1 if tensions, wrench and d lie where the map was trained and d may be, and the finger would rest
+ * there; d = infinity is no object, and may always be. */
+int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
+                    double *jacobian, double *by_object, int32_t *inside);
+
+/* Contacts that press: of which plate, or of the rubber of which segment, with which object, place [m] and normal in space, out of the object, and
+ * the force along it on the finger [N]. */
+typedef struct {
+    int32_t count, plates[FINGERFEM_MOST_CONTACTS], rubber[FINGERFEM_MOST_CONTACTS], objects[FINGERFEM_MOST_CONTACTS];
+    double places[FINGERFEM_MOST_CONTACTS][3], normals[FINGERFEM_MOST_CONTACTS][3], forces[FINGERFEM_MOST_CONTACTS];
+} fingerfem_pressing;
+
+/* These at a point, solved as by `fingerfem_touch`, of which the value is returned; none without an equilibrium. */
+int fingerfem_touch_pressing(const fingerfem_touching *touching, const double *point, double *memory, double *loads,
+                             fingerfem_pressing *pressing);
+
+/* Bodies under loads, and their possible contacts with an object, for contact laws that are solved by the caller.
+ * Of each body: the index of its load, and its motion R^T dc, R^T dtheta by the wrenches on all bodies, (6 bodies, 6 bodies).
+ * Of each contact: the plate or slice of rubber (`parts`), its corner, edge or face (`names`), and the segment; the loaded bodies
+ * (`on`), -1 for the ground; the gap [m]; how far each yields by a unit force on every one, (contacts, contacts) [m/N]; the material point, in the plate's frame [m] or in
+ * coordinates of the slice [-]; the place in space [m]; the normal out of the object and two tangents; the wrenches of unit forces
+ * along these on both bodies (`arms`); and the derivatives of these wrenches by the motions of both bodies (`changes`), where the tangents
+ * rotate with the normal. */
+typedef struct {
+    int32_t inside, bodies, contacts, loads[FINGERFEM_MOST_BODIES];
+    double centres[FINGERFEM_MOST_PLATES][3], rotations[FINGERFEM_MOST_PLATES][9]; /* of the plates */
+    double motions[FINGERFEM_WRENCH * FINGERFEM_MOST_BODIES * FINGERFEM_WRENCH * FINGERFEM_MOST_BODIES];
+    int32_t parts[FINGERFEM_MOST_CONTACTS], names[FINGERFEM_MOST_CONTACTS], segments[FINGERFEM_MOST_CONTACTS];
+    int32_t rubber[FINGERFEM_MOST_CONTACTS], on[FINGERFEM_MOST_CONTACTS][2];
+    double gaps[FINGERFEM_MOST_CONTACTS], compliances[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], material[FINGERFEM_MOST_CONTACTS][3];
+    double places[FINGERFEM_MOST_CONTACTS][3], axes[FINGERFEM_MOST_CONTACTS][3][3], arms[FINGERFEM_MOST_CONTACTS][3][12];
+    double changes[FINGERFEM_MOST_CONTACTS][3][12][12];
+} fingerfem_contacts;
+
+/* These at tensions, of the first object at d that is moved by (3) [m] besides. Returns 0 if there are more bodies than there is room for. */
+int fingerfem_find_contacts(const fingerfem_touching *touching, const double *tensions, double d, const double *moved,
+                            const double *loads, double *memory, fingerfem_contacts *found);
+
+/* Where the material points of contacts are under other tensions and loads, (contacts, 3) [m]. */
+void fingerfem_material_points(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
+                               const fingerfem_contacts *contacts, double *points);
+
+/* Estimated errors of an answer at a point, (1 + 2 count) [m, N, m], as of `fingerfem_evaluate`; the loads are where the solve begins, and
+ * what it ends with. */
+void fingerfem_touch_errors(const fingerfem_touching *touching, const double *point, double *memory, double *loads,
+                            double *errors);
+
+/* Least distance of the rubber, but for the slices next to plates, from the first object under loads [m]; infinite without it,
+ * and where nothing is known of it. */
+double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *loads, double *memory);
+
+/* The rubber of a segment as boxes, one after another: the centre, (3) [m], half lengths, (3) [m], and axes, (3, 3), of each
+ * of `count`, by inputs, (tensions + 6), the corners of the section where it begins, (4, 3) [m], with -y -z, -y z, y -z and
+ * y z, and the place of its plate. Returns 0 where nothing is known of it. */
+int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *begins, const double *centre,
+                           const double *rotation, int count, double *memory, double *centres, double *halves, double *axes);
+
+/* The surface of a chain under tensions and loads, as sections with four corners each, -y -z, -y z, y -z and
+ * y z: of every segment its `places`, the first where its rubber begins, the last its plate's back, and its plate's front,
+ * (sections, 4, 3) [m]. Returns 0 where nothing is known of a segment's rubber. */
+int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
+                             double *corners);
+
+/* An answer with its errors: that of `fingerfem_touch`; errors, (1 + 2 count) [m, N, m], are the estimated ones of the tip, the forces and the touch
+ * distances: infinite without an equilibrium. The report is computed unless it is NULL. */
+int fingerfem_evaluate(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
+                   double *jacobian, double *errors, int32_t *inside, const fingerfem_report *report);
+
+/* The same at many points, each from rest; all arrays have their number, `count`, as their first axis. */
+void fingerfem_evaluate_many(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
+                     double *errors, int32_t *inside, const fingerfem_report *reports);
+
+/* Answers at many points, `count`, with their derivatives, of which by_objects may be NULL, loads where they begin and end, inside
+ * and evaluations, and the time of each [ns]. */
+void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
+                       double *jacobians, double *by_objects, double *loads, int32_t *inside,
+                       int32_t *evaluations, int64_t *nanoseconds);
+#endif

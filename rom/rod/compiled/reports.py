@@ -1,0 +1,78 @@
+"""What a finger reports besides answers, by compiled code: orientations, shortenings, and where its elements are."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rom.brief import brief
+from rom.native import LIBRARY, pointer
+from rom.rod.compiled import loads, memory_of
+
+QUATERNION, ERRORS = 4, 2  # numbers of an orientation, and of errors, as in segment.h
+
+
+@brief
+class Reports(NamedTuple):
+    """What a finger with t tendons before m objects reports at n points, and the derivatives by tensions and every d.
+
+    Attributes:
+        rows: tip orientation w, x, y, z [-], then shortenings [m], shape (n, 4 + t).
+        jacobians: of the rows by tensions and every d, shape (n, 4 + t, t + m).
+        errors: estimated, of the orientation [rad] and of shortenings [m], shape (n, 2).
+    """
+
+    rows: np.ndarray
+    jacobians: np.ndarray
+    errors: np.ndarray
+
+    @classmethod
+    def empty(cls, n: int, t: int, m: int) -> Reports:
+        """Arrays to be filled."""
+        return cls(np.empty((n, QUATERNION + t)), np.empty((n, QUATERNION + t, t + m)), np.empty((n, ERRORS)))
+
+    @property
+    def struct(self) -> Any:
+        """A struct fingerfem_report of these arrays, which must outlive it."""
+        found = LIBRARY.ffi.new("fingerfem_report *")
+        for name, array in zip(("rows", "jacobian", "errors"), self, strict=True):
+            setattr(found, name, pointer(array))
+        return found
+
+
+def shortenings(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How much shorter the t tendons of a chain with n plates are, shape (t,) [m], and the derivatives.
+
+    Args:
+        compiled: a struct fingerfem_chain.
+        tensions: shape (t,) [N].
+        wrenches: on the plates in their own frames, shape (n, 6) [N, N m].
+
+    Returns:
+        both; derivatives by tensions, then wrenches, have shape (t, t + 6 n).
+    """
+    t = len(tensions)
+    found, changes = np.empty(t), np.empty((t, t + 6 * compiled.plates))
+    given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, loads(compiled, wrenches))]
+    LIBRARY.functions.fingerfem_chain_shortenings(
+        compiled, *given, memory_of(compiled), pointer(found), pointer(changes)
+    )
+    return found, changes
+
+
+def elements(
+    compiled: Any, tensions: np.ndarray, wrenches: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """The distal sections of every segment's m elements, from its plate to its clamp; arguments of `shortenings`.
+
+    Returns:
+        of every segment: places in space, shape (m, 3) [m], rotations of their frames, shape (m, 3, 3) [-], and the
+        wrenches that they transmit, in these frames, shape (m, 6) [N, N m].
+    """
+    counts = [compiled.segments[k].elements for k in range(compiled.plates)]
+    found = [np.empty((sum(counts), *shape)) for shape in ((3,), (3, 3), (6,))]
+    given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, loads(compiled, wrenches))]
+    LIBRARY.functions.fingerfem_chain_elements(compiled, *given, memory_of(compiled), *map(pointer, found))
+    ends = np.cumsum(counts)[:-1]
+    return list(zip(*(np.split(one, ends) for one in found), strict=True))
