@@ -220,7 +220,7 @@ class Finger:
             pad_pressure: to hold instead of a contact force [Pa], above 0; residual and error are then in [Pa].
 
         Raises:
-            ValueError: a model without an obstacle, or one that does not know its pad's pressure; both targets or none;
+            ValueError: a model without an obstacle, or one without its pad's pressure; both targets or none;
                 or a start of the wrong shape.
         """
         self._needs_obstacle()

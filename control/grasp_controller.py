@@ -22,7 +22,7 @@ SMOOTH = 0.2  # share of a reading's news in the contact force that a noisy fing
 SURPRISED = 3  # readings in a row that are not what was expected, before they are believed
 AGAIN = 1.25  # of its tension that a finger pulls at most to find again what it held
 BEYOND = 1.5  # of the tension that a target should take, above which the sensor is not believed any more
-TELL = 1.3  # times what is felt as contact that a target must be
+DISTINCT = 1.3  # times what is felt as contact that a target must be
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,7 +121,7 @@ class Grip:
         self.pulls = 0
         self._past: deque[np.ndarray] = deque(maxlen=PAST)
         self._target = self._aim = 0.0
-        least = TELL * max(options.feel, 3 * options.noise)
+        least = DISTINCT * max(options.feel, 3 * options.noise)
         if not least < target < np.inf:
             raise ValueError(f"contact_force must be above {least:.3g} N to differ from no contact, got {target:g}")
         self._trusted, self._held, self._cap = np.nan, False, np.inf
@@ -136,7 +136,7 @@ class Grip:
 
     @target.setter
     def target(self, target: float) -> None:
-        if not TELL * max(self._options.feel, 3 * self._options.noise) < target < np.inf:
+        if not DISTINCT * max(self._options.feel, 3 * self._options.noise) < target < np.inf:
             if not self.events or self.events[-1][1] != "target refused":
                 self._happened("target refused")
             return

@@ -19,7 +19,7 @@ logger = logging.getLogger(__name__)
 
 @brief
 @dataclass(frozen=True, kw_only=True)
-class Report:
+class LoopReport:
     """How a loop ran.
 
     Attributes:
@@ -64,7 +64,7 @@ def run(
     periods: int,
     targets: Callable[[int], Sequence[float] | None] | None = None,
     real_time: bool = False,
-) -> Report:
+) -> LoopReport:
     """Drive plants by their controllers, whatever happens: a plant that raises has given no reading.
 
     Args:
@@ -111,7 +111,7 @@ def run(
         if real_time:
             time.sleep(max(begun + (k + 1) * period - time.perf_counter(), 0.0))
     quantiles = 1e6 * np.percentile(spent, [50, 99, 99.9, 100])
-    return Report(
+    return LoopReport(
         rate=1 / period,
         periods=periods,
         p50_us=float(quantiles[0]),

@@ -197,7 +197,7 @@ def snapshots(
 
 
 def _terminated(*_) -> None:
-    """SIGTERM, by a scheduler or by mpirun at Ctrl-C: drop the line of states at hand, give back its claim, and end."""
+    """SIGTERM, by a scheduler or by mpirun at Ctrl-C: drop the current line of states, give back its claim, and end."""
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     if first_rank() and CALLER not in os.environ:
         # mpirun, when it is interrupted, passes nothing on.

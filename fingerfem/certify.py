@@ -15,7 +15,7 @@ from rom.rod import rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
 
-NEAREST = 1e-4  # of a plane before a segment's map, whose model knows no nearest one [m]
+NEAREST = 1e-4  # of a plane before a finger of elements, whose file has no nearest distance [m]
 
 
 @dataclass(frozen=True, kw_only=True)

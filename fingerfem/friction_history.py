@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.contact_points import FixedPoints, SurfaceFacets
-from fingerfem.discretisation.friction_points import FrictionPoints, Law
+from fingerfem.discretisation.friction_points import FrictionLaw, FrictionPoints
 from fingerfem.discretisation.obstacle_contact import ObstacleContact
 from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
@@ -91,7 +91,7 @@ def friction_points(problem: Problem, coefficient: float) -> FrictionPoints:
     facets = SurfaceFacets(problem.space, np.concatenate([problem.mesh.facets.find(kind) for kind in kinds]))
     fixed = FixedPoints(facets, rule, float(problem.fields.stiffness.value), body)
     cell = problem.law.young_modulus * problem.mesh.smallest
-    law = Law(body, coefficient, YIELDING[closest is not None] * cell)
+    law = FrictionLaw(body, coefficient, YIELDING[closest is not None] * cell)
     return FrictionPoints(problem.fields.u, problem.fields.distance, fixed, closest, law)
 
 

@@ -114,8 +114,8 @@ def write_separated(table: SeparatedModel, output: Path, force: bool, as_json: b
 def check_expected(error: float, output: Path, force: bool) -> None:
     """Refuse to write a model whose contact force is expected to be off by more than itself [-]."""
     if error > MOST and not force:
-        told = f"contact force is expected within {percent(error)} only (95 %), must be within {percent(MOST)}"
-        say(f"{told}: {output} was not written; solve more states, or write it by --force")
+        expected = f"contact force is expected within {percent(error)} only (95 %), must be within {percent(MOST)}"
+        say(f"{expected}: {output} was not written; solve more states, or write it by --force")
         raise SystemExit(NOTHING_USABLE)
 
 

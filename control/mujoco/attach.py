@@ -19,7 +19,7 @@ STIFF = (0.999, 0.9999, 1e-5, 0.5, 2.0)  # impedance of contacts: MuJoCo's own g
 FAST = 2.0  # time constant of contacts, in steps: MuJoCo's least
 # Of bodies that overlap by micrometres MuJoCo misses the contact now and then. So a plate is a box smaller by this all
 # round [m], and touches what is as near.
-SKIN = 3e-6
+MARGIN = 3e-6
 
 # Whatever a model's defaults are for others.
 FREE = {"damping": 0.0, "stiffness": 0.0, "armature": 0.0, "frictionloss": 0.0, "limited": 0, "actfrclimited": 0}
@@ -198,8 +198,8 @@ def _add_geoms(body: mujoco.MjsBody, finger: Attached, k: int, friction: float, 
     body.add_geom(
         name=body.name,
         type=mujoco.mjtGeom.mjGEOM_BOX,
-        size=half - SKIN,
-        margin=SKIN,
+        size=half - MARGIN,
+        margin=MARGIN,
         mass=0.0,
         friction=[friction, 0.0, 0.0],
         **TOUCHES,

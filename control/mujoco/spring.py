@@ -22,10 +22,7 @@ KEEP = "compile it without fusestatic, discardvisual, settotalmass and boundmass
 @brief
 @dataclass
 class Held:
-    """Where a plate was last that its map knew, (7,); its wrench, force and stiffness there, (6,), (6,) and (6, 6).
-
-    And where it was last within the trained domain, shape (3,) [m].
-    """
+    """A plate's last pose within the trained domain, (7,); its wrench, force and stiffness there, (6,), (6,), (6, 6)."""
 
     position: np.ndarray
     wrench: np.ndarray
@@ -48,7 +45,7 @@ class Spring:
         inertia: places of the lower triangle of its block of MuJoCo's inertia, row by row, shape (21,).
         offset: of its plate's centre from what holds it, undeformed, shape (3,) [m], seen from the clamp.
         relaxation: [s].
-        held: where it was last that the map knew.
+        held: its last pose within the trained domain.
         rubber: what of it may touch something.
         coupling: its inertia and weight between clamp and plate.
     """

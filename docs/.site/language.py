@@ -1,7 +1,7 @@
 """Finds words that this project does not use, and sentences of pages that are too long.
 
-python docs/.site/language.py          prints one line for each in the pages that are written by hand; exits with 1 if any
-python docs/.site/language.py --all    the same of all pages and sources
+python docs/.site/language.py          prints one line for each in packages and pages that are written by hand; exits with 1 if any
+python docs/.site/language.py --all    the same of all pages, studies and tests
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ BY_HAND = (
     "docs/index.md",
     "docs/format.md",
     *(f"docs/{name}" for name in ("howto", "tutorials", "explanation", "reference")),
+    *("fingerfem", "rom", "control"),
 )
 FOLDERS = "README.md", "fingerfem", "rom", "control", "studies", "tests", "docs"
 KINDS = ".md", ".py", ".c", ".h", ".in", ".j2"

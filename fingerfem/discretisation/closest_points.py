@@ -27,7 +27,7 @@ import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
-from fingerfem.discretisation.contact_points import Pressing, SurfaceFacets, tables
+from fingerfem.discretisation.contact_points import PressingPoints, SurfaceFacets, tables
 from fingerfem.mechanics.obstacles import NUMPY, Body
 
 HEM = 0.005  # of a facet's edge [-]
@@ -133,11 +133,11 @@ class ClosestPoints:
             work=float(k @ g**2),
         )
 
-    def pressing(self, displacement: np.ndarray, distance: float) -> Pressing:
+    def pressing(self, displacement: np.ndarray, distance: float) -> PressingPoints:
         """The springs that press. Slots are those of a facet: within, its edges, its corners."""
         acting = self._acting(displacement, distance, held=False)
         nodes, weights = self._facets.nodes[acting.slots // len(FREE)], self._facets.shapes(acting.at)
-        return Pressing(acting.slots, nodes, weights, acting.stiffness, acting.gaps)
+        return PressingPoints(acting.slots, nodes, weights, acting.stiffness, acting.gaps)
 
     def _domed(self, facets: np.ndarray, free: np.ndarray) -> np.ndarray:
         return np.asarray(np.where(free, self._domes[facets], 0.0))

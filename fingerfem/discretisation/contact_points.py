@@ -91,7 +91,7 @@ def tables(element: FiniteElement, most: int, at: np.ndarray) -> np.ndarray:
     return np.asarray(element.tabulate(most, at)[..., 0])
 
 
-class Pressing(NamedTuple):
+class PressingPoints(NamedTuple):
     """Points that press on a body, or may.
 
     Attributes:
@@ -125,7 +125,7 @@ class FixedPoints:
         self._stiffness = stiffness * facets.areas(at) * weights
         self.count = self._stiffness.size
 
-    def pressing(self, displacement: np.ndarray, distance: float, tried: np.ndarray) -> Pressing:
+    def pressing(self, displacement: np.ndarray, distance: float, tried: np.ndarray) -> PressingPoints:
         """Points inside the body at nodal displacements, shape (3 nodes,), and its distance [m]; and slots `tried`."""
         places = self._facets.places(displacement)
         middles = places.mean(axis=1)
@@ -137,7 +137,7 @@ class FixedPoints:
         points = np.einsum("pn,mni->mpi", self._shapes, places[near]).reshape(-1, 3)
         gaps = self._body.signed_distance(points.T, distance, NUMPY).reshape(len(near), len(self._shapes))
         facet, point = np.nonzero((gaps < 0) | among[near])
-        return Pressing(
+        return PressingPoints(
             slots=near[facet] * len(self._shapes) + point,
             nodes=self._facets.nodes[near[facet]],
             weights=self._shapes[point],

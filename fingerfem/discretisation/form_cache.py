@@ -65,7 +65,7 @@ def forms(tree: Any) -> Any:
     """
     for integrals in _leaves(tree):
         if integrals.ufl_domain().ufl_cargo().comm.rank == 0:
-            with suppress(Exception):  # `form` tries once more, and tells all ranks
+            with suppress(Exception):  # `form` tries once more, and informs all ranks
                 _compile_once(integrals, cache_folder() / _name(integrals), waits=False)
     return _compiled_tree(tree)
 

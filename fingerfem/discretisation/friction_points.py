@@ -16,7 +16,7 @@ import numpy as np
 from dolfinx import fem, la
 
 from fingerfem.discretisation.closest_points import NONE, ClosestPoints, Springs
-from fingerfem.discretisation.contact_points import FixedPoints, Pressing
+from fingerfem.discretisation.contact_points import FixedPoints, PressingPoints
 from fingerfem.discretisation.plate_loads import LowRank
 from fingerfem.mechanics import friction
 from fingerfem.mechanics.obstacles import Body
@@ -24,7 +24,7 @@ from fingerfem.mechanics.obstacles import Body
 NEGLIGIBLE = 1e-12  # singular values over the largest of their facet [-]
 
 
-class Law(NamedTuple):
+class FrictionLaw(NamedTuple):
     """Friction on an obstacle: the coefficient [-], and r of `mechanics.friction` [N/m]."""
 
     body: Body
@@ -48,7 +48,7 @@ class Drag(NamedTuple):
         tangential: their forces by the linearised law.
     """
 
-    points: Pressing
+    points: PressingPoints
     is_fixed: np.ndarray
     places: np.ndarray
     normals: np.ndarray
@@ -106,7 +106,7 @@ class FrictionPoints:
         distance: fem.Constant,
         fixed: FixedPoints,
         closest: ClosestPoints | None,
-        law: Law,
+        law: FrictionLaw,
     ):
         self._u, self._distance, self._fixed, self._closest, self._law = displacement, distance, fixed, closest, law
         self._rest = displacement.function_space.tabulate_dof_coordinates()
@@ -178,7 +178,7 @@ class FrictionPoints:
 
     def _pressing(
         self, displacement: np.ndarray, distance: float, last: Drag | None
-    ) -> tuple[Pressing, np.ndarray, float]:
+    ) -> tuple[PressingPoints, np.ndarray, float]:
         """Points that press, whether they are fixed ones, and the missed force, see Drag.
 
         As `mechanics.friction` has it, f - r (g + f/k) > 0 with the linearised normal force f, not with -k g.
@@ -195,12 +195,12 @@ class FrictionPoints:
         r = np.minimum(points.stiffness, self._law.yielding)
         closed = tried > r * (points.gaps + tried / points.stiffness)
         missed = float((points.stiffness * np.maximum(-points.gaps, 0.0))[~closed].sum())
-        parts = [Pressing(*(part[closed] for part in points))]
+        parts = [PressingPoints(*(part[closed] for part in points))]
         if self._closest is not None:
             others = self._closest.pressing(displacement, distance)
             parts.append(others._replace(slots=others.slots + self._fixed.count))
         is_fixed = np.arange(sum(len(part.slots) for part in parts)) < len(parts[0].slots)
-        return Pressing(*map(np.concatenate, zip(*parts, strict=True))), is_fixed, missed
+        return PressingPoints(*map(np.concatenate, zip(*parts, strict=True))), is_fixed, missed
 
     def springs(self) -> Springs:
         """Forces and symmetric stiffness, by facets."""
@@ -238,7 +238,7 @@ class FrictionPoints:
         left, right = left[of, :, column] * sizes[of, column, None], right[of, column]
         return LowRank(*(_summed(space, nodes[of], part) for part in (left, right)))
 
-    def _places(self, displacement: np.ndarray, points: Pressing) -> np.ndarray:
+    def _places(self, displacement: np.ndarray, points: PressingPoints) -> np.ndarray:
         return np.einsum("mn,mni->mi", points.weights, (self._rest + displacement.reshape(-1, 3))[points.nodes])
 
 

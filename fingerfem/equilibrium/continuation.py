@@ -27,7 +27,7 @@ class StepOptions:
         turn: most a step's tensions may turn the tip of a slender finger, F e L / EI [rad].
         first_turn: the same for a step that has no step before it to go by [rad].
         approach: most the plane may move in a step, over the finger's length [-].
-        touch: what the plane is moved past the first node it meets to know it, over the finger's side [-].
+        touch: how far the plane moves past the first node it meets, over the finger's side [-].
         halvings: how often a failing step is halved, all in all, before the path is given up.
     """
 

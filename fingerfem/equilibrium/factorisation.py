@@ -1,4 +1,4 @@
-"""Factors of a symmetric matrix: what Newton's method solves with, and what tells whether a state is stable.
+"""Factors of a symmetric matrix: Newton's method solves with them, and their inertia decides stability.
 
 A matrix of one rank is taken for definite first, which all but few are: CHOLMOD's supernodal Cholesky then takes two
 thirds of the time (docs/solver.md) and has no negative pivot. Where that fails, and over several ranks, MUMPS makes

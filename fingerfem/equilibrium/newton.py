@@ -87,7 +87,7 @@ class Newton:
             norm = residual.norm() / problem.force_scale
             first = norm if first is None else first
             # Where steel is very stiff against the rubber, round-off keeps the residual up; what Newton's method still
-            # moves then tells that there is nothing left to do.
+            # moves then shows that there is nothing left to do.
             settled = norm <= self.options.noise and moved <= self.options.settled * problem.scene.geometry.length
             done = (norm <= self.options.tolerance or settled) and not kept
             exceeded = problem.limits.exceeded() if done else None

@@ -50,7 +50,7 @@ def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
 
 
 def contact_pressure(model: FingerModel) -> np.ndarray:
-    """Contact pressure at the nodes [Pa], shape (nodes,) of this rank: what a node's share of the surface bears."""
+    """Contact pressure at the nodes [Pa], shape (nodes,) of this rank: force over a node's share of the surface."""
     nodes = len(model.problem.displacement) // 3
     if model.problem.contact is None:
         return np.zeros(nodes)

@@ -123,7 +123,7 @@ def _rendered(finger: Any, obstacle: Any, colours: Colormap, limits: tuple[float
         clim=limits,
         nan_color=PLATES,
         show_scalar_bar=False,
-        ambient=0.75,  # so that colours are those of the bar, yet sides can be told apart
+        ambient=0.75,  # so that colours are those of the bar, yet sides differ
         diffuse=0.35,
         show_edges=True,
         edge_opacity=0.35,

@@ -1,4 +1,4 @@
-"""Pictures of deformed fingers, coloured by a field: the axial second Piola-Kirchhoff stress S11 unless told otherwise.
+"""Pictures of deformed fingers, coloured by a field: the axial second Piola-Kirchhoff stress S11 by default.
 
 VTK aborts the process where there is no display, so drawing (`fingerfem.output.panels`) happens in a process of its own
 under Xvfb.
@@ -36,7 +36,7 @@ class NoDisplay(ValueError):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Line:
+class TendonLine:
     """A tendon in a panel.
 
     Attributes:
@@ -73,7 +73,7 @@ class Deformed:
     values: np.ndarray
     obstacle: tuple[list[Body], float] | None
     half: bool
-    tendons: tuple[Line, ...]
+    tendons: tuple[TendonLine, ...]
 
     @classmethod
     def of(cls, model: FingerModel, state: State, field: str = "S11") -> Deformed:
@@ -115,12 +115,12 @@ def _title(scene: Scene, values: dict[str, float]) -> str:
     )
 
 
-def _line(scene: Scene, tendon: Tendon, tension: float) -> Line:
+def _line(scene: Scene, tendon: Tendon, tension: float) -> TendonLine:
     """A tendon at rest; a straight one stays so between its ends."""
     inner, outer = scene.outline.plates[tendon.segment - 1]
     along = np.linspace(0.0, (inner + outer) / 2, POINTS if tendon.path == "channel" else 2)
     across = np.outer(scene.geometry.size_at(along), tendon.offset)
-    return Line(points=np.column_stack([along, across]), tension=tension)
+    return TendonLine(points=np.column_stack([along, across]), tension=tension)
 
 
 def draw(panels: Sequence[Deformed], picture: str | Path) -> None:

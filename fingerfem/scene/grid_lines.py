@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fingerfem.scene.tables import Geometry, Mesh, Outline, Tendon
+from fingerfem.scene.tables import Geometry, GridOutline, Mesh, Tendon
 from rom.dataset.grid import levels
 
 FINE = 1000  # points between which sections of a tapered segment have one side
@@ -52,7 +52,7 @@ def subdivide(breakpoints: ArrayLike, cells: int, symmetric: bool = False) -> np
     return np.append(np.concatenate([np.linspace(a, b, k, endpoint=False) for a, b, k in starts]), points[-1])
 
 
-def grid_lines(outline: Outline, mesh: Mesh, half: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def grid_lines(outline: GridOutline, mesh: Mesh, half: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Grid lines along x, y and z, shapes (lines,) [m]; z begins at 0 where `half` the finger is modelled.
 
     Raises:
@@ -102,7 +102,7 @@ def _graded(geometry: Geometry, breakpoints: list[float], cells: int) -> np.ndar
     return found
 
 
-def fitting(outline: Outline, across: int) -> int:
+def fitting(outline: GridOutline, across: int) -> int:
     """The fewest cells across, from the given number on, that fit channels and pad; that number if none does."""
     for cells in range(across, across + MORE):
         with contextlib.suppress(ValueError):
@@ -111,7 +111,7 @@ def fitting(outline: Outline, across: int) -> int:
     return across
 
 
-def _across(outline: Outline, cells: int) -> tuple[np.ndarray, np.ndarray | None]:
+def _across(outline: GridOutline, cells: int) -> tuple[np.ndarray, np.ndarray | None]:
     """Grid lines along y, and those along z from the axis on where they are not the same [m]."""
     if not outline.is_planar:
         # The same for both, so that mirrored pulls give mirrored states.
@@ -134,7 +134,7 @@ def _no_slivers(lines: np.ndarray) -> None:
         )
 
 
-def _along(outline: Outline) -> list[list[float]]:
+def _along(outline: GridOutline) -> list[list[float]]:
     """Per segment, what must lie on grid lines along x [m]."""
     ends = outline.plates
     pad = outline.pad
@@ -154,7 +154,7 @@ def _merged(fixed: list[float], others: Iterable[float], equal: float) -> list[f
     return sorted(found)
 
 
-def _edges(outline: Outline, *axes: int) -> list[float]:
+def _edges(outline: GridOutline, *axes: int) -> list[float]:
     """Distances from the axis, along y (0) or z (1) or both, that must lie on grid lines, ascending [m].
 
     The axis itself is one of them, 0, where a channel ends there.
@@ -179,24 +179,24 @@ def in_column(geometry: Geometry, tendon: Tendon, x: np.ndarray) -> np.ndarray:
     return (abs(x[1] - offset[0]) < half) & (abs(x[2] - offset[1]) < half)
 
 
-def in_plate(outline: Outline, k: int, x: np.ndarray) -> np.ndarray:
+def in_plate(outline: GridOutline, k: int, x: np.ndarray) -> np.ndarray:
     """Which of the points x, shape (3, n) [m], lie in plate k, its faces included."""
     start, end = outline.plates[k]
     return (x[0] > start - outline.tolerance) & (x[0] < end + outline.tolerance)
 
 
-def in_channel(outline: Outline, tendon: Tendon, x: np.ndarray) -> np.ndarray:
+def in_channel(outline: GridOutline, tendon: Tendon, x: np.ndarray) -> np.ndarray:
     """Which of the points x, shape (3, n) [m], lie in the channel of a tendon; it ends before its plate."""
     return in_column(outline.geometry, tendon, x) & (x[0] < outline.plates[tendon.segment - 1][0])
 
 
-def in_hole(outline: Outline, tendon: Tendon, x: np.ndarray) -> np.ndarray:
+def in_hole(outline: GridOutline, tendon: Tendon, x: np.ndarray) -> np.ndarray:
     """Which of the points x, shape (3, n) [m], lie in the hole of a tendon in its plate."""
     start, end = outline.plates[tendon.segment - 1]
     return in_column(outline.geometry, tendon, x) & (x[0] > start) & (x[0] < end)
 
 
-def tendon_cells(outline: Outline, tendon: Tendon, x: np.ndarray) -> tuple[np.ndarray, float]:
+def tendon_cells(outline: GridOutline, tendon: Tendon, x: np.ndarray) -> tuple[np.ndarray, float]:
     """Cells with midpoints x, shape (3, n) [m], over which a tendon's tension is spread, and their whole measure.
 
     The measure of a channel is its area at the clamp [m^2], that of a hole its volume [m^3].

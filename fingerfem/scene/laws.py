@@ -12,13 +12,13 @@ Formulation = Literal["displacement", "mixed"]
 NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which displacements alone begin to lock
 
 
-class Table(BaseModel):
+class SceneTable(BaseModel):
     """A table of the scene: every key known, nothing converted silently, nothing changed afterwards."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-class Law(Table):
+class Law(SceneTable):
     """Any isotropic law, by its shear modulus mu and bulk modulus K at small strain [Pa].
 
     Attributes:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from fingerfem.scene.laws import Table
+from fingerfem.scene.laws import SceneTable
 from fingerfem.scene.tables import Length, Pad
 
 Distance = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
@@ -32,7 +32,7 @@ NEEDS |= {"box": ("centre", "sides", "rounding")}
 MAY_HAVE = {"plane": ("centre", "normal"), "sphere": (), "cylinder": (), "box": ("rotation",)}
 
 
-class Shape(Table):
+class Shape(SceneTable):
     """A rigid body: the plane y = side/2 + d, or another shape that d moves along `direction`."""
 
     shape: Literal["plane", "sphere", "cylinder", "box"] = "plane"

@@ -61,7 +61,7 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
     pressed = bool(table.get("load"))
     parts = {"mesh": OF_MESH} | (OF_LINES if pressed else {})
     if not all(isinstance(table.get(part, {}), dict) for part in parts):
-        return table  # told as such
+        return table  # its check reports it
     _check_left_out(table, parts, asked[0])
     try:
         segments, tensions = table["geometry"]["segments"], len(table["tendons"])
@@ -69,7 +69,7 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
     except (KeyError, TypeError, ValueError, ZeroDivisionError):
         longest = math.nan
     if not 0 < longest < LONGEST:
-        return table | {"mesh": PLAIN}  # whatever is wrong with finger or tendons is told as such
+        return table | {"mesh": PLAIN}  # their checks report what is wrong with finger or tendons
     quantity = "contact_force" if pressed or table.get("obstacle") else "displacement"
     choices = [_fitted(one, longest, fitting, bodies, tensions, quantity) for one in front()]
     is_promised = tensions <= len(ERRORS)

@@ -12,7 +12,7 @@ from fingerfem.scene.grid_lines import fitting, grid_lines
 from fingerfem.scene.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.presets import KEYS, chosen
-from fingerfem.scene.tables import Coarse, Expected, Geometry, Load, Mesh, Outline, Sampling, Table, Tendon
+from fingerfem.scene.tables import Coarse, Expected, Geometry, GridOutline, Load, Mesh, Sampling, SceneTable, Tendon
 
 NOT_OF_THE_FINGER = {"name", "sampling", "expected", "coarse", *KEYS}
 
@@ -21,8 +21,8 @@ class SceneError(ValueError):
     """A scene that breaks a rule: one line naming file, field, rule and value."""
 
 
-class Scene(Table):
-    """One scene: everything the full-order model needs to know.
+class Scene(SceneTable):
+    """One scene: all inputs of the full-order model.
 
     In place of mesh and lines of states it may have `accuracy` ("1 %" of the contact force), `budget` ("20min" of core
     time) or `preset`; what these chose is then `mesh` and `expected`, and with a load `coarse` and `sampling.lines`.
@@ -58,13 +58,13 @@ class Scene(Table):
         """The fewest cells across, from the given number on, that fit this finger's channels and pad."""
         try:
             obstacle = Obstacle.model_validate(table["obstacle"]) if table.get("obstacle") else None
-            outline = Outline(
+            outline = GridOutline(
                 Geometry.model_validate(table["geometry"]),
                 [Tendon.model_validate(tendon) for tendon in table["tendons"]],
                 obstacle.pad if obstacle else None,
             )
         except (KeyError, TypeError, ValueError):
-            return across  # what is wrong with the finger is told as such
+            return across  # the finger's own check reports what is wrong with it
         return fitting(outline, across)
 
     @model_validator(mode="after")
@@ -145,9 +145,9 @@ class Scene(Table):
                 )
 
     @property
-    def outline(self) -> Outline:
+    def outline(self) -> GridOutline:
         """What the mesh's grid lines have to meet."""
-        return Outline(self.geometry, self.tendons, self.obstacle.pad if self.obstacle else None)
+        return GridOutline(self.geometry, self.tendons, self.obstacle.pad if self.obstacle else None)
 
     @property
     def _is_mirrored(self) -> bool:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from fingerfem.scene.laws import Table
+from fingerfem.scene.laws import SceneTable
 from rom.dataset import geometry
 from rom.dataset.grid import SHARE
 
@@ -21,7 +21,7 @@ Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
 STEEPEST = 0.5  # change of the side per length of a segment's rubber [-]
 
 
-class Geometry(Table):
+class Geometry(SceneTable):
     """The finger along x, clamped at x = 0, of square section; each segment ends in a plate.
 
     Side, plate, channel and the tendons' offsets are those at the clamp. A tapered section is scaled as a whole.
@@ -99,7 +99,7 @@ class Geometry(Table):
         return {key: value for key, value in serialise(self).items() if key != "taper" or value is not None}
 
 
-class Tendon(Table):
+class Tendon(SceneTable):
     """A tendon parallel to the axis, anchored in the clamp and in a segment's plate.
 
     In its channel it slides without friction; a straight one runs freely from the plate to the clamp.
@@ -112,7 +112,7 @@ class Tendon(Table):
     tension: Annotated[list[Force], Field(min_length=2, max_length=2)]  # [lowest, highest] [N]
 
 
-class Pad(Table):
+class Pad(SceneTable):
     """A tactile pad: a patch of the face towards the plane, across the finger or centred of the given width."""
 
     name: str
@@ -123,7 +123,7 @@ class Pad(Table):
 WRENCH = (("fx", "N"), ("fy", "N"), ("fz", "N"), ("mx", "N m"), ("my", "N m"), ("mz", "N m"))
 
 
-class Load(Table):
+class Load(SceneTable):
     """What may press on the plates, in place of an obstacle: forces of any direction, anywhere on a plate."""
 
     force: Annotated[float, Field(gt=0, le=1e4)]  # largest on a plate [N]
@@ -144,7 +144,7 @@ class Load(Table):
         ]
 
 
-class Mesh(Table):
+class Mesh(SceneTable):
     """Hexahedra: cells per segment along the axis, cells across the side, Lagrange order."""
 
     cells: Annotated[list[Annotated[int, Field(ge=1, le=4000)]], Field(min_length=2, max_length=2)]
@@ -155,7 +155,7 @@ class Mesh(Table):
 Quantity = Literal["displacement", "pad_pressure", "channel_shortening"]
 
 
-class Sampling(Table):
+class Sampling(SceneTable):
     """How finely the parameters are sampled for training: nodes along every tension and along contact, a grid.
 
     A scene with a load has `lines` at tensions of their own in place of a grid, each of a free state and of `wrenches`
@@ -170,7 +170,7 @@ class Sampling(Table):
     store: list[Quantity] = ["displacement"]
 
 
-class Coarse(Table):
+class Coarse(SceneTable):
     """A mesh on which states are cheap: `--coarse` solves them; those on the scene's own mesh begin at or correct them.
 
     `lines` is how many; if absent, as many as the scene's sampling has.
@@ -181,7 +181,7 @@ class Coarse(Table):
     lines: Annotated[int, Field(ge=3, le=10_000)] | None = None
 
 
-class Expected(Table):
+class Expected(SceneTable):
     """What the mesh and lines that an accuracy, a budget or a preset chose are expected to give, see presets.
 
     The error is relative [-], of the contact force or, where nothing touches, of the displacement, at the 95th
@@ -210,7 +210,7 @@ class Expected(Table):
         return f"{promise}, {self.states} states, {self.core_seconds / 60:.2g} core-minutes"
 
 
-class Outline(NamedTuple):
+class GridOutline(NamedTuple):
     """What the mesh's grid lines have to meet, and who lies where between them."""
 
     geometry: Geometry

@@ -75,7 +75,7 @@ class Locks:
 class ClaimFiles:
     """Task i is a file, made by one process alone and touched by it as long as it lives.
 
-    A claim is dead when its process is, which can be told on the same machine, or when its file has not changed for
+    A claim is dead when its process is, which only the same machine can see, or when its file has not changed for
     `patience` seconds of the onlooker's own steady clock; clocks of two machines are never compared.
     """
 

@@ -11,7 +11,7 @@ from scipy.stats import qmc
 from fingerfem.scene.scene import Scene, SceneError
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.given_points import GivenPoints
-from rom.dataset.body import Body
+from rom.dataset.body import RestBody
 from rom.dataset.sections import CrossSections
 from rom.dataset.snapshot_set import Description
 
@@ -144,10 +144,10 @@ def _lead(scene: Scene) -> int:
     return lead
 
 
-def body(scene: Scene, nodes: np.ndarray) -> Body:
+def body(scene: Scene, nodes: np.ndarray) -> RestBody:
     """The finger of a scene whose mesh has these nodes, shape (nodes, 3) [m]."""
     geometry = scene.geometry
-    return Body(
+    return RestBody(
         nodes=nodes,
         sections=CrossSections(nodes, scene.mesh.order, scene.is_half).positions,
         plates=np.array(scene.outline.plates),

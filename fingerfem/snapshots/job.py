@@ -128,7 +128,7 @@ class Job:
             "seconds": time.perf_counter() - begun,
             "ranks": self.world.size,
         }
-        self._tell(work, found)
+        self._report(work, found)
         return found
 
     @property
@@ -145,7 +145,7 @@ class Job:
         count = self.ranks_per_finger
         return self.world.Split(self.world.rank // count) if count > 1 else MPI.COMM_SELF
 
-    def _tell(self, work: farm.Work, found: dict[str, Any]) -> None:
+    def _report(self, work: farm.Work, found: dict[str, Any]) -> None:
         for failure in self.ledger.failures:
             logging.warning("failed: %s", sentence(self.description, *failure))
         if self.ledger.failures:

@@ -18,7 +18,7 @@ EACH, MOMENT = 9, 3  # numbers that one wrench is drawn by; that its moment is d
 BEHIND = 0.2  # most of a normal's component along the plate's axis: farther behind, the rubber touches first [-]
 CORNERS, EDGES = 0.6, 0.85  # share of forces at corners; at corners or on edges; the others act within faces [-]
 WITH_MOMENT = 0.5  # share of wrenches that have a moment of their own, in a scene that has any
-SPREAD = 0.6  # exponent of a uniform share that makes large forces frequent: fits err most at their ends [-]
+SPREAD = 0.6  # exponent of a uniform share that makes large forces frequent: errors are largest at the ends [-]
 
 
 def draws(scene: Scene) -> int:

@@ -129,8 +129,8 @@ def number(value: float, unit: str, digits: int = 4) -> str:
 
 def row(name: str, value: float, unit: str, error: float | None = None) -> list[str]:
     """A quantity: name, value, estimated error and the unit that people read."""
-    told = NO_ERROR if error is None else number(error, unit, 2)
-    return [name, number(value, unit), told, shown(unit)[1]]
+    estimate = NO_ERROR if error is None else number(error, unit, 2)
+    return [name, number(value, unit), estimate, shown(unit)[1]]
 
 
 def quantities(rows: Sequence[Sequence[str]], title: str = "") -> Table:

@@ -19,7 +19,7 @@ PLAIN = {"µ": "u", "±": "+-"}
 
 
 class Progress(Protocol):
-    """Is told how far a step is; long functions take one."""
+    """Receives how far a step is; long functions take one."""
 
     def __call__(self, step: str, done: int, total: int) -> None:
         """Of a step, `done` parts of `total` are done; a total of 0 is not known."""

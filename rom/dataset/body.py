@@ -19,7 +19,7 @@ def body_file(path: str | Path) -> Path:
 
 @brief
 @dataclass(frozen=True, kw_only=True)
-class Body:
+class RestBody:
     """The finger at rest.
 
     Attributes:
@@ -48,8 +48,8 @@ class Body:
             write_whole(file, lambda stream: np.savez(stream, **numbers))  # type: ignore[arg-type]
 
     @staticmethod
-    def read(file: Path) -> Body:
+    def read(file: Path) -> RestBody:
         """Read what `write` has written; whatever goes wrong with a broken file is raised as it is."""
         with np.load(file, allow_pickle=False) as stored:
-            numbers = {one.name: stored[one.name] for one in fields(Body)}
-        return Body(**numbers | {"is_half": bool(numbers["is_half"])})
+            numbers = {one.name: stored[one.name] for one in fields(RestBody)}
+        return RestBody(**numbers | {"is_half": bool(numbers["is_half"])})

@@ -121,7 +121,7 @@ class Description:
 
     @property
     def held_out_id(self) -> str:
-        """A hash of the held-out parameters, by which to know these states again; empty for a training set."""
+        """A hash of the held-out parameters, which identifies these states; empty for a training set."""
         text = json.dumps([self.fingerprint, self.random])
         return hashlib.sha256(text.encode()).hexdigest()[:16] if self.random else ""
 

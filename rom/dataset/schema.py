@@ -108,7 +108,7 @@ QUANTITIES = (
         name="displacement",
         shape=("nodes", 3),
         unit="m",
-        meaning="of all nodes; its derivatives in single precision, as they serve interpolation, which errs far more",
+        meaning="of all nodes; its derivatives in single precision, for interpolation, whose error is far larger",
         scope="displacement",
         jacobian="first",
     ),

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rom.dataset.body import Body, body_file
+from rom.dataset.body import RestBody, body_file
 from rom.dataset.description import FORMAT, FORMER, Description, Line
 from rom.dataset.plan import Plan
 from rom.dataset.schema import FIELDS, not_finite
@@ -46,8 +46,8 @@ def read_description(path: str | Path) -> Description:
             table |= {"format": FORMAT}
             del table["onset_nodes"]
         if table["format"] != FORMAT:
-            told = f"must be a set of format {FORMAT}, got {table['format']}"
-            raise SnapshotError(f"{path}: {told}; fingerfem snapshots solves it in another folder")
+            rule = f"must be a set of format {FORMAT}, got {table['format']}"
+            raise SnapshotError(f"{path}: {rule}; fingerfem snapshots solves it in another folder")
         return Description(**table)
     except (OSError, ValueError, TypeError, KeyError) as error:
         if isinstance(error, SnapshotError):
@@ -103,7 +103,7 @@ class SnapshotSet:
             raise SnapshotError(f"{path}: {len(absent)} of {len(self.description.lines)} tasks are not solved yet")
         file = body_file(path)
         try:
-            self.body = Body.read(file)
+            self.body = RestBody.read(file)
         except Exception as error:  # numpy raises many kinds for a broken file
             raise SnapshotError(f"{file}: is missing or not readable ({type(error).__name__})") from None
 

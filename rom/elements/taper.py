@@ -32,7 +32,7 @@ WARPING = 0.98  # b over the side [-]
 ROUNDS = 50  # of the fixed point for sizes of end pieces; each reduces the error to a tenth
 
 
-class Rubber(NamedTuple):
+class TaperedRubber(NamedTuple):
     """The rubber of a segment between the sizes of its sections, over those of a finger without taper [-].
 
     `length` is from the clamp to the plate's centre, `half` is half its plate's thickness at size 1 [m].
@@ -48,7 +48,7 @@ class Rubber(NamedTuple):
         return self.begin + (self.end - self.begin) * x / (self.length - self.end * self.half)
 
 
-def tapered_pieces(lengths: Mapping[str, tuple[float, float]], rubber: Rubber) -> list[Piece]:
+def tapered_pieces(lengths: Mapping[str, tuple[float, float]], rubber: TaperedRubber) -> list[Piece]:
     """The elements of a segment: with a taper end pieces at their own size, interior ones at even ratios of sizes.
 
     Args:

@@ -2,7 +2,7 @@
 
 A wheel or an image brings the built library beside its sources (`python3 -m rom.native` builds it there). Elsewhere
 the first use builds it with the machine's C compiler, in some seconds, and keeps it in the user's cache. A library's
-name tells its sources, flags and processor, so that an old one is never taken for a new one.
+name has a hash of its sources, flags and processor, so that an old one is never taken for a new one.
 """
 
 from __future__ import annotations

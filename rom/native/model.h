@@ -9,7 +9,7 @@ enum { FINGERFEM_MOST_ROWS = 6, FINGERFEM_MOST_ERRORS = 4 };
 /* Why an answer is not to be relied on. */
 enum { FINGERFEM_INSIDE = 0, FINGERFEM_NO_EQUILIBRIUM = 1, FINGERFEM_BEYOND = 2 };
 
-/* A separated model's estimated errors, see rom.separated.parts.Errors. */
+/* A separated model's estimated errors, see rom.separated.model.Errors. */
 typedef struct {
     double tip, touch_distance, margin; /* [m] */
     int32_t columns;

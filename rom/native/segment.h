@@ -50,11 +50,11 @@ typedef struct {
 /* Numbers of a plate's corners, 8 x 3. */
 enum { FINGERFEM_CORNERS = 24 };
 
-/* An element's outline: the corners, -y -z, -y z, y -z and y z, of some cross-sections, its stations, from the clamp's side to
+/* An element's outline: the corners, -y -z, -y z, y -z and y z, of some cross-sections, its knots, from the clamp's side to
  * the plate's, seen from its distal section, or its plate's centre [m]: sum_k coefficients_k M_k(F) P_k(w), products of
  * Chebyshev polynomials of the scaled tensions and of the wrench that its distal section carries. */
 typedef struct {
-    int32_t stations, numbers;           /* the latter of the corners, (stations, 4, 3), and zeros that fill eights */
+    int32_t knots, numbers;           /* the latter of the corners, (knots, 4, 3), and zeros that fill eights */
     int32_t terms, products, monomials;  /* products of the wrench; the first monomials of the tensions, for those without */
     int32_t most_power;                  /* highest of the wrench */
     const double *lower, *upper;         /* (6): the trained box of the wrench [N, N m] */
@@ -93,10 +93,10 @@ typedef struct {
                                             tensions, are in an element [m]; the same products as its law, padded with zeros */
     int32_t deviating;                   /* number of variants that every law has; 0 if nothing is known of errors */
     const fingerfem_variants *const *variants; /* (laws) */
-    int32_t stations;                    /* of the whole segment: where the rubber begins, those of its elements, its plate's
+    int32_t knots;                    /* of the whole segment: where the rubber begins, those of its elements, its plate's
                                             face; 0 if nothing is known */
-    int32_t places, near;                /* cross-sections of the rubber, evenly from the first station to the last, each
-                                            interpolated by some stations next to each other */
+    int32_t places, near;                /* cross-sections of the rubber, evenly from the first knot to the last, each
+                                            interpolated by some knots next to each other */
     const int32_t *first;                /* (places): the first of these */
     const double *between;               /* (places, near): their weights */
     const int32_t *place_elements;       /* (places - 1): of which element is the rubber from each to the next */
@@ -142,7 +142,7 @@ typedef struct {
     const fingerfem_segment *const *segments;
     const int32_t *own;  /* (plates, tensions): which of the tensions are a segment's; the first has all */
     double rest[3];      /* the tip plate's centre in the undeformed finger [m] */
-    double skin_error;   /* [m] */
+    double surface_error;   /* [m] */
     /* An estimated error is a factor times the root of the sum of squares of what all variants change, and of a floor. */
     double tip_factor, force_factor, touch_factor; /* [-] */
     double place_floor, force_floor;               /* of the tip along any direction [m]; of a force, relative [-] */
@@ -180,7 +180,7 @@ int32_t fingerfem_chain_memory(const fingerfem_chain *chain);
 int fingerfem_place(const fingerfem_segment *segment, const double *tensions, const double *wrench, double *memory,
                     double *centre, double *rotation, double *motion);
 
-/* The wrench, (6), that the plate bears where its centre, (3) [m], and its quaternion, (4), are seen from the clamp: the
+/* The wrench, (6), on the plate where its centre, (3) [m], and its quaternion, (4), are seen from the clamp: the
  * inverse, by Newton's method from the wrench given; and its stiffness, (6, 6), by motions R^T dc, R^T dtheta.
  * Returns the number of evaluations; negative if it found none: then the wrench is that of the nearest pose. */
 int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, const double *centre,

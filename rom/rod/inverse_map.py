@@ -1,4 +1,4 @@
-"""A segment read backwards: where the plate is -> the wrench it bears, for whoever moves plates himself."""
+"""The inverse of a segment: the pose of its plate -> the wrench on it, for simulators that move plates themselves."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rom.rod.segment import Segment
 @brief
 @dataclass
 class InverseMap:
-    """The wrench that the plate of one finger bears, followed from pose to pose.
+    """The wrench on the plate of one finger, followed from pose to pose.
 
     Every call begins at the wrench found last, so that it takes two or three evaluations of the map.
 

@@ -15,15 +15,15 @@ from rom.elements.polynomial import Polynomial
 from rom.rod.wrench_products import padded
 
 if TYPE_CHECKING:
-    from rom.rod.compiled import Outline, Segment
+    from rom.rod.compiled import CondensedSegment, Outline
     from rom.rod.rod import Rod
-    from rom.rod.segment import Segment as RodSegment
+    from rom.rod.segment import Segment
 
 MOST_TENSIONS, MOST_POWER, MOST_VARIANTS = 8, 31, 8  # as in native/segment.h
 MOST_PRODUCTS = 1 << 20  # of a polynomial: with these, places in memory are counted in 32 bits
 FARTHEST = 2.0  # a plate that nothing touches, from its clamp, over its segment's length [-]
-MOST_STATIONS = 16  # of an element's outline; one side long it has two
-WRENCH, ELEMENT, CORNERS, STATION = 6, 6, 24, 12  # numbers of a wrench, an element's pose, a plate's corners, a station
+MOST_KNOTS = 16  # of an element's outline; one side long it has two
+WRENCH, ELEMENT, CORNERS, KNOT = 6, 6, 24, 12  # numbers of a wrench, an element's pose, a plate's corners, a knot
 
 
 def check(rod: Rod) -> None:
@@ -44,13 +44,13 @@ def check(rod: Rod) -> None:
     require(isinstance(rod.accuracy, dict), "accuracy must be a table", rod.accuracy)
 
 
-def _ends_of_free_plate(segment: RodSegment) -> np.ndarray:
+def _ends_of_free_plate(segment: Segment) -> np.ndarray:
     """Where the plate is without a wrench at no tensions and at the largest, seen from the clamp, shape (2, 3) [m]."""
     lowest, highest = segment.elements[0].tensions
     return march(segment.elements, np.array([lowest, highest]), np.zeros((2, WRENCH))).plate[0]
 
 
-def check_rod(segment: Segment) -> None:
+def check_rod(segment: CondensedSegment) -> None:
     """Refuse a rod of elements beyond what compiled code holds.
 
     Raises:
@@ -137,8 +137,8 @@ def _outlines(outlines: Sequence[Outline], elements: Sequence[ElementMap], begin
     require(shared, "outlines must be shared by elements that share a law", "others")
     for k, one in enumerate({id(one): one for one in outlines}.values()):
         own, count = one.polynomial, len(one.distances)
-        require(1 <= count <= MOST_STATIONS, f"stations of outline {k} must be from 1 to {MOST_STATIONS}", count)
-        _polynomial(f"powers of outline {k}", own, t, STATION * count)
+        require(1 <= count <= MOST_KNOTS, f"knots of outline {k} must be from 1 to {MOST_KNOTS}", count)
+        _polynomial(f"powers of outline {k}", own, t, KNOT * count)
         _ends(own, t)
         _alike(
             "tensions of elements and outlines",
@@ -149,7 +149,7 @@ def _outlines(outlines: Sequence[Outline], elements: Sequence[ElementMap], begin
         require(bool(single), f"coefficients of outline {k} must be finite in single precision", "others")
         ends = np.array([one.length, *one.distances, begins if one is outlines[0] else 0.0])
         ordered = bool(np.isfinite(ends).all() and (np.diff(ends) < 0).all())
-        require(ordered, f"stations of outline {k} must lie one after another in its rubber", one.distances.tolist())
+        require(ordered, f"knots of outline {k} must lie one after another in its rubber", one.distances.tolist())
 
 
 def _ends(polynomial: Polynomial, t: int) -> None:

@@ -12,7 +12,7 @@ from rom.rod.compiled.reports import QUATERNION
 
 
 @brief
-class Report(NamedTuple):
+class FingerReport(NamedTuple):
     """What a finger reports besides its answer at one point of p parameters, shapes without n, or at n points.
 
     Attributes:
@@ -35,7 +35,7 @@ class Report(NamedTuple):
     inside: Any
 
     @classmethod
-    def of(cls, evaluation: Evaluation) -> Report:
+    def of(cls, evaluation: Evaluation) -> FingerReport:
         """Of what compiled code has computed at n points."""
         rows, jacobians, errors = evaluation.reports
         return cls(

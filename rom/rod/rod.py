@@ -22,7 +22,7 @@ from rom.dataset.geometry import sizes_of, steepest, tip_at_rest
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
 from rom.elements.pieces import Piece
-from rom.elements.taper import Rubber, tapered_pieces
+from rom.elements.taper import TaperedRubber, tapered_pieces
 from rom.native import PickledByFields
 from rom.rod import compiled, shape, summary
 from rom.rod.compiled import reports
@@ -101,7 +101,9 @@ class Rod(PickledByFields):
         found, half = [], geometry["plate"] / 2
         for k, (begin, end) in enumerate(pairwise(sizes_of(geometry).tolist())):
             try:
-                found.append(tapered_pieces(lengths, Rubber(begin, end, geometry["segments"][k] - end * half, half)))
+                found.append(
+                    tapered_pieces(lengths, TaperedRubber(begin, end, geometry["segments"][k] - end * half, half))
+                )
             except ModelError as error:
                 raise ModelError(f"geometry.segments.{k}: {error}") from None
         return found

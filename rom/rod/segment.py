@@ -92,11 +92,11 @@ class Segment(PickledByFields):
         return compiled.struct(self.condensed)
 
     @property
-    def condensed(self) -> compiled.Segment:
+    def condensed(self) -> compiled.CondensedSegment:
         """What of it is compiled: its elements by pose, its variants, and by the shortenings of its tendons."""
         poses = {id(one): _pose_of(one) for one in self.elements}
         shortenings = {id(one): _values(one, [POSE + k for k in self.trained]) for one in self.elements}
-        return compiled.Segment(
+        return compiled.CondensedSegment(
             elements=[poses[id(one)] for one in self.elements],
             half_lengths=self.half_lengths,
             begins=self.begins,

@@ -19,8 +19,8 @@ from rom.native import LIBRARY, PickledByFields
 from rom.rod.compiled.evaluation import evaluate
 from rom.rod.compiled.reports import QUATERNION
 from rom.rod.compiled.touched import Touched, pressing, touches
-from rom.rod.objects.shapes import Object
-from rom.rod.report import Report
+from rom.rod.objects.shapes import RigidObject
+from rom.rod.report import FingerReport
 from rom.rod.rod import QUANTITIES, Rod
 from rom.rod.shape import Sections
 
@@ -63,7 +63,7 @@ class TouchedRod(PickledByFields):
 
     @property
     @abstractmethod
-    def objects(self) -> tuple[Object, ...]:
+    def objects(self) -> tuple[RigidObject, ...]:
         """What may touch."""
 
     @property
@@ -162,7 +162,7 @@ class TouchedRod(PickledByFields):
             shortening_error=off[..., 1],
         )
 
-    def report(self, parameters: ArrayLike) -> Report:
+    def report(self, parameters: ArrayLike) -> FingerReport:
         """Tip orientation and tendon shortenings, with their derivatives by tensions [N] and every d [m].
 
         Args:
@@ -174,13 +174,13 @@ class TouchedRod(PickledByFields):
         Example:
             >>> TouchedSegment.load().report([30.0, 0.0, 0.010]).shortening_jacobian
         """
-        found = Report.of(evaluate(self.touching, self._points(parameters)))
-        return Report(*(one[0] for one in found)) if np.ndim(parameters) == 1 else found
+        found = FingerReport.of(evaluate(self.touching, self._points(parameters)))
+        return FingerReport(*(one[0] for one in found)) if np.ndim(parameters) == 1 else found
 
     def contact_forces(self, parameters: ArrayLike) -> list[ContactForce]:
         """Where objects press at one point, shape (p,), and how much; none without an equilibrium.
 
-        A plate is rigid: of more contacts than its wrench tells apart, the forces are one way of making it.
+        A plate is rigid: of more contacts than its wrench determines, the forces are one of many solutions.
         """
         (point,) = self._points(parameters)
         found = pressing(self.touching, point)
@@ -242,13 +242,13 @@ class AmongObjects(TouchedRod):
         >>> model.evaluate([60.0, 0.0, 0.0, 0.02]).contact_force  # doctest: +SKIP
     """
 
-    obstacles: Sequence[Object]
+    obstacles: Sequence[RigidObject]
 
     def __post_init__(self) -> None:
         if not 1 <= len(self.obstacles) <= MOST:
             raise ModelError(f"obstacles must be 1 to {MOST}, got {len(self.obstacles)}")
 
     @property
-    def objects(self) -> tuple[Object, ...]:
+    def objects(self) -> tuple[RigidObject, ...]:
         """The obstacles."""
         return tuple(self.obstacles)

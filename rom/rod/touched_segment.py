@@ -15,7 +15,7 @@ from rom.brief import brief
 from rom.native import LIBRARY
 from rom.rod import compiled
 from rom.rod.compiled.touched import touches
-from rom.rod.objects.shapes import Object, facing_plane
+from rom.rod.objects.shapes import RigidObject, facing_plane
 from rom.rod.rod import Rod
 from rom.rod.touched_rod import TouchedRod
 
@@ -32,7 +32,7 @@ class TouchedSegment(TouchedRod):
         obstacle: what touches.
     """
 
-    obstacle: Object
+    obstacle: RigidObject
     has_obstacle: bool = field(default=True, init=False)
     has_pad: bool = field(default=False, init=False)
 
@@ -55,7 +55,7 @@ class TouchedSegment(TouchedRod):
         return cls(rod=rod, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))
 
     @property
-    def objects(self) -> tuple[Object, ...]:
+    def objects(self) -> tuple[RigidObject, ...]:
         """The obstacle alone."""
         return (self.obstacle,)
 

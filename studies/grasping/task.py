@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from control import Flaws, Gripper, Limits, Object
-from control.grasp_controller import TELL, GraspOptions, Grip
+from control.grasp_controller import DISTINCT, GraspOptions, Grip
 from control.loop import run
 from control.mujoco import MujocoPlant, Simulation, plants
 from control.mujoco.solids import POSE_ERROR, Solid, random_error, random_solid
@@ -139,7 +139,7 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
 
 def least_felt(one: Trial) -> float:
     """Least contact force that a finger can tell from none [N]."""
-    return 1.05 * TELL * max(GraspOptions().feel, 3 * one.flaws.noise)
+    return 1.05 * DISTINCT * max(GraspOptions().feel, 3 * one.flaws.noise)
 
 
 def perform(gripper: Gripper, one: Trial, wanted: np.ndarray, watch: Watch) -> dict[str, Any]:

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from rom.rod.objects.shapes import Cylinder, Hull, Object, Plane, Sphere, box
+from rom.rod.objects.shapes import Cylinder, Hull, Plane, RigidObject, Sphere, box
 
 Table = dict[str, Any]
 
 
-def obstacle(found: Object, sides: dict | None = None) -> Table:
+def obstacle(found: RigidObject, sides: dict | None = None) -> Table:
     """An object as the table of a scene; of a box also what it was made from."""
     table: Table = {"method": "penalty", "distance": [1e-4, found.distances[1]]}
     table |= {"centre": list(found.centre), "direction": list(found.direction)}

@@ -10,7 +10,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from control import Finger
 from rom import Rod, Sphere, TouchedSegment
-from rom.rod.objects.shapes import Object
+from rom.rod.objects.shapes import RigidObject
 from studies.runner import DOCS
 
 BALL, HEIGHT, MOUNTED, FORCE = 0.014, 0.048, 0.024, 1.0  # its radius, height, the fingers' circle [m]; to hold [N]
@@ -32,7 +32,7 @@ def draw(finger: Rod, picture: Path) -> dict:
     figure = plt.figure(figsize=(6.4, 5.6), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     side = 2 * finger.half_lengths[1]
-    ball: Object = Sphere(
+    ball: RigidObject = Sphere(
         centre=(HEIGHT, side / 2 + MOUNTED, 0.0), radius=BALL, direction=(0.0, 1.0, 0.0), distances=(-0.02, 0.02)
     )
     model = TouchedSegment(rod=finger, obstacle=ball)

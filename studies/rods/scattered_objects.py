@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rom import Cylinder, Plane, Rod, Sphere, TouchedSegment
-from rom.rod.objects.shapes import Object
+from rom.rod.objects.shapes import RigidObject
 from studies.rods.full_order import Table, obstacle, random_box
 
 LEANING = 0.1  # most of a normal's component along the plate's axis: beyond, the rubber touches first [-]
@@ -21,7 +21,7 @@ def tensions(finger: Rod, random: np.random.Generator) -> np.ndarray:
     return np.asarray(lower + random.random(len(lower)) * (upper - lower))
 
 
-def placed(finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape: str) -> tuple[Object, Table]:
+def placed(finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape: str) -> tuple[RigidObject, Table]:
     """An object that touches the free plate where d is DISTANCE, whichever way it lies there, and its scene's table.
 
     It touches a corner of the plate, or as a box happens to be turned.
@@ -40,7 +40,7 @@ def placed(finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape: 
     where: Table = {"direction": tuple(-normal), "distances": (0.0, DISTANCE + HIGHEST)}
     if shape == "box":
         return _box(finger, pulled, random, corner, where)
-    found: Object
+    found: RigidObject
     if shape == "plane":
         found = Plane(centre=tuple(surface), normal=tuple(normal), **where)
     elif shape == "sphere":

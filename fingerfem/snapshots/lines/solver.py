@@ -17,7 +17,7 @@ from rom.dataset.plan import Plan
 from rom.dataset.snapshot_set import task_file
 
 
-class Kind(Protocol):
+class LineKind(Protocol):
     """What is to be known of a kind of lines."""
 
     def needs(self, setting: Setting, task: str, line: Line) -> list[str]:
@@ -30,7 +30,7 @@ class Kind(Protocol):
         """The same of a task that nobody shall try again."""
 
 
-KINDS: dict[str, Kind] = {
+KINDS: dict[str, LineKind] = {
     "free": free,
     "contact": contact,
     "pressed": pressed,

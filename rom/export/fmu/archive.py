@@ -40,7 +40,7 @@ STAMP = (1980, 1, 1, 0, 0, 0)  # of files in it: the same model makes the same F
 
 @brief
 @dataclass(frozen=True, kw_only=True)
-class Sources:
+class FmuSources:
     """C sources.
 
     Attributes:
@@ -89,12 +89,12 @@ def write(
     pack(files, path)
 
 
-def sources_of(model: SeparatedModel | TouchedSegment, interface: Interface, version: int) -> Sources:
+def sources_of(model: SeparatedModel | TouchedSegment, interface: Interface, version: int) -> FmuSources:
     """All that is compiled, in the folders it has in the checkout, so that files find each other."""
     units = [NATIVE / "fmu.c", NATIVE / f"fmu{version}.c", *interface.units, *LIBRARY.units]
     contents = {file.relative_to(ROOT).as_posix(): file.read_bytes() for file in with_included(units)}
     contents[NUMBERS] = numbers(model, interface).encode()
-    return Sources(files=contents, units=[*(unit.relative_to(ROOT).as_posix() for unit in units), NUMBERS])
+    return FmuSources(files=contents, units=[*(unit.relative_to(ROOT).as_posix() for unit in units), NUMBERS])
 
 
 def with_included(units: Sequence[Path]) -> list[Path]:
@@ -143,7 +143,7 @@ def model_struct(model: SeparatedModel | TouchedSegment) -> Any:
     return LIBRARY.struct("fingerfem_model", parameters=p, kernel=model.kernel, errors=errors_of(model))
 
 
-def token_of(sources: Sources) -> str:
+def token_of(sources: FmuSources) -> str:
     """Identifies this FMU: 32 digits of the hash of all that it is made from, as a GUID."""
     found = hashlib.sha256()
     for file, contents in sorted(sources.files.items()):
@@ -152,7 +152,7 @@ def token_of(sources: Sources) -> str:
     return f"{{{digits[:8]}-{digits[8:12]}-{digits[12:16]}-{digits[16:20]}-{digits[20:32]}}}"
 
 
-def compiled(sources: Sources) -> bytes:
+def compiled(sources: FmuSources) -> bytes:
     """The library, for every processor of this machine's kind.
 
     Raises:

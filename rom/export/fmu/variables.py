@@ -71,7 +71,7 @@ class Interface:
 
 
 def model_interface(model: SeparatedModel | TouchedSegment) -> Interface:
-    """Tensions and distance in; all that the model tells out.
+    """Tensions and distance in; all answers of the model out.
 
     Raises:
         ModelError: more parameters than the C has room for.

@@ -110,7 +110,7 @@ static int solve_from(const contact_problem *problem, double d, contact_state *s
     return -ITERATIONS;
 }
 
-/* Whether a body bears much more than was trained. */
+/* Whether the load of a body is far beyond the trained ones. */
 static int far_beyond(const contact_problem *problem, const contact_state *state)
 {
     int found = 0;

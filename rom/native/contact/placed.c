@@ -72,7 +72,7 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
         const fingerfem_segment *segment = chain->segments[q];
         unsigned char near[FINGERFEM_MOST_ELEMENTS + 2]; /* 1: what may touch; 2: its neighbour, which takes part in its shape */
         rubber_slice slice;
-        if (!segment->stations || !slices_near(problem->map, &at->chain, q, object, d, close, near)) continue;
+        if (!segment->knots || !slices_near(problem->map, &at->chain, q, object, d, close, near)) continue;
         const double *points = slices_corners(problem->map, &at->chain, q, free, near);
         double highest[FINGERFEM_MOST_ELEMENTS];
         for (int e = 0; e < segment->elements; e++) highest[e] = near[e] == 1 ? slices_highest(problem->map->rods + q, e) : 0.0;
@@ -93,7 +93,7 @@ const rubber_slice *placed_slice_of(const placed *at, int contact)
     return NULL;
 }
 
-/* Make a section, or the ground, a body that bears nothing yet; returns 0 if there is no room. */
+/* Make a section, or the ground, a body without a load yet; returns 0 if there is no room. */
 static int add_body(chain_rods *map, int segment, int element, double *wrench)
 {
     const int before = map->count, b = chain_add_body(map, segment, element);

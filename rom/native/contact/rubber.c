@@ -1,6 +1,6 @@
 /* Where the rubber's surface is, and where the free finger's is touched first.
  *
- * Corners c of an element's stations, seen from its distal section, are at x = p + Q c in the plate's frame, where p and Q
+ * Corners c of an element's knots, seen from its distal section, are at x = p + Q c in the plate's frame, where p and Q
  * are the section's. As tensions move the section by dp and turn it by b, dx = dp + b x (x - p) + Q dc. */
 #include "rubber.h"
 #include <math.h>
@@ -33,7 +33,7 @@ void rubber_in_space(const double *centre, const double *rotation, int count, do
     }
 }
 
-int rubber_stations(const fingerfem_segment *segment, int element) { return outline_of(segment, element)->stations; }
+int rubber_knots(const fingerfem_segment *segment, int element) { return outline_of(segment, element)->knots; }
 
 double rubber_half(const fingerfem_chain *chain)
 {
@@ -63,22 +63,22 @@ void rubber_shape(const rod_state *rod, int element, const double *monomials, do
 void rubber_corners(const rod_state *rod, int element, int free, double *corners)
 {
     const fingerfem_outline *outline = outline_of(rod->segment, element);
-    double *own = rod->work + OUTLINE_STATION * rod->segment->stations;
+    double *own = rod->work + OUTLINE_KNOT * rod->segment->knots;
     if (free) outline_free(outline, rod->monomials, own);
     else rubber_shape(rod, element, rod->monomials, own);
-    memcpy(corners, own, (size_t)(OUTLINE_STATION * outline->stations) * sizeof *own);
+    memcpy(corners, own, (size_t)(OUTLINE_KNOT * outline->knots) * sizeof *own);
 }
 
 double *rubber_points(const rod_state *rod, const rod_end *clamp, int free)
 {
     static const double origin[3] = {0.0}, upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     const fingerfem_segment *segment = rod->segment;
-    double *points = rod->work, *own = points + OUTLINE_STATION * (segment->stations - 1);
+    double *points = rod->work, *own = points + OUTLINE_KNOT * (segment->knots - 1);
     rubber_flat(segment, 1.0, -segment->half_lengths[0], origin, upright, own);
     for (int k = 0; k < segment->elements; k++) {
-        own -= OUTLINE_STATION * rubber_stations(segment, k);
+        own -= OUTLINE_KNOT * rubber_knots(segment, k);
         rubber_corners(rod, k, free, own);
-        rubber_in_space(rod->elements[k].place, rod->elements[k].rotation, EDGES * rubber_stations(segment, k), own); /* here the plate's */
+        rubber_in_space(rod->elements[k].place, rod->elements[k].rotation, EDGES * rubber_knots(segment, k), own); /* here the plate's */
     }
     rubber_flat(segment, segment->begins, 0.0, clamp->place, clamp->rotation, points);
     return points;
@@ -86,11 +86,11 @@ double *rubber_points(const rod_state *rod, const rod_end *clamp, int free)
 
 void rubber_between(const fingerfem_segment *segment, const double *points, int place, double (*corners)[3])
 {
-    const double *weights = segment->between + segment->near * place, *from = points + OUTLINE_STATION * segment->first[place];
+    const double *weights = segment->between + segment->near * place, *from = points + OUTLINE_KNOT * segment->first[place];
     double *flat = corners[0];
-    memset(flat, 0, OUTLINE_STATION * sizeof *flat);
-    for (int k = 0; k < segment->near; k++, from += OUTLINE_STATION)
-        for (int j = 0; j < OUTLINE_STATION; j++) flat[j] += weights[k] * from[j];
+    memset(flat, 0, OUTLINE_KNOT * sizeof *flat);
+    for (int k = 0; k < segment->near; k++, from += OUTLINE_KNOT)
+        for (int j = 0; j < OUTLINE_KNOT; j++) flat[j] += weights[k] * from[j];
 }
 
 /* Corners of a section from edge to edge, the first one again at the end, so that faces are from one to the next. */
@@ -123,16 +123,16 @@ static void note(const chain_body *plate, const double *place, const double *nor
     first->plate = plate;
 }
 
-/* Where a station is: the element that it belongs to, their number for the clamp and -1 for the plate's face; and its number
+/* Where a knot is: the element that it belongs to, their number for the clamp and -1 for the plate's face; and its number
  * among the element's. */
-static int element_of(const fingerfem_segment *segment, int station, int *number)
+static int element_of(const fingerfem_segment *segment, int knot, int *number)
 {
-    int from = segment->stations - 1, k = 0;
+    int from = segment->knots - 1, k = 0;
     *number = 0;
-    if (station == from) return -1;
+    if (knot == from) return -1;
     for (; k < segment->elements; k++) {
-        from -= outline_of(segment, k)->stations;
-        *number = station - from;
+        from -= outline_of(segment, k)->knots;
+        *number = knot - from;
         if (*number >= 0) break;
     }
     return k;
@@ -147,26 +147,26 @@ static void point_of(const double *weights, const double *corners, double *found
     }
 }
 
-/* Add how a free station's corners move with the tensions, each with a weight, (3, tensions), seen from the plate. */
-static void station_moves(const rod_state *rod, const rod_end *clamp, int station, const double *at,
+/* Add how a free knot's corners move with the tensions, each with a weight, (3, tensions), seen from the plate. */
+static void knot_moves(const rod_state *rod, const rod_end *clamp, int knot, const double *at,
                           double (*found)[TENSIONS_MOST])
 {
     const fingerfem_segment *segment = rod->segment;
     int number;
-    const int k = element_of(segment, station, &number), rubber = k < segment->elements;
+    const int k = element_of(segment, knot, &number), rubber = k < segment->elements;
     if (k < 0) return; /* the plate itself */
     const double *origin = rubber ? rod->elements[k].place : clamp->place, *Q = rod->elements[rubber ? k : 0].rotation;
-    double *corners = rod->work + OUTLINE_STATION * segment->stations, arm[3];
+    double *corners = rod->work + OUTLINE_KNOT * segment->knots, arm[3];
     rod_motion motion;
     rod_free_motion(rod, k, &motion);
-    point_of(at, rod->work + OUTLINE_STATION * station, arm);
+    point_of(at, rod->work + OUTLINE_KNOT * knot, arm);
     const double weight = at[0] + at[1] + at[2] + at[3];
     for (int i = 0; i < 3; i++) arm[i] -= weight * origin[i];
     for (int j = 0; j < segment->tensions; j++) {
         double change[3] = {0.0};
         if (rubber) {
             outline_free(outline_of(segment, k), rod->monomials + segment->monomials * (1 + j), corners);
-            point_of(at, corners + OUTLINE_STATION * number, change);
+            point_of(at, corners + OUTLINE_KNOT * number, change);
         }
         for (int i = 0; i < 3; i++) {
             const int l = (i + 1) % 3, m = (i + 2) % 3;
@@ -188,7 +188,7 @@ static void section_moves(const chain_rods *map, const rod_end *clamp, const rub
             const double between = segment->between[segment->near * (place + side) + k];
             double weights[EDGES];
             for (int edge = 0; edge < EDGES; edge++) weights[edge] = between * corners[side][edge];
-            if (between != 0.0) station_moves(rod, clamp, segment->first[place + side] + k, weights, found);
+            if (between != 0.0) knot_moves(rod, clamp, segment->first[place + side] + k, weights, found);
         }
 }
 
@@ -256,9 +256,9 @@ static double upper_bound(const contact_problem *problem, int number, const chai
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
         const chain_body *plate = free->bodies + q;
-        if (!segment->stations) continue;
+        if (!segment->knots) continue;
         double *points = rubber_points(problem->map->rods + q, &plate->end, 1);
-        rubber_in_space(plate->centre, plate->rotation, EDGES * segment->stations, points);
+        rubber_in_space(plate->centre, plate->rotation, EDGES * segment->knots, points);
         for (int begin = 0; begin < FEW; begin++) /* a few sections first, so that most others need not be looked at */
             for (int n = segment->places - 2 - begin; n > 0; n -= FEW) { /* not where it is clamped, nor at its plate */
                 section_at(segment, points, n, corners);
@@ -280,7 +280,7 @@ double rubber_off(const contact_problem *problem, const placed *at, int k)
     const rubber_slice *slice = placed_slice_of(at, k);
     const double across = face < 0 ? 1.0 : at->contacts.material[k][face < 2 ? 2 : 1];
     const double ridge = face < 0 ? 0.0 : slice->ridges[face / 2][face % 2];
-    return problem->touching->chain->skin_error + (BULGED * segment->half_lengths[1] + RIDGED * ridge) * (1.0 - across * across);
+    return problem->touching->chain->surface_error + (BULGED * segment->half_lengths[1] + RIDGED * ridge) * (1.0 - across * across);
 }
 
 /* By Newton's method from an upper bound: of every slice the gap is convex in d, so that no step goes below its root. The next d

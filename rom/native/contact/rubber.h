@@ -17,22 +17,22 @@ typedef struct {
  * else `least`. Contacts are spoilt. */
 double rubber_reach(const contact_problem *problem, int j, placed *free, double least, touched_point *first);
 
-/* Corners of all stations of a segment's rubber, (stations, 4, 3) [m], seen from its plate, where the rod has been placed
+/* Corners of all knots of a segment's rubber, (knots, 4, 3) [m], seen from its plate, where the rod has been placed
  * last, by `rod_under` or, if `free`, by `rod_free`; they lie in the rod's work. */
 double *rubber_points(const rod_state *rod, const rod_end *clamp, int free);
 
 /* Half the side of a chain's largest section [m]. */
 double rubber_half(const fingerfem_chain *chain);
 
-/* Parts of that: how many stations an element has; the corners of a section without warping, `size` times as large as the
- * plate's, `along` its x axis from a place, and those of an element's stations, seen from its distal section. */
-int rubber_stations(const fingerfem_segment *segment, int element);
+/* Parts of that: how many knots an element has; the corners of a section without warping, `size` times as large as the
+ * plate's, `along` its x axis from a place, and those of an element's knots, seen from its distal section. */
+int rubber_knots(const fingerfem_segment *segment, int element);
 void rubber_flat(const fingerfem_segment *segment, double size, double along, const double *place, const double *rotation,
                  double *corners);
 void rubber_corners(const rod_state *rod, int element, int free, double *corners);
 
-/* Corners of an element's stations where it is pressed, from the monomials of the tensions, or, from their derivatives by one, how
- * they change; there is room for them in the rod's work behind those of all stations. */
+/* Corners of an element's knots where it is pressed, from the monomials of the tensions, or, from their derivatives by one, how
+ * they change; there is room for them in the rod's work behind those of all knots. */
 void rubber_shape(const rod_state *rod, int element, const double *monomials, double *corners);
 
 /* How well the surface is known at contact k of a slice [m]. */
@@ -41,6 +41,6 @@ double rubber_off(const contact_problem *problem, const placed *at, int k);
 /* Points that a plate sees, (count, 3), in space, where its centre and rotation are; in place. */
 void rubber_in_space(const double *centre, const double *rotation, int count, double *points);
 
-/* Corners of the rubber's cross-section at one of its places, from those of the stations. */
+/* Corners of the rubber's cross-section at one of its places, from those of the knots. */
 void rubber_between(const fingerfem_segment *segment, const double *points, int place, double (*corners)[3]);
 #endif

@@ -1,4 +1,4 @@
-/* A beam of length L that bends and shears bears a force n at the share a of its length by what its ends would if they were
+/* A beam of length L that bends and shears carries a force n at the share a of its length as its ends would if they were
  * held: the forces N n and the moments g x n, with phi = 12 E I / (k G A L^2) (Przemieniecki 1968, section 5.6),
  *
  *     N_1 = (a^2 (3 - 2 a) + phi a) / (1 + phi),             N_2 = 1 - N_1,
@@ -185,20 +185,20 @@ static void moved_by(const rubber_slice *slice, const chain_body *body, int end,
     for (int i = 0; i < 3; i++) ds[i] += v[i];
 }
 
-/* The same of a point of the element's nearest station, seen from its begin. */
+/* The same of a point of the element's nearest knot, seen from its begin. */
 void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_state *state, int name, const double *material, double *found)
 {
     const fingerfem_chain *chain = map->chain;
-    const int q = slice->segment, e = slice->element, w = chain_size(map), count = rubber_stations(chain->segments[q], e);
+    const int q = slice->segment, e = slice->element, w = chain_size(map), count = rubber_knots(chain->segments[q], e);
     const rod_state *rod = map->rods + q;
     const fingerfem_segment *segment = rod->segment;
-    const int station = (int)fmin(count - 1, fmax(0.0, floor(slice->share * count)));
-    const beam here = beam_at(slice, ((station + 0.5) / count - slice->share) * slice->length);
+    const int knot = (int)fmin(count - 1, fmax(0.0, floor(slice->share * count)));
+    const beam here = beam_at(slice, ((knot + 0.5) / count - slice->share) * slice->length);
     const double to_plate = e ? 1.0 : 1.0 - slice->share, to_clamp = e < segment->elements - 1 ? 1.0 : slice->share;
     const double share = fmin(1.0, 2.0 * count * fmin(to_plate, to_clamp)); /* where it is held, it has its shape */
     const double middle = name < SLICE_LINES ? 1.0 : 2.0 / 3.0; /* of how far a face's middle is off, in its mean */
     double place[3], rotation[9], x[3], weights[OUTLINE_CORNERS], seen[3] = {0.0}, g[SLICE_ENDS][3], axes[2][3];
-    double *corners = rod->work + OUTLINE_STATION * segment->stations, *own = corners + OUTLINE_STATION * station;
+    double *corners = rod->work + OUTLINE_KNOT * segment->knots, *own = corners + OUTLINE_KNOT * knot;
     slices_section(map, state, q, e, place, rotation);
     for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
         weights[edge] = 0.25 * (1.0 + (edge & 2 ? 1.0 : -1.0) * material[1]) * (1.0 + (edge & 1 ? 1.0 : -1.0) * material[2]);

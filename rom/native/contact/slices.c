@@ -58,15 +58,15 @@ int slices_near(const chain_rods *map, const chain_state *state, int q, const fi
 const double *slices_corners(const chain_rods *map, const chain_state *state, int q, int free, const unsigned char *near)
 {
     const fingerfem_segment *segment = map->chain->segments[q];
-    double *points = map->rods[q].work, *own = points + OUTLINE_STATION * (segment->stations - 1), place[3], rotation[9];
+    double *points = map->rods[q].work, *own = points + OUTLINE_KNOT * (segment->knots - 1), place[3], rotation[9];
     slices_section(map, state, q, 0, place, rotation);
     rubber_flat(segment, 1.0, -segment->half_lengths[0], place, rotation, own);
     for (int e = 0; e < segment->elements; e++) {
-        own -= OUTLINE_STATION * rubber_stations(segment, e);
+        own -= OUTLINE_KNOT * rubber_knots(segment, e);
         if (!near[e]) continue;
         slices_section(map, state, q, e, place, rotation);
         rubber_corners(map->rods + q, e, free, own);
-        rubber_in_space(place, rotation, OUTLINE_CORNERS * rubber_stations(segment, e), own);
+        rubber_in_space(place, rotation, OUTLINE_CORNERS * rubber_knots(segment, e), own);
     }
     slices_section(map, state, q, segment->elements, place, rotation);
     rubber_flat(segment, segment->begins, 0.0, place, rotation, points);

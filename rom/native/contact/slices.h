@@ -21,7 +21,7 @@ int slices_place(const chain_rods *map, int segment, int number);
 int slices_near(const chain_rods *map, const chain_state *state, int segment, const fingerfem_object *object, double d, double near,
                 unsigned char *found);
 
-/* Corners of the stations of such elements in space, (stations, 4, 3) [m], in the rod's work. */
+/* Corners of the knots of such elements in space, (knots, 4, 3) [m], in the rod's work. */
 const double *slices_corners(const chain_rods *map, const chain_state *state, int segment, int free, const unsigned char *near);
 
 /* A gap that no point of the slice at a place is below, before an object at d [m]. */

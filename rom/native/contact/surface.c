@@ -30,14 +30,14 @@ int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *input
     double sections[2][EDGES][3], held[TENSIONS_MOST];
     rod_state rod;
     rod_end clamp;
-    if (!segment->stations) return 0;
+    if (!segment->knots) return 0;
     tensions_all_clamped(segment, inputs, held);
     rod_set_tensions(segment, held, memory, memory + rod_memory(segment), &rod);
     rod_contract(&rod);
     rod_under(&rod, (rod_part){0, segment->elements}, inputs + segment->tensions, &clamp);
     double *points = rubber_points(&rod, &clamp, 0);
-    rubber_in_space(centre, rotation, EDGES * segment->stations, points);
-    memcpy(points, begins, OUTLINE_STATION * sizeof *points);
+    rubber_in_space(centre, rotation, EDGES * segment->knots, points);
+    memcpy(points, begins, OUTLINE_KNOT * sizeof *points);
     section_at(segment, points, 0.0, sections[0]);
     for (int k = 0; k < count; k++) {
         const double(*before)[3] = sections[k % 2], (*after)[3] = sections[(k + 1) % 2];
@@ -88,12 +88,12 @@ int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tension
     unsigned char all[FINGERFEM_MOST_ELEMENTS];
     memset(all, 1, sizeof all);
     for (int k = 0; k < chain->plates; k++)
-        if (!chain->segments[k]->stations) return 0;
+        if (!chain->segments[k]->knots) return 0;
     chain_placed(chain, tensions, loads, memory, held, &map, &state);
     for (int k = 0; k < chain->plates; k++) {
         const fingerfem_segment *segment = chain->segments[k];
         const double *points = slices_corners(&map, &state, k, 0, all);
-        for (int place = 0; place < segment->places - 1; place++, corners += OUTLINE_STATION)
+        for (int place = 0; place < segment->places - 1; place++, corners += OUTLINE_KNOT)
             rubber_between(segment, points, place, (double(*)[3])corners);
         plate_corners(segment, map.corners[k], state.bodies + chain_plate_of(&map, k), corners); /* in place of the last one: its back, then its front */
         corners += FINGERFEM_CORNERS;

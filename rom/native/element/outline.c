@@ -8,12 +8,12 @@ typedef float singles __attribute__((vector_size(32), aligned(4), may_alias));
 int outline_work(const fingerfem_segment *segment)
 {
     int products = 0, numbers = 0;
-    for (int k = 0; k < segment->laws && segment->stations; k++) {
+    for (int k = 0; k < segment->laws && segment->knots; k++) {
         const fingerfem_outline *own = segment->outline[k];
         products = own->products > products ? own->products : products;
         numbers = own->numbers > numbers ? own->numbers : numbers;
     }
-    return OUTLINE_STATION * segment->stations + numbers + products;
+    return OUTLINE_KNOT * segment->knots + numbers + products;
 }
 
 /* Products of the wrench's Chebyshev polynomials, (products); linear beyond the box. */

@@ -1,15 +1,15 @@
-/* The outline of an element: corners of a few of its cross-sections, its stations, by the tensions and the wrench that its
+/* The outline of an element: corners of a few of its cross-sections, its knots, by the tensions and the wrench that its
  * distal section carries, seen from that one's frame. */
 #ifndef FINGERFEM_OUTLINE_H
 #define FINGERFEM_OUTLINE_H
 #include "tensions.h"
 
-enum { OUTLINE_CORNERS = 4, OUTLINE_STATION = 3 * OUTLINE_CORNERS /* numbers of a station */ };
+enum { OUTLINE_CORNERS = 4, OUTLINE_KNOT = 3 * OUTLINE_CORNERS /* numbers of a knot */ };
 
-/* Numbers of memory for the corners of all stations of a segment, and for an outline's own and its products. */
+/* Numbers of memory for the corners of all knots of a segment, and for an outline's own and its products. */
 int outline_work(const fingerfem_segment *segment);
 
-/* Corners of the stations, (numbers), from the monomials of the tensions and a wrench, (6), beyond whose trained box they
+/* Corners of the knots, (numbers), from the monomials of the tensions and a wrench, (6), beyond whose trained box they
  * go on linearly; `work` holds the products of the wrench. Coefficients are single, sums double: else the same point would
  * differ by some nanometres from processor to processor. */
 void outline_under(const fingerfem_outline *outline, const double *monomials, const double *wrench, double *work, double *corners);

@@ -42,7 +42,7 @@ typedef struct {
 } chain_state;
 
 /* All segments at tensions inside their box, in memory of fingerfem_chain_memory's size; plates alone bear wrenches. For what
- * bears wrenches they must be contracted too. */
+ * carries wrenches they must be contracted too. */
 void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found);
 void chain_contract(const chain_rods *map);
 

@@ -1,4 +1,4 @@
-/* A hull's faces, edges and vertices before the corners, edges and faces of a plate, told apart in the hull's own frame. */
+/* A hull's faces, edges and vertices before the corners, edges and faces of a plate, distinguished in the hull's own frame. */
 #include "hull.h"
 #include <math.h>
 #include <string.h>

@@ -52,7 +52,7 @@ static inline void objects_turned_back(const double *rotation, const double *v, 
     for (int i = 0; i < 3; i++) out[i] = rotation[i] * v[0] + rotation[3 + i] * v[1] + rotation[6 + i] * v[2];
 }
 
-/* How deep an object may lie in the free plate for its sides to be told apart [m]. */
+/* How deep an object may lie in the free plate for its sides to be distinguished [m]. */
 double objects_shallow(const fingerfem_object *object, const double *half_lengths);
 
 /* For shapes of several features. Note a contact at p with normal n, in place of that with the largest gap if there is no

@@ -24,7 +24,7 @@ from rom.rod.compiled.arrangement import (
     variants,
 )
 from rom.rod.compiled.indentation import indentations
-from rom.rod.compiled.outlines import Outline, outline_of, stations_of
+from rom.rod.compiled.outlines import Outline, knots_of, outline_of
 
 CORNERS = 24  # as in segment.h
 ENDS = 1  # sections of a segment's surface besides its places, FINGERFEM_FRONTS there
@@ -35,7 +35,7 @@ __all__ = ["Outline", "outline_of"]  # and all that is defined here
 
 @brief
 @dataclass(frozen=True, kw_only=True)
-class Segment:
+class CondensedSegment:
     """A segment: a rod of elements, and the plate at its end.
 
     Attributes:
@@ -73,7 +73,7 @@ def memory_of(compiled: Any) -> Any:
     return pointer(np.empty(size(compiled)))
 
 
-def struct(segment: Segment) -> Any:
+def struct(segment: CondensedSegment) -> Any:
     """A segment as a struct fingerfem_segment.
 
     Raises:
@@ -100,10 +100,10 @@ def struct(segment: Segment) -> Any:
     if segment.outlines is not None:
         corners_of = [LIBRARY.struct("fingerfem_outline", **outline(one.polynomial, monomials)) for one in outlines]
         lengths = np.array([one.length for one in segment.outlines])
-        stations = stations_of(segment.outlines, segment.half_lengths[0])
-        known = places_between(stations, lengths)
+        knots = knots_of(segment.outlines, segment.half_lengths[0])
+        known = places_between(knots, lengths)
         slices = known["places"] - 1
-        pitch = np.ptp(stations) / slices
+        pitch = np.ptp(knots) / slices
         known |= indentations(segment.young_modulus, segment.half_lengths[1] * (1 + segment.begins) / 2, pitch, slices)
         known["outline"] = LIBRARY.pointers("fingerfem_outline", corners_of)
     if segment.shortenings is not None:
@@ -160,7 +160,7 @@ def place(compiled: Any, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np
 
 
 def chain_struct(
-    segments: Sequence[Any], own: np.ndarray, rest: np.ndarray, skin_error: float, errors: Mapping[str, float]
+    segments: Sequence[Any], own: np.ndarray, rest: np.ndarray, surface_error: float, errors: Mapping[str, float]
 ) -> Any:
     """Segments as a struct fingerfem_chain.
 
@@ -168,7 +168,7 @@ def chain_struct(
         segments: structs, from clamp to tip.
         own: which of the t tensions are a segment's, shape (segments, t).
         rest: the tip plate's centre in the undeformed finger, shape (3,) [m].
-        skin_error: of what is known of the rubber's surface [m].
+        surface_error: of the rubber's surface [m].
         errors: what estimated errors are made of, by the names in segment.h.
     """
     return LIBRARY.struct(
@@ -178,7 +178,7 @@ def chain_struct(
         segments=LIBRARY.pointers("fingerfem_segment", segments),
         own=own,
         rest=rest.tolist(),
-        skin_error=skin_error,
+        surface_error=surface_error,
         **errors,
     )
 

@@ -13,8 +13,8 @@ from rom.elements.polynomial import Polynomial
 from rom.rod.wrench_products import padded
 
 BLOCK, POSE, SIX = 4, 8, 6  # as in segment.h; values of a law
-EIGHT, STATION = 8, 12  # likewise: numbers of an outline fill eights; numbers of one of its stations
-PLACES, NEAREST = 5, 4  # cross-sections of the rubber for every station; stations that interpolate one
+EIGHT, KNOT = 8, 12  # likewise: numbers of an outline fill eights; numbers of one of its knots
+PLACES, NEAREST = 5, 4  # cross-sections of the rubber for every knot; knots that interpolate one
 
 
 def at_rest(powers: np.ndarray) -> np.ndarray:
@@ -32,20 +32,20 @@ def free_numbers(monomials: np.ndarray, powers: np.ndarray, coefficients: np.nda
     return found
 
 
-def places_between(stations: np.ndarray, lengths: np.ndarray) -> dict[str, Any]:
-    """Places of the rubber, and the stations' weights there, as values of a struct fingerfem_segment.
+def places_between(knots: np.ndarray, lengths: np.ndarray) -> dict[str, Any]:
+    """Places of the rubber, and the knots' weights there, as values of a struct fingerfem_segment.
 
     Args:
-        stations: positions along the segment at rest, shape (stations,) [m].
+        knots: positions along the segment at rest, shape (knots,) [m].
         lengths: of the elements from the plate to the clamp at rest, shape (elements,) [m].
 
-    Polynomials through the nearest stations interpolate the corners.
+    Polynomials through the nearest knots interpolate the corners.
     """
-    near, count = min(len(stations), NEAREST), PLACES * (len(stations) - 1) + 1
-    places = np.linspace(stations[0], stations[-1], count)
-    before = np.searchsorted(stations, places, side="right") - 1
-    first = np.clip(before - (near - 1) // 2, 0, len(stations) - near)
-    own = stations[first[:, None] + np.arange(near)]
+    near, count = min(len(knots), NEAREST), PLACES * (len(knots) - 1) + 1
+    places = np.linspace(knots[0], knots[-1], count)
+    before = np.searchsorted(knots, places, side="right") - 1
+    first = np.clip(before - (near - 1) // 2, 0, len(knots) - near)
+    own = knots[first[:, None] + np.arange(near)]
     weights = np.ones((count, near))
     for k in range(near):
         for j in set(range(near)) - {k}:
@@ -54,7 +54,7 @@ def places_between(stations: np.ndarray, lengths: np.ndarray) -> dict[str, Any]:
     middles = (places[1:] + places[:-1]) / 2
     own = np.searchsorted(-begins, -middles, side="right") - 1
     return {
-        "stations": len(stations),
+        "knots": len(knots),
         "places": count,
         "near": near,
         "first": first,
@@ -139,7 +139,7 @@ def outline(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
     """An element's outline as values of a struct fingerfem_outline.
 
     Args:
-        polynomial: 12 values of every station [m], of t + 6 variables.
+        polynomial: 12 values of every knot [m], of t + 6 variables.
         monomials: powers of the tensions, shape (monomials, t), with all of its own.
     """
     t, numbers = monomials.shape[1], polynomial.coefficients.shape[1]
@@ -150,7 +150,7 @@ def outline(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
     coefficients = np.pad(polynomial.coefficients[order], [(0, 0), (0, -numbers % EIGHT)]).astype(np.float32)
     free = free_numbers(monomials, polynomial.powers[order], coefficients)
     return {
-        "stations": numbers // STATION,
+        "knots": numbers // KNOT,
         "numbers": coefficients.shape[1],
         "terms": len(coefficients),
         "products": len(products),

@@ -1,4 +1,4 @@
-"""The outline of an element as compiled code has it: corners of a few of its cross-sections, its stations."""
+"""The outline of an element as compiled code has it: corners of a few of its cross-sections, its knots."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from rom.elements.outline import OutlineLaw
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
 
-STEP, END_STEP = 0.55, 0.28  # of the side: most between stations, and where a plate or the clamp hinders warping [-]
-NUMBERS = 12  # of a station: four corners, -y -z, -y z, y -z and y z
+STEP, END_STEP = 0.55, 0.28  # of the side: most between knots, and where a plate or the clamp hinders warping [-]
+NUMBERS = 12  # of a knot: four corners, -y -z, -y z, y -z and y z
 
 
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Outline:
-    """Corners of an element's stations, seen from its distal section or from its plate's centre.
+    """Corners of an element's knots, seen from its distal section or from its plate's centre.
 
     Attributes:
         polynomial: by combinations of tensions, as its element's, and the wrench that the distal section carries
-            [N, N m]: 12 values of every station [m].
-        distances: of the stations from the distal section at rest, from the clamp's side to the plate's, shape
-            (stations,) [m].
+            [N, N m]: 12 values of every knot [m].
+        distances: of the knots from the distal section at rest, from the clamp's side to the plate's, shape
+            (knots,) [m].
         length: of the element at rest [m].
     """
 
@@ -36,7 +36,7 @@ class Outline:
 
 
 def outline_of(law: OutlineLaw, piece: Piece, begins: float) -> Outline:
-    """The outline of an element, its stations evenly along its rubber and half as far from its ends.
+    """The outline of an element, its knots evenly along its rubber and half as far from its ends.
 
     Args:
         law: of its kind.
@@ -48,13 +48,13 @@ def outline_of(law: OutlineLaw, piece: Piece, begins: float) -> Outline:
     shares = 1 - (np.arange(count) + 0.5) / count  # of the way from the distal end
     distances, (distal, proximal) = begins + length * shares, piece.ends
     sizes = (distal + (proximal - distal) * shares) / piece.size
-    stations = [(replace(law, half=law.half * own), at) for own, at in zip(sizes, distances, strict=True)]
-    polynomial = Polynomial.together([one.at(float(distance)) for one, distance in stations])
+    knots = [(replace(law, half=law.half * own), at) for own, at in zip(sizes, distances, strict=True)]
+    polynomial = Polynomial.together([one.at(float(distance)) for one, distance in knots])
     return Outline(polynomial=polynomial, distances=distances, length=piece.length)
 
 
-def stations_of(outlines: Sequence[Outline], begins: float) -> np.ndarray:
-    """Where the stations of a segment are at rest, from the clamp on, shape (stations,) [m].
+def knots_of(outlines: Sequence[Outline], begins: float) -> np.ndarray:
+    """Where the knots of a segment are at rest, from the clamp on, shape (knots,) [m].
 
     The first is where the rubber begins, the last where it ends: at the plate's face.
 

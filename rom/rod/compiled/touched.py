@@ -82,7 +82,7 @@ def touches(touching: Any, points: np.ndarray, loads: np.ndarray | None = None, 
 
 
 @brief
-class Pressing(NamedTuple):
+class PressingContacts(NamedTuple):
     """Contacts that press, m of them.
 
     Attributes:
@@ -102,7 +102,7 @@ class Pressing(NamedTuple):
     forces: np.ndarray
 
 
-def pressing(touching: Any, point: np.ndarray) -> Pressing:
+def pressing(touching: Any, point: np.ndarray) -> PressingContacts:
     """Contacts that press at tensions and every d, shape (t + m,); none without an equilibrium."""
     given = np.array(point, float), np.zeros(LIBRARY.functions.fingerfem_chain_loads(touching.chain))
     compiled = LIBRARY.ffi.new("fingerfem_pressing *")
@@ -116,4 +116,4 @@ def pressing(touching: Any, point: np.ndarray) -> Pressing:
         .copy()
         for name, (kind, shape) in shapes.items()
     }
-    return Pressing(**found | {"rubber": found["rubber"].astype(bool)})
+    return PressingContacts(**found | {"rubber": found["rubber"].astype(bool)})

@@ -22,7 +22,7 @@ OPEN, STICKS, SLIDES = 0, 1, 2
 
 
 @brief
-class Law(NamedTuple):
+class ContactLaw(NamedTuple):
     """The equations at m contacts, in newtons.
 
     Attributes:
@@ -47,7 +47,7 @@ def law(
     compliances: np.ndarray,
     stiffness: np.ndarray,
     friction: float,
-) -> Law:
+) -> ContactLaw:
     """The equations at some forces and motions.
 
     Args:
@@ -78,4 +78,4 @@ def law(
     by_forces[slides, 1:, 1:] = np.eye(2) - kept[slides, :, None] * turned
     by_motions[slides, 1:, 0] = friction * r[slides] * way
     by_motions[slides, 1:, 1:] = r[slides, :, None] * turned
-    return Law(states, residuals, by_forces, by_motions, np.where(slides[:, None], yielded[:, 1:], 0.0))
+    return ContactLaw(states, residuals, by_forces, by_motions, np.where(slides[:, None], yielded[:, 1:], 0.0))

@@ -9,7 +9,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.rod.compiled.contacts import AXES, Contacts, Label, find_contacts, material_points
-from rom.rod.friction.contact_law import OPEN, Law, law
+from rom.rod.friction.contact_law import OPEN, ContactLaw, law
 from rom.rod.touched_segment import TouchedSegment
 
 TOLERANCE = 1e-9  # of the largest residual [N]
@@ -20,7 +20,7 @@ SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of the friction, where it comes in steps
 
 @brief
 class Loads(NamedTuple):
-    """What a finger bears.
+    """What is given in an increment.
 
     Attributes:
         tensions: shape (t,) [N].
@@ -46,7 +46,7 @@ class Resting:
     """An equilibrium with friction.
 
     Attributes:
-        loads: that it bears.
+        loads: on it.
         wrenches: on the finger's bodies, see `Touched.loads`, shape (l,) [N, N m].
         contacts: all that may touch there, m of them.
         forces: of the object on the finger, shape (m, 3) [N].
@@ -160,7 +160,9 @@ def _parts(at: Contacts, known: dict[Label, np.ndarray]) -> np.ndarray:
     return np.einsum("mai,mi->ma", at.axes, forces)
 
 
-def _law(model: TouchedSegment, last: Resting, loads: Loads, at: Contacts, parts: np.ndarray, friction: float) -> Law:
+def _law(
+    model: TouchedSegment, last: Resting, loads: Loads, at: Contacts, parts: np.ndarray, friction: float
+) -> ContactLaw:
     carried = loads.moved - last.loads.moved + (loads.d - last.loads.d) * model.direction
     then = material_points(model.touching.chain, last.loads.tensions, last.wrenches, at)
     slips = np.einsum("mai,mi->ma", at.axes[:, 1:], at.places - then - carried)
@@ -179,7 +181,7 @@ def _shared(at: Contacts) -> np.ndarray:
     return at.compliances - np.diag(np.diagonal(at.compliances))
 
 
-def _jacobian(at: Contacts, found: Law, parts: np.ndarray) -> np.ndarray:
+def _jacobian(at: Contacts, found: ContactLaw, parts: np.ndarray) -> np.ndarray:
     """Of balance and law, by the wrenches and the forces; slips by what a point moves on the finger are left out."""
     size, m = len(at.motions), len(parts)
     following = np.zeros((size + 1, size + 1))  # the clamp's row and column are the last

@@ -35,7 +35,7 @@ class FoundObject:
         others: places that explain the touches too, shape (k, 3) [m].
         status: converged; undetermined, where there are others, or a direction is open as wide as was searched; or
             unreachable, where no place was found that explains the touches; or out_of_domain, where the model does not
-            know what it answers for a touch of what is there (not trained, not stable, or rubber may touch).
+            have an answer at a touch of what is there (not trained, or not stable).
         residual: largest difference from a felt force [N].
         iterations: evaluations of all touches.
     """

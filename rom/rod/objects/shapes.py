@@ -16,7 +16,7 @@ Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Object:
+class RigidObject:
     """A rigid object.
 
     Attributes:
@@ -41,7 +41,7 @@ class Object:
             raise ValueError(f"radius must be above 0 m, got {getattr(self, 'radius', None)}")
 
     def numbers(self) -> dict[str, Any]:
-        """What the compiled solve knows of it, the fields of fingerfem_object."""
+        """Its numbers for the compiled solve, the fields of fingerfem_object."""
         axis = getattr(self, "axis", getattr(self, "normal", (0.0, 0.0, 0.0)))
         return {
             "shape": self.shape,
@@ -55,7 +55,7 @@ class Object:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plane(Object):
+class Plane(RigidObject):
     """A half space; `normal` points out of it, towards the finger [-]."""
 
     shape = 0
@@ -63,7 +63,7 @@ class Plane(Object):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sphere(Object):
+class Sphere(RigidObject):
     """A ball of a radius [m]."""
 
     shape = 1
@@ -71,7 +71,7 @@ class Sphere(Object):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cylinder(Object):
+class Cylinder(RigidObject):
     """A cylinder without ends, of a radius [m], along `axis` through its centre [-]."""
 
     shape = 2
@@ -81,7 +81,7 @@ class Cylinder(Object):
 
 @brief
 @dataclass(frozen=True, kw_only=True)
-class Hull(Object):
+class Hull(RigidObject):
     """The convex hull of `vertices`, given from its centre, shape (n, 3) [m], rounded by a radius [m] all around.
 
     A small radius keeps contact at sharp edges smooth; the body is larger by it than the hull.

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rom import AmongObjects, Cylinder, Sphere
-from rom.rod.objects.shapes import Object
+from rom.rod.objects.shapes import RigidObject
 from studies import sets
 from studies.rods import plans
 from studies.rods.full_order import FullOrder, obstacle
@@ -28,7 +28,7 @@ KINDS: dict[str, tuple[Any, dict[str, Any], tuple[float, float, float]]] = {
 }
 
 
-def squeezing(kind: str, length: float, half: float) -> list[Object]:
+def squeezing(kind: str, length: float, half: float) -> list[RigidObject]:
     """Two objects that touch a straight finger, of a length and half a side [m], from both sides where d is 0."""
     made, numbers, way = KINDS[kind]
     found = []

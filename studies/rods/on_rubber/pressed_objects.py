@@ -13,7 +13,7 @@ import numpy as np
 
 from rom import AmongObjects, Rod
 from rom.error_statistics import quantiles
-from rom.rod.objects.shapes import Object
+from rom.rod.objects.shapes import RigidObject
 from studies.rods import plans
 from studies.rods.full_order import FullOrder, Table
 from studies.rods.objects import CORES, FELT
@@ -33,7 +33,7 @@ class Pressed(NamedTuple):
     """
 
     tensions: np.ndarray
-    objects: list[tuple[Object, Table]]
+    objects: list[tuple[RigidObject, Table]]
     d: float
     stands: bool = False
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from rom import Cylinder, Plane, Rod, Sphere, TouchedSegment
-from rom.rod.objects.shapes import Object
+from rom.rod.objects.shapes import RigidObject
 from studies.rods import plans
 from studies.rods.full_order import Table, obstacle, random_box
 from studies.rods.on_rubber.pressed_objects import Pressed, by_core, summary
@@ -21,7 +21,7 @@ MOST = 10.0  # forces that are compared [N]
 AWAY, CLEAR = 0.15, 1e-3  # [m]; the latter of the clamp from planes, at least
 
 
-def anywhere(finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape: str) -> tuple[Object, Table]:
+def anywhere(finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape: str) -> tuple[RigidObject, Table]:
     """An object that touches the free finger where d is DISTANCE, at a random place from a fifth of its length on."""
     half, angle = finger.half_lengths[1], random.uniform(0, 2 * np.pi)
     ray = np.array([np.cos(angle), np.sin(angle)])
@@ -36,7 +36,7 @@ def anywhere(finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape
     radius = float(np.exp(random.uniform(*np.log(RADII))))
     axis, state = np.cross(away, random.standard_normal(3)), random.bit_generator.state
 
-    def made(shift: float, distances: tuple[float, float]) -> tuple[Object, Table | None]:
+    def made(shift: float, distances: tuple[float, float]) -> tuple[RigidObject, Table | None]:
         where: Table = {"direction": tuple(away), "distances": distances}
         point = place + shift * away
         if shape == "plane":

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from rom import Cylinder, Rod
-from rom.rod.objects.shapes import Object
+from rom.rod.objects.shapes import RigidObject
 from studies.rods import plans
 from studies.rods.full_order import Table, obstacle
 from studies.rods.on_rubber.pressed_objects import Pressed, by_core, summary
@@ -20,7 +20,7 @@ PULLED = ((30.0, 100.0), (0.0, 20.0))  # towards the cylinder, and across [N]
 LEANS, ASIDE = 0.2, 2e-3  # of an axis, its part along the finger [-]; of its centre [m]
 
 
-def advanced(found: Object, table: Table, depth: float) -> tuple[Object, Table]:
+def advanced(found: RigidObject, table: Table, depth: float) -> tuple[RigidObject, Table]:
     """An object that is nearer by a depth [m] at every d, and its table."""
     way = depth * np.array(found.numbers()["direction"])
     moved = replace(found, centre=tuple((np.array(found.centre) - way).tolist()))

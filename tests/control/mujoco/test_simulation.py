@@ -196,7 +196,7 @@ def test_a_push_beyond_what_was_trained_is_marked(rod):
     ],
 )
 def test_rubber_that_comes_near_is_noticed_as_by_the_rod(rod, centre, radius, touches):
-    if isinstance(centre, str):  # 1.5 mm behind the plate's middle the rubber is no station's
+    if isinstance(centre, str):  # 1.5 mm behind the plate's middle the rubber is no knot's
         placed = rod.place([20.0, 5.0])
         centre = tuple(placed.centres[0] + placed.rotations[0] @ [-0.0015, 0.0053, 0.0])
     ball = f'<geom type="sphere" size="{radius}" pos="{centre[0]} {centre[1]} {centre[2]}"/>'

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from fingerfem.scene.laws import Table
+from fingerfem.scene.laws import SceneTable
 from fingerfem.scene.scene import Scene
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "reference" / "scene.md"
@@ -169,8 +169,8 @@ def test_every_table_refuses_unknown_keys():
     def tables(one: type[BaseModel]) -> set[type[BaseModel]]:
         return {one}.union(*map(tables, one.__subclasses__()))
 
-    assert len(tables(Table)) > 10
-    assert all(one.model_config["extra"] == "forbid" and one.model_config["strict"] for one in tables(Table))
+    assert len(tables(SceneTable)) > 10
+    assert all(one.model_config["extra"] == "forbid" and one.model_config["strict"] for one in tables(SceneTable))
 
 
 @pytest.mark.parametrize("kind", ["tilted plane", "sphere", "cylinder", "box"])

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from rom.dataset import schema
-from rom.dataset.body import Body, body_file
+from rom.dataset.body import RestBody, body_file
 from rom.dataset.description import Description
 from rom.dataset.folder import create
 from rom.dataset.snapshot_set import write_task
 
 NODES = 4
-BODY = Body(
+BODY = RestBody(
     nodes=np.array([[0.0, 0, 0], [0.05, 0, 0]]),
     sections=np.array([0.0, 0.05]),
     plates=np.array([[0.049, 0.05]]),

@@ -13,7 +13,7 @@ from rom.elements.elements import INTERIOR
 from rom.elements.march import march
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
-from rom.elements.taper import Prism, Rubber, tapered_pieces
+from rom.elements.taper import Prism, TaperedRubber, tapered_pieces
 from tests.rom.elements import elastic_rod as rod
 
 TENSIONS, WRENCH = np.array([8.0, 5.0]), np.array([0.05, -0.1, 0.08, 1e-3, -2e-3, 2e-3])
@@ -60,7 +60,7 @@ def test_a_polynomial_on_a_smaller_box_is_the_same():
 @pytest.mark.parametrize(("begin", "end"), [(1.0, 0.6), (0.7, 1.0), (1.0, 1.3)])
 def test_pieces_follow_each_other_and_are_of_their_own_size(begin, end):
     lengths = {"clamp": (0.0103, 0.0103), "interior": (0.0026, 0.0103), "plate": (0.0108, 0.0108)}
-    rubber = Rubber(begin, end, 0.0495 + end * 0.0005, 0.0005)
+    rubber = TaperedRubber(begin, end, 0.0495 + end * 0.0005, 0.0005)
     found = tapered_pieces(lengths, rubber)
     assert sum(one.length for one in found) == pytest.approx(0.0495 + end * 0.0005, rel=1e-9)
     assert found[0].length == pytest.approx(found[0].size * 0.0108, rel=1e-9)
@@ -74,9 +74,9 @@ def test_pieces_follow_each_other_and_are_of_their_own_size(begin, end):
 def test_a_segment_shorter_than_its_end_pieces_is_refused():
     lengths = {"clamp": (0.0103, 0.0103), "interior": (0.0026, 0.0103), "plate": (0.0108, 0.0108)}
     with pytest.raises(ModelError, match=r"segment must be longer than 0.01\d+ m from clamp to plate's centre"):
-        tapered_pieces(lengths, Rubber(1.0, 0.7, 0.015, 0.0005))
+        tapered_pieces(lengths, TaperedRubber(1.0, 0.7, 0.015, 0.0005))
     with pytest.raises(ModelError, match="taper needs an interior element"):
-        tapered_pieces({"whole": (0.0495, 0.0495)}, Rubber(1.0, 0.7, 0.0495, 0.0005))
+        tapered_pieces({"whole": (0.0495, 0.0495)}, TaperedRubber(1.0, 0.7, 0.0495, 0.0005))
 
 
 @pytest.mark.parametrize("taper", [0.9, 0.7, 1.2])

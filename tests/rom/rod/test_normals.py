@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment, box
 from rom.rod.compiled.contacts import find_contacts
-from rom.rod.objects.shapes import Object
+from rom.rod.objects.shapes import RigidObject
 from tests.rom.elements import elastic_rod as rod
 
 TOUCHED = 1e-11  # [m]
@@ -19,7 +19,7 @@ WHERE = {"centre": (0.0, 0.0, 0.0), "direction": (0.0, 1.0, 0.0)}
 SHAPES = "plane", "sphere", "cylinder", "hull", "box", "box along the plate"
 
 
-def shaped(shape: str, random: np.random.Generator) -> Object:
+def shaped(shape: str, random: np.random.Generator) -> RigidObject:
     turned = Rotation.random(random_state=int(random.integers(2**31)))
     if shape == "plane":
         return Plane(normal=tuple(turned.apply([0, 1, 0])), **WHERE)
@@ -34,7 +34,7 @@ def shaped(shape: str, random: np.random.Generator) -> Object:
     return box(sides=(0.008, 0.012, 0.006), rotation=rotation, **WHERE)
 
 
-def turned(obstacle: Object, rotation: np.ndarray) -> Object:
+def turned(obstacle: RigidObject, rotation: np.ndarray) -> RigidObject:
     """The same about its centre."""
     if isinstance(obstacle, Plane):
         return replace(obstacle, normal=tuple(rotation @ obstacle.normal))

@@ -21,8 +21,8 @@ HALF = np.array([0.0005, laws.SIDE / 2, laws.SIDE / 2])
 CORNERS = HALF * np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
 
 
-def segment(elements, **more) -> native.Segment:
-    return native.Segment(elements=laws.as_maps(elements), half_lengths=HALF, **more)
+def segment(elements, **more) -> native.CondensedSegment:
+    return native.CondensedSegment(elements=laws.as_maps(elements), half_lengths=HALF, **more)
 
 
 def compiled(elements, **more):
@@ -93,7 +93,7 @@ def chained(rods: list):
     errors = {name: 0.0 for name, _ in LIBRARY.ffi.typeof("fingerfem_chain").fields if "error" in name}
     rest = np.array([sum(len(one) for one in rods) * laws.LENGTH, 0.0, 0.0])
     own = np.tile([0, 1], (len(rods), 1))
-    return native.chain_struct([compiled(one) for one in rods], own, rest, errors.pop("skin_error"), errors)
+    return native.chain_struct([compiled(one) for one in rods], own, rest, errors.pop("surface_error"), errors)
 
 
 def test_two_rods_stand_one_on_the_other_and_carry_its_wrench():
@@ -262,7 +262,7 @@ def test_corners_bent_by_few_tensions_are_taken_by_their_monomials():
     far = Plane(centre=(0.0, 0.01, 0.0), normal=(0.0, -1.0, 0.0), direction=(0.0, 1.0, 0.0), distances=(0.0, 1.0))
     errors = {name: 0.0 for name, _ in LIBRARY.ffi.typeof("fingerfem_chain").fields if "error" in name}
     chain = native.chain_struct(
-        [compiled([element], corners=corners)], np.array([[0, 1]]), np.zeros(3), errors.pop("skin_error"), errors
+        [compiled([element], corners=corners)], np.array([[0, 1]]), np.zeros(3), errors.pop("surface_error"), errors
     )
     own = before(chain, LIBRARY.struct("fingerfem_object", **far.numbers()))
     pull = np.array([7.0, 3.0])

@@ -5,7 +5,7 @@ import pytest
 
 from control import Finger
 from rom.checked_file import ModelError
-from rom.rod.objects.shapes import Object, Plane, Sphere, box, facing_plane
+from rom.rod.objects.shapes import Plane, RigidObject, Sphere, box, facing_plane
 from rom.rod.touched_segment import TouchedSegment
 from tests.rom.elements import elastic_rod as rod
 from tests.rom.rod.plates import bare, touch_of_plates
@@ -79,7 +79,7 @@ def pressed(two, name: str) -> tuple[TouchedSegment, np.ndarray]:
     placed = two.place(tensions)
     base, tip = (c + rod.CORNERS @ R.T for c, R in zip(placed.centres, placed.rotations, strict=True))
     base, tip = (places[np.argmax(places[:, 1])] for places in (base, tip))
-    found: Object
+    found: RigidObject
     if name == "plane":
         found = facing_plane(rod.SIDE, (0.0, 0.1))
     elif name == "plane along both":  # which presses the tip further than it is moved by the middle

@@ -11,7 +11,7 @@ from rom.elements.pieces import Piece
 from rom.rod import compiled as native
 from rom.rod.compiled.arrangement import places_between
 from rom.rod.compiled.evaluation import sections
-from rom.rod.compiled.outlines import outline_of, stations_of
+from rom.rod.compiled.outlines import knots_of, outline_of
 from rom.rod.rod import Rod
 from rom.rod.shape import displacements, placed
 from tests.rom.elements import elastic_rod, laws
@@ -51,21 +51,21 @@ def test_sections_of_two_segments_stand_one_on_the_other(finger):
 
 
 def test_compiled_corners_are_those_of_the_laws():
-    """At the stations by the laws in NumPy, to the single precision of coefficients; between them by the weights.
+    """At the knots by the laws in NumPy, to the single precision of coefficients; between them by the weights.
 
     Beyond the trained wrenches too.
     """
     rod, random = TouchedSegment.load().rod, np.random.default_rng(2)
     (own,) = rod.segments
-    stations = stations_of(own.outlines, rod.half_lengths[0])
-    assert (np.diff(stations) > 0).all() and stations[[0, -1]] == pytest.approx([0.0, own.length - PLATE / 2])
-    known = places_between(stations, np.array([one.length for one in own.outlines]))
+    knots = knots_of(own.outlines, rod.half_lengths[0])
+    assert (np.diff(knots) > 0).all() and knots[[0, -1]] == pytest.approx([0.0, own.length - PLATE / 2])
+    known = places_between(knots, np.array([one.length for one in own.outlines]))
     beyond = 0
     for share in np.repeat([1.0, 10.0], 10):
         tensions = 80 * random.random(2)
         wrench = share * random.uniform(-1, 1, (1, 6)) * np.repeat([2.0, 0.05], 3)
         beyond += not rod.place(tensions, wrench).inside
-        at_rest = np.array([[x, *corner] for x in stations[1:-1] for corner in SQUARE[:, 1:]])
+        at_rest = np.array([[x, *corner] for x in knots[1:-1] for corner in SQUARE[:, 1:]])
         inner = (at_rest + displacements(rod, placed(rod, tensions, wrench), at_rest)).reshape(-1, 4, 3)
         found = sections(rod.struct, tensions, wrench)[0]
         corners = np.concatenate([found[:1], inner, found[-2:-1]])
@@ -75,16 +75,16 @@ def test_compiled_corners_are_those_of_the_laws():
 
 
 def test_places_interpolate_cubics_exactly_wherever_the_stations_are():
-    stations = np.sort(np.random.default_rng(0).random(9))
-    known = places_between(stations, np.ptp(stations) * np.array([0.2, 0.5, 0.3]))
-    places = np.linspace(stations[0], stations[-1], known["places"])
-    values = (stations**3 - 2 * stations)[known["first"][:, None] + np.arange(known["near"])]
+    knots = np.sort(np.random.default_rng(0).random(9))
+    known = places_between(knots, np.ptp(knots) * np.array([0.2, 0.5, 0.3]))
+    places = np.linspace(knots[0], knots[-1], known["places"])
+    values = (knots**3 - 2 * knots)[known["first"][:, None] + np.arange(known["near"])]
     assert (known["between"] * values).sum(axis=1) == pytest.approx(places**3 - 2 * places, abs=1e-12)
 
 
 def test_every_slice_is_of_one_element_where_its_middle_is():
-    stations, lengths = np.linspace(0.0, 0.9, 7), np.array([0.3, 0.2, 0.5])  # from the plate; the clamp is at 0
-    known = places_between(stations, lengths)
+    knots, lengths = np.linspace(0.0, 0.9, 7), np.array([0.3, 0.2, 0.5])  # from the plate; the clamp is at 0
+    known = places_between(knots, lengths)
     places = np.linspace(0.0, 0.9, known["places"])
     begins = np.array([1.0, 0.7, 0.5, 0.0])  # of the elements, and the clamp
     own, shares = known["place_elements"], known["place_shares"]
@@ -117,7 +117,7 @@ def test_a_finger_of_another_size_is_noticed_as_early_by_its_size(finger):
     larger = finger.assembled(scene)
     assert larger.errors.surface == pytest.approx(size * finger.errors.surface)
     errors = [law.error for law in finger.own.outlines.values()]
-    assert finger.struct.skin_error == finger.errors.surface == max(errors) + finger.errors.position > 0
+    assert finger.struct.surface_error == finger.errors.surface == max(errors) + finger.errors.position > 0
     inputs = 0.5 * elastic_rod.pressed(1, 4)[3]
     force = size**2
     one = sections(finger.struct, inputs[:2], inputs[2:])[0]
@@ -125,18 +125,18 @@ def test_a_finger_of_another_size_is_noticed_as_early_by_its_size(finger):
     assert other == pytest.approx(size * one, abs=1e-8)
 
 
-def a_segment(outlines: list) -> native.Segment:
+def a_segment(outlines: list) -> native.CondensedSegment:
     """A rod of two elements of one law."""
     element = laws.law(2, 0, degree=1)
-    return native.Segment(
+    return native.CondensedSegment(
         elements=laws.as_maps([element] * 2), half_lengths=np.array([0.0005, 0.005, 0.005]), outlines=outlines
     )
 
 
-def an_outline(stations: int = 2, **changes) -> native.Outline:
+def an_outline(knots: int = 2, **changes) -> native.Outline:
     law, length = laws.law(2, 0, degree=1), laws.LENGTH
-    polynomial = replace(law, coefficients=np.zeros((len(law.powers), 12 * stations)))
-    distances = length * np.linspace(1, 0.1, stations + 1)[1:]
+    polynomial = replace(law, coefficients=np.zeros((len(law.powers), 12 * knots)))
+    distances = length * np.linspace(1, 0.1, knots + 1)[1:]
     return native.Outline(**{"polynomial": polynomial, "distances": distances, "length": length} | changes)
 
 
@@ -146,7 +146,7 @@ def test_an_outline_beyond_what_compiled_code_holds_is_refused_by_name_and_limit
     refused = {
         "outlines must be 2, as the elements, got 1": [one],
         "outlines must be shared by elements that share a law": [one, an_outline()],
-        "stations of outline 0 must be from 1 to 16, got 17": [an_outline(17)] * 2,
+        "knots of outline 0 must be from 1 to 16, got 17": [an_outline(17)] * 2,
         r"coefficients of powers of outline 0 must have shape \(9, 36\)": [
             an_outline(polynomial=own, distances=np.array([0.004, 0.003, 0.002]))
         ]
@@ -156,13 +156,12 @@ def test_an_outline_beyond_what_compiled_code_holds_is_refused_by_name_and_limit
             an_outline(polynomial=replace(own, coefficients=own.coefficients + 1e39))
         ]
         * 2,
-        "stations of outline 0 must lie one after another in its rubber": [an_outline(distances=one.distances[::-1])]
-        * 2,
+        "knots of outline 0 must lie one after another in its rubber": [an_outline(distances=one.distances[::-1])] * 2,
     }
     for message, outlines in refused.items():
         with pytest.raises(ModelError, match=message):
             native.struct(a_segment(outlines))
-    assert native.struct(a_segment([one] * 2)).stations == 6
+    assert native.struct(a_segment([one] * 2)).knots == 6
 
 
 def test_stations_stand_closer_where_a_plate_or_the_clamp_hinders_warping(rod_elements):

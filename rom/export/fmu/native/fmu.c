@@ -46,7 +46,7 @@ int fmu_enter(fmu_instance *fmu, int phase)
     return FMU_OK;
 }
 
-static void know(fmu_instance *fmu)
+static void update_outputs(fmu_instance *fmu)
 {
     if (!fmu->state.known) fmu_answer(fmu->own, &fmu->state);
     fmu->state.known = 1;
@@ -58,7 +58,7 @@ int fmu_step(fmu_instance *fmu, double from, double step)
     fmu_state *state = &fmu->state;
     if (state->phase != FMU_STEPPING || !isfinite(from) || !isfinite(step) || !(step > 0.0)) return FMU_ERROR;
     if (from + step > state->stop + ROUND_OFF * fmax(step, fabs(state->stop))) return FMU_ERROR;
-    know(fmu);
+    update_outputs(fmu);
     fmu_keep(state);
     state->stepped = 1;
     state->time = from + step;
@@ -85,7 +85,7 @@ int fmu_get(fmu_instance *fmu, const uint32_t *references, size_t count, double 
     for (size_t i = 0; i < count; i++) {
         const double *found = number(fmu, references[i]);
         if (!found) return FMU_ERROR;
-        if (references[i] >= FMU_OUTPUTS) know(fmu);
+        if (references[i] >= FMU_OUTPUTS) update_outputs(fmu);
         values[i] = *found;
     }
     return FMU_OK;
@@ -108,7 +108,7 @@ int fmu_set(fmu_instance *fmu, const uint32_t *references, size_t count, const d
 int fmu_get_flag(fmu_instance *fmu, uint32_t reference, int32_t *value)
 {
     if (reference != FMU_FLAG) return FMU_ERROR;
-    know(fmu);
+    update_outputs(fmu);
     *value = fmu->state.flag;
     return FMU_OK;
 }
@@ -116,7 +116,7 @@ int fmu_get_flag(fmu_instance *fmu, uint32_t reference, int32_t *value)
 int fmu_get_status(fmu_instance *fmu, uint32_t reference, int32_t *value)
 {
     if (reference != FMU_STATUS) return FMU_ERROR;
-    know(fmu);
+    update_outputs(fmu);
     *value = fmu->state.status;
     return FMU_OK;
 }
@@ -124,7 +124,7 @@ int fmu_get_status(fmu_instance *fmu, uint32_t reference, int32_t *value)
 int fmu_derivative(fmu_instance *fmu, const uint32_t *unknowns, size_t unknown_count, const uint32_t *knowns,
                    size_t known_count, const double *seed, double *sensitivity)
 {
-    know(fmu);
+    update_outputs(fmu);
     for (size_t i = 0; i < unknown_count; i++) {
         if (!is_output(unknowns[i], fmu_differentiable)) return FMU_ERROR;
         const uint32_t row = unknowns[i] - FMU_OUTPUTS;
