@@ -22,7 +22,10 @@ KEEP = "compile it without fusestatic, discardvisual, settotalmass and boundmass
 @brief
 @dataclass
 class Held:
-    """A plate's last pose within the trained domain, (7,); its wrench, force and stiffness there, (6,), (6,), (6, 6)."""
+    """A plate's last pose that has an inverse, (7,), with its wrench, force (6,) and stiffness (6, 6) there.
+
+    `trained` is its last position within the trained domain, shape (3,) [m].
+    """
 
     position: np.ndarray
     wrench: np.ndarray
