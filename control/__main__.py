@@ -70,7 +70,7 @@ def hold(
 
 def show_motion(model: Model, motion: Motion, as_json: bool) -> None:
     """Tensions, and the model's answer there; the tip on the side that is pulled."""
-    names = [one["name"] for one in model.parameters[: len(motion.tensions)]]
+    names = [one.name for one in model.parameters[: len(motion.tensions)]]
     at = motion.tensions if not model.has_obstacle else np.append(motion.tensions, motion.distance)
     answer = model.evaluate(at).mirrored(motion.sides)
     numbers = motion.as_json() | {"answer": answer.as_json(names)}
@@ -114,7 +114,7 @@ def grasp(
 
 def grasp_parts(model: Model, result: Grasp) -> list[Table | str]:
     """A grasp for people, a row per finger."""
-    names = [one["name"] for one in model.parameters[: result.tensions.shape[1]]]
+    names = [one.name for one in model.parameters[: result.tensions.shape[1]]]
     header, rows = ["finger", *(f"{name} [N]" for name in names), "force [N]", "d [mm]", "status"], []
     for k, tensions in enumerate(result.tensions):
         numbers = [*(f"{value:.3f}" for value in tensions), f"{result.contact_forces[k]:.4f}"]

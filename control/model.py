@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.answer import Answer
+from rom.parameter import Parameter
 
 
 class Model(Protocol):
@@ -25,8 +26,8 @@ class Model(Protocol):
         """Whether it has a pad's pressure."""
 
     @property
-    def parameters(self) -> list[dict[str, Any]]:
-        """Name, unit, lower and upper of each."""
+    def parameters(self) -> list[Parameter]:
+        """Tensions, then distances."""
 
     @property
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
@@ -47,7 +48,7 @@ class Model(Protocol):
     def outputs(self, points: np.ndarray) -> np.ndarray:
         """Tip [m], contact force [N], touch distance [m], and pad pressure [Pa] if it has one, shape (n, 5 or 6)."""
 
-    def evaluate(self, parameters: ArrayLike) -> Answer:
+    def evaluate(self, parameters: ArrayLike, d: ArrayLike | None = None) -> Answer:
         """The same with estimated errors, at one point or many."""
 
     def jacobian(self, parameters: ArrayLike) -> np.ndarray:

@@ -63,7 +63,7 @@ def load(path: str | Path | None = None, tolerance: float = 0.0) -> TouchedSegme
         ValueError: a tolerance for a finger of elements, which has no terms to leave out.
 
     Example:
-        >>> load().evaluate([30.0, 0.0, 0.010]).contact_force
+        >>> load().evaluate([30.0, 0.0], d=0.010).contact_force
     """
     from rom.checked_file import kind_of
     from rom.rod import rod

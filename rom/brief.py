@@ -23,7 +23,7 @@ def _line(self: Any) -> str:
     scene = getattr(self, "scene", None)
     if isinstance(scene, Mapping):
         found = getattr(self, "parameters", None) or getattr(self, "tension_parameters", [])
-        ranges = (f"{one['name']} {one['lower']:g} to {one['upper']:g} {one['unit']}" for one in found)
+        ranges = (f"{one.name} {one.lower:g} to {one.upper:g} {one.unit}" for one in found)
         return f"{type(self).__name__}({str(scene.get('name', ''))!r}: {', '.join(ranges)})"
     names = [one.name for one in fields(self) if one.repr] if is_dataclass(self) else self._fields
     return f"{type(self).__name__}({', '.join(f'{name}={_value(getattr(self, name))}' for name in names)})"

@@ -23,7 +23,7 @@ def rod_summary(finger: Rod) -> dict[str, Any]:
     """A finger of elements in plain data."""
     return {
         "scene": finger.scene["name"],
-        "parameters": finger.parameters,
+        "parameters": [one.as_json() for one in finger.parameters],
         "segments": [[{"element": piece.kind, "length_m": piece.length} for piece in one] for one in finger.pieces],
         "terms": {kind: len(law.polynomial.powers) for kind, law in finger.elements.laws.items()},
         "contact_force_error": finger.errors.contact_force,
@@ -47,7 +47,7 @@ def separated_summary(model: SeparatedModel) -> dict[str, Any]:
     """A separated model in plain data."""
     return {
         "scene": model.scene["name"],
-        "parameters": model.parameters,
+        "parameters": [one.as_json() for one in model.parameters],
         "terms": model.terms,
         "separation_error": {"free": float(model.free.errors[-1]), "contact": float(model.contact.errors[-1])},
         "accuracy": model.accuracy or "not measured: build with --held-out",

@@ -8,6 +8,7 @@ from control.native import CONTROL
 from rom.checked_file import ModelError
 from rom.export.fmu import archive
 from rom.export.fmu.variables import INPUTS, OUTPUTS, UNKNOWN, Interface, Variable, flags_of, input_of, output_of
+from rom.parameter import Parameter
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
 
@@ -52,7 +53,7 @@ def interface(model: SeparatedModel | TouchedSegment) -> Interface:
             _held_force(),
             input_of(distance, INPUTS + 1),
             *(_start(one, INPUTS + 2 + k) for k, one in enumerate(tensions)),
-            *(output_of(one["name"], "N", TENSION, OUTPUTS + k) for k, one in enumerate(tensions)),
+            *(output_of(one.name, "N", TENSION, OUTPUTS + k) for k, one in enumerate(tensions)),
             output_of("residual", "N", f"by how much the force is missed; {UNKNOWN}", RESIDUAL, discrete=True),
             output_of("contact_force_error", "N", f"its estimated error; {UNKNOWN}", FORCE_ERROR, discrete=True),
             *flags_of("converged", "the force is held: status is converged"),
@@ -78,15 +79,15 @@ def _held_force() -> Variable:
     )
 
 
-def _start(tension: dict, reference: int) -> Variable:
+def _start(tension: Parameter, reference: int) -> Variable:
     """Of a controller's tension."""
     return Variable(
-        name=f"start_{tension['name']}",
+        name=f"start_{tension.name}",
         reference=reference,
         causality="parameter",
-        description=f"{tension['name']} before the first step: of many answers the nearest is taken",
+        description=f"{tension.name} before the first step: of many answers the nearest is taken",
         unit="N",
-        lower=tension["lower"],
-        upper=tension["upper"],
-        start=tension["lower"],
+        lower=tension.lower,
+        upper=tension.upper,
+        start=tension.lower,
     )

@@ -50,7 +50,7 @@ def about(model: SeparatedModel | TouchedSegment) -> dict[str, Any]:
     return {
         "title": f"{model.scene['name']}: a rubber finger, {millimetres(geometry['segments'])} long",
         "description": described(model),
-        "parameters": model.parameters,
+        "parameters": [one.as_json() for one in model.parameters],
         "has_obstacle": model.has_obstacle,
         "has_pad": model.has_pad,
         "reports": isinstance(model, TouchedSegment),  # the tip's orientation and the tendons' shortenings

@@ -220,7 +220,7 @@ class Simulation:
             ValueError: not one for each, not finite, or beyond what its map was trained for.
         """
         wanted, parameters = np.asarray(tensions, float), self.fingers[finger].rod.parameters
-        lower, upper = (np.array([one[end] for one in parameters]) for end in ("lower", "upper"))
+        lower, upper = (np.array([getattr(one, end) for one in parameters]) for end in ("lower", "upper"))
         if wanted.shape != lower.shape or not np.all((wanted >= lower) & (wanted <= upper)):
             raise ValueError(f"tensions must be from {lower.tolist()} to {upper.tolist()} N, got {wanted.tolist()}")
         self.wanted[finger] = wanted

@@ -14,6 +14,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.console.terminal import fitted, printable
+from rom.parameter import Parameter
 
 SHOWN = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}  # see `shown`
 ABSOLUTE = {"_m": (1e6, "µm"), "_rad": (1e3, "mrad")}  # of errors that are not relative, by the end of their name
@@ -147,12 +148,12 @@ def components(
     return [row(f"{name} {axis}", value, unit, error) for axis, value in zip("xyz", values, strict=True)]
 
 
-def parameters(known: Sequence[Mapping[str, Any]], title: str = "") -> Table:
+def parameters(those: Sequence[Parameter], title: str = "") -> Table:
     """Parameters and where they were trained."""
     rows = []
-    for one in known:
-        ends = [number(one[end], one["unit"]) for end in ("lower", "upper")]
-        rows.append([one["name"], *ends, shown(one["unit"])[1]])
+    for one in those:
+        ends = [number(end, one.unit) for end in (one.lower, one.upper)]
+        rows.append([one.name, *ends, shown(one.unit)[1]])
     return Table(title=title, header=["parameter", "from", "to", "unit"], rows=rows)
 
 

@@ -32,9 +32,7 @@ def header(model: SeparatedModel | TouchedSegment, name: str = "finger") -> str:
     if isinstance(model, TouchedSegment):
         return rod_header(model, name)
     arrays, kernel = definitions(model.kernel, f"{name}_part_")
-    parameters = [
-        f"      {one['name']} [{one['unit']}] from {one['lower']:g} to {one['upper']:g}" for one in model.parameters
-    ]
+    parameters = [f"      {one.name} [{one.unit}] from {one.lower:g} to {one.upper:g}" for one in model.parameters]
     shared = "\n".join(_without_includes(LIBRARY.folder / "separated" / file) for file in ("kernel.h", "evaluation.c"))
     tables = model.kernel.tables
     axes, terms, components = tables.most_axes, tables.most_terms, tables.most_components

@@ -67,9 +67,7 @@ def _about(model: TouchedSegment) -> dict[str, str]:
     point[model.lead] += EXAMPLE * (upper - lower)[model.lead]
     touch = float(model.outputs(point[None])[0, 4])
     point[-1] = DEEP * touch if touch > 0 else 0.0
-    parameters = [
-        f"      {one['name']} [{one['unit']}] from {one['lower']:g} to {one['upper']:g}" for one in model.parameters
-    ]
+    parameters = [f"      {one.name} [{one.unit}] from {one.lower:g} to {one.upper:g}" for one in model.parameters]
     return {
         "TITLE": re.sub(r"[^\w .,:()-]", " ", str(model.scene["name"])),
         "PARAMETERS": "\n".join(parameters),

@@ -24,6 +24,7 @@ from rom.elements.limits import check as check_elements
 from rom.elements.pieces import Piece
 from rom.elements.taper import TaperedRubber, tapered_pieces
 from rom.native import PickledByFields
+from rom.parameter import Parameter
 from rom.rod import compiled, shape, summary
 from rom.rod.compiled import reports
 from rom.rod.expected_errors import ExpectedErrors, expected_errors
@@ -122,12 +123,9 @@ class Rod(PickledByFields):
         return found
 
     @property
-    def parameters(self) -> list[dict[str, Any]]:
-        """Name, unit, lower and upper of the tensions."""
-        return [
-            {"name": one["name"], "unit": "N", "lower": one["tension"][0], "upper": one["tension"][1]}
-            for one in self.scene["tendons"]
-        ]
+    def parameters(self) -> list[Parameter]:
+        """The tensions."""
+        return [Parameter(one["name"], "N", *one["tension"]) for one in self.scene["tendons"]]
 
     @property
     def names(self) -> list[str]:

@@ -16,6 +16,7 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.console.table import Table, as_html, parameters
 from rom.native import LIBRARY, PickledByFields
+from rom.parameter import Parameter, joined
 from rom.rod.compiled.evaluation import evaluate
 from rom.rod.compiled.reports import QUATERNION
 from rom.rod.compiled.touched import Touched, pressing, touches
@@ -72,23 +73,23 @@ class TouchedRod(PickledByFields):
         return [f"d{k + 1}" for k in range(len(self.objects))]
 
     @property
-    def parameters(self) -> list[dict[str, Any]]:
-        """Name, unit, lower and upper of tensions and of every d."""
+    def parameters(self) -> list[Parameter]:
+        """Tensions, then the distance of every object."""
         ends = [(name, *one.distances) for name, one in zip(self.distance_names, self.objects, strict=True)]
         return [
             *self.rod.parameters,
-            *({"name": name, "unit": "m", "lower": nearest, "upper": farthest} for name, nearest, farthest in ends),
+            *(Parameter(name, "m", nearest, farthest) for name, nearest, farthest in ends),
         ]
 
     @property
     def names(self) -> list[str]:
         """Of the parameters."""
-        return [parameter["name"] for parameter in self.parameters]
+        return [parameter.name for parameter in self.parameters]
 
     @property
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper ends of the parameters, shapes (p,) [N, m]."""
-        ends = np.array([[parameter["lower"], parameter["upper"]] for parameter in self.parameters])
+        ends = np.array([[parameter.lower, parameter.upper] for parameter in self.parameters])
         return ends[:, 0], ends[:, 1]
 
     def tables(self) -> list[Table | str]:
@@ -132,11 +133,12 @@ class TouchedRod(PickledByFields):
             )
         return found
 
-    def evaluate(self, parameters: ArrayLike) -> Answer:
+    def evaluate(self, parameters: ArrayLike, d: ArrayLike | None = None) -> Answer:
         """Tip, its orientation, contact forces, touch distances and tendon shortenings at tensions [N] and every d [m].
 
         Args:
-            parameters: shape (p,) or (n, p).
+            parameters: shape (p,) or (n, p); tensions alone, shape (t,) or (n, t), if d is given.
+            d: see `rom.parameter.joined`.
 
         All objects come together. Where no equilibrium was found on their approach, the answer is not inside, and its
         error infinite. It is not inside either where the equilibrium is not stable. What belongs to an object has a
@@ -146,6 +148,7 @@ class TouchedRod(PickledByFields):
             ModelError: the wrong number of parameters.
         """
         m = len(self.objects)
+        parameters = parameters if d is None else joined(parameters, d, m)
         out, errors, inside, (rows, _, off) = evaluate(self.touching, self._points(parameters))
         if np.ndim(parameters) == 1:
             out, errors, inside, rows, off = out[0], errors[0], inside[0], rows[0], off[0]

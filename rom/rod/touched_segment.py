@@ -96,12 +96,12 @@ class TouchedSegment(TouchedRod):
         """Tip [m], contact force [N] and touch distance [m], shape (n, 5), at points, shape (n, p)."""
         return self.answers(points).out
 
-    def evaluate(self, parameters: ArrayLike) -> Answer:
+    def evaluate(self, parameters: ArrayLike, d: ArrayLike | None = None) -> Answer:
         """Tip, its orientation, contact force, touch distance and tendon shortenings at tensions [N] and d [m].
 
         As `TouchedRod.evaluate`, without an axis of the objects.
         """
-        found = super().evaluate(parameters)
+        found = super().evaluate(parameters, d)
         error = {name: one if name == "tip" else one[..., 0][()] for name, one in found.error.items()}
         force, touch = found.contact_force[..., 0][()], found.touch_distance[..., 0][()]
         return replace(found, contact_force=force, touch_distance=touch, error=error)

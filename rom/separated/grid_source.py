@@ -6,6 +6,7 @@ import numpy as np
 
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.file_kinds import uses_of
+from rom.parameter import Parameter
 from rom.separated.tabulated import Source
 
 MOST_TENSIONS, LEAST_NODES = 2, 3
@@ -47,7 +48,7 @@ def grid_source(snapshots: SnapshotSet, every: int = 1) -> Source:
         return np.concatenate(values, axis=1), np.concatenate(slopes, axis=1)
 
     return Source(
-        parameters=description.parameters,
+        parameters=[Parameter(**one) for one in description.parameters],
         scene=description.scene,
         lead=description.lead,
         axes=[np.array(axis)[nodes] for axis, nodes in zip(axes, kept, strict=True)],

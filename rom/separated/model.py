@@ -24,6 +24,7 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.console.table import NOT_MEASURED, Table, accuracy, as_html, parameters
 from rom.native import LIBRARY, PickledByFields, forms
+from rom.parameter import Parameter, joined
 from rom.separated import model_file
 from rom.separated.form import Separated, tables
 
@@ -75,7 +76,7 @@ class SeparatedModel(PickledByFields):
     """A finger before one object, as sums of products of one-dimensional functions.
 
     Attributes:
-        parameters: name, unit, lower and upper of each parameter, tensions first, then d.
+        parameters: tensions first, then d.
         free: tip [m] and touch distance [m] without contact, by the tensions.
         contact: what contact adds per length of its path: tip [-], contact force [N/m] and, if the model has it, pad
             pressure [Pa/m]; by tensions and s.
@@ -91,7 +92,7 @@ class SeparatedModel(PickledByFields):
         >>> specialise(TouchedSegment.load()).evaluate([60.0, 20.0, 0.012]).contact_force  # doctest: +SKIP
     """
 
-    parameters: list[dict[str, Any]]
+    parameters: list[Parameter]
     free: Separated
     contact: Separated
     answered: np.ndarray = field(repr=False)
@@ -106,7 +107,7 @@ class SeparatedModel(PickledByFields):
     @property
     def names(self) -> list[str]:
         """Names of the parameters in order."""
-        return [parameter["name"] for parameter in self.parameters]
+        return [parameter.name for parameter in self.parameters]
 
     @property
     def has_pad(self) -> bool:
@@ -121,7 +122,7 @@ class SeparatedModel(PickledByFields):
     @cached_property
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper end of the sampled box, shapes (p,)."""
-        lower, upper = ([parameter[name] for parameter in self.parameters] for name in ("lower", "upper"))
+        lower, upper = ([getattr(parameter, name) for parameter in self.parameters] for name in ("lower", "upper"))
         return np.array(lower, float), np.array(upper, float)
 
     @property
@@ -160,12 +161,15 @@ class SeparatedModel(PickledByFields):
         """Tip [m], contact force [N], touch distance [m], pad pressure [Pa] if the model has it, shape (n, 5 or 6)."""
         return forms.answers(self.kernel, points)[0]
 
-    def evaluate(self, parameters: ArrayLike) -> Answer:
+    def evaluate(self, parameters: ArrayLike, d: ArrayLike | None = None) -> Answer:
         """Tip, contact force and touch distance at tensions [N] and d [m], shape (p,) or (n, p).
+
+        If d is given, the parameters are tensions alone, see `rom.parameter.joined`.
 
         Raises:
             ModelError: the wrong number of parameters.
         """
+        parameters = parameters if d is None else joined(parameters, d)
         point, errors = self._point(parameters, most=2), self.errors
         points = np.atleast_2d(point)
         out, inside = forms.answers(self.kernel, points)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rom.checked_file import require, shaped
+from rom.parameter import Parameter
 from rom.rod.scene_of_rod import of_tables
 from rom.separated.form import Separated
 
@@ -23,9 +24,10 @@ MOST_PARAMETERS, MOST_TERMS = 9, 1 << 16  # as in native/kernel.h; positions in 
 
 def contents(model: SeparatedModel) -> dict[str, Any]:
     """The tree of a file, for `rom.checked_file.write_tree`."""
-    axes = [(parameter["name"], parameter["unit"]) for parameter in model.parameters[:-1]]
+    axes = [(parameter.name, parameter.unit) for parameter in model.parameters[:-1]]
     cells = (model.cells,) * len(model.parameters)
     tree: dict[str, Any] = {name: getattr(model, name) for name in PLAIN} | {
+        "parameters": [one.as_json() for one in model.parameters],
         "free": _tree(model.free, axes, "m", FREE),
         "contact": _tree(model.contact, [*axes, ("s", "-")], "-, -, -, N/m, Pa/m", CONTACT),
         "answered": (model.answered.astype(np.uint8).reshape(cells), "-"),
@@ -47,9 +49,10 @@ def checked(tree: dict[str, Any]) -> dict[str, Any]:
     require(2 <= p <= MOST_PARAMETERS, f"parameters must be from 2 to {MOST_PARAMETERS}", p)
     cube = cells.size > 0 and cells.shape == (len(cells),) * p
     require(cube, f"cells must be as many along each of {p} parameters", cells.shape)
-    texts = [parameter[of] for parameter in tree["parameters"] for of in ("name", "unit")]
+    parameters = [Parameter(**one) for one in tree["parameters"]]
+    texts = [text for one in parameters for text in (one.name, one.unit)]
     require(all(isinstance(text, str) for text in texts), "parameters must have text as names and units", texts)
-    lower, upper = ([parameter[end] for parameter in tree["parameters"]] for end in ("lower", "upper"))
+    lower, upper = ([getattr(one, end) for one in parameters] for end in ("lower", "upper"))
     ordered = bool(np.isfinite([lower, upper]).all() and np.less(lower, upper).all())
     require(ordered, "parameters must have finite lower ends below their upper ends", [*lower, *upper])
     require(0 <= tree["lead"] < p - 1, f"lead must be from 0 to {p - 2}", tree["lead"])
@@ -67,7 +70,8 @@ def checked(tree: dict[str, Any]) -> dict[str, Any]:
         shaped("nodes", nodes, (len(nodes), 3))
         for name, form in (("free", free), ("contact", contact)):
             shaped(f"displacement by {name}", tree["displacement"][name], (nodes.size, form.terms))
-    own = {name: tree[name] for name in (*PLAIN, "displacement") if name in tree} | {"scene": scene}
+    own = {name: tree[name] for name in (*PLAIN, "displacement") if name in tree}
+    own |= {"scene": scene, "parameters": parameters}
     return own | {"free": free, "contact": contact, "answered": cells.ravel() != 0, "errors": errors}
 
 

@@ -20,6 +20,7 @@ import numpy as np
 from rom.answer import FORCE, PAD, TOUCH
 from rom.brief import brief
 from rom.console.terminal import Progress, quiet
+from rom.parameter import Parameter
 from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.form import Separated
 from rom.separated.model import Errors, Field, SeparatedModel
@@ -35,7 +36,7 @@ class Source:
     """What is sampled: a finger at tensions F [N] and distances d [m] of one object.
 
     Attributes:
-        parameters: name, unit, lower and upper of the tensions, then d.
+        parameters: tensions, then d.
         scene: the finger's, as plain data.
         lead: index of the tension that pushes most towards the object.
         axes: nodes of every tension [N], and of s [-], some of even ones.
@@ -48,7 +49,7 @@ class Source:
         nodes: at rest, shape (nodes, 3) [m], if it has their displacement.
     """
 
-    parameters: list[dict[str, Any]]
+    parameters: list[Parameter]
     scene: dict[str, Any]
     lead: int
     axes: Sequence[np.ndarray]
@@ -104,7 +105,7 @@ def tabulated(source: Source, options: EnrichmentOptions, progress: Progress = q
 def _refuse(source: Source, points: np.ndarray, touch: np.ndarray) -> None:
     """Raise ValueError for distances or an object that no model can be of."""
     length, d = sum(source.scene["geometry"]["segments"]), source.parameters[-1]
-    lower, upper = d["lower"], d["upper"]
+    lower, upper = d.lower, d.upper
     if not upper - lower >= LEAST * length:
         raise ValueError(f"d must have a range of at least {LEAST * length:g} m, got {lower:g} to {upper:g} m")
     if np.isinf(touch).any():
@@ -125,8 +126,8 @@ def _contact(
     """
     s, d = source.axes[-1], source.parameters[-1]
     touch, rising = free[:, TOUCH], by_free[:, None, TOUCH, None, :-1]
-    whole = touch - d["lower"]
-    whole[whole < LEAST * (d["upper"] - d["lower"])] = np.nan  # the finger does not reach the nearest object
+    whole = touch - d.lower
+    whole[whole < LEAST * (d.upper - d.lower)] = np.nan  # the finger does not reach the nearest object
     path = whole[:, None] * s
     at = np.column_stack([np.repeat(points, len(s), axis=0), (touch[:, None] - path).ravel()])
     out, jacobian = (part.reshape(*path.shape, *part.shape[1:]) for part in source.sampled(at))

@@ -71,7 +71,7 @@ def trouble(known: Model, picture: Path) -> list[tuple[int, int, str]]:
         upper.text(at + 0.01, 0.06, what, fontsize=8, rotation=90, va="bottom")
     upper.set(ylabel="contact force [N]")
     upper.legend(frameon=False, fontsize=8, loc="upper left")
-    lower.set(xlabel="time [s]", ylabel=f"tension of {known.parameters[known.lead]['name']} [N]")
+    lower.set(xlabel="time [s]", ylabel=f"tension of {known.parameters[known.lead].name} [N]")
     figure.savefig(picture, dpi=110)
     plt.close(figure)
     return report.events

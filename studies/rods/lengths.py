@@ -35,7 +35,7 @@ def compared(trained: Rod, lengths: tuple[float, ...], plates: tuple[int, ...] |
     finger, table = finger_of(trained, lengths, plates)
     full, random = FullOrder(table), np.random.default_rng(15)
     most, half = min(MOST[0], MOST[1] / sum(lengths)), finger.half_lengths
-    upper = np.array([one["upper"] for one in finger.parameters])
+    upper = np.array([one.upper for one in finger.parameters])
     # The base of a finger of two segments is pulled by both tendons, its tip by one: neither meets the finger itself.
     upper *= min(1.0, trained.scene["geometry"]["segments"][0] / sum(lengths))
     tips: dict[str, list[float]] = {"free": [], "pressed": []}

@@ -17,7 +17,7 @@ SHAPES = ("plane", "sphere", "cylinder", "box")
 
 def tensions(finger: Rod, random: np.random.Generator) -> np.ndarray:
     """Random ones [N], shape (t,)."""
-    lower, upper = np.array([[one["lower"], one["upper"]] for one in finger.parameters]).T
+    lower, upper = np.array([[one.lower, one.upper] for one in finger.parameters]).T
     return np.asarray(lower + random.random(len(lower)) * (upper - lower))
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.parameter import Parameter
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
 
@@ -125,18 +126,18 @@ def _reported(model: TouchedSegment) -> list[Variable]:
     ]
 
 
-def input_of(parameter: dict, reference: int) -> Variable:
+def input_of(parameter: Parameter, reference: int) -> Variable:
     """The input of a model's parameter: tensions start gently, the object far away."""
-    is_distance = parameter["unit"] == "m"
+    is_distance = parameter.unit == "m"
     return Variable(
-        name=parameter["name"],
+        name=parameter.name,
         reference=reference,
         causality="input",
         description="distance of the object" if is_distance else "tension of a tendon",
-        unit=parameter["unit"],
-        lower=parameter["lower"],
-        upper=parameter["upper"],
-        start=parameter["upper" if is_distance else "lower"],
+        unit=parameter.unit,
+        lower=parameter.lower,
+        upper=parameter.upper,
+        start=parameter.upper if is_distance else parameter.lower,
     )
 
 

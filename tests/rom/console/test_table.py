@@ -48,7 +48,7 @@ def test_models_and_their_answers_show_tables_in_a_notebook(kind, table):
     model = {"table": table, "touched": TouchedSegment.load(), "rod": Rod.load(SHIPPED)}[kind]
     page = model._repr_html_()
     assert page.count("<table>") >= 2 and "contact force" in page
-    assert all(f"<td>{one['name']}</td>" in page for one in model.parameters)
+    assert all(f"<td>{one.name}</td>" in page for one in model.parameters)
     if isinstance(model, Rod):
         return
     answer = model.evaluate([30.0, 5.0, 0.010])

@@ -122,7 +122,9 @@ def test_the_displacement_of_the_plate_is_the_tip_s_and_the_clamp_stays(grid_mod
 def test_a_plane_out_of_reach_does_not_change_the_displacement(grid_model):
     free = grid_model.displacement([100.0, 0.0, np.inf])
     touch = float(grid_model.evaluate([100.0, 0.0, np.inf]).touch_distance)
-    lowered = replace(grid_model, parameters=[*grid_model.parameters[:2], grid_model.parameters[2] | {"upper": 0.02}])
+    lowered = replace(
+        grid_model, parameters=[*grid_model.parameters[:2], grid_model.parameters[2]._replace(upper=0.02)]
+    )
     for one, distance in ((grid_model, touch), (grid_model, 1.0), (lowered, touch), (lowered, np.inf)):
         assert np.array_equal(one.displacement([100.0, 0.0, distance]), free)
     assert not np.array_equal(lowered.displacement([100.0, 0.0, 0.015]), free)
