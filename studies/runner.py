@@ -1,9 +1,9 @@
-"""The one runner of all studies: measures part by part into JSON, then writes each study's page of docs/.
+"""The one runner of all studies: measures part by part into JSON, then writes each study's section of a page of docs/.
 
 python3 -m studies.runner [NAME ...] [--quick] [--out OUT]      writes OUT (out/docs by default) and docs/
 
 A study is a folder of studies/ with three files: `study.py` names its parts, functions that measure and return what
-JSON can hold; `page.md.j2` is its page; `page.py`, where there is one, draws its pictures and prepares its tables. What
+JSON can hold; `page.md.j2` is its section; `page.py`, if there is one, draws its pictures and prepares its tables. What
 is measured stays in OUT/VERSION/NAME/PART.json, VERSION being a hash of the packages and scenes, so an interrupted run
 goes on where it was, and no number outlives the code it was measured with. --quick measures the short forms, of which
 no page is written.
@@ -18,6 +18,7 @@ import importlib
 import inspect
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -50,7 +51,12 @@ STUDIES = (
     "figures",
     "peers",
 )
-PAGES = {"rods": "segment"}  # whose page has another name than the study
+# Pages with sections of several studies; the others have a page of their name.
+PAGES = {
+    "accuracy": ("rods", "tapered", "separated", "coverage"),
+    "speed": ("tradeoff", "control"),
+    "appendix": ("training", "solver", "extremes", "required", "figures"),
+}
 OUT = ROOT / "out" / "docs"
 # A line for a page whose study has changed and is not measured again yet; the next measurement removes it.
 AGED = "> An earlier version of this study measured these numbers; they are to be measured anew."
@@ -137,12 +143,24 @@ def sources(study: str) -> list[Path]:
 
 
 def page_of(study: str) -> Path:
-    """The page that a study writes."""
-    return DOCS / f"{PAGES.get(study, study)}.md"
+    """The page with a study's section."""
+    return DOCS / f"{next((page for page, studies in PAGES.items() if study in studies), study)}.md"
+
+
+def section_of(study: str) -> str:
+    """A study's section of its page, empty if there is none."""
+    file = page_of(study)
+    found = marks(study).search(file.read_text()) if file.exists() else None
+    return found[0] if found else ""
+
+
+def marks(study: str) -> re.Pattern[str]:
+    """The marks of a study's section and what is between them."""
+    return re.compile(rf"<!-- begin {study} -->\n.*?<!-- {study} \w+ -->\n", re.DOTALL)
 
 
 def page_hash(study: str) -> str:
-    """Of a study and its template: what a page must carry to be fresh."""
+    """Of a study and its template: what a section must carry to be fresh."""
     return hashed(sources(study), ROOT, without_imports)
 
 
@@ -267,19 +285,22 @@ def results(study: str, out: Path, quick: bool = False) -> tuple[dict[str, Any],
 
 
 def write_page(study: str, out: Path) -> None:
-    """Write a study's pictures and its page from what its parts found."""
+    """Write a study's pictures and its section of a page from what its parts measured."""
     found, origin = results(study, out)
     folder = ROOT / "studies" / study
     if (folder / "page.py").exists():
         page = importlib.import_module(f"studies.{study}.page")
         found |= page.prepare(found, place(f"{study}/", out, quick=False).folder)
     text = templates().get_template(f"{study}/page.md.j2").render(found)
-    page_of(study).write_text(f"{text.rstrip()}\n\n{provenance(study, origin)}")
+    section = f"<!-- begin {study} -->\n{text.rstrip()}\n\n{provenance(study, origin)}"
+    file, old = page_of(study), section_of(study)
+    page = file.read_text() if file.exists() else ""
+    file.write_text(page.replace(old, section) if old else f"{page}\n{section}".lstrip())
     print(f"docs/{page_of(study).name} written", flush=True)
 
 
 def provenance(study: str, origin: dict[str, dict]) -> str:
-    """The page's last lines: where its numbers are from."""
+    """The section's last lines: where its numbers are from."""
     commits = sorted({one["commit"] for one in origin.values()})
     dates, cores = (sorted({one[key] for one in origin.values()}) for key in ("date", "cores"))
     minutes = ", ".join(f"{part} {one['seconds'] / 60:.1f}" for part, one in origin.items())
@@ -291,13 +312,12 @@ def provenance(study: str, origin: dict[str, dict]) -> str:
 
 
 def stale() -> list[str]:
-    """One line for every page of an older version of its study or template, but for pages with AGED."""
+    """One line for every section of an older version of its study or template, but for those with AGED."""
     found = []
     for study in STUDIES:
-        file = page_of(study)
-        text = file.read_text() if file.exists() else ""
+        text = section_of(study)
         if f"<!-- {study} {page_hash(study)} -->" not in text and AGED not in text:
-            found.append(f"docs/{file.name} is not of this studies/{study}: make docs")
+            found.append(f"docs/{page_of(study).name} is not of this studies/{study}: make docs")
     return found
 
 

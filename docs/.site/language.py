@@ -29,13 +29,14 @@ BY_HAND = (
     "README.md",
     "docs/index.md",
     "docs/format.md",
-    *(f"docs/{name}" for name in ("howto", "tutorials", "explanation", "reference")),
+    "docs/theory",
+    *(f"docs/{name}" for name in ("howto", "tutorials", "reference")),
     *("fingerfem", "rom", "control"),
 )
 FOLDERS = "README.md", "fingerfem", "rom", "control", "studies", "tests", "docs"
 KINDS = ".md", ".py", ".c", ".h", ".in", ".j2"
 OTHERS_OWN = "node_modules", "samples", ".site"  # folders whose text is not ours, or names these words
-FENCE = re.compile(r"^ *(```|~~~).*?^ *\1", re.MULTILINE | re.DOTALL)
+FENCE = re.compile(r"^ *(```|~~~).*?^ *\1|^\$\$.*?\$\$", re.MULTILINE | re.DOTALL)  # code, and formulas of their own
 IN_LINE = re.compile(
     r"\[[^]]*\]\([^)]*\)|`[^`]*`|\$[^$]*\$|<[^>]*>|\{[{%].*?[%}]\}"
 )  # links, code, formulas: a word each

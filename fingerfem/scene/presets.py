@@ -1,7 +1,7 @@
 """Mesh and lines of states for an accuracy, a budget or a preset: from the measured front of speed against accuracy.
 
 `studies/tradeoff` measures the front with rod elements of the draft finger, its page writes front.json beside this
-module, and docs/tradeoff.md shows it. Other fingers get cells of the same shape and more lines of states for more
+module, and docs/speed.md shows it. Other fingers get cells of the same shape and more lines of states for more
 tensions. The cost is scaled by cells and lines. The error is promised up to the number of tensions that it was measured
 with. A scene without a load gets the mesh alone: its sampling is its own, and its cost is not known.
 """

@@ -10,7 +10,7 @@ from rom.elements.calibration import Floors, floors_of
 from rom.elements.elements import Elements
 
 # What a taper adds, over the steepest change of the side per length: to the error of contact forces [-], of places and
-# of shortenings, over the finger's length [-], and of turns [rad]. Measured on tapers to 1:2 (docs/tapered.md).
+# of shortenings, over the finger's length [-], and of turns [rad]. Measured on tapers to 1:2 (docs/accuracy.md).
 FORCE, PLACE, SHORTENING, TURN = 0.05, 5e-3, 4e-3, 0.03
 
 

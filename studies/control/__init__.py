@@ -1,1 +1,1 @@
-"""The controllers: docs/control.md."""
+"""The controllers: docs/speed.md."""

@@ -1,4 +1,4 @@
-"""The pictures of docs/control.md."""
+"""The pictures of docs/speed.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The parts of docs/control.md."""
+"""The parts of docs/speed.md."""
 
 from studies.control import campaigns, grasps, loop, verification
 

@@ -1,1 +1,1 @@
-"""Estimated errors of the bundled finger against true ones: docs/coverage.md."""
+"""Estimated errors of the bundled finger against true ones: docs/accuracy.md."""

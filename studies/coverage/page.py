@@ -1,4 +1,4 @@
-"""The picture of docs/coverage.md."""
+"""The picture of docs/accuracy.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The parts of docs/coverage.md."""
+"""The parts of docs/accuracy.md."""
 
 from studies.coverage import coverage
 

@@ -1,1 +1,1 @@
-"""The ends of every range: docs/extremes.md."""
+"""The ends of every range: docs/appendix.md."""

@@ -1,4 +1,4 @@
-"""The parts of docs/extremes.md."""
+"""The parts of docs/appendix.md."""
 
 from studies.extremes import extremes
 

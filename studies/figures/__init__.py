@@ -1,1 +1,1 @@
-"""Pictures of the paper's figures: docs/figures.md."""
+"""Pictures of the paper's figures: docs/appendix.md."""

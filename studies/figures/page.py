@@ -1,4 +1,4 @@
-"""The pictures of docs/figures.md, and what their captions say."""
+"""The pictures of docs/appendix.md, and what their captions say."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The parts of docs/figures.md."""
+"""The parts of docs/appendix.md."""
 
 from studies.figures import errors, figures, held
 

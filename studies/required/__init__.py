@@ -1,1 +1,1 @@
-"""What each kind of scene costs: docs/required.md."""
+"""What each kind of scene costs: docs/appendix.md."""

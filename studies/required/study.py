@@ -1,4 +1,4 @@
-"""The parts of docs/required.md."""
+"""The parts of docs/appendix.md."""
 
 from studies.required import required
 

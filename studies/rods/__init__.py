@@ -1,1 +1,1 @@
-"""docs/segment.md: fingers assembled from rod elements, and contact that is solved for about them."""
+"""docs/accuracy.md: fingers assembled from rod elements, and contact that is solved for about them."""

@@ -1,4 +1,4 @@
-"""The picture of docs/segment.md: a ball held by three fingers."""
+"""The picture of docs/accuracy.md: a ball held by three fingers."""
 
 from __future__ import annotations
 

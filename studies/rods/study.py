@@ -1,4 +1,4 @@
-"""The parts of docs/segment.md."""
+"""The parts of docs/accuracy.md."""
 
 from studies.rods import accuracy, lengths, objects, robustness, speed
 from studies.rods.on_rubber import histories, indentation, positions, rubber, several

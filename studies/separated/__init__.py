@@ -1,1 +1,1 @@
-"""The study of docs/separated.md."""
+"""The study of docs/accuracy.md."""

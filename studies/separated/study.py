@@ -1,4 +1,4 @@
-"""The parts of docs/separated.md."""
+"""The parts of docs/accuracy.md."""
 
 from studies.separated import separated
 

@@ -1,1 +1,1 @@
-"""The full-order solver: docs/solver.md."""
+"""The full-order solver: docs/appendix.md."""

@@ -1,4 +1,4 @@
-"""The parts of docs/solver.md."""
+"""The parts of docs/appendix.md."""
 
 from studies.solver import choices, scenes, speed, tangents
 

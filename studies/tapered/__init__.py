@@ -1,1 +1,1 @@
-"""Tapered fingers of prismatic elements against the full-order model: docs/tapered.md."""
+"""Tapered fingers of prismatic elements against the full-order model: docs/accuracy.md."""

@@ -1,4 +1,4 @@
-"""The parts of docs/tapered.md."""
+"""The parts of docs/accuracy.md."""
 
 from studies.tapered import tapered
 

@@ -1,1 +1,1 @@
-"""Speed against accuracy: docs/tradeoff.md."""
+"""Speed against accuracy: docs/speed.md."""

@@ -1,4 +1,4 @@
-"""The picture of docs/tradeoff.md, and fingerfem/scene/front.json, from which scenes choose."""
+"""The picture of docs/speed.md, and fingerfem/scene/front.json, from which scenes choose."""
 
 from __future__ import annotations
 

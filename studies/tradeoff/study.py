@@ -1,4 +1,4 @@
-"""The parts of docs/tradeoff.md."""
+"""The parts of docs/speed.md."""
 
 from studies.tradeoff import rods, tradeoff
 

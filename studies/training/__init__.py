@@ -1,1 +1,1 @@
-"""The farm and its sets: docs/training.md."""
+"""The farm and its sets: docs/appendix.md."""

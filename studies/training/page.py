@@ -1,4 +1,4 @@
-"""The projection of docs/training.md to other meshes and more ranks."""
+"""The projection of docs/appendix.md to other meshes and more ranks."""
 
 from __future__ import annotations
 

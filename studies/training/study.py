@@ -1,4 +1,4 @@
-"""The parts of docs/training.md."""
+"""The parts of docs/appendix.md."""
 
 from studies.training import farm
 

@@ -13,7 +13,7 @@ def test_no_page_was_written_by_an_older_version_of_its_study():
 
 def test_every_generated_page_says_its_commit_and_date():
     for study in runner.STUDIES:
-        text = runner.page_of(study).read_text()
+        text = runner.section_of(study)
         assert "commit " in text.split("---")[-1] and "unknown" not in text.split("---")[-1], study
 
 
@@ -69,7 +69,11 @@ def test_a_page_is_stale_once_its_study_or_its_template_changes(study, monkeypat
     runner.finished(run_of(study), [{"length": 0.0123456}], 60.0)
     runner.write_page("lengths", out)
     text = (runner.DOCS / "lengths.md").read_text()
-    assert text.startswith("# Lengths\n0.0123\n") and "commit 0123abc" in text and "rows 1.0" in text
+    assert (
+        text.startswith("<!-- begin lengths -->\n# Lengths\n0.0123\n")
+        and "commit 0123abc" in text
+        and "rows 1.0" in text
+    )
     assert runner.stale() == []
     for file in ("study.py", "page.md.j2"):
         before = (study / file).read_text()
@@ -144,5 +148,22 @@ def test_a_page_of_an_older_study_is_stale_unless_it_says_so(study, tmp_path):
     page = tmp_path / "docs" / "lengths.md"
     page.write_text("# Lengths\n")
     assert runner.stale() == ["docs/lengths.md is not of this studies/lengths: make docs"]
-    page.write_text(f"# Lengths\n\n{runner.AGED}\n")
+    page.write_text(f"<!-- begin lengths -->\n# Lengths\n\n{runner.AGED}\n<!-- lengths 0 -->\n")
     assert runner.stale() == []
+
+
+def test_a_section_is_replaced_in_its_page_and_the_others_stay(study, monkeypatch):
+    page = runner.DOCS / "sizes.md"
+    monkeypatch.setattr(runner, "PAGES", {"sizes": ("widths", "lengths")})
+    widths = "<!-- begin widths -->\nwidths\n<!-- widths 0 -->\n"
+    page.write_text(f"# Sizes\n\n{widths}\n<!-- begin lengths -->\nold\n<!-- lengths 0 -->\n")
+    assert runner.page_of("lengths") == page and runner.section_of("lengths").splitlines()[1] == "old"
+    (study / "page.md.j2").write_text("## Lengths\n")
+    monkeypatch.setattr(
+        runner, "results", lambda *_: ({}, {"one": {"commit": "a", "date": "b", "cores": 1, "seconds": 6}})
+    )
+    for _ in range(2):  # the second time as the first
+        runner.write_page("lengths", study.parents[1] / "out")
+        text = page.read_text()
+        assert text.startswith(f"# Sizes\n\n{widths}\n<!-- begin lengths -->\n## Lengths\n") and "old" not in text
+        assert text.count("<!-- begin lengths -->") == 1 and runner.stale() == []
