@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fingerfem.discretisation import regions
-from fingerfem.discretisation.contact_points import FixedPoints, SurfaceFacets
-from fingerfem.discretisation.friction_points import FrictionLaw, FrictionPoints
-from fingerfem.discretisation.obstacle_contact import ObstacleContact
+from fingerfem.discretisation.contact.contact_points import FixedPoints, SurfaceFacets
+from fingerfem.discretisation.contact.friction_points import FrictionLaw, FrictionPoints
+from fingerfem.discretisation.contact.obstacle_contact import ObstacleContact
 from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.mechanics import contact

@@ -13,8 +13,8 @@ import numpy as np
 
 from rom.console.terminal import Progress, quiet
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
-from rom.elements import training
-from rom.elements.calibration import conformal
+from rom.elements.fitting import training
+from rom.elements.fitting.calibration import conformal
 from rom.elements.samples.section_states import read_section_states
 from rom.file_kinds import uses_of
 from rom.held_out import Model, accuracy, before_plane, check, check_finer, differences
@@ -80,7 +80,7 @@ def with_mesh_error(rod: Rod, finer: Sequence[SnapshotSet]) -> Rod:
 def covering(pairs: Sequence[tuple[Model, SnapshotSet]]) -> dict[str, float]:
     """By which factors estimated errors of models cover held-out states, by quantity, at least 1 [-].
 
-    The least factor is the conformal quantile, see `rom.elements.calibration`: it holds of states drawn like these.
+    The least factor is the conformal quantile, see `rom.elements.fitting.calibration`, for states drawn like these.
     """
     ratios: dict[str, list[np.ndarray]] = {}
     for model, states in pairs:

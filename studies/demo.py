@@ -40,8 +40,8 @@ from fingerfem.full_order_plant import FullOrderPlant
 from fingerfem.output.pictures import Deformed, draw
 from rom.console.terminal import Progress, steps
 from rom.dataset.snapshot_set import SnapshotSet
+from rom.elements.fitting.training import train
 from rom.elements.samples.section_states import read_section_states
-from rom.elements.training import train
 from rom.held_out import before_plane, check
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment

@@ -294,8 +294,8 @@ def write_page(study: str, out: Path) -> None:
     text = templates().get_template(f"{study}/page.md.j2").render(found)
     section = f"<!-- begin {study} -->\n{text.rstrip()}\n\n{provenance(study, origin)}"
     file, old = page_of(study), section_of(study)
-    page = file.read_text() if file.exists() else ""
-    file.write_text(page.replace(old, section) if old else f"{page}\n{section}".lstrip())
+    before = file.read_text() if file.exists() else ""
+    file.write_text(before.replace(old, section) if old else f"{before}\n{section}".lstrip())
     print(f"docs/{page_of(study).name} written", flush=True)
 
 

@@ -10,13 +10,14 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
-from fingerfem.discretisation import contact_points, regions
+from fingerfem.discretisation import regions
 from fingerfem.discretisation.assembly import Assembly
-from fingerfem.discretisation.contact_points import ContactPoints
+from fingerfem.discretisation.contact import contact_points
+from fingerfem.discretisation.contact.contact_points import ContactPoints
+from fingerfem.discretisation.contact.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.deformation_limits import DeformationLimits
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_measure
 from fingerfem.discretisation.mesh import build_mesh, section_sizes
-from fingerfem.discretisation.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
 from fingerfem.discretisation.tangent import Tangent, VolumeTangent
 from fingerfem.mechanics import contact, obstacles

@@ -23,7 +23,7 @@ from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix
 from petsc4py import PETSc
 
-from fingerfem.discretisation.closest_points import Springs
+from fingerfem.discretisation.contact.closest_points import Springs
 from fingerfem.discretisation.mesh import FingerMesh
 
 PAIRS = [(i, k) for i in range(3) for k in range(i, 3)]  # of displacement components

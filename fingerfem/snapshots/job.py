@@ -27,7 +27,7 @@ from rom.dataset.description import Description
 from rom.dataset.folder import create, set_aside_broken_rounds, set_aside_strangers
 from rom.dataset.plan import Round
 from rom.dataset.snapshot_set import SnapshotSet
-from rom.elements import growth
+from rom.elements.fitting import growth
 
 
 @dataclass(frozen=True, kw_only=True)

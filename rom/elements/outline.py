@@ -13,10 +13,10 @@ import numpy as np
 
 from rom.brief import brief
 from rom.dataset.grid import SHARE, levels
-from rom.elements.candidates import box, weights_of
+from rom.elements.fitting.candidates import box, weights_of
+from rom.elements.fitting.regression import NormalEquations, index_set
 from rom.elements.law import combined
 from rom.elements.polynomial import Polynomial
-from rom.elements.regression import NormalEquations, index_set
 from rom.elements.samples.element_samples import Samples, own_samples
 from rom.elements.samples.section_states import SectionStates
 from rom.elements.samples.symmetry import Mirror, mirrors

@@ -8,8 +8,8 @@ import numpy as np
 
 from rom.dataset.description import difference
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
-from rom.elements.calibration import force_deviations
-from rom.elements.contact_error import relative_force_errors
+from rom.elements.fitting.calibration import force_deviations
+from rom.elements.fitting.contact_error import relative_force_errors
 from rom.elements.march import march
 from rom.elements.rotation_vectors import angles
 from rom.elements.samples.section_states import read_section_states

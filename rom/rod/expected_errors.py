@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rom.brief import brief
-from rom.elements.calibration import Floors, floors_of
 from rom.elements.elements import Elements
+from rom.elements.fitting.calibration import Floors, floors_of
 
 # What a taper adds, over the steepest change of the side per length: to the error of contact forces [-], of places and
 # of shortenings, over the finger's length [-], and of turns [rad]. Measured on tapers to 1:2 (docs/accuracy.md).

@@ -11,8 +11,8 @@ import numpy as np
 from fingerfem import load_scene
 from rom import TouchedSegment
 from rom.dataset.snapshot_set import SnapshotSet
+from rom.elements.fitting.training import train
 from rom.elements.samples.section_states import read_section_states
-from rom.elements.training import train
 from rom.held_out import differences
 from rom.rod.rod import Rod
 from studies import sets

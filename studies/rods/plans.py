@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rom.dataset.snapshot_set import SnapshotSet
+from rom.elements.fitting.training import train
 from rom.elements.samples.section_states import read_section_states
-from rom.elements.training import train
 from rom.rod.rod import Rod
 from rom.summaries import origin
 from studies import sets

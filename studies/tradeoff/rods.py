@@ -14,8 +14,8 @@ from control import campaign
 from fingerfem import load_scene
 from rom import Rod, TouchedSegment
 from rom.dataset.snapshot_set import SnapshotSet
+from rom.elements.fitting.training import train
 from rom.elements.samples.section_states import read_section_states
-from rom.elements.training import train
 from rom.rod.objects.shapes import facing_plane
 from rom.summaries import origin
 from studies import sets

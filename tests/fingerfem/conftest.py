@@ -68,8 +68,8 @@ def touched(tmp_path_factory):
     """The draft finger's rod before the plane, trained up to 3 N."""
     from rom import TouchedSegment
     from rom.dataset.snapshot_set import SnapshotSet
+    from rom.elements.fitting.training import train
     from rom.elements.samples.section_states import read_section_states
-    from rom.elements.training import train
     from rom.rod.objects.shapes import facing_plane
     from rom.rod.rod import Rod
 

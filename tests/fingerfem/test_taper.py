@@ -16,7 +16,7 @@ from fingerfem.scene.scene import Scene
 from rom import Cylinder, Rod, TouchedSegment
 from rom.dataset.sections import CrossSections
 from rom.dataset.snapshot_set import SnapshotError
-from rom.elements.training import train
+from rom.elements.fitting.training import train
 
 SIDE, LENGTH, PLATE, CHANNEL = 0.010, 0.050, 0.001, 0.002  # of the draft finger at the clamp [m]
 TAPERS = {"thinner": 0.7, "thicker": 1.2}

@@ -4,7 +4,7 @@ import pytest
 
 from rom.build import separate_grid
 from rom.dataset.snapshot_set import SnapshotSet
-from rom.elements import training
+from rom.elements.fitting import training
 from rom.rod.rod import Rod
 from tests.rom.elements import elastic_rod
 

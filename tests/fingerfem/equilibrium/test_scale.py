@@ -9,8 +9,8 @@ from farm import run
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
 from rom.dataset.snapshot_set import SnapshotSet
+from rom.elements.fitting.training import train
 from rom.elements.samples.section_states import read_section_states
-from rom.elements.training import train
 from rom.rod.objects.shapes import Plane
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment

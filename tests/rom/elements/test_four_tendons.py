@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rom.elements import candidates, training
-from rom.elements.candidates import candidates as laws_of
+from rom.elements.fitting.candidates import candidates as laws_of
 from rom.elements.polynomial import Polynomial
 from rom.elements.samples.element_samples import Samples
 from rom.rod.rod import Rod

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from rom import TouchedSegment
-from rom.elements.calibration import force_deviations
-from rom.elements.contact_error import relative_force_errors
+from rom.elements.fitting.calibration import force_deviations
+from rom.elements.fitting.contact_error import relative_force_errors
+from rom.elements.fitting.training import train
 from rom.elements.law import POSE
 from rom.elements.march import march
-from rom.elements.training import train
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import QUANTITIES, Rod
 from tests.rom.elements import elastic_rod

@@ -27,7 +27,7 @@ import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
-from fingerfem.discretisation.contact_points import PressingPoints, SurfaceFacets, tables
+from fingerfem.discretisation.contact.contact_points import PressingPoints, SurfaceFacets, tables
 from fingerfem.mechanics.obstacles import NUMPY, Body
 
 HEM = 0.005  # of a facet's edge [-]

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from rom.elements.candidates import Candidates, rows_of, weights_of
+from rom.elements.fitting.candidates import Candidates, rows_of, weights_of
+from rom.elements.fitting.regression import NormalEquations, chosen
 from rom.elements.law import ElementLaw
-from rom.elements.regression import NormalEquations, chosen
 from rom.elements.samples.element_samples import Samples
 from rom.elements.samples.symmetry import mirrors
 from rom.elements.samples.tension_map import of_scene

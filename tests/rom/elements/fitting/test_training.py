@@ -7,7 +7,7 @@ import pytest
 
 from rom.dataset.snapshot_set import SnapshotError
 from rom.elements import rotation_vectors, training
-from rom.elements.regression import NormalEquations
+from rom.elements.fitting.regression import NormalEquations
 from rom.elements.samples.cuts import END, LONGEST, cut
 from rom.elements.samples.element_samples import element_samples
 from rom.elements.samples.section_states import Bodies

@@ -9,9 +9,9 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fingerfem.discretisation.assembly import Assembly
-from fingerfem.discretisation.closest_points import NONE, ClosestPoints, Springs, together
+from fingerfem.discretisation.contact.closest_points import NONE, ClosestPoints, Springs, together
+from fingerfem.discretisation.contact.friction_points import FrictionPoints
 from fingerfem.discretisation.forms import ContactForms, Fields
-from fingerfem.discretisation.friction_points import FrictionPoints
 from fingerfem.mechanics.obstacles import Body
 
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from rom.dataset.plan import Round
 from rom.dataset.snapshot_set import SnapshotSet
-from rom.elements.contact_error import relative_force_errors
+from rom.elements.fitting.contact_error import relative_force_errors
+from rom.elements.fitting.training import best_degrees, prepare
 from rom.elements.samples.section_states import read_section_states
-from rom.elements.training import best_degrees, prepare
 
 STALE = 4  # rounds that must make the error smaller
 SMALLER = 0.9  # by this factor at least, beside the smallest before [-]

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from dolfinx import fem, la
 
-from fingerfem.discretisation.closest_points import NONE, ClosestPoints, Springs
-from fingerfem.discretisation.contact_points import FixedPoints, PressingPoints
+from fingerfem.discretisation.contact.closest_points import NONE, ClosestPoints, Springs
+from fingerfem.discretisation.contact.contact_points import FixedPoints, PressingPoints
 from fingerfem.discretisation.plate_loads import LowRank
 from fingerfem.mechanics import friction
 from fingerfem.mechanics.obstacles import Body

@@ -15,13 +15,13 @@ import numpy as np
 from rom.brief import brief
 from rom.console.terminal import Progress, quiet
 from rom.dataset.snapshot_set import SnapshotError
-from rom.elements.calibration import error_factors, floors_of
-from rom.elements.candidates import STEP, Candidates, candidates
-from rom.elements.contact_error import relative_force_errors
 from rom.elements.elements import Elements
+from rom.elements.fitting.calibration import error_factors, floors_of
+from rom.elements.fitting.candidates import STEP, Candidates, candidates
+from rom.elements.fitting.contact_error import relative_force_errors
+from rom.elements.fitting.mesh_correction import DEGREE, correcting
 from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.march import march
-from rom.elements.mesh_correction import DEGREE, correcting
 from rom.elements.outline import train_outline
 from rom.elements.pieces import Piece, pieces
 from rom.elements.rotation_vectors import angles
@@ -168,7 +168,7 @@ def train(
 
 
 def corrections(training: Training, degrees: dict[str, float], finer: SectionStates) -> Training:
-    """The regressions of what corrects every element, see `rom.elements.mesh_correction`.
+    """The regressions of what corrects every element, see `rom.elements.fitting.mesh_correction`.
 
     Args:
         training: on the coarser mesh.

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rom.elements import training
-from rom.elements.calibration import COVERED, conformal
+from rom.elements.fitting import training
+from rom.elements.fitting.calibration import COVERED, conformal
 from rom.elements.samples import section_states
 from rom.elements.samples.section_states import Bodies, SectionStates
 from rom.rod.rod import Rod

@@ -6,7 +6,7 @@ from mpi4py import MPI
 
 from fingerfem import FingerModel
 from fingerfem.discretisation import regions
-from fingerfem.discretisation.closest_points import ClosestPoints
+from fingerfem.discretisation.contact.closest_points import ClosestPoints
 from fingerfem.mechanics.obstacles import body
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.scene import Scene

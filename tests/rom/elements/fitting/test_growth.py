@@ -5,7 +5,7 @@ import json
 import pytest
 
 from rom.dataset.plan import Plan, round_file
-from rom.elements.growth import STALE, has_stalled
+from rom.elements.fitting.growth import STALE, has_stalled
 
 
 def test_errors_that_fall_go_on_and_errors_that_stay_end():

@@ -10,9 +10,9 @@ import numpy as np
 
 from rom.brief import brief
 from rom.dataset.grid import levels
+from rom.elements.fitting.regression import NormalEquations, chosen, index_set
 from rom.elements.law import POSE, ElementLaw, combined
 from rom.elements.polynomial import Polynomial
-from rom.elements.regression import NormalEquations, chosen, index_set
 from rom.elements.samples.element_samples import Samples
 from rom.elements.samples.symmetry import Mirror, mirrors
 from rom.elements.samples.tension_map import TensionMap, of_scene

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rom.brief import brief
-from rom.elements.contact_error import gap_by_force, relative_force_changes, relative_force_errors
+from rom.elements.fitting.contact_error import gap_by_force, relative_force_changes, relative_force_errors
 from rom.elements.march import march
 from rom.elements.samples.section_states import SectionStates
 
 if TYPE_CHECKING:
-    from rom.elements.training import Training
+    from rom.elements.fitting.training import Training
 
 TYPICAL = (
     1.5  # times the median of errors, that is taken for typical: nearly the root of a normal one's mean square [-]

@@ -1,0 +1,1 @@
+"""Points of contact and their forces, with and without friction."""

@@ -1,0 +1,1 @@
+"""Elements from training states: samples in, laws with their errors out."""
