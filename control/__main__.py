@@ -171,14 +171,16 @@ def export_controller(
         from control.export.fmu import write as write_fmu
 
         write_fmu(finger, output, fmi)
+        kind = f"FMI {fmi}.0 for co-simulation"
     elif ending in (".html", ".htm") and fmi == 3:
         from control.export.page import write as write_page
 
         write_page(finger, output)
+        kind = "open it in a browser"
     else:
         ask = "--fmi needs .fmu" if ending in (".html", ".htm") else "rom export writes .h and the FMU of a model"
         raise ValueError(f"output must be named .html or .fmu, got {output}; {ask}")
-    say(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
+    say(f"{output}: {output.stat().st_size / 1e6:.1f} MB; {kind}")
 
 
 if __name__ == "__main__":

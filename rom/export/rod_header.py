@@ -20,6 +20,8 @@ from rom.native import LIBRARY
 from rom.rod.touched_segment import TouchedSegment
 
 NATIVE = Path(__file__).parent / "native"
+# A rod needs no separated forms, and no choice between kinds of models.
+UNITS = [unit for unit in LIBRARY.units if unit.parent.name != "separated" and unit.name != "model.c"]
 PUBLIC = "fingerfem_object", "FINGERFEM_PLANE"  # by these: the type of objects, and the enum of shapes
 EXAMPLE, DEEP = 0.3, 2 / 3  # of the leading tension's range, and of the touch distance there: a point in contact [-]
 # The stack that gcc takes, times 1.25 or so, which tests measure: by the bodies that may bear wrenches, plates and
@@ -32,7 +34,7 @@ def rod_header(model: TouchedSegment, name: str) -> str:
     """The text of a header whose names begin with `name`, a C identifier."""
     chain = model.touching.chain
     memory, limits = LIBRARY.functions.fingerfem_chain_memory(chain), _limits(model)
-    types, sources = Sources.of(LIBRARY.units).taken_out(PUBLIC)
+    types, sources = Sources.of(UNITS).taken_out(PUBLIC)
     objects = _template("rod_objects.h.in").replace("@TYPES@\n", types)
     lines, touching = definitions(model.touching, f"{name}__part_", aligned=True)
     texts = _about(model) | {
