@@ -10,6 +10,8 @@ from latex2mathml.converter import convert
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 
+GREEK = re.compile(r'<mi(?: mathvariant="([\w-]+)")?>(&#x003[9A-D][0-9A-F];)</mi>')
+
 
 def on_page_content(text: str, **_: Any) -> str:
     """The page with its formulas as MathML."""
@@ -17,4 +19,11 @@ def on_page_content(text: str, **_: Any) -> str:
 
 
 def _mathml(block: bool, latex: str) -> str:
-    return convert(latex.strip(), display="block" if block else "inline")
+    found = convert(latex.strip(), display="block" if block else "inline")
+    return GREEK.sub(_upright, found)
+
+
+def _upright(letter: re.Match[str]) -> str:
+    """A Greek letter that every font has: few fonts have its italic form."""
+    bold = ' style="font-weight: bold"' if "bold" in (letter[1] or "") else ""
+    return f'<mi mathvariant="normal"{bold}>{letter[2]}</mi>'
