@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from control.finger import Finger
-    from control.grasp_controller import GraspOptions, Grip
-    from control.grasp_forces import Object, Targets
-    from control.gripper import Grasp, Gripper
+    from control.grasping.grasp_controller import GraspOptions, Grip
+    from control.grasping.grasp_forces import Object, Targets
+    from control.grasping.gripper import Grasp, Gripper
     from control.loop import run
     from control.motion import Limits, Motion
     from control.plant import Flaws, Plant, SimulatedPlant
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 _HOMES = {
     "Finger": "finger",
     "Flaws": "plant",
-    "Grasp": "gripper",
-    "GraspOptions": "grasp_controller",
-    "Grip": "grasp_controller",
-    "Gripper": "gripper",
+    "Grasp": "grasping.gripper",
+    "GraspOptions": "grasping.grasp_controller",
+    "Grip": "grasping.grasp_controller",
+    "Gripper": "grasping.gripper",
     "Limits": "motion",
     "Motion": "motion",
-    "Object": "grasp_forces",
+    "Object": "grasping.grasp_forces",
     "Plant": "plant",
     "SimulatedPlant": "plant",
-    "Targets": "grasp_forces",
+    "Targets": "grasping.grasp_forces",
     "run": "loop",
 }
 __all__ = [

@@ -15,7 +15,7 @@ import numpy as np
 import typer
 
 from control import Finger, Gripper, Object, SimulatedPlant
-from control.gripper import Grasp
+from control.grasping.gripper import Grasp
 from control.model import Model
 from control.motion import Motion
 from rom import load

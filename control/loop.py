@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from control.grasp_controller import Grip
+from control.grasping.grasp_controller import Grip
 from control.plant import Plant, age_of
 from rom.brief import brief
 
@@ -28,7 +28,7 @@ class LoopReport:
         p50_us, p99_us, p999_us, max_us: time of the controllers in a period [us].
         missed: periods whose controllers took longer than the period; in real time, that ended late.
         unread: readings that a plant failed to give, by an error of its own.
-        events: what happened: period, finger, event (see control.grasp_controller).
+        events: what happened: period, finger, event (see control.grasping.grasp_controller).
         tensions: pulled, shape (periods, fingers, tensions) [N].
         felt: readings, shape (periods, fingers) [N].
         status: of every finger at the end.

@@ -7,7 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 FIRST = 512  # bytes of a file by which its kind is recognised
-_CONTROL = ("control reach", "control hold", "control grasp", "control campaign", "control export .html")
+_CONTROL = (
+    "control reach",
+    "control hold",
+    "control grasp",
+    "control campaign",
+    "control export .html",
+    "control export .fmu",
+)
 _SET = ("fingerfem snapshots", "fingerfem status", "fingerfem retry")
 
 

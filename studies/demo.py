@@ -33,7 +33,7 @@ if __name__ == "__main__":  # before what takes seconds to import
 
 from control import Finger, Gripper, campaign
 from control.export.page import write as write_page
-from control.gripper import Grasp
+from control.grasping.gripper import Grasp
 from control.model import Model
 from fingerfem import FingerModel, State, load_scene
 from fingerfem.full_order_plant import FullOrderPlant

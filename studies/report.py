@@ -8,7 +8,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from control.gripper import Grasp
+from control.grasping.gripper import Grasp
 from rom.console.table import percent
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.rod.touched_segment import TouchedSegment

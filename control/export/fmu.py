@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from control.native import CONTROL
+from control.export import NATIVE, UNITS
 from rom.checked_file import ModelError
 from rom.export.fmu import archive
 from rom.export.fmu.variables import INPUTS, OUTPUTS, UNKNOWN, Interface, Variable, flags_of, input_of, output_of
@@ -12,9 +12,6 @@ from rom.parameter import Parameter
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
 
-_NATIVE = Path(__file__).parent / "native"
-UNITS = _NATIVE / "fmu_controller.c", _NATIVE / "standalone.c"
-SOLVERS = "least_squares.c", "step.c", "null_space.c", "hold.c"  # of control.native
 RESIDUAL, FORCE_ERROR = OUTPUTS + 8, OUTPUTS + 9  # value references, as in native/fmu_controller.c
 MOST_TENSIONS = 8  # likewise
 HELD = 1.0  # [N]: the contact force that a controller begins with
@@ -48,7 +45,7 @@ def interface(model: SeparatedModel | TouchedSegment) -> Interface:
         raise ModelError(f"model must have at most {MOST_TENSIONS} tensions for a controller, got {len(tensions)}")
     return Interface(
         title=f"{model.scene['name']}: a rubber finger's controller, which holds a contact force",
-        units=[*UNITS, *(unit for unit in CONTROL.units if unit.name in SOLVERS)],
+        units=[NATIVE / "fmu_controller.c", *UNITS],
         variables=[
             _held_force(),
             input_of(distance, INPUTS + 1),

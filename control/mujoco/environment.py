@@ -17,7 +17,7 @@ require("gymnasium")
 
 import gymnasium  # noqa: E402
 
-from control.gripper import Gripper  # noqa: E402
+from control.grasping.gripper import Gripper  # noqa: E402
 from control.mujoco.simulation import Simulation, SimulationStopped  # noqa: E402
 from control.mujoco.solids import SHAPES, random_error, random_solid  # noqa: E402
 from control.mujoco.table import table  # noqa: E402

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from control.grasp_forces import Object
+from control.grasping.grasp_forces import Object
 from rom.brief import brief
 
 SHAPES = ("box", "sphere", "cylinder", "cone", "mesh")

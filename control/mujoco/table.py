@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from control.gripper import Gripper
+from control.grasping.gripper import Gripper
 from control.mujoco.attach import attach_gripper
 from control.mujoco.simulation import Simulation
 from control.mujoco.solids import Solid

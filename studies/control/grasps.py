@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from control import Flaws, Gripper, Limits, Object, SimulatedPlant
-from control.grasp_forces import carries
+from control.grasping.grasp_forces import carries
 from control.loop import run
 from control.model import Model
 from studies.control.models import finger

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from control import Gripper
-from control.grasp_controller import Grip
+from control.grasping.grasp_controller import Grip
 
 GENTLY = 0.4  # of the held force, with which fingers wait for each other [-]
 SQUEEZE = 0.3  # from there to the held force [s]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from control import Flaws, Gripper, Limits, Object
-from control.grasp_controller import DISTINCT, GraspOptions, Grip
+from control.grasping.grasp_controller import DISTINCT, GraspOptions, Grip
 from control.loop import run
 from control.mujoco import MujocoPlant, Simulation, plants
 from control.mujoco.solids import POSE_ERROR, Solid, random_error, random_solid

@@ -49,6 +49,7 @@ COMMANDS = {
     "control grasp": ["grasp", "{}"],
     "control campaign": ["campaign", "{}", "--starts", "4"],
     "control export .html": ["export", "{}", "OUT/finger.html"],
+    "control export .fmu": ["export", "{}", "OUT/finger.fmu"],
 }
 SLOW = (
     "rom build",
@@ -57,6 +58,7 @@ SLOW = (
     "rom check SET/",
     "rom specialise",
     "control campaign",
+    "control export .fmu",
 )  # whose success other tests have
 KINDS = (SEPARATED, SURROGATE, ROD, OLD, TRAINING_SET, HELD_OUT_SET, SCENE, FMU, HEADER, PAGE)
 

@@ -17,6 +17,17 @@ def test_every_generated_page_says_its_commit_and_date():
         assert "commit " in text.split("---")[-1] and "unknown" not in text.split("---")[-1], study
 
 
+def test_a_page_has_the_words_of_its_template():
+    """A key that was written by hand would hide a template that has changed."""
+    for study in runner.STUDIES:
+        section = runner.section_of(study)
+        if runner.AGED in section:
+            continue
+        lines = (runner.ROOT / "studies" / study / "page.md.j2").read_text().splitlines()
+        prose = [line.strip() for line in lines if line.strip() and not {"{", "}"} & set(line)]
+        assert len(prose) > 2 and [line for line in prose if line not in section] == [], study
+
+
 @pytest.fixture
 def study(tmp_path, monkeypatch):
     """A study of two parts, of which one is interrupted the first time."""

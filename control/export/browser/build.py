@@ -13,6 +13,7 @@ import tempfile
 import zlib
 from pathlib import Path
 
+from control.export import NATIVE, UNITS
 from control.export.page import VIEWER
 from control.native import CONTROL
 from rom.native import LIBRARY
@@ -30,14 +31,13 @@ EXPORTED = (
     "control_standalone_finger_size",
     "__heap_base",
 )
-SOLVERS = "least_squares.c", "step.c", "null_space.c", "hold.c"
 # As rom.native.FLAGS, of which WebAssembly has no fused operations; nothing but what is exported is kept.
 FLAGS = ("-std=c99", "-O2", "-s", "-fno-math-errno", "-fno-trapping-math", "-fno-signed-zeros", "-Wl,--gc-sections")
 
 
 def sources() -> str:
     """Hash of all that the page without a model is made from."""
-    folders = LIBRARY.folder, CONTROL.folder, HERE.parent / "native"
+    folders = LIBRARY.folder, CONTROL.folder, NATIVE
     files = [file for folder in folders for file in folder.rglob("*.[ch]")]
     files += [*(HERE / "src").iterdir(), *HERE.glob("package*.json"), HERE / "build.py"]
     found = hashlib.sha256()
@@ -48,8 +48,7 @@ def sources() -> str:
 
 def webassembly() -> bytes:
     """The model's C and the controllers', compiled."""
-    units = [HERE.parent / "native" / "standalone.c", *LIBRARY.units]
-    units += [unit for unit in CONTROL.units if unit.name in SOLVERS]
+    units = [*UNITS, *LIBRARY.units]
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "model.wasm"
         command = [sys.executable, "-m", "ziglang", "cc", "-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS]

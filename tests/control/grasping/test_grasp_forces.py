@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from control.grasp_forces import GRAVITY, SIDES, Object, carries, targets
+from control.grasping.grasp_forces import GRAVITY, SIDES, Object, carries, targets
 
 ANGLES = 2 * np.pi * np.arange(3) / 3
 THREE = np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.finger import Finger
-from control.grasp_controller import GraspOptions, Grip, Pull
-from control.grasp_forces import Object, Targets, targets
+from control.grasping.grasp_controller import GraspOptions, Grip, Pull
+from control.grasping.grasp_forces import Object, Targets, targets
 from control.model import Model
 from control.motion import Limits
 from control.plant import Plant, age_of
@@ -29,8 +29,8 @@ class Grasp:
     """How a grasp ended.
 
     Attributes:
-        status: of every finger: converged, or why not (see control.grasp_controller; iteration_limit if it took too
-            many pulls).
+        status: of every finger: converged, or why not (see control.grasping.grasp_controller; iteration_limit after
+            too many pulls).
         reason: why a finger does not hold, in a sentence; empty if it does. One of each.
         tensions: of every finger, shape (fingers, tensions) [N].
         contact_forces: last felt, shape (fingers,) [N].
