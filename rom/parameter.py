@@ -41,8 +41,10 @@ def joined(tensions: ArrayLike, d: ArrayLike, distances: int = 1) -> np.ndarray:
         distances: how many a point has.
 
     Raises:
-        ValueError: the numbers of points differ.
+        ValueError: no row of tensions, another number of distances, or the numbers of points differ.
     """
     parts = np.asarray(tensions, float), np.asarray(d, float)[..., None] if distances == 1 else np.asarray(d, float)
+    if not parts[0].ndim or parts[1].shape[-1:] != (distances,):
+        raise ValueError(f"tensions must be a row, and d {distances} a point, got {tensions!r} and {d!r}")
     points = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
     return np.concatenate([np.broadcast_to(part, (*points, part.shape[-1])) for part in parts], axis=-1)

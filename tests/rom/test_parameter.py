@@ -30,3 +30,10 @@ def test_one_distance_serves_many_tensions_and_several_objects_have_one_each():
     assert joined([1.0, 2.0], [0.1, 0.2, 0.3], distances=3).tolist() == [1.0, 2.0, 0.1, 0.2, 0.3]
     with pytest.raises(ValueError, match="shape"):
         joined(POINTS[:, :-1], [0.1, 0.2])
+
+
+@pytest.mark.parametrize(("tensions", "d", "distances"), [(None, 0.01, 1), (30.0, 0.01, 1), ([30.0, 0.0], 0.01, 2)])
+def test_what_is_no_row_is_refused_in_one_line(tensions, d, distances):
+    with pytest.raises(ValueError, match="tensions must be a row") as refused:
+        joined(tensions, d, distances)
+    assert "\n" not in str(refused.value)
