@@ -24,7 +24,7 @@ demo:
 test: .venv/ready out/peers/felupe/ready
 	rm -rf out/tests
 	$(MAKE) out/tests/ready
-	docker/run python3 -m pytest -q $(BOTH_CORES) tests/fingerfem tests/studies tests/rom/export/test_page.py
+	docker/run python3 -m pytest -q $(BOTH_CORES) tests/fingerfem tests/studies tests/control/export/test_browser.py
 	docker/run mpirun -n 2 python3 -m pytest -q -m mpi
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .

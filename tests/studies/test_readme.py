@@ -68,3 +68,9 @@ def test_the_measured_blocks_were_written():
     for page in (README, (ROOT / "docs" / "demo.md").read_text()):
         block = page.split(BEGIN)[1].split(END)[0]
         assert "contact force" in block and "%" in block
+
+
+def test_the_makefile_names_files_that_exist():
+    named = set(re.findall(r"(?<![\w/])(?:tests|scenes|studies|docs)/[\w/.]+\.(?:py|toml|csv|json|txt)\b", (ROOT / "Makefile").read_text()))
+    assert len(named) >= 10
+    assert [one for one in sorted(named) if not (ROOT / one).exists()] == []
