@@ -4,7 +4,7 @@
 # make model  rom/finger.h5, the bundled finger; make wheel  dist/*.whl
 # make page   control/export/viewer.html, what `control export` writes models into
 # make site   the documentation as a site, in out/site
-# make bench  the short form of all studies, compared with docs/bench.json
+# make bench  times, compared with those of the last commit that was measured
 # make clean  remove what the others made (the built environment stays)
 PYTHON ?= python3
 BOTH_CORES = -n 2 --dist loadfile
@@ -83,30 +83,24 @@ wheel:
 # MuJoCo, whose pictures need EGL, and other packages, which this one is compared with, come from PyPI, in environments beside.
 docs: readme .venv/ready
 	@$(AS_ROOT) && apt-get install -qy --no-install-recommends libegl1 libgl1-mesa-dri libopengl0 >/dev/null || true
-	OPENBLAS_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" .venv/bin/python -m studies.grasping.simulated
+	OPENBLAS_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" .venv/bin/python -m studies.runner \
+		--part grasping/grasps --part grasping/physics --part grasping/pictures
 	$(MEASURED) python3 -m studies.runner
 	$(MAKE) peers
 
-# docs/peers.md alone, some fifty minutes: this project's numbers first, then those of the packages that the environment does not have.
-peers: out/peers/others/ready out/peers/felupe/ready out/peers/pypardiso/ready
-	@$(AS_ROOT) && apt-get install -qy --no-install-recommends calculix-ccx >/dev/null || true
-	$(MEASURED) python3 -m studies.runner peers
-	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" out/peers/others/bin/python -m studies.peers.others
+# docs/peers.md alone: PyElastica by a Python that has it, then the rest.
+peers: out/peers/elastica/ready out/peers/felupe/ready
+	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" out/peers/elastica/bin/python -m studies.runner --part peers/rods
 	$(MEASURED) python3 -m studies.runner peers
 
-out/peers/others/ready:
-	$(PYTHON) -m venv out/peers/others
-	out/peers/others/bin/python -m pip install -q --disable-pip-version-check -e . pyelastica mujoco jinja2
+out/peers/elastica/ready:
+	$(PYTHON) -m venv out/peers/elastica
+	out/peers/elastica/bin/python -m pip install -q --disable-pip-version-check -e . pyelastica jinja2
 	touch $@
 
-# FElupe, the other finite element code, and PyPardiso, its faster linear solver, only ever run in processes of their own: they are
-# put into folders beside, which only those processes look into. The environment has the NumPy and SciPy that they need.
+# FElupe, the other finite element code, runs in a process of its own; only that process looks into its folder.
 out/peers/felupe/ready: .venv/ready
 	.venv/bin/python -m pip install -q --disable-pip-version-check --upgrade --target out/peers/felupe --no-deps felupe==11.3.0 tensortrax==0.29.0
-	touch $@
-
-out/peers/pypardiso/ready: .venv/ready
-	.venv/bin/python -m pip install -q --disable-pip-version-check --prefix out/peers/pypardiso --no-deps pypardiso==0.4.7 mkl==2026.2.0
 	touch $@
 
 # The documentation as a site, out/site/index.html: no link may be broken. What its pages quote, docs/.site/samples.py makes anew.
@@ -119,9 +113,9 @@ out/site-venv/ready: docs/.site/requirements.txt
 	out/site-venv/bin/python -m pip install -q --disable-pip-version-check -r docs/.site/requirements.txt
 	touch $@
 
-# What differs from docs/bench.json, if anything; some forty minutes.
+# Times of queries, contacts, holds and Newton iterations, beside those that this machine kept of an earlier commit, in .benchmarks.
 bench:
-	docker/run python3 studies/bench.py out/bench
+	docker/run python3 -m pytest -q tests/benchmarks --benchmark-autosave --benchmark-compare --benchmark-columns=min,median,rounds
 
 # A plain virtual environment of this machine's Python, with a C compiler, without DOLFINx.
 .venv/ready: pyproject.toml

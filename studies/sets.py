@@ -14,7 +14,7 @@ from rom.whole_file import write_whole
 
 ROOT = Path(__file__).resolve().parents[1]
 STANDARD, REFERENCE = (10, 5, 2), (32, 7, 2)  # cells along and across, Lagrange order
-HELD_OUT, QUICK_HELD_OUT = 100, 60  # random states
+HELD_OUT = 100  # random states
 SEED = 11
 
 

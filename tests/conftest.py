@@ -29,6 +29,16 @@ def table_file(table, tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def models(table):
+    """What is exported, by name."""
+    from assembled import two_segments
+
+    import rom
+
+    return {"rod": rom.load(), "table": table, "two_segments": two_segments()}
+
+
+@pytest.fixture(scope="session")
 def trained() -> Path:
     """The folder of the draft finger's sets: training, heldout, finer."""
     folder = ROOT / "out" / "tests"

@@ -9,7 +9,7 @@ from control.least_squares import OUTSIDE, STATIONARY
 from control.model import Model
 from rom.answer import FORCE
 from studies.control.models import PAPER_US, TARGET, finger
-from studies.runner import Run
+from studies.parts import Run
 
 GRID = 2_500  # points of a dense search
 CROSSINGS = 45  # bisections
@@ -61,6 +61,6 @@ def solves(starts: int, sweep: bool) -> dict:
 
 def measure(run: Run) -> dict:
     """Both, and the paper's mean time."""
-    starts = 1000 if run.quick else 10_000
+    starts = 10_000
     kinds = {"random": False, "sweep": True}
     return {"paper_us": PAPER_US} | {kind: run.once(kind, solves, starts, sweep) for kind, sweep in kinds.items()}

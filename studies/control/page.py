@@ -8,7 +8,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 from studies.axes import large_letters, logarithmic
-from studies.runner import DOCS
+from studies.sections import DOCS
 
 FORCES = 0.25, 4.0  # [N], ends of the picture
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-from fingerfem import load_scene
 from rom import TouchedSegment
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.fitting.training import train
@@ -18,12 +16,11 @@ from rom.rod.rod import Rod
 from studies import sets
 from studies.control.models import finger
 from studies.coverage import points
-from studies.runner import ROOT, Run
+from studies.parts import ROOT, Run
 
 SCENES = ROOT / "scenes" / "demo"
 KINDS = {"random": 40, "on the walls": 16, "chosen": 15, "sought": 16}  # numbers of points
-QUICK_COUNT, SEED = 4, 2021
-QUICK_CELLS = {"plane_coarse": [10, 5], "plane_finest": [12, 5]}
+SEED = 2021
 OTHER_LINES = 8  # of states, that the finger is trained on by which points are sought
 QUANTITIES = "tip", "touch_distance", "contact_force"
 FELT = 0.01  # [N]: forces below are not compared
@@ -31,7 +28,7 @@ FELT = 0.01  # [N]: forces below are not compared
 
 def drawn(run: Run, kind: str, known: TouchedSegment) -> np.ndarray:
     """The points of a kind, shape (n, p)."""
-    count, random = QUICK_COUNT if run.quick else KINDS[kind], np.random.default_rng(SEED)
+    count, random = KINDS[kind], np.random.default_rng(SEED)
     if kind == "sought":
         return points.sought(known, count, random, _other(run, known))
     return {"random": points.at_random, "on the walls": points.on_walls, "chosen": points.chosen}[kind](
@@ -42,8 +39,6 @@ def drawn(run: Run, kind: str, known: TouchedSegment) -> np.ndarray:
 def _other(run: Run, known: TouchedSegment) -> TouchedSegment:
     """A finger of other elements, which half as many states have trained."""
     text = (SCENES / "bundled.toml").read_text().replace("lines = 16", f"lines = {OTHER_LINES}")
-    if run.quick:
-        text = text.replace("cells = [24, 6]", "cells = [10, 5]").replace("order = 2", "order = 1")
     folder = run.folder / "other"
     sets.farm(2, sets.written(run.folder, "other", text), folder)
     states = read_section_states(SnapshotSet(folder))
@@ -58,18 +53,9 @@ def solved(run: Run, kind: str, chosen: np.ndarray) -> SnapshotSet:
         csv.writer(stream).writerows([["F1", "F2", "d"], *chosen.tolist()])
     near: list[str] = []
     for name in ("plane_coarse", "plane_finest"):
-        sets.farm(2, _scene(run, name), folder / name, "--points", str(folder / "points.csv"), *near)
+        sets.farm(2, SCENES / f"{name}.toml", folder / name, "--points", str(folder / "points.csv"), *near)
         near = ["--near", str(folder / name)]
     return SnapshotSet(folder / "plane_finest")
-
-
-def _scene(run: Run, name: str) -> Path:
-    if not run.quick:
-        return SCENES / f"{name}.toml"
-    table = load_scene(SCENES / f"{name}.toml").model_dump(mode="json", exclude_none=True)
-    file = run.folder / f"{name}.toml"
-    file.write_text(sets.as_toml(table | {"mesh": {"cells": QUICK_CELLS[name], "order": 1}}))
-    return file
 
 
 def compared(known: TouchedSegment, full_order: SnapshotSet) -> dict:

@@ -7,7 +7,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 from studies.axes import large_letters, logarithmic
-from studies.runner import DOCS
+from studies.sections import DOCS
 
 ESTIMATES, ERRORS = (1e-3, 0.1), (1e-5, 0.1)  # ends of the axes [N]
 

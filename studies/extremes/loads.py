@@ -13,11 +13,11 @@ from studies.extremes.verdicts import Refused, Row, judged
 from studies.solver.speed import contact_force
 
 
-def rows(quick: bool) -> Iterator[Row]:
+def rows() -> Iterator[Row]:
     """All of them."""
     yield from loads()
     yield from planes()
-    yield from paths(3 if quick else 6)
+    yield from paths(6)
 
 
 def loads() -> Iterator[Row]:

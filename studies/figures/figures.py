@@ -7,7 +7,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
-from studies.runner import ROOT, Run
+from studies.parts import ROOT, Run
 
 # Scene, and what `fingerfem render` is to draw, by picture.
 PICTURES = {
@@ -32,6 +32,6 @@ def picture(run: Run, name: str) -> dict:
 
 def measure(run: Run) -> dict[str, dict]:
     """By picture; the first in the short form."""
-    names = list(PICTURES)[: 1 if run.quick else None]
+    names = list(PICTURES)
     with ThreadPoolExecutor(CORES) as pool:
         return dict(zip(names, pool.map(partial(picture, run), names), strict=True))

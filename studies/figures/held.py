@@ -7,7 +7,7 @@ import numpy as np
 from control import Finger
 from rom import TouchedSegment
 from studies.coverage.coverage import solved
-from studies.runner import Run
+from studies.parts import Run
 
 FORCES = 0.5, 1.0, 2.0  # [N]
 DISTANCES = np.linspace(0.001, 0.031, 121)  # of the plane [m]
@@ -29,7 +29,6 @@ def sweep(finger: Finger, force: float) -> list[dict]:
 def checked(run: Run, model: TouchedSegment, rows: list[dict]) -> list[dict]:
     """Some rows, with the contact force of the full-order model on a mesh finer than was trained on."""
     held = [row for row in rows if row["status"] == "converged" and np.isclose(row["distance"], CHECKED).any()]
-    held = held[:2] if run.quick else held
     full_order = solved(run, "held", np.round([FREE, *[[*row["tensions"], row["distance"]] for row in held]], 7))
     found = []
     # The set keeps points in an order of its own, and none that failed.

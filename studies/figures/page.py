@@ -13,7 +13,8 @@ from matplotlib.colors import LogNorm
 
 from fingerfem import load_scene
 from fingerfem.output.sketch import write_sketch
-from studies.runner import DOCS, ROOT
+from studies.parts import ROOT
+from studies.sections import DOCS
 
 SKETCHED = "one_segment"  # scene
 MM = 1e3  # millimetres per metre

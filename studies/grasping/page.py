@@ -9,7 +9,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from studies.runner import DOCS
+from studies.sections import DOCS
 
 FATES = ("held", "let go", "dropped", "crushed", "refused")
 REASONS = {  # beginnings of why a solid was not lifted, for people
@@ -29,12 +29,10 @@ def prepare(found: dict, folder: Path) -> dict:
     for part in found["pictures"].values():
         shutil.copy(folder / part["file"], DOCS / part["file"])
     histories(found["physics"]["coulomb"])
-    moments(found["full_order"]["rows"])
     rows = found["grasps"]["rows"]
     accepted = [row for row in rows if row["fate"] != "refused"]
     lifted = [row for row in rows if row["fate"] in ("held", "dropped") or "slips" in row]
     held = [row for row in rows if row["fate"] == "held"]
-    compared = [row for row in found["full_order"]["rows"] if row["kind"] == "compared"]
     refused = [row for row in rows if row["fate"] == "refused"]
     return {
         "fates": FATES,
@@ -54,8 +52,6 @@ def prepare(found: dict, folder: Path) -> dict:
         "hardest": max(row["hardest"] / row["admissible_force"] for row in held),
         "stood": sum(row["tilt"] < np.radians(10) for row in held),
         "seconds": float(np.median([row["closing_seconds"] for row in held])),
-        "turned": float(np.degrees(np.arctan(max(row["friction"] / row["contact_force"] for row in compared)))),
-        "off": float(np.median([abs(row["contact_force"] - row["full_order"]) for row in compared])),
         "marked": sum(row["left"] or row["lost"] or row["rubbed"] for row in held),
     }
 
@@ -83,21 +79,4 @@ def histories(rows: list[dict]) -> None:
     every[0].set_ylabel("contact force [N]")
     every[0].legend(frameon=False, fontsize=8)
     figure.savefig(DOCS / "grasping_friction.png", dpi=110)
-    plt.close(figure)
-
-
-def moments(rows: list[dict]) -> None:
-    """MuJoCo's contact force against the full-order one."""
-    figure, axes = plt.subplots(figsize=(5, 4), layout="constrained")
-    compared = [row for row in rows if row["kind"] == "compared"]
-    for shape in dict.fromkeys(row["shape"] for row in compared):
-        own = [row for row in compared if row["shape"] == shape]
-        axes.loglog([row["full_order"] for row in own], [row["error"] for row in own], "o", ms=5, label=shape)
-    axes.axhline(0.02, color="0.6", lw=1)
-    axes.set(xlabel="full-order contact force [N]", ylabel="relative error in the simulation")
-    axes.set_xticks([0.2, 0.5, 1.0, 2.0, 5.0], ["0.2", "0.5", "1", "2", "5"], minor=False)
-    axes.set_yticks([0.001, 0.002, 0.005, 0.01, 0.02], ["0.1 %", "0.2 %", "0.5 %", "1 %", "2 %"], minor=False)
-    axes.minorticks_off()
-    axes.legend(frameon=False)
-    figure.savefig(DOCS / "grasping_moments.png", dpi=110)
     plt.close(figure)

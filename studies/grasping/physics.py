@@ -1,19 +1,16 @@
-"""What the simulation must get right: Coulomb's law, the friction angle, work in closed loops, steps; and its time."""
+"""Coulomb's law and the friction angle in the simulation."""
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import mujoco
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from control.mujoco import Simulation, attach
 from rom import Rod, TouchedSegment, friction_history
-from rom.rod.inverse_map import InverseMap
-from studies.grasping.task import LIFT, PERIOD, STEP, attempt, prepare, trial
-from studies.runner import Run
+from studies.grasping.task import STEP
+from studies.parts import Run
 
 DISTANCE = 0.013  # d of the wall [m]
 PULLED = np.concatenate(
@@ -23,7 +20,6 @@ SLOWLY = 20.0  # [N/s]
 FRICTION = (0.3, 0.6, 1.0)
 LOADED = 0.1  # [N], with which contacts are looked at
 DRAWN, DRAG = 0.004, 0.002  # how far the wall is drawn along [m], and how fast [m/s]
-GRASPS = {"sphere": 16, "cylinder": 12, "cone": 13}  # trials that are repeated with half the step
 WALL = """
 <mujoco>
   <option timestep="{step}" gravity="0 0 0"/>
@@ -116,94 +112,10 @@ def sliding(rod: Rod, friction: float) -> dict[str, Any]:
     }
 
 
-def tension_loop(rod: Rod, rounds: int = 2, seconds: float = 20.0) -> dict[str, float]:
-    """Tensions led around a closed loop before a wall on springs without friction: net work done on the wall."""
-    simulation = before_a_wall(rod, 0.0, SOFT)
-    data, wall = simulation.data, simulation.data.body("wall")
-    simulation.pull(0, (48.0, 10.0))
-    simulation.advance(1.0)
-    work = exchanged = 0.0
-    before, force = wall.xpos.copy(), np.zeros(6)
-    steps = round(seconds / STEP)
-    for k in range(rounds * steps):
-        angle = 2 * np.pi * k / steps
-        simulation.pull(0, (40.0 + 8.0 * np.cos(angle), 10.0 + 8.0 * np.sin(angle)))
-        simulation.step()
-        pushed = np.zeros(3)
-        for i in range(data.ncon):
-            mujoco.mj_contactForce(simulation.model, data, i, force)
-            sign = 1.0 if simulation.model.geom_bodyid[data.contact.geom[i][1]] == wall.id else -1.0
-            pushed += sign * force[0] * data.contact.frame[i][:3]
-        done, before = float(pushed @ (wall.xpos - before)), wall.xpos.copy()
-        if k >= (rounds - 1) * steps:
-            work, exchanged = work + done, exchanged + abs(done)
-    return {"work": work, "exchanged": exchanged, "share": abs(work) / exchanged}
-
-
-def pose_loop(rod: Rod, points: int = 2000) -> dict[str, float]:
-    """A plate led around a closed loop of poses at tensions that stay: net work done by rubber and tendons."""
-    segment = rod.segments[0]
-    inverse, work, exchanged, before = InverseMap(segment), 0.0, 0.0, None
-    for angle in np.linspace(0, 2 * np.pi, points + 1):
-        pressed = [0.3 * np.sin(angle), -1 - np.cos(angle), 0.7 * np.sin(2 * angle), 0.0, 0.002, 0.0]
-        centre, turned, _, _ = segment.place([30.0, 10.0, *pressed])
-        rotation = Rotation.from_matrix(turned)
-        inverse.find([30.0, 10.0], centre, rotation.as_quat()[[3, 0, 1, 2]])
-        if before is not None:
-            turn = (before[1].inv() * rotation).as_rotvec()
-            moved = np.concatenate([before[1].inv().apply(centre - before[0]), turn])
-            done = float((before[2] + inverse.wrench) / 2 @ moved)
-            work, exchanged = work + done, exchanged + abs(done)
-        before = centre, rotation, inverse.wrench.copy()
-    return {"work": work, "exchanged": exchanged, "share": abs(work) / exchanged}
-
-
-def half_step(model: TouchedSegment, shape: str) -> dict[str, Any]:
-    """A grasp, and its tensions and the mount's way again with the same step and with half of it.
-
-    Returns:
-        contact forces while it is in the air [N], their largest change by half the step [-], and how much faster than
-        real time the task was with its controllers, and the simulation alone [-].
-    """
-    wanted: list[np.ndarray] = []
-    mount: list[np.ndarray] = []
-
-    def keep(simulation: Simulation) -> None:
-        wanted.append(simulation.wanted.copy())
-        mount.append(simulation.data.ctrl.copy())
-
-    one = trial(GRASPS[shape], shape)
-    begun = time.perf_counter()
-    row = attempt(model, one, [keep])
-    taken = time.perf_counter() - begun
-    forces, alone = [], []
-    for step in (STEP, STEP / 2):
-        simulation, begun, felt = prepare(model, one, step).simulation, time.perf_counter(), []
-        for tensions, controls in zip(wanted, mount, strict=True):
-            simulation.wanted[:], simulation.data.ctrl[:] = tensions, controls
-            simulation.advance(simulation.time + PERIOD)
-            felt.append(simulation.contact_forces())
-        alone.append(len(felt) * PERIOD / (time.perf_counter() - begun))
-        up = np.array(mount)[:, 2] > 0.9 * LIFT
-        forces.append(np.mean(np.array(felt)[up], axis=0))
-    return {
-        "shape": shape,
-        "trial": one.number,
-        "fate": row["fate"],
-        "forces": forces[0].tolist(),
-        "change": float(np.abs(forces[1] / forces[0] - 1).max()),
-        "real_time": len(wanted) * PERIOD / taken,
-        "real_time_alone": alone[0],
-    }
-
-
 def measure(run: Run) -> dict:
-    """All of them."""
+    """Both, for every coefficient of friction."""
     model = TouchedSegment.load()
-    frictions = FRICTION[:1] if run.quick else FRICTION
     return {
-        "coulomb": [run.once(f"coulomb {friction}", coulomb, model, friction) for friction in frictions],
-        "sliding": [run.once(f"sliding {friction}", sliding, model.rod, friction) for friction in frictions],
-        "loops": {"poses": pose_loop(model.rod), "tensions": tension_loop(model.rod)},
-        "grasps": [half_step(model, shape) for shape in (list(GRASPS)[:1] if run.quick else GRASPS)],
+        "coulomb": [run.once(f"coulomb {friction}", coulomb, model, friction) for friction in FRICTION],
+        "sliding": [run.once(f"sliding {friction}", sliding, model.rod, friction) for friction in FRICTION],
     }

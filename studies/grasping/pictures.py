@@ -17,7 +17,7 @@ from control.mujoco import Simulation
 from control.mujoco.solids import SHAPES
 from rom import TouchedSegment
 from studies.grasping.task import LIFT, PERIOD, attempt, trial
-from studies.runner import Run
+from studies.parts import Run
 
 FIRST = {"box": 15, "sphere": 11, "cylinder": 12, "cone": 13, "mesh": 9}  # trials from which one that is held is sought
 TRIED = 100  # from there on, of all shapes, before it is given up

@@ -10,8 +10,8 @@ import numpy as np
 
 from rom import specialise
 from studies.control.models import finger
+from studies.parts import ROOT, Run
 from studies.peers.question import CONTACT, FREE, Answers
-from studies.runner import ROOT, Run
 
 CALLS = 2000  # that are timed
 ASIDE = 0.0  # tension of F2, which both also have [N]

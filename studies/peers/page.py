@@ -8,25 +8,16 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from fingerfem.versions import versions
 from studies.axes import large_letters, logarithmic
 from studies.labels import label
 from studies.peers.errors import compared, errors
 from studies.peers.ours import ASIDE, trained
 from studies.peers.question import CONTACT, FREE, finger
-from studies.runner import DOCS
+from studies.sections import DOCS
 
-COLOURS = {
-    "finite elements": "tab:blue",
-    "beam": "tab:green",
-    "simulator": "tab:purple",
-    "reduced model": "tab:orange",
-}
+COLOURS = {"finite elements": "tab:blue", "beam": "tab:green", "reduced model": "tab:orange"}
 PANELS = {"free_tips": "tip in free space", "contact_forces": "contact force on the plane"}
-OWN = "fingerfem"
-DIGITS = 7  # that CalculiX prints
-LINE_TENSIONS = (50.0, 20.0)  # of the contact line [N], as in speed.py
-LEAST = 1e-5  # where smaller errors are drawn [-]
+LEAST = 1e-5  # smallest error that is drawn [-]
 
 
 def prepare(found: dict, folder: Path) -> dict:
@@ -42,54 +33,16 @@ def prepare(found: dict, folder: Path) -> dict:
         "free": [int(tension) for tension in FREE],
         "contact": CONTACT,
         "finger": finger(),
-        "refined": refined(found["rods"]),
         "within": within(reference["finest"]),
         "same": same(found["finite_elements"]),
-        "digits": DIGITS,
-        "versions": versions(),
-        "limits_of": limits_of,
-        "line_tensions": [int(tension) for tension in LINE_TENSIONS],
-        "per_iteration": per_iteration(found["speed"]),
     }
 
 
 def unanswered(row: dict[str, Any]) -> str:
-    """The states that an alternative has no answer for, in words."""
+    """The states without an answer, in words."""
     free = [f"{FREE[k]:g} N in free space" for k in row["errors"]["missing_free"]]
     pressed = [f"{CONTACT[k][0]:g} N at {1000 * CONTACT[k][1]:g} mm" for k in row["errors"]["missing_contact"]]
     return ", ".join([*free, *pressed])
-
-
-CHANGES = "tip", "contact_force", "contact_force_max", "seconds"
-WORDS = {  # of what is refined, with a place for its value
-    "steps": "{} steps",
-    "elements": "{} elements",
-    "plane_stiffness": "a plane {} times as stiff as the finger's tip, 3 E I/L³",
-    "pieces": "{} pieces",
-    "impedance": "contact impedance {}",
-    "cells": "{} cells",
-    "unknowns": "{} unknowns",
-}
-
-
-def refined(rods: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Every resolution of those that have one, in words, and how far its answers are from the finest one's."""
-    found = []
-    for row in rods:
-        for one in row["refinement"]:
-            words = ", ".join(form.format(_words(one[key])) for key, form in WORDS.items() if key in one)
-            found.append({"name": row["name"], "resolution": words} | {key: one[key] for key in CHANGES})
-    return found
-
-
-def _words(value: Any) -> str:
-    return " x ".join(map(str, value)) if isinstance(value, list) else f"{value:.4g}"
-
-
-def limits_of(row: dict[str, Any]) -> str:
-    """What an alternative cannot represent; of our own meshes, that they are judged by the same code."""
-    same_code = "judged by the same code on a finer mesh: law, tendon and contact are the reference's own"
-    return same_code if row["kind"] == "finite elements" else str(row["limits"])
 
 
 def within(reference: dict[str, Any]) -> list[dict[str, Any]]:
@@ -131,12 +84,6 @@ def same(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def _largest(rows: list[dict[str, Any]], key: str) -> float | None:
     return max((row[key] for row in rows if row[key] is not None), default=None)
-
-
-def per_iteration(speed: list[dict[str, Any]]) -> float:
-    """Core-seconds per factorisation of this project, from rest to 100 N on the largest mesh."""
-    row = next(row for row in speed[-1]["rows"] if row["solver"] == OWN and row["task"] == "100 N")
-    return row["seconds"] / row["factorisations"]
 
 
 def _force_error(row: dict[str, Any]) -> tuple[float, float]:

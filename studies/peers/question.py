@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -76,7 +76,7 @@ class Answers:
 
     Attributes:
         name: for the picture and the table, two or three words.
-        kind: "finite elements", "beam", "simulator" or "reduced model".
+        kind: "finite elements", "beam" or "reduced model".
         free_tips: displacement of the tip plate's centre, of every state of FREE, shape (5, 3) [m]; None where it has
             no answer.
         contact_tips: the same of CONTACT, shape (9, 3) [m].
@@ -84,7 +84,6 @@ class Answers:
             without contact.
         seconds: core-seconds per answer, what is done once (import, compilation, training) left out.
         settings: what it was asked with: what a reader needs to do it again.
-        refinement: how its own answer changes with its own resolution: rows of a table.
         limits: what it cannot represent, fairly, one sentence.
     """
 
@@ -96,7 +95,6 @@ class Answers:
     seconds: float
     settings: str
     limits: str
-    refinement: list[dict[str, Any]] = field(default_factory=list)
 
     def as_json(self) -> dict[str, Any]:
         """For a part's file."""

@@ -9,7 +9,7 @@ from fingerfem.scene.scene import Scene
 from rom.dataset.snapshot_set import read_task
 from studies import sets
 from studies.kinds import forms_of, kinds
-from studies.runner import Run
+from studies.parts import Run
 
 NOT_HERE = ("straight", "incompressible", "Nitsche")  # other physics, not other requirements
 CELLS = [12, 9]  # of each segment; four channels need nine across
@@ -47,9 +47,5 @@ def row(name: str, table: dict[str, Any], run: Run) -> dict:
 
 
 def measure(run: Run) -> list[dict]:
-    """A row a kind of scene; those of one segment in the short form."""
-    return [
-        run.once(name, row, name, table, run)
-        for name, table in scenes().items()
-        if not (run.quick and "segments" in name)
-    ]
+    """A row a kind of scene."""
+    return [run.once(name, row, name, table, run) for name, table in scenes().items()]

@@ -8,8 +8,8 @@ import numpy as np
 
 from rom import Rod, TouchedSegment
 from rom.error_statistics import quantiles
+from studies.parts import Run
 from studies.rods.full_order import FullOrder, Table
-from studies.runner import Run
 
 LENGTHS = 0.025, 0.04, 0.08, 0.12  # of one segment [m]
 TWO = (0.06, 0.035), (1, 2)  # lengths of two segments [m]; the plates that the tendons end at
@@ -89,8 +89,8 @@ def similar(trained: Rod) -> dict:
 
 def measure(run: Run) -> dict:
     """Lengths, then two segments, then similarity."""
-    trained, count = TouchedSegment.load().rod, 2 if run.quick else STATES
-    listed = LENGTHS[:1] if run.quick else LENGTHS
+    trained, count = TouchedSegment.load().rod, STATES
+    listed = LENGTHS
     rows = [run.once(f"{1e3 * one:g} mm", compared, trained, (one,), None, count) for one in listed]
     two = run.once("two segments", compared, trained, *TWO, count)
     return {"lengths": rows, "two": two, "similar": run.once("similar", similar, trained)}

@@ -13,10 +13,10 @@ from rom import TouchedSegment
 from rom.error_statistics import quantiles
 from rom.held_out import check
 from studies import sets
+from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import FullOrder
 from studies.rods.scattered_objects import DISTANCE, SHAPES, placed, tensions
-from studies.runner import Run
 
 CORES = 2
 DEEPEST = 0.004  # [m]: how far objects come beyond the free plate
@@ -71,14 +71,14 @@ def by_shape(run: Run, plan: plans.Plan, count: dict[str, int]) -> list[dict]:
 
 def papers_plane(run: Run, plan: plans.Plan) -> dict:
     """The paper's plane: held-out states of the draft scene."""
-    held_out = sets.held_out(sets.draft(run.sets), sets.QUICK_HELD_OUT if run.quick else sets.HELD_OUT)
+    held_out = sets.held_out(sets.draft(run.sets), sets.HELD_OUT)
     return {"force": plan.force} | check(plans.rod(run, plan), held_out)
 
 
 def measure(run: Run) -> dict:
     """All of it."""
-    listed = [plans.QUICK] if run.quick else [plans.SMALL, plans.LARGE]
-    count = dict.fromkeys(SHAPES, 2) if run.quick else {"plane": 100, "sphere": 60, "cylinder": 60, "box": 30}
+    listed = [plans.SMALL, plans.LARGE]
+    count = {"plane": 100, "sphere": 60, "cylinder": 60, "box": 30}
     plans.rod(run, listed[0])
     return {
         "scattered": run.once("random objects", by_shape, run, listed[0], count),

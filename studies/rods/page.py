@@ -11,7 +11,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from control import Finger
 from rom import Rod, Sphere, TouchedSegment
 from rom.rod.objects.shapes import RigidObject
-from studies.runner import DOCS
+from studies.sections import DOCS
 
 BALL, HEIGHT, MOUNTED, FORCE = 0.014, 0.048, 0.024, 1.0  # its radius, height, the fingers' circle [m]; to hold [N]
 START = 25.0, 0.0  # tensions to hold from [N]

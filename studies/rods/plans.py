@@ -11,7 +11,7 @@ from rom.elements.samples.section_states import read_section_states
 from rom.rod.rod import Rod
 from rom.summaries import origin
 from studies import sets
-from studies.runner import Run
+from studies.parts import Run
 
 SEED = 5
 
@@ -34,7 +34,6 @@ class Plan:
 
 SMALL, LARGE = Plan(5.0, 24, 100), Plan(15.0, 24, 100)
 FINE = Plan(15.0, 12, 20, sets.STANDARD)
-QUICK = Plan(5.0, 12, 20)
 
 
 def scene(run: Run, plan: Plan) -> Path:

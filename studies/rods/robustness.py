@@ -9,9 +9,9 @@ import numpy as np
 
 from rom import Rod, TouchedSegment, friction_history
 from rom.rod.objects.shapes import facing_plane
+from studies.parts import Run
 from studies.rods.on_rubber.rubber import clear_of_clamp
 from studies.rods.scattered_objects import DISTANCE, SHAPES, placed, tensions
-from studies.runner import Run
 
 DEEPEST = 0.003  # [m]: how far objects come beyond the free plate
 POINTS, REFINED = 64, 60  # of a line; bisections of its largest step
@@ -109,9 +109,9 @@ def histories(finger: Rod, shape: str, count: int) -> dict:
 
 def measure(run: Run) -> dict:
     """All shapes, then lines; of the bundled finger."""
-    finger, count, few = TouchedSegment.load().rod, *((100, 3) if run.quick else (2500, 40))
+    finger, count, few = TouchedSegment.load().rod, 2500, 40
     return {
         "verdicts": [run.once(shape, verdicts, finger, shape, count) for shape in SHAPES],
         "histories": [run.once(f"{shape}, friction", histories, finger, shape, few) for shape in SHAPES],
-        "jumps": run.once("lines", jumps, finger, 50 if run.quick else 5_000),
+        "jumps": run.once("lines", jumps, finger, 5_000),
     }

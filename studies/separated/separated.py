@@ -16,11 +16,11 @@ from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.form import Separated
 from studies import sets
 from studies.measures import call_times, quantiles, random_points
-from studies.runner import ROOT, Run
+from studies.parts import ROOT, Run
 
 DISTANCES = 0.001, 0.031  # of the plane, as the paper has it [m]
 NODES, TERMS, TOLERANCE = (8, 16, 32), (25, 200), 1e-5
-GRIDS, QUICK_GRIDS = (4, 8, 12), (4,)  # nodes of every axis; the paper's 64 snapshots are 4 x 4 x 4
+GRIDS = 4, 8, 12  # nodes of every axis; the paper's 64 snapshots are 4 x 4 x 4
 BATCH = 100_000  # points that are evaluated at once
 RANDOM, FELT = 30_000, 0.1  # points at which errors are measured; least force that they are relative to [N]
 STATES = 200  # held-out full-order ones
@@ -55,8 +55,7 @@ def _tabled(nodes: int, terms: int) -> dict[str, Any]:
 
 def of_the_rod(run: Run) -> list[dict[str, Any]]:
     """Tables of the bundled finger by nodes and terms."""
-    nodes = NODES[:1] if run.quick else NODES
-    return [run.once(f"{n} nodes, {most} terms", _tabled, n, most) for n in nodes for most in TERMS]
+    return [run.once(f"{n} nodes, {most} terms", _tabled, n, most) for n in NODES for most in TERMS]
 
 
 def _plain(nodes: int, terms: int) -> dict[str, Any]:
@@ -77,12 +76,12 @@ def _plain(nodes: int, terms: int) -> dict[str, Any]:
 
 def without_alignment(run: Run) -> list[dict[str, Any]]:
     """The same without contact-aligned coordinates."""
-    return [run.once(f"{n} nodes", _plain, n, TERMS[-1]) for n in (NODES[:1] if run.quick else NODES)]
+    return [run.once(f"{n} nodes", _plain, n, TERMS[-1]) for n in NODES]
 
 
 def _grid(run: Run, nodes: int) -> dict[str, Any]:
     snapshots = sets.training(sets.grid_scene(run.sets, nodes, nodes))
-    states, file = sets.held_out(sets.draft(run.sets), 20 if run.quick else STATES), run.folder / f"grid-{nodes}.h5"
+    states, file = sets.held_out(sets.draft(run.sets), STATES), run.folder / f"grid-{nodes}.h5"
     words = [sys.executable, "-m", "rom", "build", str(snapshots.path), "-o", str(file), "--held-out", str(states.path)]
     subprocess.run([*words, "--force"], cwd=ROOT, stdout=subprocess.DEVNULL, check=True)
     table = load(file)
@@ -92,4 +91,4 @@ def _grid(run: Run, nodes: int) -> dict[str, Any]:
 
 def of_states(run: Run) -> list[dict[str, Any]]:
     """Tables of full-order states on grids, the draft finger's, against held-out states."""
-    return [run.once(f"grid of {n}", _grid, run, n) for n in (QUICK_GRIDS if run.quick else GRIDS)]
+    return [run.once(f"grid of {n}", _grid, run, n) for n in GRIDS]

@@ -13,9 +13,9 @@ from rom.held_out import check
 from rom.rod.check import check_pressed
 from rom.rod.rod import Rod
 from studies import sets
+from studies.parts import Run
 from studies.rods import plans
 from studies.rods.plans import Plan
-from studies.runner import Run
 
 TAPERS, COUNT = (1.0, 0.9, 0.7, 0.5), 20
 PLANE = {"distance": [0.001, 0.031], "method": "penalty"}
@@ -70,5 +70,5 @@ def row(run: Run, plan: Plan, taper: float) -> dict:
 
 def measure(run: Run) -> list[dict]:
     """A row a taper."""
-    plan, tapers = (plans.QUICK, TAPERS[::3]) if run.quick else (PLAN, TAPERS)
+    plan, tapers = PLAN, TAPERS
     return [run.once(f"taper {taper}", row, run, plan, taper) for taper in tapers]

@@ -4,60 +4,47 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 
 from fingerfem.scene.presets import FRONT
 from studies.axes import large_letters, logarithmic
-from studies.runner import DOCS
-from studies.tradeoff.rods import RodTraining
-from studies.tradeoff.tradeoff import DRAFT, FINE, SQUARE
+from studies.sections import DOCS
+from studies.tradeoff.fingers import words
 
-PRESETS = {
-    "draft": RodTraining(SQUARE, 8),
-    "standard": RodTraining(FINE, 16),
-    "fine": RodTraining(FINE, 32),
-}
+KEPT = "cells", "order", "coarse", "preset", "core_seconds", "states"  # of a row, in front.json
+TENSIONS = 2  # of the draft finger; front.json has lines per tension
 
 
 def prepare(found: dict, folder: Path) -> dict:
-    """Write picture and front; the choices that a scene has."""
-    draw(found["tradeoff"], found["rods"], DOCS / "tradeoff.png")
-    listed = choices(found["rods"])
-    FRONT.write_text(json.dumps({"rods": listed}, indent=1) + "\n")
-    return {"choices": listed, "mesh_of": mesh_of}
+    """Write picture and front."""
+    fingers = found["fingers"]
+    rows = sorted(fingers["rows"], key=lambda row: row["core_seconds"])
+    draw(rows, fingers, DOCS / "tradeoff.png")
+    FRONT.write_text(
+        json.dumps(
+            {"rods": [choice(row) for row in rows if row["preset"] or row["name"] in fingers["front"]]}, indent=1
+        )
+        + "\n"
+    )
+    return {"sorted": rows, "mesh_of": mesh_of}
 
 
-def choices(found: dict) -> list[dict]:
-    """What a scene can choose: fingers that none beats in cost and error, and the presets."""
-    names = {training.name: preset for preset, training in PRESETS.items()}
-    on_draft = {"cells": list(DRAFT.cells), "order": DRAFT.order}
-    listed = []
-    for row in found["rods"]:
-        one, total = row["training"], row["total"]
-        if row["name"] not in {*found["front"], *names}:
-            continue
-        choice = {"cells": one["mesh"]["cells"], "order": one["mesh"]["order"], "lines": one["lines"] / 2}
-        begins = None if choice["cells"] == on_draft["cells"] and choice["order"] == on_draft["order"] else on_draft
-        choice |= {"coarse": begins, "preset": names.get(row["name"])}
-        choice |= {quantity: total[quantity]["p95"] for quantity in ("contact_force", "displacement", "held_force")}
-        choice |= {"contact_force_median": total["contact_force"]["median"]}
-        listed.append(choice | {key: row[key] for key in ("core_seconds", "states", "bytes", "terms", "query_us")})
-    return sorted(listed, key=lambda one: one["core_seconds"])
+def choice(row: dict[str, Any]) -> dict[str, Any]:
+    """A finger in front.json: lines per tension, and errors as 95th percentiles [-]."""
+    errors = {quantity: row[quantity]["p95"] for quantity in ("contact_force", "displacement")}
+    return {key: row[key] for key in KEPT} | errors | {"lines": row["lines"] / TENSIONS}
 
 
-def draw(found: dict, rods: dict, file: Path) -> None:
+def draw(rows: list[dict], fingers: dict, file: Path) -> None:
     """Cost against error of every finger, and the error of its mesh."""
     large_letters()
     figure, ax = plt.subplots(figsize=(8, 5.6), layout="constrained")
-    of_mesh = {row["name"]: row["fem"]["contact_force"]["p95"] for row in found["meshes"]}
-    for name, error in of_mesh.items():
-        label = name.replace(" order", ", order")
-        rows = [row for row in rods["rods"] if mesh_of(row) == label]
-        (points,) = ax.loglog(*_curve(rows), "o", label=label)
-        ax.axhline(100 * error, color=points.get_color(), lw=0.8, ls="--")
-    best = [next(row for row in rods["rods"] if row["name"] == name) for name in rods["front"]]
-    ax.loglog(*_curve(best), "k-", lw=1, label="front")
+    for mesh in fingers["meshes"]:
+        (points,) = ax.loglog(*_curve([row for row in rows if mesh_of(row) == mesh["name"]]), "o", label=mesh["name"])
+        ax.axhline(100 * mesh["contact_force"]["p95"], color=points.get_color(), lw=0.8, ls="--")
+    ax.loglog(*_curve([row for row in rows if row["name"] in fingers["front"]]), "k-", lw=1, label="front")
     ax.set(xlabel="training [core-seconds]", ylabel="error of contact force, 95th percentile [%]")
     ax.set_title("dashed: error of the mesh alone")
     logarithmic(ax)
@@ -68,10 +55,9 @@ def draw(found: dict, rods: dict, file: Path) -> None:
 
 
 def mesh_of(row: dict) -> str:
-    """A model's mesh, for people."""
-    mesh = row["training"]["mesh"]
-    return f"{mesh['cells'][0]} x {mesh['cells'][1]}, order {mesh['order']}"
+    """A finger's mesh, as in the table of meshes."""
+    return words((*row["cells"], row["order"]))
 
 
 def _curve(rows: list[dict]) -> tuple[list[float], list[float]]:
-    return [row["core_seconds"] for row in rows], [100 * row["total"]["contact_force"]["p95"] for row in rows]
+    return [row["core_seconds"] for row in rows], [100 * row["contact_force"]["p95"] for row in rows]

@@ -16,15 +16,15 @@ import numpy as np
 
 from rom.dataset.folder import create
 from rom.dataset.snapshot_set import read_description, read_task
-from studies.runner import ROOT, Run
+from studies.parts import ROOT, Run
 from studies.sets import farm, grid_scene
 
 LINES = 4000  # for the contention of claims
 
 
-def scaling(folder: Path, quick: bool) -> dict:
+def scaling(folder: Path) -> dict:
     """One rank and two on the same set, one after the other."""
-    file, rates = grid_scene(folder, *((4, 4) if quick else (5, 6))), {}
+    file, rates = grid_scene(folder, 5, 6), {}
     for ranks in (1, 2):
         shutil.rmtree(folder / "set", ignore_errors=True)
         report = farm(ranks, file, folder / "set")
@@ -43,9 +43,9 @@ def scaling(folder: Path, quick: bool) -> dict:
     }
 
 
-def long_run(folder: Path, quick: bool) -> dict:
+def long_run(folder: Path) -> dict:
     """Memory while a set is solved, and its restart once it is whole."""
-    nodes = (5, 9) if quick else (9, 9)
+    nodes = 9, 9
     file, path = grid_scene(folder, *nodes), folder / "uniform-{}-{}".format(*nodes)
     shutil.rmtree(path, ignore_errors=True)
     report = farm(2, file, path)
@@ -108,7 +108,7 @@ def contention(folder: Path, processes: int) -> dict:
 def measure(run: Run) -> dict:
     """All of it."""
     return {
-        "scaling": run.once("two ranks against one", scaling, run.folder, run.quick),
+        "scaling": run.once("two ranks against one", scaling, run.folder),
         "contention": [run.once(f"claims of {count} processes", contention, run.folder, count) for count in (1, 8, 64)],
-        "long_run": run.once("a long run and its restart", long_run, run.folder, run.quick),
+        "long_run": run.once("a long run and its restart", long_run, run.folder),
     }

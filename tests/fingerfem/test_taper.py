@@ -32,6 +32,7 @@ def model(request, table) -> tuple[FingerModel, float]:
     return tapered(table, TAPERS[request.param]), TAPERS[request.param]
 
 
+@pytest.mark.long
 def test_a_taper_of_one_is_none(table):
     plain = FingerModel(Scene.model_validate(table))
     table["geometry"]["taper"] = [1.0]
@@ -181,6 +182,7 @@ def test_elements_are_not_trained_on_a_tapered_finger():
         train(SimpleNamespace(scene={"geometry": geometry}), {})
 
 
+@pytest.mark.long
 def test_a_bar_on_tapered_rubber_is_touched_and_pressed_as_in_the_full_order_model(demo, table):
     """The touch distance within 10 µm; the force within 5 %, as of a straight finger on this mesh."""
     taper, at, radius = 0.7, 0.036, 0.006

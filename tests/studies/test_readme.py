@@ -59,8 +59,8 @@ def test_the_two_commands_are_those_of_the_makefile_and_of_ci():
     assert "make demo " in README and "make test " in README
     targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
     assert {"demo", "test", "clean"} <= set(targets)
-    ci = [line for line in (ROOT / ".ci" / "run").read_text().splitlines() if line and line[0] != "#"]
-    assert ci[-2:] == ["make test", "make test-long"] and len(ci) == 4
+    ci = [line.strip() for line in (ROOT / ".ci" / "run").read_text().splitlines() if line and line[0] != "#"]
+    assert {"make test", "make test-long"} <= set(ci)
     assert "make test-long" in README
 
 
@@ -71,6 +71,11 @@ def test_the_measured_blocks_were_written():
 
 
 def test_the_makefile_names_files_that_exist():
-    named = set(re.findall(r"(?<![\w/])(?:tests|scenes|studies|docs)/[\w/.]+\.(?:py|toml|csv|json|txt)\b", (ROOT / "Makefile").read_text()))
+    named = set(
+        re.findall(
+            r"(?<![\w/])(?:tests|scenes|studies|docs)/[\w/.]+\.(?:py|toml|csv|json|txt)\b",
+            (ROOT / "Makefile").read_text(),
+        )
+    )
     assert len(named) >= 10
     assert [one for one in sorted(named) if not (ROOT / one).exists()] == []

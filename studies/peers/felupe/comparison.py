@@ -15,7 +15,6 @@ import os
 import subprocess
 import sys
 import tomllib
-from importlib.metadata import distributions
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +27,7 @@ from fingerfem.mechanics import contact
 from fingerfem.scene.grid_lines import in_channel
 from fingerfem.scene.laws import plate_law
 from fingerfem.scene.scene import Scene
-from studies.runner import ROOT, Run
+from studies.parts import ROOT, Run
 
 FELUPE = ROOT / "out" / "peers" / "felupe"
 # Newton's method quadratically: after an iteration that moves so little [-] there is nothing left but round-off.
@@ -89,16 +88,13 @@ def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]
     }
 
 
-def ask_felupe(
-    arrays: dict[str, np.ndarray], settings: dict[str, Any], folder: Path, extra: dict[str, str] | None = None
-) -> tuple[np.ndarray, Any]:
+def ask_felupe(arrays: dict[str, np.ndarray], settings: dict[str, Any], folder: Path) -> tuple[np.ndarray, Any]:
     """What FElupe's process answers: displacements, shape (states, nodes, 3) [m], and its report.
 
     Args:
         arrays: of `described`.
         settings: what process.py reads beside.
         folder: for the two files.
-        extra: variables of the process's environment beside ours; what PYTHONPATH there names comes first.
     """
     if not (FELUPE / "felupe").exists():
         raise FileNotFoundError(f"{FELUPE} must hold FElupe, got nothing there: make out/peers/felupe/ready")
@@ -106,10 +102,8 @@ def ask_felupe(
     given, wanted = folder / "asked.npz", folder / "answered.npz"
     whole: dict[str, Any] = arrays | {"settings": np.array(json.dumps(settings))}
     np.savez(given, **whole)
-    extra = dict(extra or {})
-    paths = [extra.pop("PYTHONPATH", ""), str(ROOT), str(FELUPE)]
     one_core = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-    variables = os.environ | one_core | extra | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
+    variables = os.environ | one_core | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(FELUPE)])}
     words = [sys.executable, "-m", "studies.peers.felupe.process", str(given), str(wanted)]
     subprocess.run(words, check=True, env=variables, cwd=ROOT)
     with np.load(wanted) as file:
@@ -125,7 +119,7 @@ def compare(scene: Scene, states: list[State] | tuple[State, ...], folder: Path)
     model.continuation.newton.options = TIGHT
     arrays, numbers = described(model)
     asked = [{"tensions": tensions, "distance": distance} for tensions, distance in states]
-    displacements, reports = ask_felupe(arrays, {"task": "states", "scene": numbers, "states": asked}, folder)
+    displacements, reports = ask_felupe(arrays, {"scene": numbers, "states": asked}, folder)
     rows = []
     for (tensions, distance), theirs, report in zip(states, displacements, reports, strict=True):
         ours = model.solve(tensions, distance, sensitivities=False)
@@ -161,16 +155,14 @@ def row(model: FingerModel, state: State, ours: Any, theirs: np.ndarray, report:
     return found
 
 
-def questions(quick: bool) -> dict[str, tuple[Scene, tuple[State, ...]]]:
+def questions() -> dict[str, tuple[Scene, tuple[State, ...]]]:
     """What both codes are asked, by a name."""
     found: dict[str, tuple[Scene, tuple[State, ...]]] = {}
-    for mesh in (DRAFT,) if quick else (DRAFT, COARSE_QUADRATIC):
-        for law in LAWS[:1] if quick else LAWS:
+    for mesh in (DRAFT, COARSE_QUADRATIC):
+        for law in LAWS:
             usual = ONE_SEGMENT if mesh == DRAFT else FEWER
             states = SOFTENING if law is SAINT_VENANT_KIRCHHOFF else usual
             found[f"{law['law']}, order {mesh[1]}"] = scene_of("one_segment", law, mesh), states
-    if quick:
-        return found
     found["mixed"] = scene_of("one_segment", NEARLY_INCOMPRESSIBLE, COARSE_QUADRATIC), ONE_PRESSED
     found["two segments"] = scene_of("two_segments", NEO_HOOKEAN, ([12, 8], 1)), TWO_SEGMENTS
     for mesh in (DRAFT, COARSE_QUADRATIC):
@@ -181,16 +173,6 @@ def questions(quick: bool) -> dict[str, tuple[Scene, tuple[State, ...]]]:
 def measure(run: Run) -> list[dict]:
     """All states by both codes."""
     found = []
-    for name, (scene, states) in questions(run.quick).items():
+    for name, (scene, states) in questions().items():
         found += run.once(name, compare, scene, states, run.folder / "felupe")
     return found
-
-
-def boundary(run: Run) -> dict:
-    """Part `boundary`: what kept Nitsche's method on cells of 27 nodes apart at first, an error of FElupe's.
-
-    `rows`, for every facet of a cell: the error of the gradient of a function that the cell's element reproduces [-].
-    """
-    rows = ask_felupe({}, {"task": "boundary"}, run.folder / "felupe")[1]
-    (release,) = distributions(name="felupe", path=[str(FELUPE)])
-    return {"version": release.version, "rows": rows}

@@ -21,8 +21,8 @@ STEP = 1e-5  # of a deformation gradient, between which elasticities are subtrac
 class Facets:
     """The facets of boxes on one face of the finger, integrated at their nodes.
 
-    FElupe has boundary regions of its own, but those of 27 nodes have two nodes interchanged in three of six facets
-    (boundary.py), which spoils the gradients that Nitsche's method needs. So these are FElupe's regions of whole
+    FElupe has boundary regions of its own, but those of 27 nodes have two nodes interchanged in three of six
+    facets, which spoils the gradients that Nitsche's method needs. So these are FElupe's regions of whole
     cells, with the rule's points on one facet of the reference cell.
 
     Args:

@@ -6,7 +6,6 @@ which cells are what, and numbers of the scene.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,10 +35,6 @@ class Tolerance:
     settled: float
 
 
-class TooMany(ArithmeticError):
-    """More linear systems would be solved than were allowed."""
-
-
 class Finger:
     """The finger of a file.
 
@@ -48,11 +43,9 @@ class Finger:
             `channels` (tendons, cells), which cells are rubber and which carry a tendon.
         scene: numbers, as `comparison.described` writes them.
         tolerance: of Newton's method.
-        solver: of linear equations, called with matrix and right-hand side.
 
     Attributes:
         factorisations: how many linear systems it has solved.
-        limit: how many it may.
     """
 
     def __init__(
@@ -60,10 +53,9 @@ class Finger:
         arrays: dict[str, np.ndarray],
         scene: dict[str, Any],
         tolerance: Tolerance,
-        solver: Callable[[Any, np.ndarray], np.ndarray] = spsolve,
     ):
-        self.scene, self._tolerance, self._solver = scene, tolerance, solver
-        self.factorisations, self.limit = 0, np.inf
+        self.scene, self._tolerance = scene, tolerance
+        self.factorisations = 0
         self._points, self._order = arrays["points"], scene["order"]
         self._cells = in_felupes_order(self._points, arrays["cells"], self._order)
         self._all = np.ones(len(self._cells), bool)
@@ -138,7 +130,7 @@ class Finger:
             distance: of the plane [m]; None: it is away.
 
         Raises:
-            felupe.tools.NewtonConvergenceError or ArithmeticError: it did not converge, or not within the limit.
+            felupe.tools.NewtonConvergenceError or ArithmeticError: it did not converge.
         """
         for fibre, tension in zip(self._fibres, tensions, strict=True):
             fibre.density = tension / self.scene["channel_area"]
@@ -175,10 +167,8 @@ class Finger:
     def _counted(self, matrix: Any, right: np.ndarray) -> np.ndarray:
         if not (np.isfinite(right).all() and np.isfinite(matrix.data).all()):
             raise FloatingPointError("residual or tangent is not finite")
-        if self.factorisations >= self.limit:
-            raise TooMany("more linear systems than allowed")
         self.factorisations += 1
-        return self._solver(matrix, right)
+        return spsolve(matrix, right)
 
     def _check(self, dx: Any, x: Any, f: np.ndarray, **given: Any) -> tuple[float, float, bool]:
         """Of FElupe's Newton method: change over the length, residual over the force scale, whether that is enough."""

@@ -4,23 +4,20 @@ PYTHONPATH=.:out/peers/felupe python3 -m studies.peers.felupe.process FILE_IN FI
 
 FElupe is under the GPL and no part of this project: it is imported here and nowhere else, in a process of its own,
 whose only link with the rest are two files. FILE_IN (comparison.py writes it) holds the finger and no answer: the
-arrays and the scene that `Finger` takes, and `task`. Task `states`: for every state of `states`, {"tensions": [N],
-"distance": [m] or null}, FILE_OUT has the displacement, in the order of the nodes that were given, and a report.
-Task `speed`: see speed.py; `boundary`, which needs no finger: boundary.py.
+arrays and the scene that `Finger` takes, and `states`, each {"tensions": [N], "distance": [m] or null}. FILE_OUT has
+the displacements, in the order of the given nodes, and a report of each.
 """
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import felupe
 import numpy as np
 
-from studies.peers.felupe import boundary, speed
 from studies.peers.felupe.finger import Finger, Tolerance
 from studies.peers.felupe.steps import Equilibrium, Load, NotReached, adaptively
 
@@ -66,15 +63,10 @@ def answer(given: Path, wanted: Path) -> None:
     with np.load(given) as file:
         arrays = {name: file[name] for name in file.files}
     settings = json.loads(str(arrays.pop("settings")))
-    tasks: dict[str, Callable[[], tuple[np.ndarray, Any]]] = {
-        "states": lambda: states(Finger(arrays, settings["scene"], TIGHT), settings["states"]),
-        "boundary": boundary.gradient_errors,
-        "speed": lambda: speed.measure(arrays, settings),
-    }
     # A step that diverges overflows before FElupe sees it.
     with np.errstate(all="ignore"):
-        displacements, report = tasks[settings["task"]]()
-    report = {"felupe": felupe.__version__, "found": report}
+        displacements, reports = states(Finger(arrays, settings["scene"], TIGHT), settings["states"])
+    report = {"felupe": felupe.__version__, "found": reports}
     np.savez(wanted, displacements=displacements, report=np.array(json.dumps(report)))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import felupe
@@ -57,27 +56,6 @@ def _change(one: Load, other: Load) -> np.ndarray:
     came = (one.distance is None) != (other.distance is None)
     moved = np.nan if came else (other.distance or 0.0) - (one.distance or 0.0)
     return np.append(other.tensions - one.tensions, moved)
-
-
-def equal_steps(finger: Finger, origin: Equilibrium, target: Load, steps: int, secant: bool) -> Equilibrium:
-    """From an equilibrium to a load in so many equal steps; raises one of FAILURES.
-
-    Args:
-        finger: in FElupe.
-        origin: the equilibrium.
-        target: where to.
-        steps: how many.
-        secant: begin each step on the secant of the last two equilibria, not at the last.
-    """
-    found = origin
-    for load in _loads(origin.load, target, steps):
-        begin = found.start(load) if secant else found.displacement
-        found = Equilibrium(finger.solve(begin, load.tensions, load.distance), load, found)
-    return found
-
-
-def _loads(origin: Load, target: Load, steps: int) -> Iterator[Load]:
-    return (origin.towards(target, step / steps) for step in range(1, steps + 1))
 
 
 def adaptively(finger: Finger, origin: Equilibrium, target: Load) -> Equilibrium:

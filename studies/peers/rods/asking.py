@@ -1,4 +1,4 @@
-"""What all rods share: the steel plate at their end, where it touches the plane, and how their answers are collected.
+"""What all rods share: the steel plate at their end, its corners, and the question with its time.
 
 The finger bends in its plane x, y, pulled towards +y. A rod ends where the rubber ends, at length - plate from the
 clamp, at an angle to the x axis; the plate goes straight on from there.
@@ -8,17 +8,13 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
 
 from studies.peers.question import CONTACT, FREE, Answers, Finger
 
 # Of a tension [N] and a distance of the plane [m], None for free space: tip [m], shape (3,), and contact force [N].
 Solve = Callable[[float, float | None], tuple[list[float] | None, float | None]]
-UNREACHED = (None, None)  # what is answered where a method has not come to its tolerance
 
 
 @dataclass(frozen=True)
@@ -50,69 +46,23 @@ def tip(finger: Finger, x: float, y: float, angle: float) -> list[float]:
 
 
 def corners(finger: Finger, x: float, y: float, angle: float) -> list[tuple[float, float]]:
-    """The two far corners of the plate [m]: of its side at +y, and of its side at -y, both as at rest.
-
-    As the plate is tilted by 0 to 180 degrees, one of them comes closest to the plane; at 90 degrees both.
-    """
+    """The two far corners of the plate [m]: of its side at +y, and of its side at -y, both as at rest."""
     c, s = math.cos(angle), math.sin(angle)
     end = x + finger.plate * c, y + finger.plate * s
     half = finger.side / 2
     return [(end[0] - half * s, end[1] + half * c), (end[0] + half * s, end[1] - half * c)]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Told:
-    """All answers at one resolution: tips [m], forces [N], core-seconds per answer."""
-
-    free: list[list[float] | None]
-    touching: list[list[float] | None]
-    forces: list[float | None]
-    seconds: float
-
-    def apart(self, finest: Told) -> dict[str, float | None]:
-        """Relative differences to the finest: largest of tips (over the tip's way), median and largest of forces [-].
-
-        The largest is of the lightest touch, whose force is a small difference.
-        """
-        ways = _relative(self.free + self.touching, finest.free + finest.touching)
-        forces = _relative(self.forces, finest.forces)
-        return {
-            "tip": max(ways, default=None),
-            "contact_force": float(np.median(forces)) if forces else None,
-            "contact_force_max": max(forces, default=None),
-        }
-
-
-def ask(solve: Solve) -> Told:
-    """Every state of the question, timed."""
+def answers(solve: Solve, **words: str) -> Answers:
+    """Every state of the question, timed; `words` are name, settings and limits."""
     begun = time.process_time()
     free = [solve(tension, None)[0] for tension in FREE]
-    touching = [solve(tension, distance) for tension, distance in CONTACT]
-    seconds = (time.process_time() - begun) / (len(FREE) + len(CONTACT))
-    return Told(
-        free=free, touching=[way for way, _ in touching], forces=[force for _, force in touching], seconds=seconds
-    )
-
-
-def answers(words: dict[str, str], told: Told, refinement: list[dict[str, Any]] | None = None) -> Answers:
-    """For the contract; `words` are its name, kind, settings and limits."""
+    pressed = [solve(tension, distance) for tension, distance in CONTACT]
     return Answers(
         **words,
-        free_tips=told.free,
-        contact_tips=told.touching,
-        contact_forces=told.forces,
-        seconds=told.seconds,
-        refinement=refinement or [],
+        kind="beam",
+        free_tips=free,
+        contact_tips=[displacement for displacement, _ in pressed],
+        contact_forces=[force for _, force in pressed],
+        seconds=(time.process_time() - begun) / (len(FREE) + len(CONTACT)),
     )
-
-
-def refined(resolutions: Sequence[dict[str, Any]], told: Sequence[Told]) -> list[dict[str, Any]]:
-    """A table's rows: each resolution, how far its answers are from the last one's, what an answer costs."""
-    rows = zip(resolutions, told, strict=True)
-    return [{**words, **one.apart(told[-1]), "seconds": one.seconds} for words, one in rows]
-
-
-def _relative(one: Sequence, other: Sequence) -> list[float]:
-    """Of what both have an answer to, and the other is not zero."""
-    both = [(np.ravel(a), np.ravel(b)) for a, b in zip(one, other, strict=True) if a is not None and b is not None]
-    return [float(np.linalg.norm(a - b) / np.linalg.norm(b)) for a, b in both if np.any(b)]

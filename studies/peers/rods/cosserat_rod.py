@@ -7,20 +7,18 @@ bending begins at the clamp's face and ends at the plate. Mass and damping are o
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 
 import elastica
 import numpy as np
 
 from studies.peers.question import FREE, Answers, Finger, finger
-from studies.peers.rods.asking import UNREACHED, Rubber, Told, answers, ask, refined, tip
+from studies.peers.rods.asking import Rubber, answers, tip
 from studies.peers.rods.cosserat_forces import Loads, Plane, Tendon
 
-# Elements of rubber, and the stiffness of the plane's spring over the finger's own at its tip, 3 E I/L^3.
-RESOLUTIONS = ((10, 500.0), (20, 500.0), (20, 125.0), (40, 500.0), (60, 500.0), (90, 500.0))
-CHOSEN = 4
-QUICK = 2  # of them
+ELEMENTS = 60  # of rubber
+PLANE = 500.0  # stiffness of the plane's spring over that of the finger at its tip, 3 E I/L^3
 DENSITY = 1000.0  # [kg/m^3]
 FIRST_MODE = 3.516  # of a clamped beam: its angular frequency is this times sqrt(E I/(rho A L^4))
 DAMPING = 2.0  # over that frequency: critical
@@ -82,14 +80,14 @@ class Rod:
         self.rod.velocity_collection[:], self.rod.omega_collection[:] = 0.0, 0.0
         self.loads.tension, self.loads.height = tension, math.inf
         if not self._settled():
-            return UNREACHED
+            return None, None
         if distance is not None and self._reach() > self.finger.side / 2 + distance:
             steps = math.ceil(COMING / self.frequency / self.step)
             for height in np.linspace(self._reach(), self.finger.side / 2 + distance, steps):
                 self.loads.height = height
                 self._forward()
             if not self._settled():
-                return UNREACHED
+                return None, None
         end, along = self.rod.position_collection[:, -2], self.rod.director_collection[2, :, -1]
         return tip(self.finger, end[0], end[1], math.atan2(along[1], along[0])), self.loads.force
 
@@ -152,38 +150,21 @@ def closed_form(finger: Finger, tension: float) -> list[float]:
     return tip(finger, radius * math.sin(angle), radius * (1 - math.cos(angle)), angle)
 
 
-def _off_closed_form(told: Told) -> float:
-    """Largest relative difference of the tips in free space from the closed form [-]."""
-    pairs = zip(told.free, (closed_form(finger(), tension) for tension in FREE), strict=True)
-    return max(math.dist(found, true) / math.hypot(*true) for found, true in pairs if found)
-
-
-def measure(quick: bool = False) -> list[Answers]:
-    """Its answers by number of elements and by stiffness of the plane."""
-    asked, told = finger(), []
-    resolutions = RESOLUTIONS[:QUICK] if quick else RESOLUTIONS
-    for elements, stiffness in resolutions:
-        rod = Rod(asked, elements, stiffness)
-        rod.solve(1.0, None)  # compiles
-        told.append(ask(rod.solve))
-    chosen = min(CHOSEN, QUICK - 1) if quick else CHOSEN
-    elements, stiffness = resolutions[chosen]
-    words = {
-        "name": "Cosserat rod, PyElastica",
-        "kind": "beam",
-        "settings": (
-            f"PyElastica {version('pyelastica')}, {elements} elements, E and G of small strains, the square's second "
-            f"moments, shear factor 5/6; tendon of constant tension through an eyelet in every element; the plane is "
-            f"a spring of {stiffness:g} times the finger's own; AnalyticalLinearDamper, critical for the first mode, "
-            f"until speeds are below {REST:g} lengths times its frequency"
+def measure() -> Answers:
+    """The rod's answers; its settings include the difference from the closed form."""
+    asked = finger()
+    rod = Rod(asked, ELEMENTS, PLANE)
+    rod.solve(1.0, None)  # compiles
+    found = answers(
+        rod.solve,
+        name="Cosserat rod, PyElastica",
+        settings=(
+            f"PyElastica {version('pyelastica')}, {ELEMENTS} elements, shear factor 5/6; a tendon of constant tension "
+            f"through an eyelet in every element; the plane is a spring, {PLANE:g} times as stiff as the tip; damped"
         ),
-        "limits": (
-            "stresses are linear in strain, and its sections keep their volume: where it is compressed its bending "
-            "stiffness grows with the inverse cube of its stretch, as if Poisson's ratio were 1/2"
-        ),
-    }
-    rows = [
-        {"elements": number, "plane_stiffness": spring, "off_closed_form": _off_closed_form(one)}
-        for (number, spring), one in zip(resolutions, told, strict=True)
-    ]
-    return [answers(words, told[chosen], refined(rows, told))]
+        limits="stresses are linear in strain, and sections keep their volume, as if Poisson's ratio were 1/2",
+    )
+    pairs = zip(found.free_tips, (closed_form(asked, tension) for tension in FREE), strict=True)
+    off = max(math.dist(one, true) / math.hypot(*true) for one, true in pairs if one)
+    settings = f"{found.settings}; free tips differ from its closed form by {100 * off:.2g} % at most"
+    return replace(found, settings=settings)

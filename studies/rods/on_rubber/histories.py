@@ -15,11 +15,11 @@ from rom import Rod, TouchedSegment, friction_history
 from rom.error_statistics import quantiles
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.touched_rod import ContactForce
+from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import Table, obstacle
 from studies.rods.on_rubber.rubber import anywhere, clear_of_clamp
 from studies.rods.scattered_objects import DISTANCE
-from studies.runner import Run
 
 CORES, INCREMENTS = 2, 4
 PULLED, FORCES = ((15.0, 80.0), (0.0, 40.0)), (0.3, 6.0)  # tensions, and force without friction at first [N]
@@ -141,7 +141,7 @@ def table_row(rows: list[dict[str, Any]], touched: str) -> dict[str, Any]:
 def measure(run: Run) -> list[dict[str, Any]]:
     """Histories that begin on the plate, and on the rubber."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    plan, count = (plans.QUICK, 2) if run.quick else (plans.LARGE, 20)
+    plan, count = plans.LARGE, 20
     rod, table = plans.rod(run, plan), tomllib.loads(plans.scene(run, plan).read_text())
     parts, found = [list(range(k, count, CORES)) for k in range(CORES)], []
     with ProcessPoolExecutor(CORES, mp_context=get_context("spawn")) as pool:

@@ -11,12 +11,12 @@ import numpy as np
 from rom import AmongObjects, Cylinder, Sphere
 from rom.rod.objects.shapes import RigidObject
 from studies import sets
+from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import FullOrder, obstacle
 from studies.rods.on_rubber.pressed_objects import together
-from studies.runner import Run
 
-MESHES, QUICK_MESHES = [(20, 5), (40, 10)], [(10, 5)]  # cells along and across, of order 1
+MESHES = [(20, 5), (40, 10)]  # cells along and across, of order 1
 DEPTHS = 1e-4, 4e-4  # [m]
 AT = 0.5  # of the finger's length
 FACE, EDGE = (0.0, 1.0, 0.0), (0.0, 1.0, 1.0)  # where they press
@@ -41,9 +41,9 @@ def squeezing(kind: str, length: float, half: float) -> list[RigidObject]:
 
 def measure(run: Run) -> dict[str, Any]:
     """Forces of both models, by object and depth, of the full-order one on several meshes [N]."""
-    plan = plans.QUICK if run.quick else plans.LARGE
+    plan = plans.LARGE
     rod, scene = plans.rod(run, plan), plans.scene(run, plan).read_text()
-    meshes = QUICK_MESHES if run.quick else MESHES
+    meshes = MESHES
     fulls = [FullOrder(tomllib.loads(sets.on_mesh(scene, *cells, 1))) for cells in meshes]
     rows, relaxed = [], np.zeros(len(rod.names))
     for kind, depth in product(KINDS, DEPTHS):

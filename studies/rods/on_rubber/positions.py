@@ -9,13 +9,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 from rom import Sphere, TouchedSegment
+from studies.parts import ROOT, Run
 from studies.rods.full_order import FullOrder, obstacle
-from studies.runner import ROOT, Run
 
 SCENE = ROOT / "scenes" / "demo" / "bundled_finest.toml"
-QUICK_MESH: dict[str, Any] = {"cells": [10, 5], "order": 2}
 RADIUS, DEPTH, TOUCH = 0.004, 3e-4, 1e-3  # of the ball; how far it advances beyond touch; d there [m]
-POSITIONS, QUICK_POSITIONS = (5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 40.0), (15.0, 40.0)  # from the clamp [mm]
+POSITIONS = 5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 40.0  # from the clamp [mm]
 AFAR, BRACKET = 0.04, 2.5e-4  # d without contact; of the rod's d at the full-order force, from its own [m]
 
 
@@ -51,7 +50,7 @@ def compared(full: FullOrder, position: float) -> dict[str, Any]:
 def measure(run: Run) -> dict[str, Any]:
     """Every position: forces [N], and displacements of the tip over the force [um/N]."""
     table = tomllib.loads(SCENE.read_text())
-    mesh, positions = (QUICK_MESH, QUICK_POSITIONS) if run.quick else (table["mesh"], POSITIONS)
+    mesh, positions = table["mesh"], POSITIONS
     full = FullOrder({key: table[key] for key in ("name", "geometry", "material", "tendons", "load")} | {"mesh": mesh})
     rows = [run.once(f"{position} mm", compared, full, position) for position in positions]
     along, across = mesh["cells"]

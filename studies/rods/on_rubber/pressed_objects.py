@@ -14,10 +14,10 @@ import numpy as np
 from rom import AmongObjects, Rod
 from rom.error_statistics import quantiles
 from rom.rod.objects.shapes import RigidObject
+from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import FullOrder, Table
 from studies.rods.objects import CORES, FELT
-from studies.runner import Run
 
 COUNTS = "no answer", "marked", "weak", "failed"
 

@@ -9,11 +9,11 @@ import numpy as np
 
 from rom import Cylinder, Plane, Rod, Sphere, TouchedSegment
 from rom.rod.objects.shapes import RigidObject
+from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import Table, obstacle, random_box
 from studies.rods.on_rubber.pressed_objects import Pressed, by_core, summary
 from studies.rods.scattered_objects import DISTANCE, SHAPES, tensions
-from studies.runner import Run
 
 DEPTHS, RADII = (2e-4, 4e-3), (3e-3, 3e-2)  # beyond touch; of round objects [m]
 TILT, EDGE = np.radians(40), 0.8  # of an object against the surface; of half the side: beyond, an edge's neighbourhood
@@ -79,7 +79,7 @@ def pressed(finger: Rod, random: np.random.Generator, shape: str) -> Pressed | N
 
 def measure(run: Run) -> list[dict]:
     """Every shape, a shape a process."""
-    plan, count = (plans.QUICK, 2) if run.quick else (plans.LARGE, 10)
+    plan, count = plans.LARGE, 10
     calls = [(partial(pressed, shape=shape), [21], count, MOST, True) for shape in SHAPES]
     parts = zip(SHAPES, by_core(run, plan, calls), strict=True)
     return [{"shape": shape, **summary([part])} for shape, part in parts]

@@ -9,8 +9,9 @@ gymnasium = pytest.importorskip("gymnasium", reason="the optional extra [gymnasi
 from episodes import assert_last_observation, assert_same_again  # noqa: E402
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
-from control.mujoco.environment import NAME, GraspEnvironment  # noqa: E402
-from studies.grasping.learning import controllers, played, random_policy  # noqa: E402
+from control import GraspOptions  # noqa: E402
+from control.mujoco.environment import LARGEST, NAME, GraspEnvironment  # noqa: E402
+from studies.grasping.closing import GENTLY, Closing  # noqa: E402
 
 
 @pytest.mark.filterwarnings("error")
@@ -28,11 +29,51 @@ def test_it_is_made_many_times_over_by_its_name():
     made.close()
 
 
-def test_who_feels_lifts_and_who_does_not_does_not():
-    known = played(lambda environment, _: controllers(environment, 1.0), 6)
-    blind = played(random_policy, 6)
-    assert known["lifted"] >= 3 and blind["lifted"] == 0
-    assert known["reward"] > 0.4 > blind["reward"] + 0.3
+def random_policy(environment: GraspEnvironment, seed: int):
+    """Any action."""
+    random = np.random.default_rng(seed)
+    return lambda _: random.uniform(-1, 1, environment.action_space.shape)
+
+
+def controllers(environment: GraspEnvironment, force: float):
+    """The project's own, who feel and do not know what stands there: all squeeze with one force [N]."""
+    gripper, size = environment.gripper, len(environment.gripper.fingers)
+    options = GraspOptions(
+        period=environment.period, approach_step=0.5, squeeze_steps=15, tolerance=0.15, dead_band=0.15, settling=0.05
+    )
+    closing = Closing(gripper, gripper.grips(GENTLY * force, options), np.full(size, force))
+    upper = gripper.fingers[0].upper
+
+    def act(observation: np.ndarray) -> np.ndarray:
+        now, felt = observation[: -size - 2].reshape(size, -1) * upper, LARGEST * observation[-size - 2 : -2]
+        for grip, target, feels in zip(closing.grips, closing.targets(), felt, strict=True):
+            grip.target = float(target)
+            grip.step(float(feels))
+        wanted = np.array([grip.tensions for grip in closing.grips])
+        return np.clip((wanted - now) / environment.change, -1, 1).ravel()
+
+    return act
+
+
+def played(policy, episodes: int) -> tuple[float, int]:
+    """Mean reward of a policy, and how often it lifts the solid by nearly all of 50 mm."""
+    environment, rewards, lifted = GraspEnvironment(), [], 0
+    for seed in range(episodes):
+        observation, _ = environment.reset(seed=seed)
+        act, total, ended, over = policy(environment, seed), 0.0, False, False
+        while not (ended or over):
+            observation, reward, ended, over, told = environment.step(act(observation))
+            total += reward
+        rewards.append(total)
+        lifted += told["lifted"] > 0.045
+    return float(np.mean(rewards)), lifted
+
+
+def test_controllers_that_feel_lift_and_random_actions_do_not():
+    reward, lifted = played(lambda environment, _: controllers(environment, 1.0), 6)
+    blind, none = played(random_policy, 6)
+    assert lifted >= 3 and none == 0
+    assert reward > 0.4 > blind + 0.3
 
 
 def test_who_pulls_on_and_on_crushes_what_is_weak():

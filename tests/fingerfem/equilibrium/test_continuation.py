@@ -236,6 +236,7 @@ def test_rest_to_the_strongest_pull_takes_at_most_22_factorisations(draft):
     assert solver_study.from_rest(draft)["factorisations"] <= 22
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("modulus", [1e3, 1e5])
 def test_soft_rubber_pulled_less_bends_as_stiff_rubber_pulled_more(table, modulus):
     """Everything but the plates scales with the rubber's modulus, and they are rigid to a millionth."""

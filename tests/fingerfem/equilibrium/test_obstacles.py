@@ -54,6 +54,7 @@ def test_a_plane_that_says_where_it_is_gives_the_numbers_of_the_usual_one(table)
         assert ours == pytest.approx(theirs, rel=1e-9)
 
 
+@pytest.mark.long
 def test_a_plane_beside_the_finger_is_the_plane_above_it_seen_from_the_side(table):
     above = model(table).solve(TENSIONS, D)
     beside = model(table, centre=[0, 0, 0.005], normal=[0, 0, -1.0]).solve(TENSIONS[::-1], D)
@@ -64,6 +65,7 @@ def test_a_plane_beside_the_finger_is_the_plane_above_it_seen_from_the_side(tabl
     )
 
 
+@pytest.mark.long
 def test_large_spheres_and_cylinders_become_the_plane(table):
     flat = model(table).solve(TENSIONS, D)
     where = flat.displacement.reshape(-1, 3)  # touched near the tip: the apex of the round ones stands there

@@ -54,6 +54,7 @@ def forces(method: str, factor: float) -> list[float]:
     return [model.solve(*load, sensitivities=False).contact_force for load in CONTACT]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("method", "factor"),
     [
@@ -149,6 +150,7 @@ def test_half_a_finger_gives_the_answer_of_the_whole(planar, load):
 # -- laws --
 
 
+@pytest.mark.long
 def test_laws_agree_where_strains_are_small(planar):
     """The same small-strain moduli, a pull that bends the tip by some hundredths of its length."""
     neo = load_scene(SCENES / "draft.toml").law
@@ -172,6 +174,7 @@ def test_laws_agree_where_strains_are_small(planar):
     assert tips[2] == pytest.approx(tips[0], rel=0.01)
 
 
+@pytest.mark.long
 def test_rubber_with_a_negative_mooney_rivlin_constant_bends(planar):
     """A published fit of silicone, nearly incompressible and so mixed, on two meshes."""
     planar["geometry"] |= {"side": 0.020, "segments": [0.100], "plate": 0.002}
@@ -187,6 +190,7 @@ def test_rubber_with_a_negative_mooney_rivlin_constant_bends(planar):
     assert tips[0] == pytest.approx(tips[1], rel=0.02) and tips[0] > 0.03
 
 
+@pytest.mark.long
 def test_a_law_that_loses_its_equilibrium_says_where(planar):
     """Saint Venant-Kirchhoff rubber collapses under compression, before 100 N here."""
     planar["material"] = {"law": "saint-venant-kirchhoff", "E": 9.88e6, "nu": 0.3}
@@ -200,6 +204,7 @@ def incompressible(poisson: float, **settings) -> dict:
     return {"law": "neo-hookean", "C1": law.C1, "D1": law.D1, **settings}
 
 
+@pytest.mark.long
 def test_rubber_of_poissons_ratio_04999_bends_and_does_not_lock(planar):
     """A fixed E bends alike at every Poisson's ratio; displacements alone would lock at a fifth of that."""
     planar["mesh"]["cells"] = [16, 5]
@@ -267,6 +272,7 @@ def test_guided_and_straight_tendons_can_be_mixed(table):
     assert state.tip[1] > 0.005 and state.tip[2] > 0.001
 
 
+@pytest.mark.long
 def test_the_long_tendon_slides_through_the_middle_plate():
     model = FingerModel(load_scene(SCENES / "two_segments.toml"))
     short, long = (model.solve(tensions) for tensions in ([30.0, 0.0], [0.0, 30.0]))
@@ -289,6 +295,7 @@ def test_the_long_tendon_slides_through_the_middle_plate():
 # -- what the model does not prevent --
 
 
+@pytest.mark.long
 def test_a_finger_that_curls_into_itself_is_marked(planar):
     """In its plane a finger that turns by more than a circle, F e L / EI > 2 pi, meets itself."""
     planar["geometry"]["segments"], planar["mesh"]["cells"] = [0.120], [48, 5]
@@ -312,6 +319,7 @@ def test_a_finger_that_curls_into_itself_is_a_failed_snapshot(planar, tmp_path):
     assert np.isnan(line["displacement"][-1]).all() and np.isnan(line["tip"][-1]).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("scene", "tensions"),
     [
@@ -333,6 +341,7 @@ def test_two_opposite_tendons_shorten_a_finger_and_leave_it_stable(planar):
     assert state.tip[0] < -0.003
 
 
+@pytest.mark.long
 def test_more_ranks_than_cells_along_an_edge_do_not_change_the_answer(planar):
     """Ranks may be left without a cell of a region, of the clamp or of the plane's side."""
     if MPI.COMM_WORLD.size > 1:
@@ -353,6 +362,7 @@ def test_more_ranks_than_cells_along_an_edge_do_not_change_the_answer(planar):
 # -- stability --
 
 
+@pytest.mark.long
 def test_half_a_finger_knows_when_the_whole_one_falls_to_the_side(planar):
     """A plane props the tip in y; across, a straight tendon on the axis makes it a column clamped at one end."""
     planar["tendons"][0]["tension"] = [0.0, 100.0]

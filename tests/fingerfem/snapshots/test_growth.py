@@ -19,6 +19,7 @@ from rom.elements.fitting import growth
 from rom.rod.check import check_pressed
 from rom.rod.rod import Rod
 
+pytestmark = pytest.mark.long
 UNTIL = "0.07 %"
 
 

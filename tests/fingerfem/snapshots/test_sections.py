@@ -180,6 +180,7 @@ def test_the_sections_stored_are_those_of_the_displacement_stored(cells, order):
     assert pressed.stored["section_corners"][-1] == pytest.approx(seen - at_rest, abs=1e-15)
 
 
+@pytest.mark.long
 @pytest.mark.mpi
 @pytest.mark.parametrize(("cells", "order"), ONE.values(), ids=ONE)
 def test_ranks_that_share_a_finger_store_what_one_rank_does(cells, order):

@@ -1,13 +1,4 @@
 import pytest
-from assembled import two_segments
-
-import rom
-
-
-@pytest.fixture(scope="session")
-def models(table):
-    """What is exported, by name."""
-    return {"rod": rom.load(), "table": table, "two_segments": two_segments()}
 
 
 @pytest.fixture(scope="session")

@@ -44,5 +44,5 @@ def test_a_modulus_that_is_off_by_a_millionth_is_seen(tmp_path):
     arrays, numbers = described(model)
     numbers["law"]["C1"] *= 1 + 1e-6
     state = {"tensions": FREE[0], "distance": None}
-    theirs, _ = ask_felupe(arrays, {"task": "states", "scene": numbers, "states": [state]}, tmp_path)
+    theirs, _ = ask_felupe(arrays, {"scene": numbers, "states": [state]}, tmp_path)
     assert 1e-8 < np.abs(theirs[0] - ours).max() / np.abs(ours).max() < 1e-5

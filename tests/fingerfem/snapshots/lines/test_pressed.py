@@ -14,6 +14,7 @@ LINES = 18
 LOAD = {"force": 5.0}
 
 
+@pytest.mark.long
 def test_free_states_do_not_depend_on_where_they_began_nor_on_who_solves_them(scene, tmp_path):
     text, file = scene.read_text(), tmp_path / "pressed.toml"
     head, mesh = text.split("[obstacle]")[0], text[text.index("[mesh]") :].split("[sampling]")[0]

@@ -1,0 +1,64 @@
+"""The studies: the page of each, and the module that measures each part.
+
+Each module has a function `measure(run: runner.Run)`, which returns what JSON can hold.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Study:
+    """A section of a page of docs/.
+
+    Attributes:
+        page: without its suffix.
+        parts: by part, the module of `studies/NAME/`, or MODULE:FUNCTION.
+        elsewhere: parts for another Python, which has MuJoCo or PyElastica; see the Makefile.
+    """
+
+    page: str
+    parts: dict[str, str]
+    elsewhere: tuple[str, ...] = ()
+
+
+def _same(*names: str) -> dict[str, str]:
+    return {name.split(".")[-1]: name for name in names}
+
+
+# In this order: later studies use the snapshot sets of earlier ones.
+STUDIES = {
+    "solver": Study("appendix", _same("speed", "choices")),
+    "training": Study("appendix", _same("farm")),
+    "control": Study("speed", _same("campaigns", "loop", "grasps", "verification")),
+    "tradeoff": Study("speed", _same("fingers")),
+    "separated": Study(
+        "accuracy",
+        {
+            "rod": "separated:of_the_rod",
+            "plain": "separated:without_alignment",
+            "grid": "separated:of_states",
+        },
+    ),
+    "rods": Study(
+        "accuracy",
+        _same("accuracy", "lengths", "objects", "robustness", "speed")
+        | _same(*(f"on_rubber.{name}" for name in ("indentation", "positions", "rubber", "several", "histories"))),
+    ),
+    "tapered": Study("accuracy", _same("tapered")),
+    "grasping": Study(
+        "grasping",
+        _same("grasps", "physics", "pictures"),
+        elsewhere=("grasps", "physics", "pictures"),
+    ),
+    "coverage": Study("accuracy", _same("coverage")),
+    "extremes": Study("appendix", _same("extremes")),
+    "required": Study("appendix", _same("required")),
+    "figures": Study("appendix", _same("figures", "held", "errors")),
+    "peers": Study(
+        "peers",
+        _same("reference", "ours", "speed") | {"finite_elements": "felupe.comparison", "rods": "rods.comparison"},
+        elsewhere=("rods",),
+    ),
+}

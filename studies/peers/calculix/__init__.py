@@ -1,1 +1,0 @@
-"""CalculiX and the forms of this project on a bar."""

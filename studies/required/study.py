@@ -1,5 +1,0 @@
-"""The parts of docs/appendix.md."""
-
-from studies.required import required
-
-PARTS = {"required": required.measure}

@@ -1,5 +1,0 @@
-"""The parts of docs/accuracy.md."""
-
-from studies.tapered import tapered
-
-PARTS = {"tapered": tapered.measure}
