@@ -104,9 +104,10 @@ out/peers/felupe/ready: .venv/ready
 	touch $@
 
 # The documentation as a site, out/site/index.html: no link may be broken. What its pages quote, docs/.site/samples.py makes anew.
-site: out/site-venv/ready
+site: out/site-venv/ready .venv/ready
 	$(PYTHON) docs/.site/language.py
 	NO_MKDOCS_2_WARNING=1 out/site-venv/bin/mkdocs build --strict
+	PYTHONPATH=. .venv/bin/python -m control export rom/finger.h5 out/site/finger.html
 
 out/site-venv/ready: docs/.site/requirements.txt
 	$(PYTHON) -m venv out/site-venv

@@ -49,7 +49,7 @@ from rom.summaries import origin
 from studies import report, sets
 
 SCENES = Path(__file__).resolve().parents[1] / "scenes" / "demo"
-CALLER = "FINGERFEM_CALLER"  # tells the farm that the demo says what is kept when it is stopped
+CALLER = "FINGERFEM_CALLER"  # the demo, not the farm, prints what an interruption keeps
 SHOW_CURSOR = "\x1b[?25h"  # which a bar hides, and a killed rank does not bring back
 HELD_OUT = ["--random", "8", "--distances", "4", "--seed", "2018"]
 # The fingers that are driven are on a mesh of their own, neither the fine nor the coarse one.
@@ -63,7 +63,7 @@ QUICK: dict[str, dict] = {
 }
 CASES = [([50.0, 0.0], None), ([100.0, 0.0], None), ([50.0, 0.0], 0.005), ([60.0, 60.0], 0.008)]
 TARGET = 1.0  # [N]
-OBJECT_CENTRE, OBJECT_RADIUS = (0.002, -0.0015), 0.012  # [m]; the controller is told neither
+OBJECT_CENTRE, OBJECT_RADIUS = (0.002, -0.0015), 0.012  # [m]; the controller has neither
 HOLDS = 10_000  # of the sweep
 HOLD_DISTANCES = [0.003, 0.006, 0.010, 0.014, 0.018]  # [m]
 
@@ -266,7 +266,7 @@ def main(out: Path, quick: bool = False) -> None:
 
 
 def say(line: str) -> None:
-    """Tell what is going on."""
+    """Print a line of the demo."""
     terminal.say(f"demo: {line}")
 
 

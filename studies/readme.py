@@ -1,4 +1,4 @@
-"""Write what README and docs/demo.md show of a demo, pictures and badges: python3 studies/readme.py out/demo."""
+"""Write what README and docs/demo.md show of a demo, and pictures: python3 studies/readme.py out/demo."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ sys.path.insert(0, str(ROOT))
 
 from control.export.page import write as write_page
 from rom import TouchedSegment
-from studies import badges, report
+from studies import report
 
 BEGIN, END = "<!-- measured: written by `make readme` -->", "<!-- end -->"
 CHROMIUM = (
@@ -90,14 +90,13 @@ def photograph(picture: Path) -> None:
 
 
 def main(folder: Path) -> None:
-    """Rewrite README.md, docs/demo.md, their pictures and badges."""
+    """Rewrite README.md, docs/demo.md and their pictures."""
     numbers = json.loads((folder / "report.json").read_text())
     docs = ROOT / "docs"
     put(BEGIN, summary(numbers))
     put(BEGIN, measured(numbers), "docs/demo.md")
     shutil.copyfile(folder / "s11.png", docs / "finger.png")
     photograph(docs / "page.png")
-    badges.write(docs / "badges")
 
 
 if __name__ == "__main__":

@@ -165,7 +165,7 @@ touches, or the force is beyond what was trained: these answers are marked, and 
 in the {contacts["count"]} states that touch. {numbers["terms"]:,} products; {numbers["bytes"] / 1e6:.1f} MB.</p>
 <img src="parity.png" alt="assembled finger over full-order model">
 <h2>Grasp</h2>
-<p>Three fingers 120 degrees apart close around an object. They are told neither its position nor its size: each feels contact, finds
+<p>Three fingers 120 degrees apart close around an object. They have neither its position nor its size: each feels contact, finds
 d*, squeezes to {grasp["target"]:g} N and corrects by what it feels. Every pull is a full-order solve ({grasp["full_order_solves"]} in all).
 The object's centre was found within {1e6 * grasp["centre_error"]:.0f} um.</p>
 <img src="grasp.png" alt="force history">

@@ -1,7 +1,7 @@
 """The one runner of all studies: measures part by part, then writes each study's section of a page of docs/.
 
 python3 -m studies.runner [NAME ...] [--out OUT]      writes OUT (out/docs by default) and docs/
-python3 -m studies.runner --part NAME/PART                      measures one part, with the Python at hand
+python3 -m studies.runner --part NAME/PART                      measures one part, with this Python
 
 `declared.py` names the parts of a study. Its folder has `page.md.j2`, the section, and perhaps `page.py`, which draws
 pictures and prepares tables.

@@ -46,10 +46,10 @@ def assert_last_observation(make, steps):
         vector = SyncVectorEnv([make] * 2, autoreset_mode=mode)
         vector.reset(seed=list(seeds))
         for action in actions:
-            found, _, _, over, told = vector.step(action)
+            found, _, _, over, info = vector.step(action)
         assert over.all()
         if mode == AutoresetMode.SAME_STEP:
-            np.testing.assert_array_equal(np.stack(told["final_obs"]), expected)
+            np.testing.assert_array_equal(np.stack(info["final_obs"]), expected)
             np.testing.assert_array_equal(found, following)
         else:
             np.testing.assert_array_equal(found, expected)

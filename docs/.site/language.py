@@ -1,7 +1,7 @@
 """Finds words that this project does not use, and sentences of pages that are too long.
 
-python docs/.site/language.py          prints one line for each in packages and pages that are written by hand; exits with 1 if any
-python docs/.site/language.py --all    the same of all pages, studies and tests
+python docs/.site/language.py          prints one line for each in code and in pages that are written by hand; exits with 1 if any
+python docs/.site/language.py --all    the same of all pages
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ BY_HAND = (
     "docs/format.md",
     "docs/theory",
     *(f"docs/{name}" for name in ("howto", "tutorials", "reference")),
-    *("fingerfem", "rom", "control"),
+    *("fingerfem", "rom", "control", "studies", "tests", "examples"),
 )
-FOLDERS = "README.md", "fingerfem", "rom", "control", "studies", "tests", "docs"
+FOLDERS = *BY_HAND, "docs"
 KINDS = ".md", ".py", ".c", ".h", ".in", ".j2"
-OTHERS_OWN = "node_modules", "samples", ".site"  # folders whose text is not ours, or names these words
+OTHERS_OWN = "node_modules", "samples", ".site", "test_language.py"  # text that is not ours, or names these words
 FENCE = re.compile(r"^ *(```|~~~).*?^ *\1|^\$\$.*?\$\$", re.MULTILINE | re.DOTALL)  # code, and formulas of their own
 IN_LINE = re.compile(
     r"\[[^]]*\]\([^)]*\)|`[^`]*`|\$[^$]*\$|<[^>]*>|\{[{%].*?[%}]\}"

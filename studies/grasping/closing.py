@@ -15,7 +15,7 @@ SQUEEZE = 0.3  # from there to the held force [s]
 
 @dataclass
 class Closing:
-    """Contact forces that fingers are told, from touch to hold.
+    """Targets of contact forces, from touch to hold.
 
     Attributes:
         gripper: whose fingers.
@@ -23,7 +23,7 @@ class Closing:
         wanted: contact forces in the end, shape (fingers,) [N].
         radius: half-width of what is grasped [m]; unknown if it is nan.
         uncertain: how far from where they should be its faces may be found [m].
-        share: of the contact forces that they are told now [-].
+        share: of the contact forces that are the targets now [-].
         squeezing: whether all have touched.
         doubt: why not to squeeze or to lift; empty if nothing speaks against it.
     """

@@ -1,6 +1,6 @@
 """What the task looks like: a moving picture of one grasp, and a still one of the five shapes in the air.
 
-Drawn off-screen with MuJoCo's own renderer through EGL: no display is needed. Of a finger MuJoCo knows the plate alone;
+Drawn off-screen with MuJoCo's own renderer through EGL: no display is needed. MuJoCo has only the plate of a finger;
 its rubber is drawn by its outline.
 """
 
@@ -126,7 +126,7 @@ def rubber(simulation: Simulation) -> list[tuple[np.ndarray, ...]]:
         segment, before = spring.inverse.segment, simulation.model.body_parentid[spring.body]
         clamp, plate = data.xmat[before].reshape(3, 3), data.xmat[spring.body].reshape(3, 3)
         inputs = np.concatenate([simulation.tensions[spring.finger, spring.pulled], spring.inverse.wrench])
-        known = spring.rubber.boxes(data, inputs, segment.struct.stations + 1)
+        known = spring.rubber.boxes(data, inputs, segment.struct.knots + 1)
         if known is not None:
             palm = data.xpos[before] - INTO * clamp[:, 0]
             found += smooth(known, palm, np.array([clamp, plate]), segment.half_lengths)

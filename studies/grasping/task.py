@@ -127,7 +127,7 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     if not wanted.exist:
         return row | {"fate": "refused", "reason": wanted.reason, "impossible": wanted.least > wanted.most}
     if wanted.contact_forces.min() < least_felt(one):
-        reason = f"{wanted.contact_forces.min():.2g} N cannot be told from no contact"
+        reason = f"{wanted.contact_forces.min():.2g} N cannot be distinguished from no contact"
         return row | {"fate": "refused", "reason": reason, "impossible": False}
     watch = Watch(simulation, looks or [])
     row |= perform(gripper, one, wanted.contact_forces, watch)
@@ -138,7 +138,7 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
 
 
 def least_felt(one: Trial) -> float:
-    """Least contact force that a finger can tell from none [N]."""
+    """Smallest contact force that a finger distinguishes from none [N]."""
     return 1.05 * DISTINCT * max(GraspOptions().feel, 3 * one.flaws.noise)
 
 

@@ -20,17 +20,17 @@ def errors(answers: dict[str, Any], reference: dict[str, Any]) -> dict[str, Any]
     found: dict[str, Any] = {}
     missing: dict[str, list[int]] = {}
     for quantity in (FREE, *PRESSED):
-        told, truth = answers[quantity], reference[quantity]
-        off = [relative(one, true) for one, true in zip(told, truth, strict=True) if one is not None]
+        answered, truth = answers[quantity], reference[quantity]
+        off = [relative(one, true) for one, true in zip(answered, truth, strict=True) if one is not None]
         found[quantity] = {"median": float(np.median(off)), "max": max(off)} if off else None
-        missing[quantity] = [k for k, one in enumerate(told) if one is None] if off else []
+        missing[quantity] = [k for k, one in enumerate(answered) if one is None] if off else []
     pressed = sorted({k for quantity in PRESSED for k in missing[quantity]})
     return found | {"missing_free": missing[FREE], "missing_contact": pressed}
 
 
-def relative(told: float | Sequence[float], truth: float | Sequence[float]) -> float:
+def relative(answered: float | Sequence[float], truth: float | Sequence[float]) -> float:
     """Distance over the true one's length [-]."""
-    return float(np.linalg.norm(np.subtract(told, truth)) / np.linalg.norm(truth))
+    return float(np.linalg.norm(np.subtract(answered, truth)) / np.linalg.norm(truth))
 
 
 def compared(every: list[dict[str, Any]], reference: dict[str, Any]) -> list[dict[str, Any]]:

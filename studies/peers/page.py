@@ -9,7 +9,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from studies.axes import large_letters, logarithmic
-from studies.labels import label
 from studies.peers.errors import compared, errors
 from studies.peers.ours import ASIDE, trained
 from studies.peers.question import CONTACT, FREE, finger
@@ -17,6 +16,7 @@ from studies.sections import DOCS
 
 COLOURS = {"finite elements": "tab:blue", "beam": "tab:green", "reduced model": "tab:orange"}
 PANELS = {"free_tips": "tip in free space", "contact_forces": "contact force on the plane"}
+MARKERS = "os^vDPX*<>"
 LEAST = 1e-5  # smallest error that is drawn [-]
 
 
@@ -50,8 +50,8 @@ def within(reference: dict[str, Any]) -> list[dict[str, Any]]:
     truths = list(zip(reference["contact_tips"], reference["contact_forces"], strict=True))
     found = []
     for name, model in trained().items():
-        told = [model.evaluate(np.array([tension, ASIDE, distance])) for tension, distance in CONTACT]
-        pairs = list(zip(told, truths, strict=True))
+        estimates = [model.evaluate(np.array([tension, ASIDE, distance])) for tension, distance in CONTACT]
+        pairs = list(zip(estimates, truths, strict=True))
         shares = [answer.error["contact_force"] / force for answer, (_, force) in pairs]
         found.append(
             {
@@ -93,21 +93,17 @@ def _force_error(row: dict[str, Any]) -> tuple[float, float]:
 
 
 def draw(rows: list[dict[str, Any]], file: Path) -> None:
-    """Error against time per answer, every alternative a labelled point."""
+    """Error against time per answer; a marker for every alternative."""
     large_letters()
-    figure, panels = plt.subplots(1, 2, figsize=(14, 7.5), layout="constrained")
+    figure, panels = plt.subplots(1, 2, figsize=(14, 6), layout="constrained", sharex=True)
     for axes, (quantity, title) in zip(panels, PANELS.items(), strict=True):
-        shown = [row for row in rows if row["errors"][quantity]]
-        points = [(row["seconds"], 100 * max(row["errors"][quantity]["median"], LEAST)) for row in shown]
-        for kind, colour in COLOURS.items():
-            of = [point for row, point in zip(shown, points, strict=True) if row["kind"] == kind]
-            axes.loglog(*zip(*of, strict=True), "o", ms=8, color=colour, label=kind) if of else None
+        for row, marker in zip(rows, MARKERS, strict=False):
+            error = 100 * max(row["errors"][quantity]["median"], LEAST)
+            axes.loglog(row["seconds"], error, marker, ms=10, color=COLOURS[row["kind"]], label=row["name"])
         axes.set(xlabel="core-seconds per answer", ylabel="relative error, median [%]", title=title)
-        axes.margins(0.12)
-        axes.autoscale_view()
+        axes.margins(0.1)
         logarithmic(axes)
         axes.grid(True, alpha=0.3)
-        label(axes, points, [row["name"] for row in shown], fontsize=12)
-    panels[0].legend(loc="lower right")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper")
     figure.savefig(file, dpi=110)
     plt.close(figure)

@@ -84,7 +84,7 @@ def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(table_file):
         (["grasp", "--radius", "1.0"], "must lie in the trained box"),
     ],
 )
-def test_bad_input_is_told_and_ends_with_code_2(table_file, words, said):
+def test_bad_input_is_reported_and_ends_with_code_2(table_file, words, said):
     command = [sys.executable, "-m", "control", words[0], str(table_file), *words[1:]]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 2 and done.stdout == ""

@@ -27,7 +27,7 @@ def test_vectors_keep_the_last_observation(table):
     assert_last_observation(lambda: HoldEnvironment(table, steps=4, flaws=Flaws(noise=0.05)), steps=4)
 
 
-def test_who_knows_the_plane_is_soon_rewarded_fully(table):
+def test_a_policy_that_has_the_plane_is_soon_rewarded_fully(table):
     environment, finger = HoldEnvironment(table), Finger(table)
     for seed in range(5):
         _, known = environment.reset(seed=seed)

@@ -34,12 +34,12 @@ def test_two_segments_are_assembled_and_hold_a_force(tmp_path):
     file = tmp_path / "two.h5"
     done = ran("rom", "assemble", scene(tmp_path, *TWO), "rom/finger.h5", "-o", file, "--json")
     assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
-    lengths = [sum(one["length_m"] for one in own) for own in told["segments"]]
-    assert lengths == pytest.approx([0.0395, 0.0595]) and told["size"] == told["modulus"] == 1.0
+    found = json.loads(done.stdout)
+    lengths = [sum(one["length_m"] for one in own) for own in found["segments"]]
+    assert lengths == pytest.approx([0.0395, 0.0595]) and found["size"] == found["modulus"] == 1.0
     assert Rod.load(file).scene["geometry"]["segments"] == [0.040, 0.060]
-    told = json.loads(ran("rom", "info", file, "--json").stdout)
-    assert len(told["segments"]) == 2 and told["accuracy"].startswith("not measured")
+    found = json.loads(ran("rom", "info", file, "--json").stdout)
+    assert len(found["segments"]) == 2 and found["accuracy"].startswith("not measured")
     held = ran("control", "hold", file, "--distance", "0.01", "--contact-force", "0.05", "--json")
     assert json.loads(held.stdout)["status"] == "converged"
 

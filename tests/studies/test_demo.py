@@ -53,7 +53,7 @@ def test_left_out_lines_say_what_held_out_states_show(report):
     assert 0.1 * left_out["p95"] < held_out["p95"] < 2 * left_out["p95"]
 
 
-def test_reached_and_out_of_reach_are_told_apart(report):
+def test_reached_and_out_of_reach_are_distinguished(report):
     assert report["reach"]["status"] == "converged" and report["reach"]["verified_miss"] < 5e-4
     assert report["unreachable"]["status"] == "unreachable"
 

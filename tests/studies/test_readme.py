@@ -7,7 +7,6 @@ import tomllib
 from pathlib import Path
 
 import fingerfem
-from studies import badges
 from studies.readme import BEGIN, END
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -46,13 +45,14 @@ def test_its_links_lead_to_files():
     assert len(links) > 30 and [link for link in links if not (ROOT / link).exists()] == []
 
 
-def test_badges_and_citation_name_the_version():
+def test_readme_and_citation_name_the_version():
     version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
     assert version == fingerfem.__version__
     assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
     assert f"\n## {version} - " in (ROOT / "CHANGELOG.md").read_text()
-    for name, value in badges.values().items():
-        assert (ROOT / "docs" / "badges" / f"{name.lower()}.svg").read_text() == badges.badge(name, value)
+    assert f"Version {version}, " in README
+    first, last = re.findall(r"DOLFINx (\d+\.\d+) to (\d+\.\d+)", (ROOT / "docker" / "run").read_text())[0]
+    assert f"DOLFINx {first} to {last}," in README
 
 
 def test_the_two_commands_are_those_of_the_makefile_and_of_ci():

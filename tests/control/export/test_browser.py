@@ -134,14 +134,14 @@ def test_it_shows_orientation_and_shortenings_of_a_rod_alone(opened, models, nam
     if name == "table":
         return
     point = model.limits[0] + np.array([0.3, 0.1, 0.2]) * (model.limits[1] - model.limits[0])
-    told, report = (
+    answer, report = (
         shown.execute_script("return window.fingerfem.evaluate(arguments[0])", point.tolist()),
         model.report(point),
     )
-    assert told["orientation"] == pytest.approx(report.orientation, abs=1e-9)
-    assert told["shortenings"] == pytest.approx(report.shortenings, abs=1e-11)
-    assert told["error"]["orientation"] == pytest.approx(float(report.orientation_error))
-    assert told["error"]["shortenings"] == pytest.approx(float(report.shortening_error))
+    assert answer["orientation"] == pytest.approx(report.orientation, abs=1e-9)
+    assert answer["shortenings"] == pytest.approx(report.shortenings, abs=1e-11)
+    assert answer["error"]["orientation"] == pytest.approx(float(report.orientation_error))
+    assert answer["error"]["shortenings"] == pytest.approx(float(report.shortening_error))
     at = shown.execute_script("return window.fingerfem.point()")
     words = re.findall(r"F\d (-?[\d.]+)", shown.find_element("id", "shortenings").text)
     assert [float(word) for word in words] == pytest.approx(1e3 * model.report(at).shortenings, abs=6e-4)

@@ -29,7 +29,7 @@ def test_the_viewer_names_three_s_licence():
     assert "three.js authors, MIT licence" in VIEWER.read_text()
 
 
-def test_a_rod_s_plate_is_told_from_its_rubber_and_a_table_has_no_shape(table):
+def test_a_rod_s_plate_is_distinguished_from_its_rubber_and_a_table_has_no_shape(table):
     found = about(rom.load())
     assert found["sections"] == len(found["metal"]) > 10
     assert found["metal"] == [False] * (found["sections"] - 2) + [True, True]
@@ -42,7 +42,7 @@ def test_a_page_is_named_html(tmp_path):
         write(rom.load(), tmp_path / "finger.h5")
 
 
-def test_c_alone_tells_what_python_tells_of_a_table(table):
+def test_c_alone_answers_as_python_does_for_a_table(table):
     own, points = struct(table), some_points(table, 500)
     expected = table.evaluate(points)
     for i, point in enumerate(points):

@@ -1,4 +1,4 @@
-"""Three fingers around an object whose place they are not told."""
+"""Three fingers around an object of unknown position."""
 
 import numpy as np
 import pytest

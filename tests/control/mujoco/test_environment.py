@@ -21,9 +21,9 @@ def test_it_passes_gymnasiums_own_check():
 
 def test_it_is_made_many_times_over_by_its_name():
     made = gymnasium.make_vec(f"control.mujoco.environment:{NAME}", num_envs=2, vectorization_mode="sync")
-    observations, told = made.reset(seed=3)
+    observations, info = made.reset(seed=3)
     assert observations.shape == (2, 11)
-    assert told["solid"][0].mass != told["solid"][1].mass
+    assert info["solid"][0].mass != info["solid"][1].mass
     observations, rewards, *_ = made.step(np.ones((2, 6)))
     assert np.isfinite(observations).all() and np.isfinite(rewards).all()
     made.close()
@@ -36,7 +36,7 @@ def random_policy(environment: GraspEnvironment, seed: int):
 
 
 def controllers(environment: GraspEnvironment, force: float):
-    """The project's own, who feel and do not know what stands there: all squeeze with one force [N]."""
+    """The project's own, without the solid's mass and strength: all squeeze with one force [N]."""
     gripper, size = environment.gripper, len(environment.gripper.fingers)
     options = GraspOptions(
         period=environment.period, approach_step=0.5, squeeze_steps=15, tolerance=0.15, dead_band=0.15, settling=0.05
@@ -62,10 +62,10 @@ def played(policy, episodes: int) -> tuple[float, int]:
         observation, _ = environment.reset(seed=seed)
         act, total, ended, over = policy(environment, seed), 0.0, False, False
         while not (ended or over):
-            observation, reward, ended, over, told = environment.step(act(observation))
+            observation, reward, ended, over, info = environment.step(act(observation))
             total += reward
         rewards.append(total)
-        lifted += told["lifted"] > 0.045
+        lifted += info["lifted"] > 0.045
     return float(np.mean(rewards)), lifted
 
 
@@ -79,16 +79,16 @@ def test_controllers_that_feel_lift_and_random_actions_do_not():
 def test_who_pulls_on_and_on_crushes_what_is_weak():
     environment = GraspEnvironment(shapes=("cylinder",))
     for seed in range(20):
-        _, told = environment.reset(seed=seed)
-        if told["solid"].admissible_force < 1.5:
+        _, info = environment.reset(seed=seed)
+        if info["solid"].admissible_force < 1.5:
             break
     total, ended = 0.0, False
     for _ in range(60):
-        _, reward, ended, _, told = environment.step(np.tile([1.0, 0.0], 3))
+        _, reward, ended, _, info = environment.step(np.tile([1.0, 0.0], 3))
         total += reward
         if ended:
             break
-    assert ended and told["crushed"] and total == pytest.approx(-1.0, abs=0.05)
+    assert ended and info["crushed"] and total == pytest.approx(-1.0, abs=0.05)
 
 
 def test_an_episode_is_the_same_again():
@@ -111,9 +111,9 @@ def test_a_simulation_that_stops_ends_the_episode_with_what_was_felt_last(body, 
     simulation.data.xfrc_applied[simulation.model.body(body).id, :3] = force
     ended = False
     for _ in range(3):
-        observation, reward, ended, _, told = environment.step(np.zeros(6))
-        assert environment.observation_space.contains(observation) and np.isfinite([reward, told["lifted"]]).all()
-        assert np.isfinite(told["contact_forces"]).all()
+        observation, reward, ended, _, info = environment.step(np.zeros(6))
+        assert environment.observation_space.contains(observation) and np.isfinite([reward, info["lifted"]]).all()
+        assert np.isfinite(info["contact_forces"]).all()
     assert ended or (body == "object" and force == 1e3)  # what is thrown away is not lost
 
 

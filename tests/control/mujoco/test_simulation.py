@@ -226,7 +226,7 @@ def test_two_segments_rest_where_their_elements_have_them(rod):
 
 
 def test_a_plate_led_around_a_closed_loop_gets_no_work_from_its_rubber(rod):
-    """At tensions that stay: rubber and tendons have a potential, which elements were not told."""
+    """At tensions that stay: rubber and tendons have a potential, which no element was trained with."""
     inverse, angles = InverseMap(rod.segments[0]), np.linspace(0, 2 * np.pi, 2001)
     work = exchanged = 0.0
     before = None

@@ -91,7 +91,7 @@ def test_complementarity_is_reported_and_nearly_kept(draft):
 
 
 @pytest.mark.parametrize("cells", [[20, 5], pytest.param([40, 8], marks=pytest.mark.long)])
-def test_a_pad_under_all_that_touches_bears_the_whole_force(planar, cells):
+def test_a_pad_under_all_that_touches_has_the_whole_force(planar, cells):
     """Whatever the mesh: the force on the tip's edge comes from two faces and rests on one pad."""
     planar["mesh"]["cells"] = cells
     state = model_of(planar).solve([50.0], 0.005, sensitivities=False)
@@ -363,7 +363,7 @@ def test_more_ranks_than_cells_along_an_edge_do_not_change_the_answer(planar):
 
 
 @pytest.mark.long
-def test_half_a_finger_knows_when_the_whole_one_falls_to_the_side(planar):
+def test_half_a_finger_reports_when_the_whole_one_falls_to_the_side(planar):
     """A plane props the tip in y; across, a straight tendon on the axis makes it a column clamped at one end."""
     planar["tendons"][0]["tension"] = [0.0, 100.0]
     planar["tendons"].append(planar["tendons"][0] | {"name": "F2", "path": "straight", "offset": [0.0, 0.0]})

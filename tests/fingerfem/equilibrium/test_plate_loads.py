@@ -39,7 +39,7 @@ def at(finger: FingerModel, state, tensions, wrench) -> tuple[np.ndarray, np.nda
     return found.centre, found.rotation
 
 
-def test_the_clamp_bears_what_presses_on_the_plate(finger, pressed):
+def test_the_clamp_reacts_to_what_presses_on_the_plate(finger, pressed):
     problem = finger.problem
     finger.take(pressed)
     (pose,) = problem.plates.poses(problem.displacement)

@@ -190,7 +190,7 @@ def test_contact_patch(method, order):
 
 
 @pytest.mark.parametrize("method", ["penalty", "nitsche"])
-def test_an_open_gap_bears_nothing(method):
+def test_an_open_gap_transmits_nothing(method):
     block = Block(plane=(method, 100 * E, 0.05))
     assert np.abs(block.solve()).max() == 0.0
     assert fem.assemble_scalar(block.force) == 0.0

@@ -77,7 +77,7 @@ def test_forces_are_tangential_and_at_most_their_bounds(stretches):
 
 @pytest.mark.parametrize("slope", [0.9, 1.1])
 def test_a_block_on_a_slope_slides_beyond_the_friction_angle(slope):
-    """The springs share its weight: what sticks bears it all; what slides bears mu N."""
+    """The springs share its weight: what sticks supports it all; what slides supports mu N."""
     friction, weight = 0.4, 2.0
     angle = slope * np.arctan(friction)
     normal, down = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, 0.0, -1.0])

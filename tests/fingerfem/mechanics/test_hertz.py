@@ -80,6 +80,6 @@ def test_a_ball_on_a_block_presses_as_hertz_says():
     # The block ends where a half space would have sunk by what Boussinesq says of a point force.
     sunk = (1 + NU) * (3 - 2 * NU) * found / (2 * np.pi * E * DEEP)
     assert found == pytest.approx(4 / 3 * modulus * np.sqrt(RADIUS) * (depth + sunk) ** 1.5, rel=0.01)
-    bears, area = (assemble_vector(form).array.reshape(-1, 3)[:, 1] for form in nodal)
-    largest = np.max(bears / np.where(area > 0, area, np.inf))
+    forces, area = (assemble_vector(form).array.reshape(-1, 3)[:, 1] for form in nodal)
+    largest = np.max(forces / np.where(area > 0, area, np.inf))
     assert largest == pytest.approx((6 * found * modulus**2 / (np.pi**3 * RADIUS**2)) ** (1 / 3), rel=0.02)

@@ -85,7 +85,7 @@ def test_every_axis_has_three_numbers_at_least(name):
         {"shape": "plane", "centre": [0.0, 0.01, 0.0], "normal": [0.5, -1.0, 0.0]},
     ],
 )
-def test_another_obstacle_is_drawn_by_its_cut_and_told_its_range(table, shape):
+def test_another_obstacle_is_drawn_by_its_cut_with_its_range(table, shape):
     table["obstacle"] = {"method": "penalty", "distance": [0.003, 0.02]} | shape
     figure = sketch(Scene.model_validate(table))
     assert f"{shape['shape']}: d = 3 to 20 mm" in words(figure) and figure.axes[0].collections

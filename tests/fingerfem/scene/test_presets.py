@@ -202,5 +202,5 @@ def test_the_command_says_what_is_expected(pressed, tmp_path):
     file = tmp_path / "scene.toml"
     file.write_text('preset = "draft"\n' + as_toml(pressed))
     line = command(2, file, tmp_path / "set", "--coarse", "--budget", "0.1s")
-    told = subprocess.run(line, cwd=ROOT, capture_output=True, text=True)
-    assert told.returncode == 0 and f"expected: {load_scene(file).expected}" in told.stderr, told.stderr
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0 and f"expected: {load_scene(file).expected}" in done.stderr, done.stderr

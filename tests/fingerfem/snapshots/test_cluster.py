@@ -1,4 +1,4 @@
-"""The scripts for clusters, as far as one machine tells: srun and apptainer are stood in for by what they would run."""
+"""The scripts for clusters, on one machine, with stand-ins for srun and apptainer."""
 
 import os
 import re

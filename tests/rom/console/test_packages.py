@@ -71,7 +71,7 @@ def test_a_package_that_pip_installs_is_named_too(program, package):
 
 
 @pytest.mark.parametrize("package", ["mujoco", "gymnasium"])
-def test_a_script_that_imports_an_optional_part_is_told_what_installs_it(package):
+def test_a_script_that_imports_an_optional_part_gets_the_command_that_installs_it(package):
     module = {"mujoco": "control.mujoco", "gymnasium": "control.environment"}[package]
     done = run_without([package], module)
     assert done.returncode == 1

@@ -43,8 +43,8 @@ def test_a_snapshot_that_is_not_finite_is_refused_by_name_and_solved_again(grid_
     arrays = read_task(grid_set, task)
     arrays[name][(2, *(0,) * (arrays[name].ndim - 1))] = value
     write_task(grid_set, task, "drawn", arrays)
-    told = rf"tasks/{task}.npz: {name} must be finite in a converged state, got nan or infinity in state 2; delete"
-    with pytest.raises(SnapshotError, match=told):
+    reason = rf"tasks/{task}.npz: {name} must be finite in a converged state, got nan or infinity in state 2; delete"
+    with pytest.raises(SnapshotError, match=reason):
         if name == "displacement":  # is read by itself
             read_task(grid_set, task, (name,))
         SnapshotSet(grid_set).states_of("contact", "tip")

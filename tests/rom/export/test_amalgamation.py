@@ -93,7 +93,7 @@ def sources(tmp_path) -> Sources:
     return Sources.of([tmp_path / "one.c", tmp_path / "two.c"])
 
 
-def test_declarations_are_told_apart_with_the_names_that_they_declare():
+def test_declarations_are_separated_with_the_names_that_they_declare():
     found = declarations(HEADER[HEADER.index("enum") : HEADER.rindex("#endif")])
     names = [{"MOST", "SIDE"}, {"part"}, {"row"}, {"size_of"}, {"area_of"}, {"unused"}]
     assert [one.names for one in found] == names

@@ -78,6 +78,6 @@ def test_the_command_writes_a_header_that_says_what_it_is(table_file, tmp_path):
     assert refused.returncode == 2 and "C identifier" in refused.stderr
 
 
-def test_a_name_that_c_does_not_know_is_refused(marked):
+def test_a_name_that_c_does_not_have_is_refused(marked):
     with pytest.raises(ModelError, match="C identifier"):
         header(marked, "my finger")

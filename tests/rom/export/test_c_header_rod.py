@@ -144,14 +144,14 @@ def objects(length: float) -> list[tuple[int, list[float], object]]:
 
 def assert_same(library, shape: int, numbers: list[float], model: TouchedSegment, points: np.ndarray) -> np.ndarray:
     """That C answers at points, each from rest, as Python does; returns the forces."""
-    ours, told = model.answers(points), model.evaluate(points)
-    errors = np.array([told.error[name] for name in QUANTITIES]).T
+    ours, answer = model.answers(points), model.evaluate(points)
+    errors = np.array([answer.error[name] for name in QUANTITIES]).T
     apart = 0
     for k, point in enumerate(points):
         wrenches, count = np.zeros(ours.loads.shape[1]), len(point)
         row, inside = touch(library, shape, numbers, point, wrenches)
         out, slopes, off = row[:5], row[5 : 5 * (1 + count)].reshape(5, count), row[5 * (1 + count) :]
-        assert inside == told.inside[k]
+        assert inside == answer.inside[k]
         if off[3] != ours.evaluations[k]:  # rounding ends a solve one step earlier
             apart += 1
             np.testing.assert_allclose(out, ours.out[k], rtol=1e-6, atol=1e-9)

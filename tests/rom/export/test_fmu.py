@@ -28,7 +28,7 @@ from sampled import some_points  # noqa: E402
 ROOT = Path(__file__).resolve().parents[3]
 pytestmark = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
 QUANTITIES = "tip", "contact_force", "touch_distance"
-TOLD = ["tip_x", "tip_y", "tip_z", "contact_force", "touch_distance", *(f"{name}_error" for name in QUANTITIES)]
+OUTPUTS = ["tip_x", "tip_y", "tip_z", "contact_force", "touch_distance", *(f"{name}_error" for name in QUANTITIES)]
 LARGEST = sys.float_info.max
 OLDEST = 2, 31  # glibc of Debian 11
 EACH = pytest.mark.parametrize("name", ["rod", "table"])
@@ -66,7 +66,7 @@ def test_its_numbers_are_python_s_also_outside(models, made, name, version):
     points = some_points(model, count)
     expected = model.evaluate(points)
     with driven(made(name, version)) as fmu:
-        found = np.array([[*fmu.ask(point, *TOLD), fmu.flag("inside"), fmu.status] for point in points])
+        found = np.array([[*fmu.ask(point, *OUTPUTS), fmu.flag("inside"), fmu.status] for point in points])
     want = np.column_stack([expected.tip, expected.contact_force, expected.touch_distance])
     errors = np.column_stack([expected.error[quantity] for quantity in QUANTITIES])
     assert np.isfinite(found).all()
@@ -84,7 +84,7 @@ def test_its_numbers_are_python_s_also_outside(models, made, name, version):
 @BOTH
 @EACH
 def test_derivatives_are_python_s_and_those_of_differences(models, made, name, version):
-    model, names = models[name], TOLD[:5]
+    model, names = models[name], OUTPUTS[:5]
     lower, upper = model.limits
     random, off = np.random.default_rng(2), []
     with driven(made(name, version)) as fmu:
@@ -135,7 +135,7 @@ def test_a_table_does_not_declare_what_it_does_not_report(made, version):
 @BOTH
 def test_where_a_derivative_is_asked_for_of_nothing_it_is_refused(made, version):
     with driven(made("rod", version)) as fmu:
-        errors = [fmu.references[name] for name in TOLD[5:8]]  # discrete: they jump
+        errors = [fmu.references[name] for name in OUTPUTS[5:8]]  # discrete: they jump
         for unknowns, knowns in (([1], fmu.inputs), ([101], [101]), ([999], [1]), ([101], [0]), (errors, fmu.inputs)):
             with pytest.raises(FMICallException):
                 fmu.own.getDirectionalDerivative(unknowns, knowns, [1.0] * len(knowns))
@@ -177,7 +177,7 @@ def test_it_follows_an_input_in_a_simulation(models, made, name, version):
         [(0.0, 10.0, 5.0, 0.03), (1.0, 60.0, 20.0, 0.005)], dtype=[(one, float) for one in ("time", *names)]
     )
     found = simulate_fmu(
-        str(fmu.path), input=signal, stop_time=1.0, output_interval=0.05, output=[*names, *TOLD, "inside"]
+        str(fmu.path), input=signal, stop_time=1.0, output_interval=0.05, output=[*names, *OUTPUTS, "inside"]
     )
     expected = model.evaluate(np.column_stack([found[one] for one in names]))
     assert (

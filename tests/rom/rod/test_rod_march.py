@@ -102,8 +102,8 @@ def test_two_rods_stand_one_on_the_other_and_carry_its_wrench():
     centres, rotations, motions, inside = native.place_chain(chained([base, tip]), pulled, wrenches)
     ((second, turned, _, _),) = placed(tip, pulled[None], wrenches[1:])
     arm, force = second + np.array([HALF[0], 0, 0]), turned @ wrenches[1, :3]
-    borne = wrenches[0] + [*force, *turned @ wrenches[1, 3:] + np.cross(arm, force)]
-    ((centre, rotation, _, _),) = placed(base, pulled[None], borne[None])
+    transmitted = wrenches[0] + [*force, *turned @ wrenches[1, 3:] + np.cross(arm, force)]
+    ((centre, rotation, _, _),) = placed(base, pulled[None], transmitted[None])
     assert inside
     assert centres == pytest.approx(np.array([centre, centre + rotation @ arm]), abs=1e-14)
     assert rotations == pytest.approx(np.array([rotation, rotation @ turned]), abs=1e-14)
@@ -143,7 +143,7 @@ def test_a_free_rod_and_its_derivatives_are_those_without_a_wrench():
         assert jacobian[:3, :2] == pytest.approx(rotation @ motion[:3, :2], abs=1e-15)
 
 
-def test_a_plane_presses_on_a_rod_where_they_touch_and_by_what_it_bears():
+def test_a_plane_presses_on_a_rod_where_they_touch_and_by_the_same_force():
     """The wrench is a force along the normal at corners that lie on the plane; derivatives are differences."""
     elements, (pulled, _), pressed = laws.finger(), laws.inputs(2, 20, 13), 0
     for pull in pulled:

@@ -155,7 +155,7 @@ def test_a_warm_start_on_the_rubber_finds_the_same_sooner(bundled):
 
 
 def test_two_segments_are_pressed_between_their_plates(bundled):
-    """The middle plate bears a part of what presses next to it: loads and contacts are in balance there too."""
+    """The middle plate supports a part of what presses next to it: loads and contacts are in balance there too."""
     scene = bundled.scene | {"geometry": bundled.scene["geometry"] | {"segments": [0.04, 0.04]}}
     scene["tendons"] = [one | {"segment": 2, "tension": [0.0, 40.0]} for one in bundled.scene["tendons"]]
     rod = replace(bundled, scene=scene, accuracy={})

@@ -24,8 +24,8 @@ def whole(tensions: np.ndarray, wrenches: np.ndarray) -> list[tuple[np.ndarray, 
     """Centres and rotations of two plates of a rod, the tip's wrench carried on to the first plate by statics."""
     tip, turned = rod.plate(tensions, wrenches[1])
     arm, force = tip + np.array([rod.PLATE / 2, 0, 0]), turned @ wrenches[1, :3]
-    borne = wrenches[0] + np.concatenate([force, turned @ wrenches[1, 3:] + np.cross(arm, force)])
-    centre, first = rod.plate(tensions, borne)
+    transmitted = wrenches[0] + np.concatenate([force, turned @ wrenches[1, 3:] + np.cross(arm, force)])
+    centre, first = rod.plate(tensions, transmitted)
     return [(centre, first), (centre + first @ arm, first @ turned)]
 
 

@@ -74,7 +74,7 @@ def test_compiled_corners_are_those_of_the_laws():
     assert 3 < beyond < 17
 
 
-def test_places_interpolate_cubics_exactly_wherever_the_stations_are():
+def test_places_interpolate_cubics_exactly_wherever_the_knots_are():
     knots = np.sort(np.random.default_rng(0).random(9))
     known = places_between(knots, np.ptp(knots) * np.array([0.2, 0.5, 0.3]))
     places = np.linspace(knots[0], knots[-1], known["places"])
@@ -164,7 +164,7 @@ def test_an_outline_beyond_what_compiled_code_holds_is_refused_by_name_and_limit
     assert native.struct(a_segment([one] * 2)).knots == 6
 
 
-def test_stations_stand_closer_where_a_plate_or_the_clamp_hinders_warping(rod_elements):
+def test_knots_are_closer_where_a_plate_or_the_clamp_hinders_warping(rod_elements):
     law = rod_elements.outlines["interior"]
     counts = [len(outline_of(law, Piece(kind, 0.010), 0.0).distances) for kind in ("interior", "clamp")]
     assert counts == [2, 4]

@@ -277,7 +277,7 @@ def test_a_finger_holds_and_locates_whatever_it_touches(finger):
 
 
 def test_an_object_beside_the_finger_is_found_where_it_can_be_pressed(finger):
-    """The free finger passes it by where it is at rest: no slope tells where to go, but the atlas does."""
+    """The free finger passes it by where it is at rest: no slope leads there, but the atlas does."""
     ball = Sphere(centre=(0.043, 0.012, 0.016), radius=0.005, direction=(0, 1, 0), distances=(-0.01, 0.02))
     model = TouchedSegment(rod=finger, obstacle=ball)
     assert model.outputs([0.0, 0.0, 0.0])[0, 4] == -np.inf

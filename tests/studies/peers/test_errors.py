@@ -6,7 +6,7 @@ from studies.peers.errors import compared, errors
 from studies.peers.question import CONTACT, FREE, Answers, finger
 
 
-def answers(scale: float, **told) -> dict:
+def answers(scale: float, **instead) -> dict:
     """What someone answers who is off by a factor everywhere."""
     given = {
         "free_tips": [[-0.002 * scale, 0.010 * scale, 0.0] for _ in FREE],
@@ -14,7 +14,7 @@ def answers(scale: float, **told) -> dict:
         "contact_forces": [2.0 * scale for _ in CONTACT],
     }
     fixed = {"name": "someone", "kind": "beam", "seconds": 1e-3 * scale, "settings": "", "limits": ""}
-    return Answers(**given | fixed | told).as_json()
+    return Answers(**given | fixed | instead).as_json()
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.9, 1.2])
@@ -25,7 +25,7 @@ def test_errors_are_relative_to_the_reference(scale):
     assert found["missing_free"] == found["missing_contact"] == []
 
 
-def test_states_without_an_answer_are_told_once_and_do_not_flatter():
+def test_states_without_an_answer_are_counted_once_and_do_not_flatter():
     forces, tips = [None, *[2.0 * 1.1] * (len(CONTACT) - 1)], [None, *[[-0.001, 0.005, 0.0]] * (len(CONTACT) - 1)]
     found = errors(answers(1.0, contact_forces=forces, contact_tips=tips), answers(1.0))
     assert found["missing_contact"] == [0] and found["contact_forces"]["median"] == pytest.approx(0.1)

@@ -89,7 +89,7 @@ def test_what_sticks_goes_where_the_object_goes(plane):
     assert forces[3] == pytest.approx(forces[0], abs=2e-2 * np.abs(forces).max())  # but for another corner
 
 
-def test_a_wrench_with_friction_is_one_that_the_rod_bears_there(plane):
+def test_a_wrench_with_friction_is_one_that_the_rod_transmits_there(plane):
     d = touch(plane) - 5e-4
     state = friction_history(plane, [[*TENSIONS, d]], 0.5)[0]
     # The rod's plate under these forces, which are known in space: their parts in its frame turn with it.

@@ -1,4 +1,4 @@
-"""An object is found by what touches of it felt; where they cannot tell, that is said."""
+"""Touches locate an object; where they cannot, the answer reports it."""
 
 from dataclasses import replace
 
@@ -53,7 +53,7 @@ def test_noise_moves_it_by_what_the_deviations_say(ball):
     assert 0.6 < np.std(off) < 1.5 and np.mean(np.abs(np.mean(off, axis=0))) < 0.5
 
 
-def test_what_touches_cannot_tell_is_said(finger, ball):
+def test_what_touches_cannot_decide_is_reported(finger, ball):
     plane = TouchedSegment(rod=finger, obstacle=facing_plane(rod.SIDE, (0.0, 0.05)))
     forces = plane.outputs(np.column_stack([TENSIONS, np.full(8, 4e-3)]))[:, 3]
     found = find_object(plane, TENSIONS, forces, 4e-3)
@@ -61,7 +61,7 @@ def test_what_touches_cannot_tell_is_said(finger, ball):
     assert find_object(ball, TENSIONS, 50 * felt(ball), within=1e-3).status == "unreachable"
 
 
-def test_a_touch_that_the_model_does_not_know_is_said(ball):
+def test_a_touch_outside_the_model_is_reported(ball):
     """Forces beyond what was trained: the elements go on linearly, and what it finds is not to be relied on."""
     hard = 1.5 * TENSIONS
     found = ball.answers(np.column_stack([hard, np.zeros(len(hard))]))
