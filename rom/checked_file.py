@@ -16,8 +16,8 @@ from typing import Any, TypeVar
 import h5py
 import numpy as np
 
+from rom.atomic_file import write_whole
 from rom.file_kinds import uses_of
-from rom.whole_file import write_whole
 
 T = TypeVar("T")
 BLOCK = 512  # bytes before what is HDF5

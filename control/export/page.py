@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.atomic_file import write_whole
 from rom.checked_file import ModelError
 from rom.dataset.geometry import tip_at_rest
 from rom.export.image import Image
@@ -21,7 +22,6 @@ from rom.export.model import struct
 from rom.rod.compiled import ENDS
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
-from rom.whole_file import write_whole
 
 VIEWER = Path(__file__).with_name("viewer.html")
 FEW = 10.0  # [N]: what a bar of forces shows of a separated model without any

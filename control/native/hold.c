@@ -1,20 +1,20 @@
 /* Tensions that press on a plane with a contact force: one residual.
  *
- * It begins where the finger is. If that does not lead to an answer, it begins again at points of the atlas: so a target
- * is called unreachable only after the whole box was looked at.
+ * It starts at the present tensions. If that finds no answer, it starts again at nodes of the atlas, which cover the
+ * whole box: only then is a target unreachable.
  */
 #define _POSIX_C_SOURCE 199309L
 #include <time.h>
 #include "problem.h"
 
-#define EVALUATIONS 12 /* from one start: an answer is near, or the start is no good */
-#define CROSSING 12 /* bisections */
-#define PASSING 1.0 /* gap of an object that the free finger passes by [m] */
-#define NEARLY 0.8 /* of a target's force in the atlas, above which more than one of its nodes is tried [-] */
-#define ATTEMPTS 5 /* from other nodes of the atlas */
+#define EVALUATIONS 12 /* most from one start: an answer is near, or the start is a bad one */
+#define CROSSING 12 /* bisections of a line of tensions */
+#define PASSING 1.0 /* gap in place of an infinite one, of an object beside the free finger's path [m] */
+#define NEARLY 0.8 /* share of the target's force that further nodes must have, if none has all of it [-] */
+#define ATTEMPTS 5 /* most starts at nodes of the atlas */
 
-/* Contact force [N]; before touch minus the stiffness of contact times the gap. There the force is zero whatever the
- * tensions, so that it has no gradient. The gap has one. */
+/* Contact force, or pad pressure over its unit [N]. Before touch it is 0 for all tensions and has no gradient: there
+ * this is minus the stiffness of contact times the gap, which has one. */
 static double signed_force(control_problem *problem, const double *tensions, double distance)
 {
     control_ask(problem, tensions, distance);
@@ -24,7 +24,8 @@ static double signed_force(control_problem *problem, const double *tensions, dou
     return gap < 0.0 ? problem->out[finger->row] / finger->unit : -finger->stiffness * gap;
 }
 
-/* From one start to problem->best; returns the status, adds evaluations, and writes how much the target is missed by. */
+/* Least squares from one start. The answer is left in problem->best, and |force - target| is the outcome's residual
+ * [N]; evaluations are added. Returns the status. */
 static int hold_from(control_problem *problem, const double *start, const double *reference, double target,
                      double distance, const control_rules *rules, control_outcome *outcome)
 {
@@ -35,40 +36,46 @@ static int hold_from(control_problem *problem, const double *start, const double
     if (own.iterations > EVALUATIONS) own.iterations = EVALUATIONS;
     control_begin(w, start, reference);
     while (status == CONTROL_GOING) {
+        /* residual: signed force minus target [N] */
         w->r_ahead[0] = signed_force(problem, w->ahead, distance) - target;
+        /* gradient: of force over unit in contact, else of stiffness times touch distance */
         const int touches = distance < problem->out[FINGERFEM_TOUCH];
         const int row = touches ? finger->row : FINGERFEM_TOUCH;
         const double weight = touches ? 1.0 / finger->unit : finger->stiffness;
         for (int j = 0; j < w->n; j++) w->jacobian_ahead[j] = weight * problem->jacobian[problem->parameters * row + j];
         status = control_advance(w, &own);
     }
+    /* the answer, and how far its force is from the target */
     control_copy(w->x, problem->best, w->n);
     control_ask(problem, w->x, distance);
     outcome->residual = fabs(problem->out[finger->row] / finger->unit - target);
     outcome->evaluations += w->evaluations;
-    return outcome->residual <= rules->residual ? CONTROL_CONVERGED : status; /* as of a kink that it ended at */
+    return outcome->residual <= rules->residual ? CONTROL_CONVERGED : status; /* also where it ended at a kink */
 }
 
-/* Try from elsewhere, and keep what was best. */
+/* Solve from another start, and keep the better answer of both. */
 static void hold_again(control_problem *problem, const double *start, const double *reference, double target,
                        double distance, const control_rules *rules, control_outcome *outcome)
 {
     const double before = outcome->residual;
     control_copy(problem->best, problem->other, problem->tensions);
     outcome->status = hold_from(problem, start, reference, target, distance, rules, outcome);
+    /* the new answer is no worse */
     if (outcome->status == CONTROL_CONVERGED || outcome->residual <= before) return;
+    /* else the old one again */
     control_copy(problem->other, problem->best, problem->tensions);
     outcome->status = CONTROL_STATIONARY;
     outcome->residual = before;
 }
 
-/* Write where the target is crossed between the gentlest tensions and some that press harder into problem->between: by
- * bisection, which finds it in a force that is neither monotone nor smooth. */
+/* Bisection for the target on the line from the lowest tensions to some that press harder; the force need be neither
+ * monotone nor smooth. The last point is left in problem->between. */
 static void cross(control_problem *problem, const double *hard, double target, double distance)
 {
     const double *lower = problem->finger->lower;
     double low = 0.0, high = 1.0;
     for (int k = 0; k < CROSSING; k++) {
+        /* halve the interval of the line that crosses the target */
         const double middle = 0.5 * (low + high);
         for (int j = 0; j < problem->tensions; j++) problem->between[j] = lower[j] + middle * (hard[j] - lower[j]);
         if (signed_force(problem, problem->between, distance) < target)
@@ -78,8 +85,8 @@ static void cross(control_problem *problem, const double *hard, double target, d
     }
 }
 
-/* Nodes of the atlas to begin from: one of about the target's force and not far from the reference, of the least cost
- * above the last one's; and the hardest, of the most force below the last one's. */
+/* Nodes of the atlas to start from. `near` has about the target's force and is not far from the reference: the least
+ * cost above a given one, that of the last such node. `hard` has the most force below a given one, likewise. */
 typedef struct {
     int near, hard;
     double cost, force; /* of these two */
@@ -92,28 +99,34 @@ static candidates holding_nodes(const control_problem *problem, const double *re
     const control_finger *finger = problem->finger;
     const double *width = problem->workspace.width;
     const int n = problem->tensions, last = finger->atlas_distances - 1;
+    /* the distances of the atlas around the present one, and the share of the farther */
     int below = 0;
     while (below < last - 1 && finger->distances[below + 1] <= distance) below++;
     const int above = below + 1 < last ? below + 1 : last;
     const double gap = finger->distances[above] - finger->distances[below];
     const double share = gap > 0.0 ? (distance - finger->distances[below]) / gap : 0.0;
+    /* contact forces of all nodes at both distances [N] */
     const double *low = finger->contact_forces + (ptrdiff_t)below * finger->atlas_nodes;
     const double *high = finger->contact_forces + (ptrdiff_t)above * finger->atlas_nodes;
     candidates found = {0, 0, INFINITY, -INFINITY, -INFINITY};
     for (int k = 0; k < finger->atlas_nodes; k++) {
+        /* interpolated force of the node; before touch minus stiffness times gap */
         double here = (1.0 - share) * low[k] + share * high[k];
         if (!(here > 0.0)) here = fmin((finger->touch_distances[k] - distance) * finger->stiffness, 0.0);
+        /* the hardest of all nodes, and the hardest below the given force */
         if (here > found.most) found.most = here;
         if (here > found.force && here < force) {
             found.hard = k;
             found.force = here;
         }
+        /* cost: (force / target - 1)^2 + squared distance from the reference, over the bounds' width */
         const double off = here / target - 1.0;
         double own = off * off;
         for (int j = 0; j < n; j++) {
             const double away = (finger->tensions[(ptrdiff_t)n * k + j] - reference[j]) / width[j];
             own += away * away;
         }
+        /* the node of least cost above the given one */
         if (own > cost && own < found.cost) {
             found.near = k;
             found.cost = own;
@@ -122,7 +135,7 @@ static candidates holding_nodes(const control_problem *problem, const double *re
     return found;
 }
 
-/* By whatever is asked at present. */
+/* Solve from the start, then from nodes of the atlas until one leads to the target. */
 static void hold(control_problem *problem, const double *start, double target, double distance,
                  const control_rules *rules, control_outcome *outcome)
 {
@@ -134,13 +147,15 @@ static void hold(control_problem *problem, const double *start, double target, d
         const candidates found = holding_nodes(problem, start, target, distance, cost, force);
         int node = found.hard;
         most = found.most;
+        /* stop: no node has the target's force, and no further one comes near it */
         if (most < target && attempt > 0 && found.force < NEARLY * target) break;
-        if (attempt % 2 == 0 && most >= target) { /* and the hardest ones in turns: a force may have several hills */
+        if (attempt % 2 == 0 && most >= target) { /* in turns with hard nodes: the force may have several maxima */
             node = found.near;
             cost = found.cost;
         } else {
             force = found.force;
         }
+        /* from the node; if it presses harder than the target, then from the crossing before it */
         const double *begun = problem->finger->tensions + (ptrdiff_t)problem->tensions * node;
         hold_again(problem, begun, start, target, distance, rules, outcome);
         if (outcome->status != CONTROL_CONVERGED && signed_force(problem, begun, distance) >= target) {
@@ -149,7 +164,7 @@ static void hold(control_problem *problem, const double *start, double target, d
             hold_again(problem, problem->between, start, target, distance, rules, outcome);
         }
     }
-    /* Still creeping towards the hardest there is. */
+    /* no node has the target's force: the search was still on its way to the largest one */
     if (outcome->status == CONTROL_ITERATION_LIMIT && most < target) outcome->status = CONTROL_STATIONARY;
 }
 
@@ -158,7 +173,7 @@ void control_hold_problem(control_problem *problem, const double *start, double 
 {
     hold(problem, start, target, distance, rules, outcome);
     int trained = control_trained(problem, problem->best, distance);
-    if (!trained && outcome->status == CONTROL_CONVERGED) { /* nothing is trained near the start: the least tensions are the likeliest */
+    if (!trained && outcome->status == CONTROL_CONVERGED) { /* outside: the least tensions are most likely trained */
         const int evaluations = outcome->evaluations;
         hold(problem, problem->finger->lower, target, distance, rules, outcome);
         outcome->evaluations += evaluations;
@@ -179,11 +194,13 @@ void control_hold(const control_finger *finger, const double *start, double targ
     control_problem problem;
     control_problem_in(&problem, finger, 1, memory);
     control_hold_problem(&problem, start, target, distance, rules, outcome);
+    /* estimated error of the force at the answer */
     control_ask(&problem, problem.best, distance);
     outcome->error = control_force_error(&problem);
     control_copy(problem.best, tensions, problem.tensions);
 }
 
+/* Monotonic time [ns]. */
 static int64_t now(void)
 {
     struct timespec stamp;
@@ -197,6 +214,7 @@ void control_hold_many(const control_finger *finger, int count, const double *st
 {
     control_problem problem;
     control_problem_in(&problem, finger, 1, memory);
+    /* one problem after another, timed */
     for (int i = 0; i < count; i++) {
         const ptrdiff_t row = (ptrdiff_t)problem.tensions * i;
         const int64_t before = now();

@@ -111,4 +111,8 @@ static inline int control_trained(control_problem *problem, const double *tensio
  * outside the trained domain, the status is CONTROL_OUTSIDE. */
 void control_hold_problem(control_problem *problem, const double *start, double target, double distance,
                           const control_rules *rules, control_outcome *outcome);
+
+/* Distance of the plane from readings of contact forces; needs memory for a workspace of one unknown. */
+void control_locate_problem(control_problem *problem, int readings, const double *tensions, const double *felt, double hint,
+                            const control_rules *rules, double *memory, control_outcome *outcome);
 #endif

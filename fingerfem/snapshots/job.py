@@ -14,7 +14,7 @@ from mpi4py import MPI
 
 from fingerfem.model import FingerModel
 from fingerfem.scene.scene import Scene
-from fingerfem.snapshots import farm
+from fingerfem.snapshots import task_queue
 from fingerfem.snapshots.design import HeldOut, describe
 from fingerfem.snapshots.given_points import GivenPoints
 from fingerfem.snapshots.ledger import Ledger, sentence
@@ -113,13 +113,13 @@ class Job:
 
         Returns, on the first rank, what came of it.
         """
-        request, begun, work = self.request, time.perf_counter(), farm.Work()
+        request, begun, work = self.request, time.perf_counter(), task_queue.Work()
         next_round = self._next_round if request.grows else None
-        goal = farm.Goal(next_round=next_round, error=request.until or 0.0, seconds=request.budget)
+        goal = task_queue.Goal(next_round=next_round, error=request.until or 0.0, seconds=request.budget)
         with Reporter(self.ledger, progress) if self.is_first else nullcontext(lambda: None) as report:
             if self.ledger.plan.missing() or (request.grows and not self.ledger.plan.ended(request.until or 0.0)):
                 model = FingerModel(request.scene, self._group())
-                work = farm.run(self.description, model, request.folder, report, goal, self._known)
+                work = task_queue.run(self.description, model, request.folder, report, goal, self._known)
         if not self.is_first:
             return {}
         self.ledger.refresh()
@@ -145,7 +145,7 @@ class Job:
         count = self.ranks_per_finger
         return self.world.Split(self.world.rank // count) if count > 1 else MPI.COMM_SELF
 
-    def _report(self, work: farm.Work, found: dict[str, Any]) -> None:
+    def _report(self, work: task_queue.Work, found: dict[str, Any]) -> None:
         for failure in self.ledger.failures:
             logging.warning("failed: %s", sentence(self.description, *failure))
         if self.ledger.failures:

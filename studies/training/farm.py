@@ -64,7 +64,7 @@ def long_run(folder: Path) -> dict:
 CLAIMING = """
 import sys, time
 from pathlib import Path
-from fingerfem.snapshots.farm import Queue
+from fingerfem.snapshots.task_queue import Queue
 from rom.dataset.snapshot_set import read_description, read_task
 ours, theirs = map(Path, sys.argv[1:])
 description = read_description(ours)

@@ -27,7 +27,7 @@ def tapered(table: dict, taper: float, **changes: Any) -> FingerModel:
     return FingerModel(Scene.model_validate(table | changes))
 
 
-@pytest.fixture(params=TAPERS)
+@pytest.fixture(params=["thinner", pytest.param("thicker", marks=pytest.mark.long)])
 def model(request, table) -> tuple[FingerModel, float]:
     return tapered(table, TAPERS[request.param]), TAPERS[request.param]
 
@@ -49,7 +49,7 @@ def test_its_volume_is_a_frustum_s_and_its_plate_s(model):
     assert volume == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("path", ["channel", "straight"])
+@pytest.mark.parametrize("path", ["channel", pytest.param("straight", marks=pytest.mark.long)])
 def test_a_tendon_s_length_under_a_homogeneous_deformation(table, path):
     """In a channel the mean of |F t| L, t its direction; of a straight one that of |x - F (0, Y, Z)| over its hole."""
     taper, F = 0.7, np.array([[1.2, 0.1, -0.2], [0.15, 0.9, 0.05], [0.1, -0.05, 1.1]])
@@ -81,8 +81,10 @@ def test_reaction_and_contact_force_are_in_balance(model):
     assert np.abs(free.clamp_reaction).max() < tolerance
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
-    ("path", "tensions", "d"), [("channel", [30.0, 20.0], 0.010), ("straight", [4.0, 2.0], 0.0015)]
+    ("path", "tensions", "d"),
+    [("channel", [30.0, 20.0], 0.010), pytest.param("straight", [4.0, 2.0], 0.0015, marks=pytest.mark.long)],
 )
 def test_derivatives_are_those_of_the_potential_and_of_finite_differences(table, path, tensions, d):
     """dP/dF is a tendon's length and -dP/dd the contact force; sensitivities are differences of states."""
@@ -108,6 +110,7 @@ def test_derivatives_are_those_of_the_potential_and_of_finite_differences(table,
         assert shorter == pytest.approx(of_tendons, rel=1e-3, abs=1e-8)
 
 
+@pytest.mark.long
 def test_a_slender_tapered_bar_stretches_as_its_closed_form(table):
     """Between two sections, N l / (E A s1 s2) with their sizes s1 and s2: the integral of N / (E A s^2)."""
     taper, pull = 0.6, 0.05
@@ -152,7 +155,7 @@ def test_a_scene_without_taper_has_the_fingerprint_that_it_had(table):
     assert Scene.model_validate(table).fingerprint() != scene.fingerprint()
 
 
-@pytest.mark.parametrize(("taper", "cells"), [(0.9, 21), (0.6, 26)])
+@pytest.mark.parametrize(("taper", "cells"), [(0.9, 21), pytest.param(0.6, 26, marks=pytest.mark.long)])
 def test_a_rod_of_straight_elements_is_the_tapered_full_order_finger(demo, table, taper, cells):
     """On cells as long over their side as those of the training; the wrench's effect within 1 %, which covers both."""
     straight = Rod.load(demo / "finger.h5")

@@ -13,7 +13,8 @@ import numpy as np
 from rom.dataset.plan import Round
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.fitting.contact_error import relative_force_errors
-from rom.elements.fitting.training import best_degrees, prepare
+from rom.elements.fitting.degrees import best_degrees
+from rom.elements.fitting.training import prepare
 from rom.elements.samples.section_states import read_section_states
 
 STALE = 4  # rounds that must make the error smaller
@@ -36,7 +37,7 @@ def next_round(snapshots: SnapshotSet, tolerance: float) -> Round:
     lines, description = len(snapshots.plan.lines), snapshots.description
     states = read_section_states(snapshots)
     training = prepare(states)
-    places, turned, _ = training.left_out(best_degrees(training))
+    places, turned, _ = training.left_out(best_degrees(training.score, training.kinds))
     error = float(np.nanquantile(relative_force_errors(states, places, turned), 0.95))
     if error > tolerance and has_stalled([*(one.error for one in snapshots.plan.rounds), error]):
         return Round(error=error, threshold=0.0, lines={}, stalled=True)

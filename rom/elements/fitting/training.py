@@ -17,8 +17,9 @@ from rom.console.terminal import Progress, quiet
 from rom.dataset.snapshot_set import SnapshotError
 from rom.elements.elements import Elements
 from rom.elements.fitting.calibration import error_factors, floors_of
-from rom.elements.fitting.candidates import STEP, Candidates, candidates
+from rom.elements.fitting.candidates import Candidates, candidates
 from rom.elements.fitting.contact_error import relative_force_errors
+from rom.elements.fitting.degrees import HIGHEST, best_degrees
 from rom.elements.fitting.mesh_correction import DEGREE, correcting
 from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.march import march
@@ -30,12 +31,10 @@ from rom.elements.samples.element_samples import element_samples
 from rom.elements.samples.section_states import SectionStates
 from rom.error_statistics import quantiles
 
-LOWEST, HIGHEST = 2.0, 5.0  # weighted degrees that are tried [-]
 FOLDS = 7  # groups of lines that are left out together, at most
 FEWEST = 4  # lines
 SHARE = 0.9  # quantile of the predicted states' errors by which degrees are compared [-]
 FORCE, PLACE = 1e-3, 1e-4  # errors that count alike: of a contact force, and of a place over the finger's length [-]
-BETTER = 0.97  # by which factor more products must make the error smaller [-]
 
 
 @brief
@@ -141,7 +140,7 @@ def train(
     progress("fitting elements", 0, 2)
     training = prepare(states)
     progress("fitting elements", 1, 2)
-    degrees = best_degrees(training)
+    degrees = best_degrees(training.score, training.kinds)
     trainings = [(training, degrees)]
     if finer is not None:
         trainings.append((corrections(training, degrees, finer), dict.fromkeys(degrees, DEGREE)))
@@ -181,34 +180,3 @@ def corrections(training: Training, degrees: dict[str, float], finer: SectionSta
         samples = [element_samples(finer, *pair) for pair in pairs]
         kinds[kind] = correcting(training.kinds[kind], degrees[kind], samples, of_line, finer.scene)
     return Training(states=finer, fold=fold, kinds=kinds)
-
-
-def best_degrees(training: Training) -> dict[str, float]:
-    """The degrees with the best prediction: one for all kinds, then each as much higher or lower as serves.
-
-    A kind's degree grows as long as that makes the prediction better, and falls as long as that costs next to nothing.
-    """
-    highest = {kind: _highest(one) for kind, one in training.kinds.items()}
-    steps = int((HIGHEST - LOWEST) / STEP) + 1
-    shared = [{kind: min(LOWEST + STEP * k, top) for kind, top in highest.items()} for k in range(steps)]
-    scores = [training.score(degrees) for degrees in shared]
-    best, degrees = min(scores), shared[int(np.argmin(scores))]
-    for kind, top in highest.items():
-        while degrees[kind] < top and (score := training.score(_changed(degrees, kind, STEP))) < BETTER * best:
-            best, degrees = score, _changed(degrees, kind, STEP)
-    for kind in highest:
-        while degrees[kind] > LOWEST and training.score(_changed(degrees, kind, -STEP)) < best / BETTER:
-            degrees = _changed(degrees, kind, -STEP)
-    return degrees
-
-
-def _changed(degrees: dict[str, float], kind: str, step: float) -> dict[str, float]:
-    return degrees | {kind: degrees[kind] + step}
-
-
-def _highest(one: Candidates) -> float:
-    """The highest degree that is tried of a kind."""
-    degree = LOWEST
-    while degree + STEP <= HIGHEST and one.supports(degree + STEP):
-        degree += STEP
-    return degree

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rom.atomic_file import atomic_file
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.export.fmu import description
@@ -22,7 +23,6 @@ from rom.export.numbers import definitions, literal
 from rom.native import FLAGS, LIBRARY, compiler
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel
-from rom.whole_file import whole_file
 
 VERSIONS = 2, 3  # of FMI
 ROOT = Path(__file__).resolve().parents[3]  # rom/ is in it
@@ -178,6 +178,6 @@ def compiled(sources: FmuSources) -> bytes:
 
 def pack(files: dict[str, bytes], path: Path) -> None:
     """Write a zip file: it is whole or absent."""
-    with whole_file(path) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as archive:
+    with atomic_file(path) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(files, key=lambda name: (name != "modelDescription.xml", name)):
             archive.writestr(zipfile.ZipInfo(name, STAMP), files[name], zipfile.ZIP_DEFLATED)

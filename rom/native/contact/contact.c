@@ -1,34 +1,35 @@
-/* What an object and plates do to each other: complementarity of gaps and forces, linearised about the last poses.
+/* The solution for contact without friction: complementarity of gaps and forces, linearised about the last pose.
  *
- * The plates move by xi = C dw with their wrenches w, C the compliance. Contact forces f >= 0 make the wrenches W f, and as
- * the plates move these change by G xi besides, for the normals turn in their frames. So, from w,
+ * Bodies move by xi = C dw as their wrenches w change, with the compliance C. Contact forces f >= 0 make the
+ * wrenches W f, which change by G xi as the bodies move, because the normals turn in their frames. A step from w solves
  *
- *     dw = S (W f - w),    S = (1 - G C)^-1,    gaps + W^T C dw >= 0,  with f or the gap zero at every contact.
+ *     dw = S (W f - w),   S = (1 - G C)^-1,   gaps + W^T C dw + c f >= 0,   with f or this gap zero at every contact,
  *
- * The next pose is where this leads; near the end it is Newton's method.
+ * where c is the local compliance. The next pose is that under w + dw. Near the solution this is Newton's method.
  */
 #include <math.h>
 #include <stdlib.h>
 #include "contact.h"
 #include "response.h"
 
-#define ITERATIONS 40
-#define PATIENT 8    /* iterations until steps are cut, as contacts come and go in turns: by half after a step */
-#define SHORTER 0.8  /* that was not so much shorter than the last [-]; after others they double again, */
-#define SHORTEST 0.1 /* at least this share [-] */
-#define STEPS 4      /* of an object that is brought to where it is, at first */
-#define HALVINGS 10  /* of such a step until there is no answer */
-#define EVALUATIONS 500 /* most of the map for one answer */
-#define FEWER 120       /* where rubber is near: it takes longer, and what is not found soon cuts the clamp */
-#define BEYOND 4.0      /* of the trained wrenches, from which on rubber's answers are not looked for [-] */
-#define CLOSE 1e-7   /* of the box: a last step of the wrench, a small part of which is left [-] */
-#define NEAR 2e-6    /* likewise, if steps become shorter by FASTER at least: the next would be some 1e-12, and derivatives,
-                        which are those of the last pose, are good to 1e-4 or so */
+/* steps of the wrench are measured by the trained box */
+#define ITERATIONS 40   /* most steps of one solve */
+#define PATIENT 8       /* iterations before damping, which is for contacts that open and close in turns */
+#define SHORTER 0.8     /* a step longer than this times the last one halves the damping factor, others double it [-] */
+#define SHORTEST 0.1    /* least damping factor [-] */
+#define STEPS 4         /* steps of an object's approach, at first */
+#define HALVINGS 10     /* least step of an approach: the first one halved so often */
+#define EVALUATIONS 500 /* most evaluations of the map for one answer */
+#define FEWER 120       /* the same near rubber, where each takes longer; what is not found by then cuts the clamp */
+#define BEYOND 4.0      /* loads over the trained ones at which an approach near rubber is given up [-] */
+#define CLOSE 1e-7      /* converged: a step below this, of which a small part is left as error [-] */
+#define NEAR 2e-6       /* converged too, if the step is below FASTER times the last: the next would be about 1e-12, and
+                           derivatives, which are those of the last pose, are good to about 1e-4 [-] */
 #define FASTER 1e-2
-#define CLOSER 3e-9  /* where rubber may touch, for its shape under a load is not in the tangent: a tenth of a step may be left [-] */
-#define LONGEST 0.5  /* of the box: a step of the wrench [-] */
+#define CLOSER 3e-9     /* converged near rubber: its shape is not in the tangent, so a tenth of a step may be left */
+#define LONGEST 0.5     /* longest step [-] */
 
-/* Forces that the contacts had before, found again by their names. */
+/* Forces of the last pose's contacts for those of this pose, matched by name, plate and object; 0 for new contacts. */
 static void carry(const objects_contacts *before, const double *forces, const objects_contacts *now, double *found)
 {
     for (int k = 0; k < now->count; k++) {
@@ -46,24 +47,29 @@ static int any(int count, const double *values)
     return found;
 }
 
-/* One Newton step, shortened to the fraction `most`; returns the largest change of a transmitted wrench over its box, negative on failure. */
+/* One Newton step, damped by the factor `most`. Returns its size before damping, the largest change of a wrench over
+ * its box, or -1 on failure. */
 static double step(const contact_problem *problem, double most, contact_state *state)
 {
     const fingerfem_chain *chain = problem->touching->chain;
     const objects_contacts *contacts = &state->at.contacts;
     const int w = contact_size(problem);
     double forces[FINGERFEM_MOST_CONTACTS], target[CHAIN_WRENCH], change[CHAIN_WRENCH], size = 0.0;
+    /* G and S by the last forces; then the forces of the linear complementarity problem */
     if (!response_find(problem, state)) return -1.0;
     memcpy(forces, state->forces, sizeof forces);
     if (!response_balance(problem, state, forces)) return -1.0;
-    if (any(w, state->wrench) && !any(contacts->count, state->forces)) { /* a known wrench, of forces that are not: so is G */
+    /* a wrench was given, but no forces: find G by the forces just found, and solve again */
+    if (any(w, state->wrench) && !any(contacts->count, state->forces)) {
         memcpy(state->forces, forces, sizeof forces);
         if (!response_find(problem, state) || !response_balance(problem, state, forces)) return -1.0;
     }
+    /* dw = S (W f - w) */
     for (int i = 0; i < w; i++) target[i] = -state->wrench[i];
     for (int k = 0; k < contacts->count; k++)
         if (forces[k] > 0.0) response_press(&state->at, k, forces[k], target);
     response_product(w, state->soft, target, change);
+    /* size of the step, max_i |dw_i| / upper_i [-] */
     for (int i = 0; i < w; i++) {
         const int q = problem->map->bodies[i / W].segment;
         const fingerfem_segment *segment = chain->segments[q < 0 ? 0 : q];
@@ -71,10 +77,12 @@ static double step(const contact_problem *problem, double most, contact_state *s
         if (own > size || isnan(own)) size = own;
     }
     if (isnan(size)) return -1.0;
+    /* w += share dw, f += share (f_new - f), with a share that limits the step to LONGEST */
     const double share = size > LONGEST ? most * LONGEST / size : most;
     for (int i = 0; i < w; i++) state->wrench[i] += share * change[i];
     for (int k = 0; k < contacts->count; k++) state->forces[k] += share * (forces[k] - state->forces[k]);
-    for (int k = 0; k < problem->map->count; k++) { /* where the next pose would be found */
+    /* centres predicted for the next pose: c += R (C share dw) */
+    for (int k = 0; k < problem->map->count; k++) {
         chain_body *plate = state->at.chain.bodies + k;
         for (int j = 0; j < 3; j++) {
             double moved = 0.0;
@@ -85,24 +93,28 @@ static double step(const contact_problem *problem, double most, contact_state *s
     return size;
 }
 
-/* Solve from a state's wrench and forces; returns the number of evaluations, negative if it did not end. Contacts of rubber
- * that does not press change nothing: unless it pressed before, it takes part from where the plates' answer lies in it. */
+/* Newton's method from a state's wrenches and forces. Returns the number of evaluations, negative if it did not
+ * converge. Contacts of rubber without force change nothing. So plates are solved for alone, unless rubber has loads
+ * already, and rubber takes part once an object lies in it at the plates' solution. */
 static int solve_from(const contact_problem *problem, double d, contact_state *state)
 {
     objects_contacts before = state->at.contacts;
     int rubber = problem->map->count > problem->touching->chain->plates;
     double last = INFINITY, share = 1.0;
     for (int k = 1; k <= ITERATIONS; k++) {
+        /* bodies and contacts under the present wrenches, with the last forces as a start */
         double forces[FINGERFEM_MOST_CONTACTS];
         memcpy(forces, state->forces, sizeof forces);
         if (!placed_under(problem, d, rubber, state)) return -k;
         carry(&before, forces, &state->at.contacts, state->forces);
         const double size = step(problem, share, state);
         if (size < 0.0) return -k;
+        /* stop: the step is small, and no object lies in rubber that was left out */
         if (size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last)) {
             if (rubber || !placed_in_rubber(problem, d, &state->at)) return k;
             rubber = 1;
         }
+        /* damping: half the factor after a slow step, else twice */
         if (k >= PATIENT) share = size > SHORTER * last ? fmax(SHORTEST, 0.5 * share) : fmin(1.0, 2.0 * share);
         last = size;
         before = state->at.contacts;
@@ -110,7 +122,7 @@ static int solve_from(const contact_problem *problem, double d, contact_state *s
     return -ITERATIONS;
 }
 
-/* Whether the load of a body is far beyond the trained ones. */
+/* Whether the load of a body exceeds BEYOND times the trained one. */
 static int far_beyond(const contact_problem *problem, const contact_state *state)
 {
     int found = 0;
@@ -122,8 +134,8 @@ static int far_beyond(const contact_problem *problem, const contact_state *state
     return found;
 }
 
-/* Bring the object from where it touches the free plate to d, so that of several answers the one is found that its
- * approach leads to; returns as `solve_from`. */
+/* Continuation in d, from first touch of the free finger to d: of several equilibria this finds the one on the objects'
+ * approach. Returns as `solve_from`. */
 static int approach(const contact_problem *problem, double touch, double d, contact_state *state)
 {
     int evaluations = 0;
@@ -133,47 +145,56 @@ static int approach(const contact_problem *problem, double touch, double d, cont
     chain_place bodies[MOST_BODIES];
     objects_contacts contacts;
     double wrench[CHAIN_WRENCH], forces[FINGERFEM_MOST_CONTACTS];
+    /* begin: first touch, no loads, plates alone as bodies */
     memset(state->wrench, 0, sizeof state->wrench);
     state->at.contacts.count = 0;
     chain_plates_alone(map);
     while (at > d) {
+        /* keep the last converged state */
         const int count = map->count;
         contacts = state->at.contacts;
         memcpy(wrench, state->wrench, sizeof wrench);
         memcpy(forces, state->forces, sizeof forces);
         memcpy(bodies, map->bodies, sizeof bodies);
+        /* solve at the next distance; the last step ends at d */
         const double next = at + size > d + least ? at + size : d;
         const int used = solve_from(problem, next, state);
         evaluations += abs(used);
+        /* converged: a step 1.5 times as long is next; give up far beyond the trained loads */
         if (used > 0) {
             at = next;
             size *= 1.5;
             if (state->at.slices && far_beyond(problem, state)) return -evaluations;
             continue;
         }
+        /* failed: restore the last state and halve the step */
         state->at.contacts = contacts;
         memcpy(state->wrench, wrench, sizeof wrench);
         memcpy(state->forces, forces, sizeof forces);
         map->count = count;
         memcpy(map->bodies, bodies, sizeof bodies);
         size /= 2.0;
+        /* stop: the step is too short, or there were too many evaluations */
         if (fabs(size) < least || evaluations > (state->at.slices ? FEWER : EVALUATIONS)) return -evaluations;
     }
     return evaluations;
 }
 
-/* Solve at d: from a wrench that is known; or at once, where that is near enough; or from where the object touches. */
+/* Solve at d directly, from given wrenches or at a small depth; else, or on failure, approach from first touch. */
 int contact_solve(const contact_problem *problem, double touch, double d, contact_state *state)
 {
     double shallow = INFINITY;
     int evaluations = 0;
+    /* depth in a free plate up to which the sides of all objects are distinguished [m] */
     for (int j = 0; j < problem->touching->count; j++)
         shallow = fmin(shallow, objects_shallow(contact_object(problem, j), problem->touching->chain->segments[0]->half_lengths));
+    /* directly, from given wrenches or at such a depth */
     if (any(contact_size(problem), state->wrench) || touch - d < shallow) {
         state->at.contacts.count = 0;
         evaluations = solve_from(problem, d, state);
         if (evaluations > 0) return evaluations;
     }
+    /* by an approach; evaluations of a direct failure count too */
     const int more = approach(problem, touch, d, state);
     return more > 0 ? abs(evaluations) + more : evaluations - abs(more);
 }

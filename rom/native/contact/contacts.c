@@ -1,33 +1,38 @@
-/* Contacts at given loads, with how forces along normals and tangents act on the bodies there. */
+/* Possible contacts at given loads: gaps, normals and tangents, and the wrenches of forces along these, for contact
+ * laws that the caller solves. */
 #include <math.h>
 #include "contact.h"
 #include "response.h"
 #include "slices.h"
 
-/* Two unit vectors across a third. */
+/* Two unit tangents, orthogonal to a unit normal and to each other. */
 static void across(const double *n, double *one, double *two)
 {
+    /* coordinate axis e that is least along n */
     int least = 0;
     for (int i = 1; i < 3; i++)
         if (fabs(n[i]) < fabs(n[least])) least = i;
     const double pick[3] = {least == 0, least == 1, least == 2};
+    /* t_1 = n x e / |n x e|, t_2 = n x t_1 */
     objects_cross(n, pick, one);
     const double size = sqrt(objects_dot(one, one));
     for (int i = 0; i < 3; i++) one[i] /= size;
     objects_cross(n, one, two);
 }
 
-/* Contact k of a plate: the wrench (f, p x f) of a force f in the plate's frame, and its change as p and f do: f turns with n by
- * df = (f . n) dn - (f . dn) n. */
+/* Contact k of a plate: the wrench (f, p x f) of a unit force f along each axis, in the plate's frame, and its change
+ * with the plate's motion. f turns with n by df = (f . n) dn - (f . dn) n. */
 static void of_plate(const contact_problem *problem, const placed *at, int k, fingerfem_contacts *found)
 {
     const chain_body *plate = at->chain.bodies + at->arms[k].bodies[0];
     const double *n = at->contacts.wrenches[k], *p = found->material[k];
     for (int axis = 0; axis < 3; axis++) {
+        /* unit force f along the axis, and its wrench (f, p x f) */
         double f[3], *arm = found->arms[k][axis];
         objects_turned_back(plate->rotation, found->axes[k][axis], f);
         memcpy(arm, f, sizeof f);
         objects_cross(p, f, arm + 3);
+        /* column m of the change: df, and dp x f + p x df */
         for (int m = 0; m < W; m++) {
             double dp[3], dn[3], df[3], by_point[3], by_force[3];
             objects_change_with(contact_object(problem, at->contacts.objects[k]), &at->contacts, k, m, dp, dn);
@@ -42,7 +47,7 @@ static void of_plate(const contact_problem *problem, const placed *at, int k, fi
     }
 }
 
-/* Contact k of a slice. */
+/* Contact k of a slice: the same, on the bodies at both ends of its element. */
 static void of_slice(const contact_problem *problem, const placed *at, int k, fingerfem_contacts *found)
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -53,12 +58,14 @@ static void of_slice(const contact_problem *problem, const placed *at, int k, fi
     }
 }
 
+/* Contact k as the caller gets it. With `ground` 1 the ground is body 0, which the caller's numbers leave out. */
 static void note(const contact_problem *problem, const placed *at, int k, int ground, fingerfem_contacts *found)
 {
     const objects_contacts *contacts = &at->contacts;
     const rubber_slice *slice = placed_slice_of(at, k);
     const chain_body *plate = at->chain.bodies + at->arms[k].bodies[0];
     const double *rotation = slice ? slice->rotation : plate->rotation, *centre = slice ? slice->centre : plate->centre;
+    /* point x = c + R p and normal R n in space, then two tangents */
     double p[3];
     for (int i = 0; i < 3; i++) p[i] = contacts->points[k][i] + contacts->bent[k][i];
     for (int i = 0; i < 3; i++) {
@@ -66,14 +73,18 @@ static void note(const contact_problem *problem, const placed *at, int k, int gr
         found->axes[k][0][i] = objects_dot(rotation + 3 * i, contacts->wrenches[k]);
     }
     across(found->axes[k][0], found->axes[k][1], found->axes[k][2]);
+    /* identity, and the material point: coordinates in a slice [-], or in the plate's frame [m] */
     memcpy(found->material[k], slice ? contacts->material[k] : p, sizeof p);
     found->parts[k] = contacts->plates[k];
     found->names[k] = contacts->names[k];
     found->segments[k] = slice ? slice->segment : contacts->plates[k];
     found->rubber[k] = slice != NULL;
+    /* gap [m], and local compliances to all contacts [m/N] */
     found->gaps[k] = contacts->gaps[k] + contacts->domes[k];
     for (int j = 0; j < contacts->count; j++) found->compliances[contacts->count * k + j] = response_compliance(problem, at, k, j);
+    /* bodies that it loads; -1 for the ground, or for none */
     for (int end = 0; end < SLICE_ENDS; end++) found->on[k][end] = end < at->arms[k].count ? at->arms[k].bodies[end] - ground : -1;
+    /* wrenches of unit forces along normal and tangents, and their changes */
     memset(found->arms[k], 0, sizeof found->arms[k]);
     memset(found->changes[k], 0, sizeof found->changes[k]);
     if (slice) of_slice(problem, at, k, found);
@@ -91,11 +102,14 @@ int fingerfem_find_contacts(const fingerfem_touching *touching, const double *te
     contact_state state;
     const contact_problem problem = {&there, &map, {0.0}};
     double held[TENSIONS_MOST];
+    /* the first object, displaced */
     for (int i = 0; i < 3; i++) object.centre[i] += moved[i];
+    /* finger at clamped tensions under the loads, and all contacts, of rubber too */
     found->inside = tensions_all_clamped(chain->segments[0], tensions, held);
     chain_set_tensions(chain, held, memory, &map);
     chain_contract(&map);
     if (!chain_take_loads(&map, loads, state.wrench) || !placed_under(&problem, d, 1, &state)) return 0;
+    /* bodies but the ground: index of the load, and motion by all wrenches */
     const int ground = map.bodies[0].segment == CHAIN_GROUND, count = map.count - ground;
     found->bodies = count;
     for (int b = 0; b < count; b++) {
@@ -105,11 +119,13 @@ int fingerfem_find_contacts(const fingerfem_touching *touching, const double *te
         for (int i = 0; i < W; i++)
             memcpy(found->motions + W * count * (W * b + i), body->motion[i] + W * ground, (size_t)(W * count) * sizeof(double));
     }
+    /* poses of the plates */
     for (int plate = 0; plate < chain->plates; plate++) {
         const chain_body *body = state.at.chain.bodies + chain_plate_of(&map, plate);
         memcpy(found->centres[plate], body->centre, sizeof body->centre);
         memcpy(found->rotations[plate], body->rotation, sizeof body->rotation);
     }
+    /* contacts; not inside if there may be more that press */
     found->contacts = state.at.contacts.count;
     found->inside &= !placed_crowded(&state.at.contacts);
     for (int k = 0; k < found->contacts; k++) note(&problem, &state.at, k, ground, found);
@@ -123,8 +139,10 @@ void fingerfem_material_points(const fingerfem_chain *chain, const double *tensi
     chain_rods map;
     chain_state state;
     unsigned char all[FINGERFEM_MOST_ELEMENTS + 2];
+    /* finger under the loads, with knots of all elements */
     memset(all, 1, sizeof all);
     chain_placed(chain, tensions, loads, memory, held, &map, &state);
+    /* segment by segment, so that the corners of its knots are computed once */
     for (int q = 0; q < chain->plates; q++) {
         const chain_body *plate = state.bodies + chain_plate_of(&map, q);
         const double *corners = NULL;
@@ -132,6 +150,7 @@ void fingerfem_material_points(const fingerfem_chain *chain, const double *tensi
             rubber_slice slice;
             double *x = points + 3 * k;
             if (contacts->segments[k] != q) continue;
+            /* in a slice: by its coordinates; on a plate: x = c + R p */
             if (contacts->rubber[k]) {
                 if (!corners) corners = slices_corners(&map, &state, q, 0, all);
                 slices_make(&map, &state, q, corners, slices_place(&map, q, contacts->parts[k]), &slice);

@@ -1,14 +1,16 @@
+/* Bodies placed under their wrenches, and their contacts with objects there: of plates, and of slices of rubber. */
 #include <math.h>
 #include "contact.h"
 #include "rubber.h"
 #include "slices.h"
 
-#define MARCHES 60    /* towards the touch distance */
-#define TOUCHED 1e-12 /* [m] */
-#define NEAR 1e-4     /* gap that may close as a plate is bent, by some um [m] */
-#define SLICE_NEAR 0.04 /* of half the side: gap below which rubber may touch in the next step [-] */
+#define MARCHES 60    /* Newton steps towards the touch distance */
+#define TOUCHED 1e-12 /* gap that counts as closed [m] */
+#define NEAR 1e-4     /* gap below which a contact is found again where its plate is bent, by some um [m] */
+#define SLICE_BULGE 0.04 /* of half the side: more than any bent face deviates from a plane [-] */
+#define SLICE_NEAR 0.04 /* of half the side: gap below which slices take part, as they may touch in the next step [-] */
 
-/* How far the point of contact k is off, (3), where the corners of its plate are. */
+/* Displacement, (3), of the point of contact k from a box, by the displacements of the plate's corners, (8, 3). */
 static void point_off(const fingerfem_segment *segment, const double *corners, const objects_contacts *contacts, int k,
                       double *off)
 {
@@ -16,8 +18,8 @@ static void point_off(const fingerfem_segment *segment, const double *corners, c
     else tensions_bent(segment, corners, contacts->points[k], off);
 }
 
-/* Contact k of object j at its d with a plate that is no box: its point is off, as if the plate stood so far away. A round
- * object that is near is seen from there. */
+/* Correct contact k of object j at d for the bending of its plate, which displaces its point by `off`: the gap grows by
+ * n . off. A near contact that is not with a face is found again, with the whole plate displaced so. */
 static void bend(const contact_problem *problem, int j, double d, int plate, int k, placed *at)
 {
     objects_contacts *contacts = &at->contacts, seen;
@@ -27,18 +29,21 @@ static void bend(const contact_problem *problem, int j, double d, int plate, int
     point_off(segment, problem->map->corners[plate], contacts, k, off);
     int same = 0;
     seen.count = 0; /* zeros in all of it would take longer than the rest */
+    /* contacts of the plate displaced by R off */
     if (contacts->features[k].kind != OBJECTS_FACE && contacts->gaps[k] < NEAR) {
         for (int i = 0; i < 3; i++) place[i] = own->centre[i] + objects_dot(own->rotation + 3 * i, off);
         objects_find(contact_object(problem, j), segment->half_lengths, d, plate, place, own->rotation, &seen);
     }
+    /* the same corner or edge among these replaces the contact; without it the gap grows by n . off */
     while (same < seen.count && seen.names[same] != contacts->names[k]) same++;
     if (same < seen.count) objects_copy(&seen, same, contacts, k);
     else contacts->gaps[k] += objects_dot(off, wrench);
+    /* moment of a unit force: (p + off) x n */
     for (int i = 0; i < 3; i++) place[i] = contacts->points[k][i] + off[i];
     objects_cross(place, wrench, wrench + 3);
 }
 
-/* The contacts of object j at its d with one plate, a box but for what tensions bend it. */
+/* Add the contacts of object j at d with one plate: a box, corrected for its bending by tensions. */
 static void find(const contact_problem *problem, int j, double d, int plate, placed *at)
 {
     const chain_body *own = at->chain.bodies + chain_plate_of(problem->map, plate);
@@ -50,13 +55,15 @@ static void find(const contact_problem *problem, int j, double d, int plate, pla
         if (contacts->plates[k] == plate && contacts->objects[k] == j) bend(problem, j, d, plate, k, at);
 }
 
-/* Slices that contacts are with, of a segment of which the corners are known; others go. */
+/* Keep the slices that have contacts, and make the missing ones of a segment, from the corners of its knots. */
 static void keep_slices(const contact_problem *problem, int segment, const double *points, placed *at)
 {
     int kept = 0;
+    /* slices without contacts go */
     for (int k = 0; k < at->slices; k++)
         if (objects_any_of(&at->contacts, at->slice[k].number)) at->slice[kept++] = at->slice[k];
     at->slices = kept;
+    /* slices of this segment's contacts that are not there yet */
     for (int k = 0; k < at->contacts.count; k++) {
         const int place = slices_place(problem->map, segment, at->contacts.plates[k]);
         if (place >= 0 && !placed_slice_of(at, k)) slices_make(problem->map, &at->chain, segment, points, place, at->slice + at->slices++);
@@ -73,11 +80,15 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
         unsigned char near[FINGERFEM_MOST_ELEMENTS + 2]; /* 1: what may touch; 2: its neighbour, which takes part in its shape */
         rubber_slice slice;
         if (!segment->knots || !slices_near(problem->map, &at->chain, q, object, d, close, near)) continue;
+        /* corners of the knots of near elements, and the heights of their highest ridges [m] */
         const double *points = slices_corners(problem->map, &at->chain, q, free, near);
+        const double bulge = SLICE_BULGE * rubber_half(chain);
         double highest[FINGERFEM_MOST_ELEMENTS];
         for (int e = 0; e < segment->elements; e++) highest[e] = near[e] == 1 ? slices_highest(problem->map->rods + q, e) : 0.0;
+        /* contacts of all slices but those whose lower bound of the gap is too large */
         for (int n = 0; n < segment->places - 1; n++) {
-            if (near[segment->place_elements[n]] != 1 || slices_least_gap(segment, points, n, object, d) > close + highest[segment->place_elements[n]]) continue;
+            const int e = segment->place_elements[n];
+            if (near[e] != 1 || slices_least_gap(segment, points, n, object, d) > close + highest[e] + bulge) continue;
             slices_make(problem->map, &at->chain, q, points, n, &slice);
             slice.dome = dome;
             slices_find(segment, &slice, object, d, close, &at->contacts);
@@ -93,19 +104,20 @@ const rubber_slice *placed_slice_of(const placed *at, int contact)
     return NULL;
 }
 
-/* Make a section, or the ground, a body without a load yet; returns 0 if there is no room. */
+/* Make a section, or the ground, a body, with a zero wrench among the others; returns 0 if there is no room. */
 static int add_body(chain_rods *map, int segment, int element, double *wrench)
 {
     const int before = map->count, b = chain_add_body(map, segment, element);
     if (b < 0) return 0;
     if (map->count == before) return 1;
+    /* wrenches of the bodies beyond it move up by one */
     memmove(wrench + W * (b + 1), wrench + W * b, (size_t)(W * (before - b)) * sizeof *wrench);
     memset(wrench + W * b, 0, W * sizeof *wrench);
     return 1;
 }
 
-/* The bodies at both ends of a slice: where its element begins; where it ends, which is the next one's begin, the plate
- * before, or the ground. */
+/* The body at one end of a slice's element: its begin, 0, is the section of this element; its end, 1, that of the next
+ * one, or the plate of the segment before, or the ground. */
 static void ends_of(const chain_rods *map, const rubber_slice *slice, int end, int *segment, int *element)
 {
     *segment = slice->segment;
@@ -115,7 +127,7 @@ static void ends_of(const chain_rods *map, const rubber_slice *slice, int end, i
     *segment = *segment ? *segment - 1 : CHAIN_GROUND;
 }
 
-/* What unit forces at all contacts put on bodies. */
+/* The wrenches of unit forces at all contacts, and the bodies that they load: a plate, or both ends of an element. */
 static void arms(const contact_problem *problem, placed *at)
 {
     for (int k = 0; k < at->contacts.count; k++) {
@@ -128,7 +140,7 @@ static void arms(const contact_problem *problem, placed *at)
     }
 }
 
-/* Slices with gaps below `close` before all objects, and no others. */
+/* The slices with gaps below `close` before any object, and their contacts; other slices go. */
 static void all_slices(const contact_problem *problem, double d, double close, placed *at)
 {
     at->slices = 0;
@@ -139,6 +151,9 @@ static void all_slices(const contact_problem *problem, double d, double close, p
 int placed_in_rubber(const contact_problem *problem, double d, placed *at)
 {
     const int known = at->contacts.count;
+    /* no room to look for contacts of rubber: they are taken as possible */
+    if (known == FINGERFEM_MOST_CONTACTS) return 1;
+    /* contacts of rubber with negative gaps are counted, and removed again */
     all_slices(problem, d, 0.0, at);
     const int found = at->contacts.count > known;
     at->contacts.count = known;
@@ -151,6 +166,7 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
     placed *at = &state->at;
     chain_rods *map = problem->map;
     const int before = map->count;
+    /* bodies under the wrenches; contacts of all plates with all objects, then of slices */
     chain_under(map, state->wrench, &at->chain);
     at->contacts.count = 0;
     for (int plate = 0; plate < problem->touching->chain->plates; plate++)
@@ -159,18 +175,21 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
     at->slices = 0;
     at->d = d;
     if (rubber) all_slices(problem, d, SLICE_NEAR * rubber_half(problem->touching->chain), at);
+    /* the ends of all slices become bodies, without a load at first */
     for (int k = 0; k < at->slices; k++)
         for (int end = 0; end < SLICE_ENDS; end++) {
             int segment, element;
             ends_of(map, at->slice + k, end, &segment, &element);
             if (!add_body(map, segment, element, state->wrench)) return 0;
         }
+    /* numbers of these bodies, once all are there */
     for (int k = 0; k < at->slices; k++)
         for (int end = 0; end < SLICE_ENDS; end++) {
             int segment, element;
             ends_of(map, at->slice + k, end, &segment, &element);
             at->slice[k].bodies[end] = chain_body_of(map, segment, element);
         }
+    /* motions by the wrenches of the new bodies too */
     if (map->count != before) chain_under(map, state->wrench, &at->chain);
     arms(problem, at);
     return 1;
@@ -203,11 +222,13 @@ void placed_bend(const contact_problem *problem, const placed *at, int k, double
     const fingerfem_chain *chain = problem->touching->chain;
     const int plate = contacts->plates[k];
     memset(found, 0, (size_t)(3 * chain->tensions) * sizeof *found);
+    /* a slice of rubber */
     if (plate >= FINGERFEM_MOST_PLATES) {
         slices_bend(problem->map, placed_slice_of(at, k), &at->chain, contacts->names[k], contacts->material[k], found);
         return;
     }
     const fingerfem_segment *segment = chain->segments[plate];
+    /* a plate: displacement of the point by the change of its corners with every tension */
     for (int j = 0; j < segment->tensions; j++) {
         double corners[FINGERFEM_CORNERS];
         tensions_corners(segment, problem->map->rods[plate].monomials + segment->monomials * (1 + j), corners);
@@ -215,8 +236,8 @@ void placed_bend(const contact_problem *problem, const placed *at, int k, double
     }
 }
 
-/* Of one plate and object j, by Newton's method from far away: the distance of convex bodies is convex in d, so that it never goes too
- * far. */
+/* The largest d at which object j touches one plate, by Newton's method from d = 1 m: the gap of convex bodies is
+ * convex in d, so that no step passes the root. -infinity if the object passes by. */
 static double touch_distance(const contact_problem *problem, int j, int plate, placed *at)
 {
     double e[3], d = 1.0;
@@ -224,9 +245,11 @@ static double touch_distance(const contact_problem *problem, int j, int plate, p
     for (int step = 0; step < MARCHES; step++) {
         at->contacts.count = 0;
         find(problem, j, d, plate, at);
+        /* least gap, and its slope dg/dd = -n . e */
         const int k = placed_nearest(&at->contacts);
         const double *n = at->contacts.wrenches[k], gap = at->contacts.gaps[k];
         const double slope = -(n[0] * e[0] + n[1] * e[1] + n[2] * e[2]);
+        /* stop: the object touches, or passes by; else d -= g / (dg/dd) */
         if (fabs(gap) < TOUCHED) return d;
         if (gap > 0.0 && slope <= 0.0) return -INFINITY;
         d -= gap / slope;
@@ -239,10 +262,12 @@ double placed_touch_distance(const contact_problem *problem, int j, placed *at)
     const int plates = problem->touching->chain->plates;
     int first = 0;
     double farthest = -INFINITY;
+    /* largest d of all plates */
     for (int plate = 0; plate < plates; plate++) {
         const double d = touch_distance(problem, j, plate, at);
         if (d > farthest) farthest = d, first = plate;
     }
+    /* contacts of the plate that is touched first */
     if (plates > 1 && isfinite(farthest)) touch_distance(problem, j, first, at);
     return farthest;
 }

@@ -1,3 +1,4 @@
+/* How the bodies yield to contact forces: G, S and C S, the balance of gaps and forces, derivatives, and stability. */
 #include "response.h"
 #include <math.h>
 #include <stdlib.h>
@@ -5,11 +6,11 @@
 
 #define INLINE __attribute__((always_inline)) static inline
 #define PIVOTS 128
-#define BLOCKS 3 /* pivots of all contacts at once without fewer wrong ones, until one at a time */
+#define BLOCKS 3 /* pivots on all wrong contacts without fewer of them, before single ones follow */
 #define PULL 1e-12 /* [N] below zero that is rounding */
-#define INSIDE 1e-14 /* [m] */
+#define INSIDE 1e-14 /* [m] of a gap below zero that is rounding */
 
-/* How what a unit force at contact k puts on its bodies changes as these move: (6 bodies, 6 bodies). */
+/* Change of the wrenches of a unit force at contact k with the motions of its bodies: (6 bodies, 6 bodies). */
 static void changes_of(const contact_problem *problem, const contact_state *state, int k, double (*found)[SLICE_INPUTS])
 {
     const objects_contacts *contacts = &state->at.contacts;
@@ -22,7 +23,7 @@ static void changes_of(const contact_problem *problem, const contact_state *stat
     for (int i = 0; i < W; i++) memcpy(found[i], own[i], sizeof own[i]);
 }
 
-/* G: how W f changes as the bodies move. */
+/* G: change of the wrenches sum_k f_k W_k with the motions of the bodies. */
 static void follow(const contact_problem *problem, contact_state *state)
 {
     const int size = contact_size(problem);
@@ -32,6 +33,7 @@ static void follow(const contact_problem *problem, contact_state *state)
         double own[SLICE_INPUTS][SLICE_INPUTS];
         if (state->forces[k] == 0.0) continue;
         changes_of(problem, state, k, own);
+        /* G += f_k dW_k, in the blocks of the contact's bodies a, b */
         for (int a = 0; a < arms->count; a++)
             for (int b = 0; b < arms->count; b++)
                 for (int i = 0; i < W; i++)
@@ -41,7 +43,7 @@ static void follow(const contact_problem *problem, contact_state *state)
     }
 }
 
-/* Its part of the contacts with one object, times a motion. */
+/* G_j xi: the part of G of the contacts with one object j, times a motion xi of all bodies. */
 static void follow_one(const contact_problem *problem, const contact_state *state, int object, const double *motion, double *wrench)
 {
     memset(wrench, 0, (size_t)contact_size(problem) * sizeof *wrench);
@@ -50,6 +52,7 @@ static void follow_one(const contact_problem *problem, const contact_state *stat
         double own[SLICE_INPUTS][SLICE_INPUTS];
         if (state->forces[k] == 0.0 || state->at.contacts.objects[k] != object) continue;
         changes_of(problem, state, k, own);
+        /* wrench += f_k dW_k xi */
         for (int a = 0; a < arms->count; a++)
             for (int b = 0; b < arms->count; b++)
                 for (int i = 0; i < W; i++)
@@ -72,9 +75,11 @@ INLINE int find(int size, contact_state *state)
 {
     chain_matrix compliance, made;
     double system[CHAIN_WRENCH * CHAIN_WRENCH], inverse[CHAIN_WRENCH * CHAIN_WRENCH];
+    /* C: motions of all bodies by their wrenches; then G C */
     for (int i = 0; i < size; i++)
         memcpy(compliance[i], state->at.chain.bodies[i / W].motion[i % W], (size_t)size * sizeof **compliance);
     product(size, state->following, compliance, made);
+    /* S: solve (1 - G C) S = 1 */
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++) {
             inverse[size * i + j] = i == j;
@@ -100,7 +105,7 @@ void response_product(int size, const chain_matrix m, const double *vector, doub
     }
 }
 
-/* The motion of all bodies with a unit force at a contact, C S W. */
+/* C S W_k: the motion of all bodies with a unit force at contact k. */
 static void yield(const contact_problem *problem, const contact_state *state, int k, double *out)
 {
     const contact_arms *arms = state->at.arms + k;
@@ -112,7 +117,7 @@ static void yield(const contact_problem *problem, const contact_state *state, in
     }
 }
 
-/* How much the gap of a contact grows with a motion of all bodies. */
+/* W_k . xi: how much the gap of contact k grows with a motion xi of all bodies. */
 static double opening(const placed *at, int k, const double *motion)
 {
     const contact_arms *arms = at->arms + k;
@@ -129,19 +134,23 @@ void response_press(const placed *at, int k, double force, double *wrench)
         for (int i = 0; i < W; i++) wrench[W * arms->bodies[a] + i] += force * arms->wrenches[a][i];
 }
 
-/* The deflection at the fraction a of an element, clamped at both ends, by a unit force at its fraction b [m/N]. It is that of a
- * cantilever, minus the part of the reactions at its other end; phi as in slice_forces.c. */
+/* The deflection at the fraction a of an element, clamped at both ends, by a unit force at its fraction b [m/N]: that
+ * of a cantilever, minus the part of the reactions at its other end; phi as in slice_forces.c. */
 static double deflection(double length, double phi, double stiffness, double a, double b)
 {
     const double near = fmin(a, b), far = fmax(a, b), held = 12.0 / (1.0 + phi);
+    /* cantilever of unit length and E I: w = near^2 (3 far - near) / 6 + phi near / 12 */
     const double free = near * near * (3.0 * far - near) / 6.0 + phi * near / 12.0;
+    /* deflection and rotation of the free end by a unit force at a, and at b */
     const double way_a = a * a * (3.0 - a) / 6.0 + phi * a / 12.0, way_b = b * b * (3.0 - b) / 6.0 + phi * b / 12.0;
     const double turn_a = 0.5 * a * a, turn_b = 0.5 * b * b;
+    /* reactions that hold the free end: (way, turn)_a^T K (way, turn)_b, K the stiffness of that end */
     const double back = held * (way_a * way_b - 0.5 * (way_a * turn_b + turn_a * way_b) + (1.0 / 3.0 + phi / 12.0) * turn_a * turn_b);
     return length * length * length / stiffness * (free - back);
 }
 
-/* This deflection at contact k by a unit force at another one, along both normals; 0 if they are on different elements. */
+/* The deflection at contact k along its normal by a unit force at another one along that one's normal; 0 on different
+ * elements. */
 static double element_compliance(const placed *at, int k, int other)
 {
     const objects_contacts *contacts = &at->contacts;
@@ -152,8 +161,8 @@ static double element_compliance(const placed *at, int k, int other)
     return (n[1] * m[1] + n[2] * m[2]) * deflection(own->length, own->slender, own->stiffness, a, b);
 }
 
-/* Between two slices: the components of both normals that press on the same face count by that face's compliance, those on
- * opposite faces by the opposite one's. */
+/* Between two slices: components of both normals n, m into the same face take that face's compliance, n_i m_i c(away);
+ * those into opposite faces take the compliance of the opposite face, which moves the other way. */
 double response_compliance(const contact_problem *problem, const placed *at, int k, int other)
 {
     const objects_contacts *contacts = &at->contacts;
@@ -175,7 +184,8 @@ double response_indentation(const contact_problem *problem, const placed *at, co
     return sum;
 }
 
-/* Solve for forces, (count), at some contacts whose gaps open by them as much as is wanted. */
+/* Forces, (count), at some contacts, by which their gaps open as much as `wanted`, in place: solve
+ * (W^T C S W + c) f = wanted, c the local compliances. Returns 0 if that is singular. */
 static int forces_for(const contact_problem *problem, const placed *at, int count, const int *rows,
                       double (*columns)[CHAIN_WRENCH], double *wanted)
 {
@@ -192,11 +202,13 @@ int response_balance(const contact_problem *problem, const contact_state *state,
     const int w = contact_size(problem), all = contacts->count;
     double columns[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH], still[CHAIN_WRENCH], motion[CHAIN_WRENCH];
     int active[FINGERFEM_MOST_CONTACTS], known[FINGERFEM_MOST_CONTACTS] = {0}, fewest = all + 1, tries = 0;
+    /* still = C S w: minus the motion of all bodies without contact forces */
     response_product(w, state->yielding, state->wrench, still);
     for (int k = 0; k < all; k++) active[k] = forces[k] > 0.0;
     for (int pivot = 0; pivot < PIVOTS; pivot++) {
         int rows[FINGERFEM_MOST_CONTACTS], wrong[FINGERFEM_MOST_CONTACTS], count = 0, wrongs = 0;
         double found[FINGERFEM_MOST_CONTACTS];
+        /* active contacts: columns C S W_k, and wanted openings W_k . C S w - g_k, the dome in g_k included */
         for (int k = 0; k < all; k++) {
             if (!active[k]) continue;
             if (!known[k]) yield(problem, state, k, columns[k]);
@@ -204,6 +216,7 @@ int response_balance(const contact_problem *problem, const contact_state *state,
             found[count] = opening(&state->at, k, still) - contacts->gaps[k] - contacts->domes[k];
             rows[count++] = k;
         }
+        /* forces of the active contacts, and motion sum_k f_k C S W_k - C S w of all bodies */
         if (!forces_for(problem, &state->at, count, rows, columns, found)) return 0;
         memset(forces, 0, (size_t)all * sizeof *forces);
         for (int i = 0; i < w; i++) motion[i] = -still[i];
@@ -211,11 +224,14 @@ int response_balance(const contact_problem *problem, const contact_state *state,
             forces[rows[k]] = found[k];
             for (int i = 0; i < w; i++) motion[i] += found[k] * columns[rows[k]][i];
         }
+        /* wrong contacts: active ones that pull, others whose gap g_k + W_k . xi + sum_j c_kj f_j is negative */
         for (int k = 0; k < all; k++)
             if (active[k] ? forces[k] < -PULL
                           : contacts->gaps[k] + contacts->domes[k] + opening(&state->at, k, motion) + response_indentation(problem, &state->at, forces, k) < -INSIDE)
                 wrong[wrongs++] = k;
+        /* stop: no contact is wrong */
         if (!wrongs) return 1;
+        /* exchange the state of all wrong contacts, or only of the first if their number stays for BLOCKS pivots */
         tries = wrongs < fewest ? 0 : tries + 1;
         fewest = wrongs < fewest ? wrongs : fewest;
         if (tries > BLOCKS) wrongs = 1;
@@ -224,7 +240,7 @@ int response_balance(const contact_problem *problem, const contact_state *state,
     return 0;
 }
 
-/* The contacts that press, and the motion with a unit force at each; their number. */
+/* The contacts that press, `rows`, and the motions C S W_k with a unit force at each; returns their number. */
 static int pressing(const contact_problem *problem, const contact_state *state, int *rows,
                     double (*columns)[CHAIN_WRENCH])
 {
@@ -237,12 +253,12 @@ static int pressing(const contact_problem *problem, const contact_state *state, 
     return count;
 }
 
-/* Add how the wrench of a force at a contact changes as the plate's point there moves by v: the normal turns as if the plate
- * moved, and the arm is another. */
+/* Add the change of the wrench of contact k as the plate bends, so that its point there moves by v: f (dn, dm + v x n),
+ * with dn, dm as if the whole plate moved by v, and v x n as the arm changes. */
 static void bend(const contact_problem *problem, const contact_state *state, int k, const double *v, double *turned)
 {
     const objects_contacts *contacts = &state->at.contacts;
-    if (state->at.arms[k].count > 1) return; /* a slice's shape by tensions does not count beside the bending */
+    if (state->at.arms[k].count > 1) return; /* neglected for slices, beside the bending of their element */
     const int first = W * state->at.arms[k].bodies[0];
     double own[W][W], moment[3];
     objects_change(contact_object(problem, contacts->objects[k]), contacts, k, own);
@@ -258,17 +274,20 @@ void response_wrenches(const contact_problem *problem, const contact_state *stat
         if (state->at.contacts.objects[k] == object) response_press(&state->at, k, state->forces[k], wrench);
 }
 
-/* What the wrenches of every object's contacts change, as pressing contacts' forces change and bodies move besides their drift. */
+/* Changes of the wrenches of every object's contacts, (count, CHAIN_WRENCH), with the changes `forces` of contact
+ * forces, and with the motion of all bodies, by their drift and by the changes `change` of all wrenches. */
 static void follow_each(const contact_problem *problem, const contact_state *state, int only, const double *drift, const double *bends,
                         int count, const int *rows, const double *forces, const double *change, double (*by_object)[CHAIN_WRENCH])
 {
     const int w = contact_size(problem);
     for (int j = 0; j < problem->touching->count; j++) {
         double motion[CHAIN_WRENCH];
+        /* motion relative to object j: drift + C dw */
         for (int i = 0; i < w; i++) {
             motion[i] = only < 0 || only == j ? drift[i] : 0.0;
             for (int k = 0; k < w; k++) motion[i] += state->at.chain.bodies[i / W].motion[i % W][k] * change[k];
         }
+        /* G_j xi + changes by bent plates + sum_k df_k W_k */
         follow_one(problem, state, j, motion, by_object[j]);
         for (int k = 0; k < count; k++) {
             if (state->at.contacts.objects[rows[k]] != j) continue;
@@ -287,17 +306,21 @@ int response_follow(const contact_problem *problem, const contact_state *state, 
     double columns[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH], turned[CHAIN_WRENCH], motion[CHAIN_WRENCH];
     double forces[FINGERFEM_MOST_CONTACTS];
     const int count = pressing(problem, state, rows, columns);
+    /* wrenches at fixed forces change by G drift, or by G_only drift, and as plates bend */
     if (only >= 0) follow_one(problem, state, only, drift, turned);
     else response_product(w, state->following, drift, turned);
     for (int k = 0; k < count && bends; k++) bend(problem, state, rows[k], bends + 3 * rows[k], turned);
+    /* motion of all bodies at fixed forces: C S (G drift + bends), plus the drift if the bodies themselves drift */
     response_product(w, state->yielding, turned, motion);
     for (int i = 0; i < w && only < 0; i++) motion[i] += drift[i];
+    /* forces that keep contacts closed: (W^T C S W + c) df = -W^T motion - n . bend; motion includes the drift */
     for (int k = 0; k < count; k++) {
         forces[k] = -opening(&state->at, rows[k], motion);
         if (contacts->objects[rows[k]] == only) forces[k] -= opening(&state->at, rows[k], drift);
         if (bends) forces[k] -= objects_dot(contacts->wrenches[rows[k]], bends + 3 * rows[k]);
     }
     if (!forces_for(problem, &state->at, count, rows, columns, forces)) return 0;
+    /* change of all wrenches: dw = S (G drift + bends + W df) */
     for (int k = 0; k < count; k++) response_press(&state->at, rows[k], forces[k], turned);
     response_product(w, state->soft, turned, wrench_change);
     if (problem->touching->count == 1) memcpy(by_object[0], wrench_change, (size_t)w * sizeof *wrench_change);
@@ -312,9 +335,11 @@ int response_stable(const contact_problem *problem, const contact_state *state)
     double columns[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH], yielding[CHAIN_WRENCH * CHAIN_WRENCH];
     double a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
     const int count = pressing(problem, state, rows, columns);
+    /* C S without the ground, which does not move */
     for (int i = 0; i < w; i++) memcpy(yielding + w * i, state->yielding[ground + i] + ground, (size_t)w * sizeof *yielding);
+    /* A = W^T C S W + c over the pressing contacts */
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
             a[count * i + j] = opening(&state->at, rows[i], columns[rows[j]]) + response_compliance(problem, &state->at, rows[i], rows[j]);
-    return small_negative(w, yielding) == small_negative(count, a); /* of 1/K as of K */
+    return small_negative(w, yielding) == small_negative(count, a); /* of C S = 1/K as of K */
 }

@@ -1,4 +1,4 @@
-/* Where the rubber's surface is, and where the free finger's is touched first.
+/* The surface of the rubber, and where an object touches that of the free finger first.
  *
  * Corners c of an element's knots, seen from its distal section, are at x = p + Q c in the plate's frame, where p and Q
  * are the section's. As tensions move the section by dp and turn it by b, dx = dp + b x (x - p) + Q dc. */
@@ -8,14 +8,14 @@
 
 #define STEPS 40      /* towards the touch distance */
 #define TOUCHED 1e-12 /* [m] */
-#define BULGED 0.01   /* of half the side: how far faces are off between their edges, other than bent beams' are [-] */
-#define RIDGED 0.2    /* of a ridge over a tendon: how well it is known [-] */
+#define BULGED 0.01   /* of half the side: error of a face between its edges, besides the bulge of a bent beam [-] */
+#define RIDGED 0.2    /* of the height of a ridge over a tendon: its error [-] */
 #define BETWEEN 0.3   /* of half the side: how far the surface may be from its nearest sampled point [-] */
 #define BULGING 0.2   /* likewise from the nearest edge, along the normal of a face, as faces bulge [-] */
 #define ALIKE 1e-9    /* touch distances that differ by less are of one point [m] */
-#define NEARER 1.2    /* times that: gaps of slices that are looked at [-] */
-#define FEW 8  /* sections from one that is looked at to the next, at first */
-#define FACE 8 /* parts of a face of the rubber, from edge to edge, that a round object is looked for at */
+#define NEARER 1.2    /* times the margin of the sampled points: slices with larger gaps are skipped [-] */
+#define FEW 8  /* stride between the sections of one pass */
+#define FACE 8 /* points per face, from edge to edge, at which the distance of a round object is sampled */
 
 static const int around[EDGES + 1] = {0, 1, 3, 2, 0}; /* corners of a section, from edge to edge */
 
@@ -73,6 +73,7 @@ double *rubber_points(const rod_state *rod, const rod_end *clamp, int free)
 {
     static const double origin[3] = {0.0}, upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     const fingerfem_segment *segment = rod->segment;
+    /* backwards from the last knot, the plate's face, over the knots of all elements, to the clamp's section */
     double *points = rod->work, *own = points + OUTLINE_KNOT * (segment->knots - 1);
     rubber_flat(segment, 1.0, -segment->half_lengths[0], origin, upright, own);
     for (int k = 0; k < segment->elements; k++) {
@@ -89,11 +90,12 @@ void rubber_between(const fingerfem_segment *segment, const double *points, int 
     const double *weights = segment->between + segment->near * place, *from = points + OUTLINE_KNOT * segment->first[place];
     double *flat = corners[0];
     memset(flat, 0, OUTLINE_KNOT * sizeof *flat);
+    /* corners of the section: sum_k w_k (corners of knot k) */
     for (int k = 0; k < segment->near; k++, from += OUTLINE_KNOT)
         for (int j = 0; j < OUTLINE_KNOT; j++) flat[j] += weights[k] * from[j];
 }
 
-/* Corners of a section from edge to edge, the first one again at the end, so that faces are from one to the next. */
+/* Corners of a section in order around it, the first one again at the end: face k lies between corners k and k + 1. */
 static void section_at(const fingerfem_segment *segment, const double *points, int place, double (*corners)[3])
 {
     double own[EDGES][3];
@@ -101,15 +103,16 @@ static void section_at(const fingerfem_segment *segment, const double *points, i
     for (int k = 0; k <= EDGES; k++) memcpy(corners[k], own[around[k]], sizeof own[0]);
 }
 
-/* Parts of a face at which an object is looked for: a flat one touches at a corner. */
+/* Sampled points per face: a plane touches at a corner, so that one is enough. */
 static int parts(const fingerfem_object *object) { return object->shape == FINGERFEM_PLANE ? 1 : FACE; }
 
+/* The point at a share of the way from one corner to the next. */
 static void part_of(double (*corners)[3], double share, double *place)
 {
     for (int i = 0; i < 3; i++) place[i] = corners[0][i] + share * (corners[1][i] - corners[0][i]);
 }
 
-/* A point of space is touched first: as a plate sees it. */
+/* Note a point of space as the one touched first, in a plate's frame, with the wrench (n, p x n) of a unit force. */
 static void note(const chain_body *plate, const double *place, const double *normal, touched_point *first)
 {
     for (int i = 0; i < 3; i++) {
@@ -123,8 +126,8 @@ static void note(const chain_body *plate, const double *place, const double *nor
     first->plate = plate;
 }
 
-/* Where a knot is: the element that it belongs to, their number for the clamp and -1 for the plate's face; and its number
- * among the element's. */
+/* The element of a segment's knot: -1 for the plate's face, and the number of elements for the clamp's section;
+ * `number` is the knot's index in its element. */
 static int element_of(const fingerfem_segment *segment, int knot, int *number)
 {
     int from = segment->knots - 1, k = 0;
@@ -147,7 +150,8 @@ static void point_of(const double *weights, const double *corners, double *found
     }
 }
 
-/* Add how a free knot's corners move with the tensions, each with a weight, (3, tensions), seen from the plate. */
+/* Add the motion by the tensions, (3, tensions), of the weighted sum of a knot's corners, of the free finger, in the
+ * plate's frame: weight dp + b x arm + Q dc, see above. */
 static void knot_moves(const rod_state *rod, const rod_end *clamp, int knot, const double *at,
                           double (*found)[TENSIONS_MOST])
 {
@@ -155,20 +159,24 @@ static void knot_moves(const rod_state *rod, const rod_end *clamp, int knot, con
     int number;
     const int k = element_of(segment, knot, &number), rubber = k < segment->elements;
     if (k < 0) return; /* the plate itself */
+    /* motion dp, b of the section that the knot is seen from, by all tensions */
     const double *origin = rubber ? rod->elements[k].place : clamp->place, *Q = rod->elements[rubber ? k : 0].rotation;
     double *corners = rod->work + OUTLINE_KNOT * segment->knots, arm[3];
     rod_motion motion;
     rod_free_motion(rod, k, &motion);
+    /* arm = sum_k weight_k (x_k - p) */
     point_of(at, rod->work + OUTLINE_KNOT * knot, arm);
     const double weight = at[0] + at[1] + at[2] + at[3];
     for (int i = 0; i < 3; i++) arm[i] -= weight * origin[i];
     for (int j = 0; j < segment->tensions; j++) {
         double change[3] = {0.0};
+        /* dc: change of the weighted corners with tension j, seen from the section */
         if (rubber) {
             outline_free(outline_of(segment, k), rod->monomials + segment->monomials * (1 + j), corners);
             point_of(at, corners + OUTLINE_KNOT * number, change);
         }
         for (int i = 0; i < 3; i++) {
+            /* component i of weight dp + b x arm + Q dc */
             const int l = (i + 1) % 3, m = (i + 2) % 3;
             const double own = Q[3 * i] * change[0] + Q[3 * i + 1] * change[1] + Q[3 * i + 2] * change[2];
             found[i][j] += weight * motion.move[i][j] + motion.turn[l][j] * arm[m] - motion.turn[m][j] * arm[l] + own;
@@ -176,7 +184,7 @@ static void knot_moves(const rod_state *rod, const rod_end *clamp, int knot, con
     }
 }
 
-/* Add how both sections of a free slice move with the tensions, their corners each with a weight, (2, 4), times a factor. */
+/* Add the motion by the tensions of the weighted sum of a free slice's corners; weights (2, 4) for its two sections. */
 static void section_moves(const chain_rods *map, const rod_end *clamp, const rubber_slice *slice, double (*corners)[EDGES],
                           double (*found)[TENSIONS_MOST])
 {
@@ -185,6 +193,7 @@ static void section_moves(const chain_rods *map, const rod_end *clamp, const rub
     const fingerfem_segment *segment = rod->segment;
     for (int side = 0; side < 2; side++)
         for (int k = 0; k < segment->near; k++) {
+            /* the section's corners are those of knots, each times `between` */
             const double between = segment->between[segment->near * (place + side) + k];
             double weights[EDGES];
             for (int edge = 0; edge < EDGES; edge++) weights[edge] = between * corners[side][edge];
@@ -192,13 +201,14 @@ static void section_moves(const chain_rods *map, const rod_end *clamp, const rub
         }
 }
 
-/* How a point of a free slice moves with the tensions, (tensions, 3), seen from its plate. */
+/* Motion by the tensions, (tensions, 3), of a point of a free slice at coordinates `at`, in the frame of its plate. */
 static void moves_by_tensions(const chain_rods *map, const chain_state *free, const rubber_slice *slice, const double *at, double *found)
 {
     const fingerfem_chain *chain = map->chain;
     const int q = slice->segment, face = fabs(at[1]) < 1.0 || fabs(at[2]) < 1.0;
     const chain_body *plate = free->bodies + q;
     double moves[3][TENSIONS_MOST] = {{0.0}}, twists[3][TENSIONS_MOST] = {{0.0}}, corners[2][EDGES], ends[2][EDGES], axes[2][3];
+    /* weights of the corners (2, 4): trilinear shape functions at the point; and those of the twist of the faces */
     for (int side = 0; side < 2; side++) {
         const double share = 0.5 * (1.0 + (side ? 1.0 : -1.0) * at[0]);
         for (int edge = 0; edge < EDGES; edge++) {
@@ -206,17 +216,21 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
             ends[side][edge] = share * slices_twist(edge);
         }
     }
+    /* motion of the trilinear point, and of the twist, by all tensions (3, tensions) */
     rubber_points(map->rods + q, &plate->end, 1);
     section_moves(map, &plate->end, slice, corners, moves);
     if (face) section_moves(map, &plate->end, slice, ends, twists);
+    /* y and z axes of the slice in the plate's frame */
     for (int j = 0; j < 2; j++) {
         const double axis[3] = {slice->rotation[1 + j], slice->rotation[4 + j], slice->rotation[7 + j]};
         objects_turned_back(plate->rotation, axis, axes[j]);
     }
+    /* growth of the ridge over a tendon, as the free pose of the element changes with every tension */
     const rod_state *rod = map->rods + q;
     double ridges[TENSIONS_MOST];
     const int across = slices_ridge_changes(rod, slice, at, rod->free + chain->segments[q]->law_of[slice->element] * rod->free_stride +
                                             FINGERFEM_POSE, ridges), other = 3 - across;
+    /* by tension j: trilinear point + bulge + axis ridge (1 - zeta^2), zeta the coordinate along the face */
     for (int j = 0; j < chain->segments[q]->tensions; j++) {
         double *own = found + 3 * chain->own[chain->tensions * q + j], bulge[3];
         const double twist[3] = {twists[0][j], twists[1][j], twists[2][j]};
@@ -226,26 +240,27 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
     }
 }
 
-/* How far the surface may be from what is sampled of it before an object [m]. */
+/* How far the surface may be from its sampled points, before object j [m]. */
 static double margin_of(const contact_problem *problem, int j)
 {
     return (contact_object(problem, j)->shape == FINGERFEM_PLANE ? BULGING : BETWEEN) * rubber_half(problem->touching->chain);
 }
 
-/* Whether no point of a section comes as near as a margin at d or beyond: the distance from a convex body is convex, and nowhere
- * below its tangent at the section's middle. */
+/* Whether all points of a section stay farther from the object than a margin, at d and at all larger ones: the distance
+ * from a convex body is convex, so it is nowhere below its tangent at the section's middle. */
 static int passes(const fingerfem_object *object, double (*corners)[3], double margin, double d)
 {
     double centre[3] = {0.0}, normal[3], least = INFINITY;
     for (int k = 0; k < EDGES; k++)
         for (int i = 0; i < 3; i++) centre[i] += corners[k][i] / EDGES;
+    /* lower bound of the gap: min_k g(c) + n . (x_k - c) over the corners; it grows with d if n . e <= 0 */
     const double gap = objects_distance(object, d, centre, normal) - objects_dot(normal, centre);
     for (int k = 0; k < EDGES; k++) least = fmin(least, gap + objects_dot(normal, corners[k]));
     return least > margin && objects_dot(normal, object->direction) <= 0.0;
 }
 
-/* The largest d at which an object is as near to sampled points of the free rubber as it may be to any other: an upper bound of
- * the touch distance; or `least` if that is larger. */
+/* Upper bound of the touch distance of the free rubber: the largest d at which the object is within the margin of a
+ * sampled point; or `least` if that is larger. */
 static double upper_bound(const contact_problem *problem, int number, const chain_state *free, double least)
 {
     const fingerfem_chain *chain = problem->touching->chain;
@@ -257,11 +272,13 @@ static double upper_bound(const contact_problem *problem, int number, const chai
         const fingerfem_segment *segment = chain->segments[q];
         const chain_body *plate = free->bodies + q;
         if (!segment->knots) continue;
+        /* corners of all knots in space */
         double *points = rubber_points(problem->map->rods + q, &plate->end, 1);
         rubber_in_space(plate->centre, plate->rotation, EDGES * segment->knots, points);
-        for (int begin = 0; begin < FEW; begin++) /* a few sections first, so that most others need not be looked at */
-            for (int n = segment->places - 2 - begin; n > 0; n -= FEW) { /* not where it is clamped, nor at its plate */
+        for (int begin = 0; begin < FEW; begin++) /* every FEW-th section: then most others are skipped */
+            for (int n = segment->places - 2 - begin; n > 0; n -= FEW) { /* without those at clamp and plate */
                 section_at(segment, points, n, corners);
+                /* raise the bound to the largest d of this section's points, unless the whole section is farther */
                 if (isfinite(farthest) && passes(object, corners, margin, farthest)) continue;
                 for (int k = 0; k < EDGES; k++)
                     for (int j = 0; j < count; j++) {
@@ -278,13 +295,15 @@ double rubber_off(const contact_problem *problem, const placed *at, int k)
     const fingerfem_segment *segment = problem->touching->chain->segments[placed_slice_of(at, k)->segment];
     const int name = at->contacts.names[k], face = name < SLICE_FACES ? -1 : name % OUTLINE_CORNERS; /* across y, then across z; negative of an edge */
     const rubber_slice *slice = placed_slice_of(at, k);
+    /* coordinate zeta along the face, and height of the ridge on it; an edge has zeta = 1 */
     const double across = face < 0 ? 1.0 : at->contacts.material[k][face < 2 ? 2 : 1];
     const double ridge = face < 0 ? 0.0 : slice->ridges[face / 2][face % 2];
+    /* error of the surface: e_0 + (0.01 h + 0.2 ridge) (1 - zeta^2), h half the side [m] */
     return problem->touching->chain->surface_error + (BULGED * segment->half_lengths[1] + RIDGED * ridge) * (1.0 - across * across);
 }
 
-/* By Newton's method from an upper bound: of every slice the gap is convex in d, so that no step goes below its root. The next d
- * is the largest of all slices' steps. */
+/* By Newton's method from an upper bound: the gap of every slice is convex in d, so that no step goes below its root.
+ * The next d is the largest of all slices' steps. */
 double rubber_reach(const contact_problem *problem, int j, placed *free, double least, touched_point *first)
 {
     const double *direction = contact_object(problem, j)->direction;
@@ -293,8 +312,10 @@ double rubber_reach(const contact_problem *problem, int j, placed *free, double 
         const objects_contacts *contacts = &free->contacts;
         double next = -INFINITY;
         int touched = -1;
+        /* slices of the free finger near the object at d */
         free->contacts.count = free->slices = 0;
         placed_slices(problem, j, 1, SLICE_FLAT, d, NEARER * margin_of(problem, j), free);
+        /* Newton step of every contact, d - g / (dg/dd) with dg/dd = -n . e; the largest one leads */
         for (int k = 0; k < contacts->count; k++) {
             objects_turned_back(placed_slice_of(free, k)->rotation, direction, seen);
             const double slope = -objects_dot(contacts->wrenches[k], seen), own = d - contacts->gaps[k] / slope;
@@ -305,6 +326,7 @@ double rubber_reach(const contact_problem *problem, int j, placed *free, double 
             d = next;
             continue;
         }
+        /* converged: the touched point and its normal in space, their error, and the motion by the tensions */
         const rubber_slice *slice = placed_slice_of(free, touched);
         double x[3], normal[3];
         for (int i = 0; i < 3; i++) {
@@ -328,9 +350,11 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     const contact_problem problem = {touching, &map, {0.0}};
     if (d == INFINITY) return INFINITY;
     d = fmax(touching->objects[0]->nearest, fmin(touching->objects[0]->farthest, d));
+    /* bodies under the loads, and the contacts of all slices with the object */
     chain_placed(chain, point, loads, memory, held, &map, &at.chain);
     at.contacts.count = at.slices = 0;
     placed_slices(&problem, 0, 0, SLICE_FLAT, d, INFINITY, &at);
+    /* least gap, without the slices next to plates */
     for (int k = 0; k < at.contacts.count; k++) {
         const rubber_slice *slice = placed_slice_of(&at, k);
         const int place = slices_place(&map, slice->segment, slice->number);

@@ -1,25 +1,28 @@
-/* A beam of length L that bends and shears carries a force n at the share a of its length as its ends would if they were
- * held: the forces N n and the moments g x n, with phi = 12 E I / (k G A L^2) (Przemieniecki 1968, section 5.6),
+/* Nodal loads of a force on an element: a beam of length L that bends and shears passes a force n at the share a of its
+ * length to its two ends, as if both were held: by the forces N n and the moments g x n, with
+ * phi = 12 E I / (k G A L^2) (Przemieniecki 1968, section 5.6),
  *
  *     N_1 = (a^2 (3 - 2 a) + phi a) / (1 + phi),             N_2 = 1 - N_1,
  *     g_1 = N_1 (x - m + s_1 - c_1) + u_1 (s_2 - s_1),       u_1 = a (1 - a) (a + phi / 2) / (1 + phi),
  *     g_2 = N_2 (x - m + s_2 - c_2) + u_2 (s_1 - s_2),       u_2 = a (1 - a) (1 - a + phi / 2) / (1 + phi),
  *
- * where x is the point, s the centres of the sections at both ends, m = a s_1 + (1 - a) s_2, and c the centres of the bodies. The
- * sum is the force at x. A beam that bends by the curvature k towards y moves its surface by v = nu k (y^2 - z^2) / 2, w = nu k y z
- * (Saint-Venant). So, by reciprocity, a force f there bends it by the couples +-nu / L (f_y (y^2 - z^2) / 2 + f_z y z), and likewise
- * towards z. The same weights, transposed, move the slice with its bodies. */
+ * where x is the point, s the centres of the sections at both ends, 1 the begin and 2 the end, m = a s_1 + (1 - a) s_2,
+ * and c the centres of the bodies. Their resultant is the force n at x. A beam that bends by the curvature k towards y
+ * moves its surface by v = nu k (y^2 - z^2) / 2, w = nu k y z (Saint-Venant). So, by reciprocity, a force f there bends
+ * it by the couples +-nu / L (f_y (y^2 - z^2) / 2 + f_z y z), and likewise towards z. The same weights, transposed,
+ * move the slice with its bodies. */
 #include <math.h>
 #include "rubber.h"
 #include "slices.h"
 
-#define WAY 1e-6     /* by which normals are compared [m] */
+#define WAY 1e-6     /* step of the central differences of normals [m] */
 
 /* The weights N and u of both ends at a share, and their derivatives by it. */
 typedef struct {
     double share, n[SLICE_ENDS], u[SLICE_ENDS], dn[SLICE_ENDS], du[SLICE_ENDS];
 } beam;
 
+/* At the distance `along` from the slice's middle [m], towards the element's begin. */
 static beam beam_at(const rubber_slice *slice, double along)
 {
     const double a = slice->share + along / slice->length, b = 1.0 - a, phi = slice->slender, all = 1.0 + phi;
@@ -29,21 +32,22 @@ static beam beam_at(const rubber_slice *slice, double along)
     return found;
 }
 
-/* g of both ends for a point x of space, (2, 3). */
+/* The arms g of both ends for a force at a point x of space, (2, 3). */
 static void arms_to(const rubber_slice *slice, const chain_state *state, const beam *at, const double *x, double (*g)[3])
 {
     const double *s = slice->ends[0], *t = slice->ends[1];
     for (int end = 0; end < SLICE_ENDS; end++) {
         const double *c = state->bodies[slice->bodies[end]].centre, sign = end ? -1.0 : 1.0;
         for (int i = 0; i < 3; i++) {
+            /* m = a s_1 + (1 - a) s_2; g_e = N_e (x - m + s_e - c_e) +- u_e (s_2 - s_1) */
             const double middle = at->share * s[i] + (1.0 - at->share) * t[i];
             g[end][i] = at->n[end] * (x[i] - middle + slice->ends[end][i] - c[i]) + sign * at->u[end] * (t[i] - s[i]);
         }
     }
 }
 
-/* The couple, (3), that a force f at a point p puts on the distal end of its element, all seen from the slice. The proximal end gets the
- * opposite couple. */
+/* The couple, (3), that a force f at a point p puts on the distal end of its element, all seen from the slice. The
+ * proximal end gets the opposite couple. */
 static void couple_of(const rubber_slice *slice, int name, const double *p, const double *f, double *couple)
 {
     const double gain = slice->bulging * (name < SLICE_LINES ? 1.0 : 2.0 / 3.0); /* a line across a face has the mean over its width */
@@ -53,7 +57,7 @@ static void couple_of(const rubber_slice *slice, int name, const double *p, cons
     couple[2] = gain * (f[1] * even + f[2] * odd);
 }
 
-/* The change of this couple with a change dp of the point. */
+/* The change of this couple as its point moves by dp: (C(p + dp) - C(p - dp)) / 2. */
 static void couple_change(const rubber_slice *slice, int name, const double *p, const double *dp, const double *f, double *change)
 {
     const double sum[3] = {0.0, p[1] + dp[1], p[2] + dp[2]}, difference[3] = {0.0, p[1] - dp[1], p[2] - dp[2]};
@@ -63,13 +67,13 @@ static void couple_change(const rubber_slice *slice, int name, const double *p, 
     for (int i = 0; i < 3; i++) change[i] = 0.5 * (ahead[i] - behind[i]);
 }
 
-/* A vector of a slice in space. */
+/* R v: a vector of a slice's or body's frame, in space. */
 static void turned(const double *rotation, const double *v, double *found)
 {
     for (int i = 0; i < 3; i++) found[i] = objects_dot(rotation + 3 * i, v);
 }
 
-/* The point of a contact in space, and its normal. */
+/* The point x = c + R p of a contact of a slice, and its normal, in space. */
 static void contact_in_space(const rubber_slice *slice, const objects_contacts *contacts, int k, double *x, double *n)
 {
     double p[3];
@@ -84,6 +88,7 @@ void slices_arms(const rubber_slice *slice, const chain_state *state, const obje
 {
     const beam at = beam_at(slice, contacts->points[k][0]);
     double x[3], n[3], g[SLICE_ENDS][3], moment[3], seen[3], local[3], couple[3];
+    /* point, force and arms in space; the couple is computed in the slice's axes and turned */
     contact_in_space(slice, contacts, k, x, n);
     if (force) memcpy(n, force, sizeof n);
     arms_to(slice, state, &at, x, g);
@@ -91,6 +96,7 @@ void slices_arms(const rubber_slice *slice, const chain_state *state, const obje
     couple_of(slice, contacts->names[k], contacts->points[k], seen, local);
     turned(slice->rotation, local, couple);
     found->count = SLICE_ENDS;
+    /* wrench of each end in its body's frame: R^T (N n), R^T (g x n +- couple) */
     for (int end = 0; end < SLICE_ENDS; end++) {
         const double *rotation = state->bodies[slice->bodies[end]].rotation;
         found->bodies[end] = slice->bodies[end];
@@ -102,8 +108,9 @@ void slices_arms(const rubber_slice *slice, const chain_state *state, const obje
     }
 }
 
-/* How a contact's point slides along its slice and how its normal changes, both seen from the slice, as that moves and turns
- * along its own axes, (6, 6). The point is nearest along its free coordinates s, with tangents t_i: t_i . n = 0, so that
+/* How a contact's point slides along its slice, rows 0 - 2, and how its normal changes, rows 3 - 5, both seen from the
+ * slice, as that moves and turns along its own axes, (6, 6). The point is nearest along its free coordinates s, with
+ * tangents t_i: t_i . n = 0, so that
  *
  *     (t_i . H t_j + n . dt_i/ds_j) ds_j = -t_i . H dx - (w x t_i) . n,
  *
@@ -113,16 +120,19 @@ static void sliding(const rubber_slice *slice, const fingerfem_object *object, d
     const double *p = contacts->points[k], *n = contacts->wrenches[k], *at = contacts->material[k];
     double x[3], t[3][3], tangents[3][3], H[3][3], axes[2][3], system[4], normal[2][3];
     int free[2], count = 0;
+    /* tangents seen from the slice; coordinates inside the slice are free, but for lines across a face */
     slices_at(slice, at, x, t);
     for (int j = 0; j < 3; j++) {
         objects_turned_back(slice->rotation, t[j], tangents[j]);
         if (contacts->names[k] < SLICE_LINES && count < 2 && fabs(at[j]) < 1.0) free[count++] = j;
     }
+    /* two unit vectors across n */
     const int least = fabs(n[0]) < fabs(n[1]) ? (fabs(n[0]) < fabs(n[2]) ? 0 : 2) : (fabs(n[1]) < fabs(n[2]) ? 1 : 2);
     const double pick[3] = {least == 0, least == 1, least == 2};
     objects_cross(n, pick, axes[0]);
     slices_unit(axes[0]);
     objects_cross(n, axes[0], axes[1]);
+    /* H = sum_a (dn/da) a^T over both, by central differences; along n the normal is constant */
     memset(H, 0, sizeof H);
     for (int a = 0; a < 2; a++) {
         double way[3], beside[3], change[3];
@@ -136,6 +146,7 @@ static void sliding(const rubber_slice *slice, const fingerfem_object *object, d
         for (int i = 0; i < 3; i++)
             for (int j = 0; j < 3; j++) H[i][j] += change[i] * axes[a][j];
     }
+    /* matrix t_i . H t_j + n . dt_i/ds_j, the latter only for i = j: from the dome and the bulge of the face */
     for (int a = 0; a < count; a++)
         for (int b = 0; b < count; b++) {
             double sum = a == b ? (free[a] ? SLICE_FLAT : SLICE_DOME) * slice->thickness : 0.0;
@@ -148,10 +159,12 @@ static void sliding(const rubber_slice *slice, const fingerfem_object *object, d
         }
     const double det = count == 2 ? system[0] * system[3] - system[1] * system[2] : 0.0;
     for (int m = 0; m < W; m++) {
+        /* unit motion m of the slice: displacement dx of the point, and turn w */
         double spin[3] = {0.0}, dx[3] = {0.0}, turn[3], right[2] = {0.0}, ds[2] = {0.0};
         if (m < 3) dx[m] = 1.0;
         else spin[m - 3] = 1.0;
         if (m >= 3) objects_cross(spin, p, dx);
+        /* right-hand side -(w x t_i) . n - t_i . H dx, then ds */
         for (int a = 0; a < count; a++) {
             objects_cross(spin, tangents[free[a]], turn);
             right[a] = -objects_dot(turn, n);
@@ -162,6 +175,7 @@ static void sliding(const rubber_slice *slice, const fingerfem_object *object, d
             ds[0] = (system[3] * right[0] - system[1] * right[1]) / det;
             ds[1] = (system[0] * right[1] - system[2] * right[0]) / det;
         }
+        /* slide sum_i t_i ds_i, and change of the normal H (dx + slide) - w x n, seen from the turned slice */
         objects_cross(spin, n, turn);
         for (int i = 0; i < 3; i++) {
             found[i][m] = 0.0;
@@ -172,7 +186,8 @@ static void sliding(const rubber_slice *slice, const fingerfem_object *object, d
     }
 }
 
-/* As one end moves: how the section there and its body do. */
+/* Unit motion `input` of the body at one end, along its own axes: displacement v and turn t of the body, and
+ * displacement ds = v + t x arm of the section's centre, in space. */
 static void moved_by(const rubber_slice *slice, const chain_body *body, int end, int input, double *v, double *t, double *ds)
 {
     double unit_of[3] = {0.0}, arm[3];
@@ -185,20 +200,23 @@ static void moved_by(const rubber_slice *slice, const chain_body *body, int end,
     for (int i = 0; i < 3; i++) ds[i] += v[i];
 }
 
-/* The same of a point of the element's nearest knot, seen from its begin. */
+/* Computed at the knot of the element that is nearest to the slice: the point's motion, with the section where the
+ * element begins and by the change of shape, minus the motion N v + t x g that the ends' motions give it. */
 void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_state *state, int name, const double *material, double *found)
 {
     const fingerfem_chain *chain = map->chain;
     const int q = slice->segment, e = slice->element, w = chain_size(map), count = rubber_knots(chain->segments[q], e);
     const rod_state *rod = map->rods + q;
     const fingerfem_segment *segment = rod->segment;
+    /* nearest knot, counted from the element's end, and the beam's weights at its share (knot + 1/2) / count */
     const int knot = (int)fmin(count - 1, fmax(0.0, floor(slice->share * count)));
     const beam here = beam_at(slice, ((knot + 0.5) / count - slice->share) * slice->length);
     const double to_plate = e ? 1.0 : 1.0 - slice->share, to_clamp = e < segment->elements - 1 ? 1.0 : slice->share;
-    const double share = fmin(1.0, 2.0 * count * fmin(to_plate, to_clamp)); /* where it is held, it has its shape */
-    const double middle = name < SLICE_LINES ? 1.0 : 2.0 / 3.0; /* of how far a face's middle is off, in its mean */
+    const double share = fmin(1.0, 2.0 * count * fmin(to_plate, to_clamp)); /* 0 where plate or clamp fix the shape */
+    const double middle = name < SLICE_LINES ? 1.0 : 2.0 / 3.0; /* mean of 1 - zeta^2 over a line across a face */
     double place[3], rotation[9], x[3], weights[OUTLINE_CORNERS], seen[3] = {0.0}, g[SLICE_ENDS][3], axes[2][3];
     double *corners = rod->work + OUTLINE_KNOT * segment->knots, *own = corners + OUTLINE_KNOT * knot;
+    /* the knot's point x in space: bilinear between its corners */
     slices_section(map, state, q, e, place, rotation);
     for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
         weights[edge] = 0.25 * (1.0 + (edge & 2 ? 1.0 : -1.0) * material[1]) * (1.0 + (edge & 1 ? 1.0 : -1.0) * material[2]);
@@ -208,26 +226,31 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     turned(rotation, seen, x);
     for (int i = 0; i < 3; i++) x[i] += place[i];
     arms_to(slice, state, &here, x, g);
+    /* y and z axes of the slice in space */
     for (int j = 0; j < 2; j++)
         for (int i = 0; i < 3; i++) axes[j][i] = slice->rotation[3 * i + 1 + j];
     double by[TENSIONS_MOST * FINGERFEM_POSE], ridges[TENSIONS_MOST];
+    /* change of the element's pose with all tensions, and of the ridge over a tendon by it */
     element_by_tensions(segment, segment->law[segment->law_of[e]], rod->contracted + segment->law_of[e] * rod->contracted_stride,
                         rod->products + e * rod->products_stride, by);
     const int across = slices_ridge_changes(rod, slice, material, by, ridges), other = 3 - across;
     for (int j = 0; j < segment->tensions; j++) {
         const int column = chain->own[chain->tensions * q + j];
         double change[3] = {0.0}, twist[3] = {0.0}, turned_twist[3], bulge[3], way[3], arm[3], by_turn[3];
+        /* by tension j: change of the point, and of the twist of the faces, seen from the element's begin */
         rubber_shape(rod, e, rod->monomials + segment->monomials * (1 + j), corners);
         for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
             for (int i = 0; i < 3; i++) {
                 change[i] += weights[edge] * own[3 * edge + i];
                 twist[i] += slices_twist(edge) * own[3 * edge + i];
             }
+        /* way = R change + bulge + ridge (1 - zeta^2), in space */
         turned(rotation, change, way);
         turned(rotation, twist, turned_twist);
         slices_bulge(axes, turned_twist, material, bulge);
         for (int i = 0; i < 3; i++) way[i] += middle * bulge[i];
         for (int i = 0; i < 3 && across; i++) way[i] += middle * axes[across - 1][i] * ridges[j] * (1.0 - material[other] * material[other]);
+        /* minus N v + t x g of both ends' bodies, plus v + t x (x - c) of the begin's, as they move by tension j */
         for (int end = 0; end < SLICE_ENDS; end++) {
             const chain_body *body = state->bodies + slice->bodies[end];
             double moved[3], spun[3], v[3], t[3];
@@ -244,6 +267,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
             objects_cross(t, arm, by_turn);
             for (int i = 0; i < 3; i++) way[i] += v[i] + by_turn[i];
         }
+        /* times the share, which fades to 0 towards plate and clamp; in the slice's axes */
         for (int i = 0; i < 3; i++) way[i] *= share;
         objects_turned_back(slice->rotation, way, found + 3 * column);
     }
@@ -257,6 +281,7 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
     const double *s = slice->ends[0], *t = slice->ends[1];
     const beam here = beam_at(slice, contacts->points[k][0]), middle = beam_at(slice, 0.0);
     double x[3], n[3], f[3], f_seen[3], own_couple[3], couple[3], g[SLICE_ENDS][3], centres[SLICE_ENDS][3], from[W][W];
+    /* point x, force f, arms g and the couple, in space; `centres` are the arms of the slice's centre */
     contact_in_space(slice, contacts, k, x, n);
     memcpy(f, force_of ? force_of : n, sizeof f);
     arms_to(slice, &at->chain, &here, x, g);
@@ -269,12 +294,14 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
         const int moving = column / W;
         const chain_body *mover = at->chain.bodies + slice->bodies[moving];
         double v[3], turn[3], ds[3], slice_v[3], slice_t[3], seen[W], dp[3], dn[3], df[3], dx[3], arm[3], by_turn[3], local[W] = {0.0};
+        /* unit motion of one end's body moves the slice by N v + t x g and turns it by N t, at its middle */
         moved_by(slice, mover, moving, column % W, v, turn, ds);
-        objects_cross(turn, centres[moving], slice_v); /* the slice's own motion */
+        objects_cross(turn, centres[moving], slice_v);
         for (int i = 0; i < 3; i++) {
             slice_v[i] += middle.n[moving] * v[i];
             slice_t[i] = middle.n[moving] * turn[i];
         }
+        /* slide dp of the point, and change dn of the normal: as seen from the slice, plus its turn */
         objects_turned_back(slice->rotation, slice_v, seen);
         objects_turned_back(slice->rotation, slice_t, seen + 3);
         for (int i = 0; i < W; i++)
@@ -283,11 +310,13 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
         turned(slice->rotation, local + 3, dn);
         objects_cross(slice_t, n, by_turn);
         for (int i = 0; i < 3; i++) dn[i] += by_turn[i];
+        /* the force turns with the normal: df = (f . n) dn - (f . dn) n; the point moves by dx */
         for (int i = 0; i < 3; i++) df[i] = objects_dot(f, n) * dn[i] - objects_dot(f, dn) * n[i];
         for (int i = 0; i < 3; i++) arm[i] = x[i] - slice->centre[i];
         objects_cross(slice_t, arm, by_turn);
         for (int i = 0; i < 3; i++) dx[i] = slice_v[i] + by_turn[i] + dp[i];
         double df_seen[3], by_point[3], by_force[3], dc[3];
+        /* change dc of the couple: by the force and by the point, both seen from the slice, and by its turn */
         objects_cross(slice_t, f, by_turn);
         for (int i = 0; i < 3; i++) by_turn[i] = df[i] - by_turn[i];
         objects_turned_back(slice->rotation, by_turn, df_seen);
@@ -297,22 +326,26 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
         turned(slice->rotation, by_force, dc);
         objects_cross(slice_t, couple, by_turn);
         for (int i = 0; i < 3; i++) dc[i] += by_turn[i];
+        /* da: change of the share as the point slides along the element */
         const double da = local[0] / slice->length;
         for (int end = 0; end < SLICE_ENDS; end++) {
             const chain_body *body = at->chain.bodies + slice->bodies[end];
             const double own = end == moving, sign = end ? -1.0 : 1.0, share = moving ? 1.0 - here.share : here.share;
             double force[3], moment[3], dg[3], one[3], two[3];
             for (int i = 0; i < 3; i++) {
+                /* m and its change dm; then dg, and d(N f) = dN f + N df, for this end */
                 const double m = here.share * s[i] + (1.0 - here.share) * t[i], dm = da * (s[i] - t[i]) + share * ds[i];
                 dg[i] = here.dn[end] * da * (x[i] - m + slice->ends[end][i] - body->centre[i]) +
                         here.n[end] * (dx[i] - dm + own * (ds[i] - v[i])) +
                         sign * (here.du[end] * da * (t[i] - s[i]) + here.u[end] * (moving ? ds[i] : -ds[i]));
                 force[i] = here.dn[end] * da * f[i] + here.n[end] * df[i];
             }
+            /* d(g x f +- couple) = dg x f + g x df +- dc */
             objects_cross(dg, f, one);
             objects_cross(g[end], df, two);
             for (int i = 0; i < 3; i++) moment[i] = one[i] + two[i] + sign * dc[i];
-            if (own) { /* seen from a frame that turns */
+            if (own) {
+                /* the end's own frame turns by t: minus t x (N f) and t x (g x f +- couple) */
                 double back[3];
                 objects_cross(turn, f, back);
                 for (int i = 0; i < 3; i++) force[i] -= here.n[end] * back[i];
@@ -321,6 +354,7 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
                 objects_cross(turn, one, back);
                 for (int i = 0; i < 3; i++) moment[i] -= back[i];
             }
+            /* column of the result, in the frame of this end's body */
             double row[W];
             objects_turned_back(body->rotation, force, row);
             objects_turned_back(body->rotation, moment, row + 3);

@@ -1,14 +1,16 @@
-/* Slices of rubber between cross-sections next to each other: where they are, and how their faces bulge. */
+/* Slices of rubber between neighbouring cross-sections: their geometry, the bulges of their faces when the finger is
+ * bent, and the ridges above tendons (docs/theory/contact.md, Contact on the rubber). */
 #include "slices.h"
 #include <math.h>
 #include "rubber.h"
 
-#define RIDGE 1.1    /* of F k / E: how far a tendon lifts the face that it lies under [-] */
-#define NEAR_END 0.6 /* a ridge has half its height where the square of the distance from an end, over half the side, is this [-] */
-#define SLENDER 3.0 /* 2 (1 + v) / k of a square section: phi over (side / length)^2 [-] */
+#define RIDGE 1.1    /* height of the ridge of a face above a tendon, over F kappa / E [-] */
+#define NEAR_END 0.6 /* (distance from an end / half the side)^2 where a ridge has half its height [-] */
+#define SLENDER 3.0 /* phi / (side / length)^2 = 2 (1 + nu) / k of a square section [-] */
 
 int slices_place(const chain_rods *map, int segment, int number)
 {
+    /* slices are numbered after all plates, segment by segment */
     int first = FINGERFEM_MOST_PLATES;
     for (int q = 0; q < segment; q++) first += map->chain->segments[q]->places;
     return number >= first && number < first + map->chain->segments[segment]->places ? number - first : -1;
@@ -18,10 +20,12 @@ void slices_section(const chain_rods *map, const chain_state *state, int q, int 
 {
     const fingerfem_segment *segment = map->chain->segments[q];
     static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+    /* distal section of an element */
     if (element < segment->elements) {
         chain_section(map, state, q, element, place, rotation);
         return;
     }
+    /* the clamp: front of the plate before, or the origin for the first segment */
     const chain_body *before = q ? state->bodies + chain_plate_of(map, q - 1) : NULL;
     memcpy(rotation, before ? before->rotation : upright, sizeof upright);
     for (int i = 0; i < 3; i++)
@@ -32,10 +36,12 @@ int slices_near(const chain_rods *map, const chain_state *state, int q, const fi
                 unsigned char *found)
 {
     const fingerfem_segment *segment = map->chain->segments[q];
-    const double across = 1.6 * fmax(1.0, segment->begins) * segment->half_lengths[1]; /* of a square that bulges */
+    /* radius around the axis that contains a bulging square section [m] */
+    const double across = 1.6 * fmax(1.0, segment->begins) * segment->half_lengths[1];
     double begin[3], end[3], middle[3], normal[3], rotation[9];
     int any = 0;
     memset(found, 0, (size_t)segment->elements + 2);
+    /* sphere around element e: centre m between its ends, radius^2 = (1.1 |begin - m|)^2 + across^2 */
     slices_section(map, state, q, 0, begin, rotation);
     for (int e = 0; e < segment->elements; e++) {
         double square = 0.0;
@@ -44,6 +50,7 @@ int slices_near(const chain_rods *map, const chain_state *state, int q, const fi
             middle[i] = 0.5 * (begin[i] + end[i]);
             square += (begin[i] - middle[i]) * (begin[i] - middle[i]);
         }
+        /* mark it where the object is nearer than the radius + near; unmarked neighbours become 2 */
         if (objects_distance(object, d, middle, normal) < sqrt(1.21 * square + across * across) + near) {
             any = found[e] = 1;
             if (e && !found[e - 1]) found[e - 1] = 2;
@@ -59,8 +66,10 @@ const double *slices_corners(const chain_rods *map, const chain_state *state, in
 {
     const fingerfem_segment *segment = map->chain->segments[q];
     double *points = map->rods[q].work, *own = points + OUTLINE_KNOT * (segment->knots - 1), place[3], rotation[9];
+    /* last knot: the plate's back, a flat square */
     slices_section(map, state, q, 0, place, rotation);
     rubber_flat(segment, 1.0, -segment->half_lengths[0], place, rotation, own);
+    /* knots of the near elements, from the plate to the clamp, brought from their distal sections to space */
     for (int e = 0; e < segment->elements; e++) {
         own -= OUTLINE_KNOT * rubber_knots(segment, e);
         if (!near[e]) continue;
@@ -68,38 +77,44 @@ const double *slices_corners(const chain_rods *map, const chain_state *state, in
         rubber_corners(map->rods + q, e, free, own);
         rubber_in_space(place, rotation, OUTLINE_CORNERS * rubber_knots(segment, e), own);
     }
+    /* first knot: the clamped section, a flat square */
     slices_section(map, state, q, segment->elements, place, rotation);
     rubber_flat(segment, segment->begins, 0.0, place, rotation, points);
     return points;
 }
 
-/* The distance from a convex body is convex: nowhere is it below its tangent at the slice's middle. */
+/* A bound by convexity: the distance from a convex body is nowhere below its tangent at the slice's middle. */
 double slices_least_gap(const fingerfem_segment *segment, const double *points, int place, const fingerfem_object *object, double d)
 {
     double at[2 * OUTLINE_CORNERS][3], centre[3] = {0.0}, normal[3], least = INFINITY;
+    /* corners of both sections, and their mean c */
     rubber_between(segment, points, place, at);
     rubber_between(segment, points, place + 1, at + OUTLINE_CORNERS);
     for (int k = 0; k < 2 * OUTLINE_CORNERS; k++)
         for (int i = 0; i < 3; i++) centre[i] += at[k][i] / (2 * OUTLINE_CORNERS);
+    /* min over the corners x of the tangent plane g(c) + n . (x - c) */
     const double gap = objects_distance(object, d, centre, normal) - objects_dot(normal, centre);
     for (int k = 0; k < 2 * OUTLINE_CORNERS; k++) least = fmin(least, gap + objects_dot(normal, at[k]));
     return least;
 }
 
-/* Bulges change with the widths that they are of: the difference of the widths at -y and y along z, and of those at -z and z
- * along y, is one and the same sum of the corners' motions. */
+/* Change of the bulges, from that of the widths, see bulges_of. `twist`, a weighted sum of the corners' motions, has
+ * both: z . twist is an eighth of the change of the width at -y minus that at y, and y . twist the same at -z and z. */
 void slices_bulge(double (*axes)[3], const double *twist, const double *material, double *found)
 {
+    /* motion (c^2 - 1) twist_z along y, and (b^2 - 1) twist_y along z */
     const double b = material[1], c = material[2], along_y = objects_dot(axes[0], twist), along_z = objects_dot(axes[1], twist);
     for (int i = 0; i < 3; i++) found[i] = axes[0][i] * along_z * (c * c - 1.0) + axes[1][i] * along_y * (b * b - 1.0);
 }
 
-/* How far the middles of a section's faces across y and across z are off: bent by a curvature k, it is deformed by
- * v = -nu k (y^2 - z^2) / 2, w = -nu k y z (Saint-Venant), so that its width at -y less that at y, 4 nu k h^2, is eight times that. */
+/* Bulges chi of a section's faces across y and across z: how far their middles deviate from a plane [m]. Bending by the
+ * curvature kappa deforms a section by v = -nu kappa (y^2 - z^2) / 2, w = -nu kappa y z (Saint-Venant). So chi is
+ * nu kappa h^2 / 2, and the width at -y exceeds that at y by 4 nu kappa h^2 = 8 chi. */
 static void bulges_of(double (*corners)[3], double *found)
 {
     double width[OUTLINE_CORNERS] = {0.0}; /* at -y, y, -z, z */
     const int pairs[OUTLINE_CORNERS][2] = {{0, 1}, {2, 3}, {0, 2}, {1, 3}};
+    /* widths of the four sides [m] */
     for (int side = 0; side < OUTLINE_CORNERS; side++) {
         for (int i = 0; i < 3; i++) {
             const double along = corners[pairs[side][1]][i] - corners[pairs[side][0]][i];
@@ -107,22 +122,26 @@ static void bulges_of(double (*corners)[3], double *found)
         }
         width[side] = sqrt(width[side]);
     }
+    /* chi: an eighth of the difference of opposite widths */
     found[0] = 0.125 * (width[0] - width[1]);
     found[1] = 0.125 * (width[2] - width[3]);
 }
 
-/* The curvature of an element towards y and z, from its Gibbs vector: (-2 g_z, 2 g_y) over its length; or how that changes. */
+/* Curvature of an element towards y (across = 0) or z (1), from the Gibbs vector g of its pose: -2 g_z / l or 2 g_y / l
+ * [1/m]. It is linear: from a change of the pose it gives the change of the curvature. */
 static double curvature(const rod_state *rod, int element, int across, const double *pose)
 {
     return 2.0 * (across ? pose[4] : -pose[5]) / rod->segment->element_lengths[element];
 }
 
-/* A tendon with tension F in a channel under a face presses on the rubber outwards with F k per length, where the curvature towards
- * the face is k. It lifts the middle of the face by RIDGE F k / E, measured on the full-order model; less near plates and the clamp. */
+/* Height of the ridge of a face, far from plates and the clamp [m]. A tendon with tension F under the face presses on
+ * the rubber outwards with F kappa per length, where kappa > 0 is the curvature towards the face. It lifts the middle
+ * of the face by RIDGE F kappa / E, as measured on the full-order model. */
 static double ridge_of(const rod_state *rod, int element, int across, int side)
 {
     const double *ridges = rod->segment->ridges, k = (side ? 1.0 : -1.0) * curvature(rod, element, across, rod->elements[element].pose);
     double found = 0.0;
+    /* sum_j RIDGE F_j r_j kappa, with r_j = 1 / E for a tendon under this face, else 0; none where kappa < 0 */
     for (int j = 0; j < rod->segment->tensions; j++)
         found += RIDGE * rod->tensions[j] * fmax((side ? 1.0 : -1.0) * ridges[2 * j + across], 0.0) * fmax(k, 0.0);
     return found;
@@ -139,18 +158,21 @@ int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const 
 {
     const int element = slice->element;
     const double *ridges = rod->segment->ridges;
+    /* face of the point: across y (0) or z (1), its side, and the curvature kappa towards it */
     const int count = rod->segment->tensions, across = fabs(material[1]) < 1.0 ? 1 : 0, side = material[1 + across] > 0.0;
     const double sign = side ? 1.0 : -1.0, k = sign * curvature(rod, element, across, rod->elements[element].pose);
     double all = 0.0;
     memset(found, 0, (size_t)count * sizeof *found);
     if (fabs(material[1]) == 1.0 && fabs(material[2]) == 1.0) return 0;
+    /* sum_i F_i r_i, with r_i = 1 / E for a tendon under this face, else 0 */
     for (int j = 0; j < count; j++) all += rod->tensions[j] * fmax(sign * ridges[2 * j + across], 0.0);
+    /* d height / dF_j = RIDGE raised (kappa r_j + sum_i F_i r_i dkappa/dF_j), along the axis */
     for (int j = 0; j < count && k > 0.0; j++)
         found[j] = RIDGE * slice->raised * sign * (k * fmax(sign * ridges[2 * j + across], 0.0) + all * sign * curvature(rod, element, across, by + FINGERFEM_POSE * j));
     return 1 + across;
 }
 
-/* From the clamp to the plate's face at rest [m]. */
+/* Length of a segment's rubber at rest, from its clamp to its plate's back [m]. */
 static double rubber_length(const fingerfem_segment *segment)
 {
     double found = -segment->half_lengths[0];
@@ -162,9 +184,11 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, const d
 {
     const fingerfem_segment *segment = map->chain->segments[q];
     double at[2][OUTLINE_CORNERS][3], axes[3][3] = {{0.0}}, rotation[9];
+    /* corners of both sections, and the bulges of their faces */
     rubber_between(segment, points, place, at[0]);
     rubber_between(segment, points, place + 1, at[1]);
     for (int end = 0; end < 2; end++) bulges_of(at[end], found->bulges[end]);
+    /* corners in the order of bits (end, y, z), their mean, and the mean edges along x, y and z */
     memset(found->centre, 0, sizeof found->centre);
     for (int k = 0; k < SLICE_CORNERS; k++) {
         memcpy(found->corners[k], at[k & 1][(k & 2) | k >> 2], sizeof found->corners[k]);
@@ -173,11 +197,13 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, const d
             for (int j = 0; j < 3; j++) axes[j][i] += (k >> j & 1 ? 0.25 : -0.25) * found->corners[k][i];
         }
     }
-    const double share = fmin(place + 0.5, segment->places - 1.5 - place) / (segment->places - 1); /* of the rubber, to its nearer end */
+    /* height of ridges here: factor a^2 / (a^2 + NEAR_END), a = distance from the nearer end / half the side */
+    const double share = fmin(place + 0.5, segment->places - 1.5 - place) / (segment->places - 1);
     const double away = share * rubber_length(segment) / segment->half_lengths[1];
     found->raised = away * away / (away * away + NEAR_END);
     for (int face = 0; face < OUTLINE_CORNERS; face++)
         found->ridges[face / 2][face % 2] = found->raised * ridge_of(map->rods + q, segment->place_elements[place], face / 2, face % 2);
+    /* frame by Gram-Schmidt: x along the slice, y across x, z = x cross y */
     found->thickness = sqrt(objects_dot(axes[0], axes[0]));
     slices_unit(axes[0]);
     const double along = objects_dot(axes[0], axes[1]);
@@ -186,21 +212,25 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, const d
     objects_cross(axes[0], axes[1], axes[2]);
     for (int j = 0; j < 3; j++)
         for (int i = 0; i < 3; i++) found->rotation[3 * i + j] = axes[j][i];
+    /* identity: segment, element, and number among all slices */
     found->segment = q;
     found->element = segment->place_elements[place];
     found->number = place + FINGERFEM_MOST_PLATES;
     for (int k = 0; k < q; k++) found->number += map->chain->segments[k]->places;
+    /* its element as a beam: length l, nu / l, side a of the section, phi, E I = E a^4 / 12 */
     found->share = segment->place_shares[place];
     found->length = segment->element_lengths[found->element];
     found->bulging = segment->poisson / found->length;
     const double side = 2.0 * segment->half_lengths[1] * (segment->begins + (1.0 - segment->begins) * (place + 0.5) / (segment->places - 1));
     found->slender = SLENDER * (side / found->length) * (side / found->length);
     found->stiffness = segment->young_modulus * side * side * side * side / 12.0;
+    /* centres of the sections where its element begins and ends */
     for (int end = 0; end < SLICE_ENDS; end++) slices_section(map, state, q, found->element + end, found->ends[end], rotation);
 }
 
 double slices_bulge_at(const rubber_slice *slice, int across, const double *at)
 {
+    /* chi, linear between both sections; a ridge lifts the face outwards, on either side */
     const double bent = 0.5 * ((1.0 - at[0]) * slice->bulges[0][across] + (1.0 + at[0]) * slice->bulges[1][across]);
     return at[1 + across] > 0.0 ? bent - slice->ridges[across][1] : bent + slice->ridges[across][0];
 }
@@ -210,10 +240,12 @@ void slices_at(const rubber_slice *slice, const double *at, double *x, double (*
     double weights[3][2];
     memset(x, 0, 3 * sizeof *x);
     memset(t, 0, 9 * sizeof **t);
+    /* linear weights of both ends of every coordinate */
     for (int j = 0; j < 3; j++) {
         weights[j][0] = 0.5 * (1.0 - at[j]);
         weights[j][1] = 0.5 * (1.0 + at[j]);
     }
+    /* x = sum_k N_k x_k and t_j = dx / d at_j, trilinear between the corners */
     for (int k = 0; k < SLICE_CORNERS; k++) {
         const int a = k & 1, b = k >> 1 & 1, c = k >> 2;
         const double one = weights[0][a], two = weights[1][b], three = weights[2][c];
@@ -225,7 +257,8 @@ void slices_at(const rubber_slice *slice, const double *at, double *x, double (*
             t[2][i] += (c ? 0.5 : -0.5) * one * two * own;
         }
     }
-    for (int across = 0; across < 2; across++) { /* faces across y are off along y by their place along z, and so on */
+    /* bulges: a face across y moves by chi (c^2 - 1) along y, with c along z; likewise across z */
+    for (int across = 0; across < 2; across++) {
         const int other = 2 - across;
         const double size = slices_bulge_at(slice, across, at);
         for (int i = 0; i < 3; i++) {

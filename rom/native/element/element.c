@@ -15,16 +15,18 @@ int element_products(const fingerfem_segment *segment, const fingerfem_law *law)
     return P * (law->forces + law->moments);
 }
 
-/* Sums of a block, (BLOCK, 6), as rows, (8), of which the last two numbers have no meaning, each to its place. */
+/* Write the sums of a block, (BLOCK, 6), to its rows of 8 numbers, of which the last two have no meaning. */
 static inline void scatter(const double *sums, const int32_t *places, double *rows)
 {
 #if WIDE == 8 && (defined(__clang__) || __GNUC__ >= 12)
+    /* rows of six numbers, out of three vectors of eight */
     const wide one = wide_load(sums), two = wide_load(sums + 8), three = wide_load(sums + 16);
     wide_store(rows + POSE * places[0], one);
     wide_store(rows + POSE * places[1], __builtin_shufflevector(one, two, 6, 7, 8, 9, 10, 11, 12, 13));
     wide_store(rows + POSE * places[2], __builtin_shufflevector(two, three, 4, 5, 6, 7, 8, 9, 10, 11));
     wide_store(rows + POSE * places[3], __builtin_shufflevector(three, three, 2, 3, 4, 5, 6, 7, 0, 1));
 #else
+    /* row by row, two numbers at once */
 #pragma GCC unroll 4
     for (int g = 0; g < BLOCK; g++)
 #pragma GCC unroll 3
@@ -32,8 +34,9 @@ static inline void scatter(const double *sums, const int32_t *places, double *ro
 #endif
 }
 
-/* Sums of a block by some weights of the monomials at once, (count, stride): a value, if there is any, goes to `places` of
- * `values`, derivatives to those of sets of `slopes`, (rows, 8). The first monomial is 1, and its derivatives are 0. */
+/* Contract a block by `count` sets of weights of the monomials at once, (count, stride): sum_m weight_m coefficients_m.
+ * Set 0 gives values in rows `places`, unless `values` is NULL. Every other set gives derivatives in rows
+ * `slope_places` of its own set of `slopes`, (rows, 8). The first monomial is 1, and its derivatives are 0. */
 __attribute__((always_inline)) static inline void contract_block(const double *from, int count, int monomials,
                                                                  const double *weights, int stride, double *values,
                                                                  const int32_t *places, double *slopes, int set,
@@ -43,8 +46,10 @@ __attribute__((always_inline)) static inline void contract_block(const double *f
 #pragma GCC unroll 4
     for (int part = 0; part < ROW; part += THREE * WIDE) {
         wide sums[MOST_SETS * THREE];
+        /* begin with the coefficients of the monomial 1 for values, with 0 for derivatives */
 #pragma GCC unroll 9
         for (int i = 0; i < THREE * count; i++) sums[i] = values && i < THREE ? wide_load(from + part + WIDE * i) : (wide){0.0};
+        /* add the other monomials: sums_k += weight_km coefficients_m */
         for (int m = 1; m < monomials; m++)
 #pragma GCC unroll 3
             for (int i = 0; i < THREE; i++) {
@@ -55,6 +60,7 @@ __attribute__((always_inline)) static inline void contract_block(const double *f
 #pragma GCC unroll 9
         for (int i = 0; i < THREE * count; i++) wide_store(found[i / THREE] + part + WIDE * (i % THREE), sums[i]);
     }
+    /* to the rows of the block's groups */
 #pragma GCC unroll 3
     for (int k = 0; k < count; k++) {
         if (values && !k) scatter(found[k], places, values);
@@ -70,9 +76,11 @@ void element_contract(const fingerfem_segment *segment, const fingerfem_law *law
     for (int block = 0; block < law->groups / BLOCK; block++) {
         const int own = law->block_monomials[block];
         const int32_t *places = law->rows + BLOCK * block, *slope_places = law->slope_rows + BLOCK * block;
+        /* values and derivatives by the first two tensions; with the monomial 1 alone there are none */
         if (own == 1) contract_block(from, 1, 1, monomials, all, contracted, places, slopes, set, slope_places);
         else if (t == 1) contract_block(from, 2, own, monomials, all, contracted, places, slopes, set, slope_places);
         else contract_block(from, 3, own, monomials, all, contracted, places, slopes, set, slope_places);
+        /* derivatives by tensions j and j + 1 */
         for (int j = 2; j < t && own > 1; j += 2) {
             const double *weights = monomials + all * (1 + j);
             if (j + 1 < t) contract_block(from, 2, own, weights, all, NULL, places, slopes + set * j, set, slope_places);
@@ -82,18 +90,20 @@ void element_contract(const fingerfem_segment *segment, const fingerfem_law *law
     }
 }
 
-/* Factors of products of a force, and of a moment, (power, 3, 4): the polynomial of component i at number 0, and wherever
- * products have derivatives by other components; its derivative at 1 + i. */
+/* Factors of products of a force, and of a moment, (power, 3, 4), for component i: its derivative is number 1 + i,
+ * and all other numbers are its value T_k. So the product of three factors, number by number, is value and gradient. */
 typedef double factors[TENSIONS_POWERS][3][P];
 
-/* Chebyshev polynomials of a wrench inside the box, (powers, 8), and their derivatives. */
+/* Chebyshev polynomials T_k of a wrench inside the box, (powers, 8), and their derivatives by the wrench. */
 static inline void polynomials(const fingerfem_law *law, const double *wrench, double (*values)[POSE], double (*slopes)[POSE])
 {
 #pragma GCC unroll 4
     for (int part = 0; part < WIDE * WIDE_SIX; part += WIDE) {
+        /* z: the wrench scaled to [-1, 1] */
         const wide lower = wide_load(law->lower + part), scale = 2.0 / (wide_load(law->upper + part) - lower);
         const wide z = scale * (wide_load(wrench + part) - lower) - 1.0;
         wide value = {0.0}, slope = value, before = value, slope_before = value;
+        /* recursion; derivatives are dT_k/dw = 2 (scale T_k-1 + z dT_k-1/dw) - dT_k-2/dw */
         for (int k = 0; k <= law->most_power; k++) { /* T_0 = 1, T_1 = z, T_k = 2 z T_k-1 - T_k-2 */
             const double twice = k > 1 ? 2.0 : 1.0;
             const wide next = k ? twice * z * value - before : value + 1.0;
@@ -106,12 +116,14 @@ static inline void polynomials(const fingerfem_law *law, const double *wrench, d
     }
 }
 
+/* Factors of the force and of the moment at a wrench inside the box. */
 static inline void factors_of(const fingerfem_law *law, const double *wrench, factors force, factors moment)
 {
     static const double own[3][P] = {{0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}, {0.0, 0.0, 0.0, 1.0}};
     static const double others[3][P] = {{1.0, 0.0, 1.0, 1.0}, {1.0, 1.0, 0.0, 1.0}, {1.0, 1.0, 1.0, 0.0}};
     double values[TENSIONS_POWERS][POSE], slopes[TENSIONS_POWERS][POSE];
     polynomials(law, wrench, values, slopes);
+    /* value times `others` plus derivative times `own`, which are 0 or 1 */
     for (int k = 0; k <= law->most_power; k++)
 #pragma GCC unroll 6
         for (int i = 0; i < 3 * HALVES; i++) {
@@ -122,7 +134,7 @@ static inline void factors_of(const fingerfem_law *law, const double *wrench, fa
         }
 }
 
-/* Products of three factors: value, then derivatives by the three. */
+/* Products of three factors: the value, then derivatives by the three components. */
 static inline void products_of(int count, const int32_t *places, const factors of, double *products)
 {
     const double *from = of[0][0];
@@ -134,12 +146,14 @@ static inline void products_of(int count, const int32_t *places, const factors o
         }
 }
 
-/* A part of the sums over all products: of the pose, and of its derivatives by the wrench, (1 + 6, 8). */
+/* A part of the sum over all groups, sum_a A_a(f) sum_b c_ab B_b(m), with products A of the force and B of the
+ * moment: of the pose, and of its derivatives by the wrench, (1 + 6, 8). */
 static inline void pose_part(const fingerfem_law *law, const double *contracted, const double *products, double *found)
 {
     const double *moments = products + P * law->forces;
     wide sums[1 + W] = {{0.0}};
     int a = 0;
+    /* with moments: S_0 = sum_b c_ab B_b and its gradient S_1, S_2, S_3, even and odd b in sums of their own */
     for (; a < law->forces && law->moments_of[a] > 1; a++) {
         const double *own = products + P * a;
         const int count = law->moments_of[a];
@@ -153,12 +167,14 @@ static inline void pose_part(const fingerfem_law *law, const double *contracted,
                 even[i] += moments[P * (b + 1) + i] * next;
             }
         }
+        /* the last b, if one is left */
         if (b < count) {
             const wide one = wide_load(contracted + POSE * b);
 #pragma GCC unroll 4
             for (int i = 0; i < P; i++) odd[i] += moments[P * b + i] * one;
         }
         contracted += POSE * count;
+        /* S = even + odd; pose and derivatives by the force += A_ai S_0, by the moment += A_a0 S_i */
 #pragma GCC unroll 4
         for (int i = 0; i < P; i++) even[i] += odd[i];
 #pragma GCC unroll 4
@@ -166,7 +182,7 @@ static inline void pose_part(const fingerfem_law *law, const double *contracted,
 #pragma GCC unroll 3
         for (int i = 1; i < P; i++) sums[3 + i] += own[0] * even[i];
     }
-    for (; a < law->forces; a++, contracted += POSE) { /* with no moment */
+    for (; a < law->forces; a++, contracted += POSE) { /* with B_0 = 1 alone */
         const wide own = wide_load(contracted);
 #pragma GCC unroll 4
         for (int i = 0; i < P; i++) sums[i] += products[P * a + i] * own;
@@ -179,12 +195,15 @@ void element_pose(const fingerfem_law *law, const double *contracted, const doub
 {
     factors force, moment;
     double held[POSE] = {0.0};
+    /* the wrench, clipped to the trained box */
     for (int i = 0; i < W; i++)
         held[i] = wrench[i] < law->lower[i] ? law->lower[i] : wrench[i] > law->upper[i] ? law->upper[i] : wrench[i];
+    /* factors, products of force and of moment, then the sums */
     factors_of(law, held, force, moment);
     products_of(law->forces, law->force_factors, force, products);
     products_of(law->moments, law->moment_factors, moment, products + P * law->forces);
     for (int part = 0; part < WIDE * WIDE_SIX; part += WIDE) pose_part(law, contracted + part, products, pose + part);
+    /* linear beyond the box: pose += dpose/dw_i (w_i - clipped w_i) */
     for (int i = 0; i < W; i++) {
         const double beyond = wrench[i] - held[i];
         for (int o = 0; o < W && beyond != 0.0; o++) pose[o] += beyond * pose[POSE * (1 + i) + o];
@@ -195,12 +214,14 @@ void element_by_tensions(const fingerfem_segment *segment, const fingerfem_law *
                          const double *products, double *by_tensions)
 {
     const double *moments = products + P * law->forces, *slopes = contracted + POSE * law->groups;
+    /* by tension j, in parts: sum_a A_a sum_b dc_ab/dF_j B_b over groups that depend on tensions */
     for (int part = 0; part < WIDE * WIDE_SIX * segment->tensions; part += WIDE) {
         const int j = part / (WIDE * WIDE_SIX), from = part % (WIDE * WIDE_SIX);
         const double *rows = slopes + POSE * law->slope_count * j + from;
         wide sum = {0.0};
         for (int a = 0; a < law->forces; a++) {
             const int count = law->slope_moments_of[a];
+            /* inner sum, even and odd b in sums of their own */
             wide even = {0.0}, odd = {0.0};
             int b = 0;
             for (; b + 1 < count; b += 2) {
@@ -215,13 +236,15 @@ void element_by_tensions(const fingerfem_segment *segment, const fingerfem_law *
     }
 }
 
-/* Sums by some weights of the monomials at once, (count, stride), into (count, 8). */
+/* Sums without a wrench by `count` sets of weights of the monomials, (count, stride): sum_m weight_m coefficients_m,
+ * (count, 8). */
 __attribute__((always_inline)) static inline void free_sums(const fingerfem_law *law, int count, const double *weights, int stride,
                                                             double *found)
 {
     for (int part = 0; part < WIDE * WIDE_SIX; part += WIDE) {
         const double *from = law->free_coefficients + part;
         wide even[MOST_SETS] = {{0.0}}, odd[MOST_SETS] = {{0.0}};
+        /* even and odd m in sums of their own */
         int m = 0;
         for (; m + 1 < law->monomials; m += 2) {
             const wide one = wide_load(from + POSE * m), next = wide_load(from + POSE * (m + 1));
@@ -231,6 +254,7 @@ __attribute__((always_inline)) static inline void free_sums(const fingerfem_law 
                 odd[k] += weights[stride * k + m + 1] * next;
             }
         }
+        /* the last m, if one is left */
         for (; m < law->monomials; m++)
 #pragma GCC unroll 3
             for (int k = 0; k < count; k++) even[k] += weights[stride * k + m] * wide_load(from + POSE * m);
@@ -243,6 +267,7 @@ void element_free(const fingerfem_segment *segment, const fingerfem_law *law, co
 {
     const int all = segment->monomials, sets = 1 + segment->tensions;
     int k = 0;
+    /* sets of weights: the monomials, then their derivatives by every tension; three at once, then single ones */
     for (; k + 2 < sets; k += 3) free_sums(law, 3, monomials + all * k, all, found + POSE * k);
     for (; k < sets; k++) free_sums(law, 1, monomials + all * k, all, found + POSE * k);
 }
@@ -251,6 +276,7 @@ int element_inside(const fingerfem_law *law, const double *wrench)
 {
     double square = 0.0, largest = 0.0;
     int inside = 1;
+    /* |f|^2, and the largest trained component of a force */
     for (int i = 0; i < 3; i++) {
         square += wrench[i] * wrench[i];
         if (law->upper[i] > largest) largest = law->upper[i];

@@ -7,6 +7,7 @@ typedef float singles __attribute__((vector_size(32), aligned(4), may_alias));
 
 int outline_work(const fingerfem_segment *segment)
 {
+    /* the largest outline of all laws */
     int products = 0, numbers = 0;
     for (int k = 0; k < segment->laws && segment->knots; k++) {
         const fingerfem_outline *own = segment->outline[k];
@@ -16,12 +17,13 @@ int outline_work(const fingerfem_segment *segment)
     return OUTLINE_KNOT * segment->knots + numbers + products;
 }
 
-/* Products of the wrench's Chebyshev polynomials, (products); linear beyond the box. */
+/* Products P_k of Chebyshev polynomials of the wrench, (products); linear beyond the box. */
 static void wrench_products(const fingerfem_outline *outline, const double *wrench, double *products)
 {
     double values[W][TENSIONS_POWERS], slopes[W][TENSIONS_POWERS], beyond[W];
     const int32_t *powers = outline->wrench_powers;
     int inside = 1;
+    /* polynomials of the wrench clipped to the box, and the scaled rest beyond it */
     for (int i = 0; i < W; i++) {
         const double lower = outline->lower[i], upper = outline->upper[i], scale = 2.0 / (upper - lower);
         const double held = wrench[i] < lower ? lower : wrench[i] > upper ? upper : wrench[i];
@@ -29,10 +31,12 @@ static void wrench_products(const fingerfem_outline *outline, const double *wren
         beyond[i] = scale * (wrench[i] - held);
         inside &= beyond[i] == 0.0;
     }
+    /* P_k = prod_i T(w_i) */
     for (int k = 0; k < outline->products; k++, powers += W)
         products[k] = values[0][powers[0]] * values[1][powers[1]] * values[2][powers[2]] *
                       (values[3][powers[3]] * values[4][powers[4]] * values[5][powers[5]]);
     powers = outline->wrench_powers;
+    /* beyond the box: P_k += sum_i dP_k/dw_i beyond_i */
     for (int k = 0; k < outline->products && !inside; k++, powers += W)
         for (int i = 0; i < W; i++) {
             double change = beyond[i];
@@ -41,12 +45,13 @@ static void wrench_products(const fingerfem_outline *outline, const double *wren
         }
 }
 
-/* Some eights of the corners' numbers, from number `first` on. */
+/* Corners, `rows` times eight numbers from number `first` on: sum_k coefficients_k M_k(F) P_k(w). */
 __attribute__((always_inline)) static inline void sum_terms(const fingerfem_outline *outline, int first, int rows,
                                                             const double *monomials, const double *products, double *corners)
 {
     const float *from = outline->coefficients + first;
     eight sums[MOST_ROWS] = {{0.0}};
+    /* every term's weight M(F) P(w), times its coefficients */
     for (int k = 0; k < outline->terms; k++, from += outline->numbers) {
         const double weight = monomials[outline->term_monomials[k]] * products[outline->term_products[k]];
 #pragma GCC unroll 6
@@ -61,6 +66,7 @@ void outline_under(const fingerfem_outline *outline, const double *monomials, co
 {
     int first = 0, left = outline->numbers / EIGHT;
     wrench_products(outline, wrench, work);
+    /* six, three or one eight at once, as registers hold them */
     while (left) {
         const int rows = left >= MOST_ROWS ? MOST_ROWS : left >= 3 ? 3 : 1;
         if (rows == MOST_ROWS) sum_terms(outline, first, MOST_ROWS, monomials, work, corners);
@@ -73,6 +79,7 @@ void outline_under(const fingerfem_outline *outline, const double *monomials, co
 
 void outline_free(const fingerfem_outline *outline, const double *monomials, double *corners)
 {
+    /* eight numbers at once: sum_m M_m coefficients_m */
     for (int row = 0; row < outline->numbers; row += EIGHT) {
         const double *from = outline->free_coefficients + row;
         eight sum = {0.0};

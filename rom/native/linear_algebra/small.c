@@ -1,15 +1,18 @@
+/* Small dense systems and eigenvalues; nothing is allocated. */
 #include "small.h"
 
 int small_solve(int size, double *matrix, int columns, double *right)
 {
+    /* a single equation has a copy of its own, with unrolled loops */
     return size == 1 && columns == 1 ? small_solve_of(1, matrix, 1, right) : small_solve_of(size, matrix, columns, right);
 }
 
 #include <string.h>
 
-#define SWEEPS 20      /* of Jacobi's method, which squares what is off the diagonal in each */
-#define DIAGONAL 1e-14 /* off the diagonal, of the largest on it: nothing */
+#define SWEEPS 20      /* most sweeps of Jacobi's method, each of which squares what is off the diagonal */
+#define DIAGONAL 1e-14 /* converged: largest number off the diagonal over the largest on it [-] */
 
+/* A <- (A + A^T) / 2. */
 static void symmetrise(int size, double *matrix)
 {
     for (int i = 0; i < size; i++)
@@ -21,6 +24,7 @@ int small_negative(int size, double *matrix)
 {
     int negative = 0;
     symmetrise(size, matrix);
+    /* elimination without exchanges, A = L D L^T: D has as many negative numbers as A negative eigenvalues */
     for (int k = 0; k < size; k++) {
         const double pivot = matrix[size * k + k];
         negative += pivot < 0.0;
@@ -32,23 +36,27 @@ int small_negative(int size, double *matrix)
     return negative;
 }
 
-/* Turn rows and columns i and j so that the matrix has 0 there (Golub and Van Loan, Matrix Computations, 8.5). */
+/* Jacobi rotation J of i and j: A <- J^T A J with A_ij = 0, V <- V J (Golub and Van Loan, Matrix Computations, 8.5). */
 static void turn(int size, double *matrix, double *vectors, int i, int j)
 {
     const double off = matrix[size * i + j];
     if (off == 0.0) return;
+    /* t = tan of the angle: the smaller root of t^2 + 2 tau t - 1 = 0; c = cos, s = sin */
     const double tau = (matrix[size * j + j] - matrix[size * i + i]) / (2.0 * off);
     const double t = copysign(1.0 / (fabs(tau) + sqrt(1.0 + tau * tau)), tau), c = 1.0 / sqrt(1.0 + t * t), s = t * c;
+    /* columns: A <- A J */
     for (int k = 0; k < size; k++) {
         const double one = matrix[size * k + i], other = matrix[size * k + j];
         matrix[size * k + i] = c * one - s * other;
         matrix[size * k + j] = s * one + c * other;
     }
+    /* rows: A <- J^T A */
     for (int k = 0; k < size; k++) {
         const double one = matrix[size * i + k], other = matrix[size * j + k];
         matrix[size * i + k] = c * one - s * other;
         matrix[size * j + k] = s * one + c * other;
     }
+    /* eigenvectors: V <- V J */
     for (int k = 0; k < size; k++) {
         const double one = vectors[size * k + i], other = vectors[size * k + j];
         vectors[size * k + i] = c * one - s * other;
@@ -60,21 +68,26 @@ void small_nonnegative(int size, double *matrix, double *work)
 {
     double *diagonal = work, *vectors = work + size * size;
     symmetrise(size, matrix);
+    /* no negative eigenvalue: the symmetric part is the answer */
     memcpy(diagonal, matrix, (size_t)(size * size) * sizeof *matrix);
     if (!small_negative(size, diagonal)) return;
+    /* Jacobi's method, A = V D V^T, from V = 1 */
     memcpy(diagonal, matrix, (size_t)(size * size) * sizeof *matrix);
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++) vectors[size * i + j] = i == j;
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         double off = 0.0, largest = 0.0;
+        /* stop: what is off the diagonal is negligible */
         for (int i = 0; i < size; i++) {
             largest = fmax(largest, fabs(diagonal[size * i + i]));
             for (int j = 0; j < i; j++) off = fmax(off, fabs(diagonal[size * i + j]));
         }
         if (!(off > DIAGONAL * largest)) break;
+        /* one sweep: a rotation for every pair */
         for (int i = 0; i < size; i++)
             for (int j = i + 1; j < size; j++) turn(size, diagonal, vectors, i, j);
     }
+    /* A = sum_k max(d_k, 0) v_k v_k^T */
     memset(matrix, 0, (size_t)(size * size) * sizeof *matrix);
     for (int k = 0; k < size; k++) {
         const double value = fmax(diagonal[size * k + k], 0.0);

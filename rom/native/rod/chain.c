@@ -1,7 +1,8 @@
-/* From tip to base: a part of a rod says where its body is, seen from the body before. What a body transmits is its own wrench and
- * what the next one transmits, moved there, and nothing else: a long tendon slides through a plate, and enters the
- * rods of the segments it passes as if it ended at their plates. From base to tip the poses follow each other. (Such a
- * march is a nonlinear transfer-matrix method.) */
+/* A chain of segments, as a nonlinear transfer-matrix method. From tip to base: a body transmits its own wrench and
+ * that of the body beyond it, moved to its centre, and nothing else. Under this wrench its part of the rod gives its
+ * pose seen from the body before. A long tendon slides through a plate, and enters the rods of the segments that it
+ * passes as if it ended at their plates. From base to tip: relative poses and motions are composed to those in
+ * space. */
 #include "chain.h"
 
 int32_t fingerfem_chain_memory(const fingerfem_chain *chain)
@@ -29,10 +30,12 @@ void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, do
     found->chain = chain;
     found->work = memory;
     chain_plates_alone(found);
+    /* work memory begins behind that of all rods */
     for (int k = 0; k < chain->plates; k++) found->work += rod_memory(chain->segments[k]);
     for (int k = 0; k < chain->plates; k++) {
         const fingerfem_segment *segment = chain->segments[k];
         double own[TENSIONS_MOST];
+        /* the rod at its segment's own tensions, and the corners of its bent plate */
         for (int i = 0; i < segment->tensions; i++) own[i] = tensions[chain->own[chain->tensions * k + i]];
         rod_set_tensions(segment, own, memory, found->work, found->rods + k);
         tensions_corners(segment, found->rods[k].monomials, found->corners[k]);
@@ -47,6 +50,7 @@ void chain_contract(const chain_rods *map)
 
 int chain_body_of(const chain_rods *map, int segment, int element)
 {
+    /* search by segment and element; the ground has no element */
     for (int b = 0; b < map->count; b++)
         if (map->bodies[b].segment == segment && (segment < 0 || map->bodies[b].part.first == element)) return b;
     return -1;
@@ -59,15 +63,17 @@ int chain_add_body(chain_rods *map, int segment, int element)
     const int known = chain_body_of(map, segment, element);
     if (known >= 0) return known;
     if (map->count == MOST_BODIES) return -1;
-    int b = map->count; /* its place: nearer to the clamp than all that are beyond it */
+    int b = map->count; /* its number: bodies are ordered from clamp to tip */
     while (b && (map->bodies[b - 1].segment > segment ||
                  (map->bodies[b - 1].segment == segment && map->bodies[b - 1].part.first < element)))
         b--;
+    /* bodies beyond it move up by one */
     memmove(map->bodies + b + 1, map->bodies + b, (size_t)(map->count - b) * sizeof *map->bodies);
     map->count++;
     map->bodies[b] = (chain_place){segment, {element, 0}};
     if (segment < 0) return b;
-    map->bodies[b].part.last = map->bodies[b + 1].part.last; /* a plate is beyond it */
+    /* the part of the next body beyond is split at this element */
+    map->bodies[b].part.last = map->bodies[b + 1].part.last; /* at least its plate is beyond it */
     map->bodies[b + 1].part.last = element;
     return b;
 }
@@ -76,7 +82,9 @@ int chain_load_of(const chain_rods *map, int body)
 {
     const chain_place *own = map->bodies + body;
     int load = map->chain->plates;
+    /* a plate's load has the plate's number */
     if (!own->part.first) return own->segment;
+    /* behind these: elements 1, 2, ... of every segment */
     for (int k = 0; k < own->segment; k++) load += map->chain->segments[k]->elements - 1;
     return load + own->part.first - 1;
 }
@@ -84,18 +92,21 @@ int chain_load_of(const chain_rods *map, int body)
 int chain_take_loads(chain_rods *map, const double *loads, double *wrench)
 {
     int load = map->chain->plates, room = 1;
+    /* every section with a load becomes a body */
     for (int k = 0; k < map->chain->plates; k++)
         for (int e = 1; e < map->chain->segments[k]->elements; e++, load++) {
             int any = 0;
             for (int i = 0; i < W; i++) any |= loads[W * load + i] != 0.0;
             room &= !any || chain_add_body(map, k, e) >= 0;
         }
+    /* wrenches of all bodies, in their order */
     for (int b = 0; b < map->count; b++) memcpy(wrench + W * b, loads + W * chain_load_of(map, b), W * sizeof *wrench);
     return room;
 }
 
 void chain_leave_loads(const chain_rods *map, const double *wrench, double *loads)
 {
+    /* scatter the bodies' wrenches; all other loads are 0, and the ground has none */
     memset(loads, 0, (size_t)fingerfem_chain_loads(map->chain) * sizeof *loads);
     for (int b = 0; b < map->count; b++)
         if (map->bodies[b].segment != CHAIN_GROUND) memcpy(loads + W * chain_load_of(map, b), wrench + W * b, W * sizeof *loads);
@@ -116,35 +127,46 @@ static void turned_back(const double *rotation, const double *v, double *out)
     for (int i = 0; i < 3; i++) out[i] = rotation[i] * v[0] + rotation[3 + i] * v[1] + rotation[6 + i] * v[2];
 }
 
-/* Where a body is, seen from where its part ends; the arm is from the body before. If that is a plate, its centre lies half a
- * plate before the clamp. */
+/* Pose of a body seen from the body before: arm a and rotation A, the inverse of the pose p, Q of the end of its
+ * part seen from the body. If a part ends at the clamp of a segment beyond a plate, that plate's centre lies half a
+ * plate before. */
 static void locate(const chain_rods *map, int b, chain_body *body)
 {
     const chain_place *own = map->bodies + b;
     const fingerfem_segment *const *segment = map->chain->segments + own->segment;
+    /* inverse pose: a = -Q^T p, A = Q^T */
     for (int i = 0; i < 3; i++) {
         const double *p = body->end.place, *Q = body->end.rotation + i; /* of that end, seen from the body */
         body->arm[i] = -(Q[0] * p[0] + Q[3] * p[1] + Q[6] * p[2]);
         for (int j = 0; j < 3; j++) body->relative[3 * i + j] = Q[3 * j];
     }
+    /* from the clamp back to the centre of the plate before [m] */
     if (own->segment && own->part.last == segment[0]->elements) body->arm[0] += segment[-1]->half_lengths[0];
 }
 
 /* The first body that moves: the ground does not. */
 static int first_moving(const chain_rods *map) { return map->bodies[0].segment == CHAIN_GROUND; }
 
-/* How what a body passes on changes, (6), in place, as its motion relative to the one before, (6), and what it transmits do;
- * force and moment are what it passes on, about its own centre. */
+/* Derivative of the wrench f' = A f, m' = A m + a x f' that a body passes on to the one before, with its arm a and
+ * rotation A:
+ *
+ *     df' = A df + b x f',    dm' = A dm + b x A m + da x f' + a x df',
+ *
+ * where da = A dc and b = A dtheta are by its relative motion, (6). Change, (6), is df, dm on entry; force, moment
+ * are A f, A m. */
 static inline void pass_change(const chain_body *body, const double *force, const double *moment, const double *motion,
                                double *change)
 {
     double moved[3], spun[3], by_force[3], by_moment[3], one[3], two[3], three[3];
+    /* relative motion and change of the wrench, in the frame of the body before */
     turned(body->relative, motion, moved);
     turned(body->relative, motion + 3, spun);
     turned(body->relative, change, by_force);
     turned(body->relative, change + 3, by_moment);
+    /* df' = A df + b x f' */
     cross(spun, force, one);
     for (int i = 0; i < 3; i++) by_force[i] += one[i];
+    /* dm' = A dm + b x A m + da x f' + a x df' */
     cross(spun, moment, one);
     cross(moved, force, two);
     cross(body->arm, by_force, three);
@@ -157,18 +179,21 @@ static inline void pass_change(const chain_body *body, const double *force, cons
 void chain_pass_change(const chain_body *body, const double *motion, double *change)
 {
     double force[3], moment[3];
+    /* the transmitted wrench in the frame of the body before: A f, A m */
     turned(body->relative, body->transmitted, force);
     turned(body->relative, body->transmitted + 3, moment);
     pass_change(body, force, moment, motion, change);
 }
 
-/* What a body passes on to the one before, and how that changes by inputs first ... last - 1, (6) and (6, inputs); in
- * place. */
+/* From the wrench that a body transmits, (6), to that which it passes on to the one before, and likewise its
+ * derivatives by inputs first ... last - 1, (6, inputs); in place. */
 static void pass_on(const chain_body *body, int first, int last, double *transmitted, double (*by)[CHAIN_INPUTS])
 {
     double force[3], moment[3], found[W];
+    /* A f and A m */
     turned(body->relative, transmitted, force);
     turned(body->relative, transmitted + 3, moment);
+    /* derivatives, input by input */
     for (int c = first; c < last; c++) {
         double motion[W], column[W];
         for (int i = 0; i < W; i++) {
@@ -178,6 +203,7 @@ static void pass_on(const chain_body *body, int first, int last, double *transmi
         pass_change(body, force, moment, motion, column);
         for (int i = 0; i < W; i++) by[i][c] = column[i];
     }
+    /* f' = A f, m' = A m + a x f' */
     cross(body->arm, force, found);
     for (int i = 0; i < 3; i++) {
         transmitted[i] = force[i];
@@ -185,7 +211,8 @@ static void pass_on(const chain_body *body, int first, int last, double *transmi
     }
 }
 
-/* A body's motion relative to where its part ends by inputs first ... last - 1, of which what it transmits changes by `by`. */
+/* A body's motion relative to the end of its part by inputs first ... last - 1, at fixed tensions: Y_w dw, with the
+ * compliance Y_w of the part and the derivatives dw of the transmitted wrench, `by`, (6, inputs). */
 static void relative_motion(int first, int last, double (*by)[CHAIN_INPUTS], chain_body *body)
 {
     for (int i = 0; i < W; i++) {
@@ -195,12 +222,13 @@ static void relative_motion(int first, int last, double (*by)[CHAIN_INPUTS], cha
     }
 }
 
-/* Add that by its segment's tensions. */
+/* Add a body's relative motion by the tensions of its segment, at fixed wrench. */
 static void add_by_tensions(const chain_rods *map, int b, chain_body *body)
 {
     const fingerfem_chain *chain = map->chain;
     const int k = map->bodies[b].segment;
     const int32_t *own = chain->own + chain->tensions * k;
+    /* columns: those of the tensions lie behind those of the wrenches */
     for (int i = 0; i < W; i++)
         for (int j = 0; j < chain->segments[k]->tensions; j++)
             body->motion[i][chain_size(map) + own[j]] += body->by_tensions[i][j];
@@ -213,22 +241,26 @@ static void compose(const chain_rods *map, int first, int last, chain_state *sta
     const int begin = first_moving(map);
     for (int b = 0; b < map->count; b++) {
         chain_body *body = state->bodies + b, *before = body - 1;
+        /* the ground: at the origin, without motion */
         if (b < begin) {
             memcpy(body->centre, origin, sizeof origin);
             memcpy(body->rotation, upright, sizeof upright);
             for (int i = 0; i < W; i++) memset(body->motion[i] + first, 0, (size_t)(last - first) * sizeof(double));
         }
+        /* the first moving body: its relative pose is its pose in space */
         if (b == begin) {
             memcpy(body->centre, body->arm, sizeof body->centre);
             memcpy(body->rotation, body->relative, sizeof body->rotation);
         }
         if (b <= begin) continue;
+        /* pose: c_b = c + R a, R_b = R A, with c, R of the body before */
         double moved[3], carried[3], spun[3];
         turned(before->rotation, body->arm, moved);
         for (int i = 0; i < 3; i++) {
             body->centre[i] = before->centre[i] + moved[i];
             turned_back(body->relative, before->rotation + 3 * i, body->rotation + 3 * i); /* row of R times relative */
         }
+        /* motion: dc_b += A^T (dc + t x a), dtheta_b += A^T t, with dc, t of the body before */
         for (int c = first; c < last; c++) {
             double t[3];
             for (int i = 0; i < 3; i++) t[i] = before->motion[3 + i][c];
@@ -248,20 +280,26 @@ void chain_under(const chain_rods *map, const double *wrench, chain_state *state
 {
     const int w = chain_size(map), begin = first_moving(map);
     double transmitted[W] = {0.0}, by[W][CHAIN_INPUTS];
+    /* derivatives of the transmitted wrench by all wrenches; unused for a single body */
     for (int i = 0; i < W && map->count > 1; i++) memset(by[i], 0, (size_t)w * sizeof(double));
+    /* from tip to base */
     for (int b = map->count - 1; b >= begin; b--) {
         chain_body *body = state->bodies + b;
+        /* add the wrench on this body */
         for (int i = 0; i < W; i++) {
             transmitted[i] += wrench[W * b + i];
             if (map->count > 1) by[i][W * b + i] += 1.0;
             body->transmitted[i] = transmitted[i];
         }
+        /* its part of the rod under that wrench: relative pose and compliance Y_w */
         rod_under(map->rods + map->bodies[b].segment, map->bodies[b].part, transmitted, &body->end);
         locate(map, b, body);
+        /* relative motion by all wrenches, Y_w dw; of a single body Y_w itself */
         if (map->count > 1) relative_motion(0, w, by, body);
         else for (int i = 0; i < W; i++) memcpy(body->motion[i], body->end.by_wrench[i], sizeof body->end.by_wrench[i]);
         if (b > begin) pass_on(body, 0, w, transmitted, by);
     }
+    /* from base to tip: poses in space, motions by wrenches */
     compose(map, 0, w, state);
 }
 
@@ -269,14 +307,16 @@ void chain_free(const chain_rods *map, chain_state *state)
 {
     const int w = chain_size(map), inputs = w + map->chain->tensions;
     double by[W][CHAIN_INPUTS] = {{0.0}};
+    /* relative poses and motions by tensions, body by body: nothing is transmitted */
     for (int b = 0; b < map->count; b++) {
         chain_body *body = state->bodies + b;
         rod_free(map->rods + map->bodies[b].segment, &body->end, body->by_tensions);
-        memset(body->transmitted, 0, sizeof body->transmitted); /* whatever the tensions */
+        memset(body->transmitted, 0, sizeof body->transmitted); /* no wrench, whatever the tensions */
         locate(map, b, body);
         relative_motion(w, inputs, by, body);
         add_by_tensions(map, b, body);
     }
+    /* poses in space, motions by tensions */
     compose(map, w, inputs, state);
 }
 
@@ -284,12 +324,14 @@ void chain_by_variants(const chain_rods *map, int pressed, chain_state *state)
 {
     const int w = chain_size(map), count = map->chain->segments[0]->deviating, begin = first_moving(map);
     double by[W][CHAIN_INPUTS] = {{0.0}};
+    /* from tip to base: motions by variants, and the changes that these make in transmitted wrenches */
     for (int b = map->count - 1; b >= begin; b--) {
         chain_body *body = state->bodies + b;
         double transmitted[W];
         rod_by_variants(map->rods + map->bodies[b].segment, map->bodies[b].part, pressed, body->by_tensions);
         memcpy(transmitted, body->transmitted, sizeof transmitted);
         relative_motion(w, w + count, by, body);
+        /* at fixed wrench: the variants' columns stand in place of the tensions' */
         for (int i = 0; i < W; i++)
             for (int v = 0; v < count; v++) body->motion[i][w + v] += body->by_tensions[i][v];
         if (b > begin) pass_on(body, w, w + count, transmitted, by);
@@ -301,6 +343,7 @@ void chain_by_tensions(const chain_rods *map, chain_state *state)
 {
     const int w = chain_size(map), inputs = w + map->chain->tensions, begin = first_moving(map);
     double by[W][CHAIN_INPUTS] = {{0.0}};
+    /* from tip to base: motions by tensions, at fixed wrench and through the transmitted wrench */
     for (int b = map->count - 1; b >= begin; b--) {
         chain_body *body = state->bodies + b;
         double transmitted[W];
@@ -316,9 +359,11 @@ void chain_by_tensions(const chain_rods *map, chain_state *state)
 void chain_section(const chain_rods *map, const chain_state *state, int segment, int element, double *place, double *rotation)
 {
     const rod_element *own = map->rods[segment].elements + element;
+    /* the body whose part contains the element */
     int b = chain_plate_of(map, segment);
     while (map->bodies[b].part.last <= element) b--;
     const chain_body *body = state->bodies + b;
+    /* p = c_b + R_b p_k, Q = R_b Q_k, with the element's p_k, Q_k seen from that body */
     for (int i = 0; i < 3; i++) {
         const double *row = body->rotation + 3 * i, *Q = own->rotation;
         place[i] = body->centre[i] + row[0] * own->place[0] + row[1] * own->place[1] + row[2] * own->place[2];
@@ -330,9 +375,11 @@ int chain_placed(const fingerfem_chain *chain, const double *tensions, const dou
                  chain_rods *map, chain_state *state)
 {
     double wrench[CHAIN_WRENCH];
+    /* rods at the tensions within their box */
     int inside = tensions_all_clamped(chain->segments[0], tensions, held);
     chain_set_tensions(chain, held, memory, map);
     chain_contract(map);
+    /* bodies under the loads, motions by wrenches and by tensions */
     inside &= chain_take_loads(map, loads, wrench);
     chain_under(map, wrench, state);
     chain_by_tensions(map, state);
@@ -349,9 +396,11 @@ int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, 
     chain_state state;
     const int inside = chain_placed(chain, tensions, loads, memory, held, &map, &state), w = chain_size(&map);
     for (int k = 0; k < n; k++) {
+        /* pose of plate k in space */
         const chain_body *plate = state.bodies + chain_plate_of(&map, k);
         memcpy(centres + 3 * k, plate->centre, sizeof plate->centre);
         memcpy(rotations + 9 * k, plate->rotation, sizeof plate->rotation);
+        /* rows of its motion: by tensions, 0 where these are clamped, then by wrenches on plates */
         for (int i = 0; i < W; i++) {
             double *row = motions + columns * (W * k + i);
             for (int c = 0; c < t; c++) row[c] = held[c] == tensions[c] ? plate->motion[i][w + c] : 0.0;

@@ -1,21 +1,23 @@
-/* Section k has its place p and rotation Q seen from the body of its part, and carries that one's wrench f, m, moved there: Q^T f and
- * Q^T (m - p x f). The element beyond it has the place q and the rotation R by its Gibbs vector g, so that
+/* Section k has the place p and the rotation Q seen from the body of its part, and transmits the wrench f, m on that
+ * body, moved to the section: Q^T f and Q^T (m - p x f). The element from there towards the clamp has the pose q, g:
+ * the place q of its proximal section seen from its distal one, and the Gibbs vector g of the rotation R. So its
+ * proximal section has
  *
  *     p' = p + Q q,    Q' = Q R,    R = 1 + s [g]x + s [g]x [g]x,    s = 2 / (1 + g.g).
  *
- * Changes are followed in the plate's frame: a section moves by dp and turns by b, dQ = [b]x Q, so that
+ * Changes are followed in the body's frame: a section moves by dp and turns by b, dQ = [b]x Q, so that
  *
  *     b' = b + s Q (1 + [g]x) dg,    dp' = dp + b x Q q + Q dq,
  *
- * where dq and dg are the element's, by the tensions, and by the wrench that changes as its section moves. They are rows of
- * numbers, one for every input, in parts. */
+ * where dq and dg are changes of the element's pose: by the tensions, and by its wrench, which changes as its
+ * section moves. Every change is a row with one number for every input, which is computed in parts of WIDE numbers. */
 #include "rod_follow.h"
 
 enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
 
 static const fingerfem_law *law_of(const rod_state *rod, int k) { return rod->segment->law[rod->segment->law_of[k]]; }
 
-/* The largest that any law needs of something. */
+/* The largest number that `of` returns for any law. */
 static int most(const fingerfem_segment *segment, int (*of)(const fingerfem_segment *, const fingerfem_law *))
 {
     int found = 0;
@@ -28,6 +30,7 @@ static int most(const fingerfem_segment *segment, int (*of)(const fingerfem_segm
 
 int rod_memory(const fingerfem_segment *segment)
 {
+    /* per element: its state and products; per law: contracted coefficients and the free pose with derivatives */
     const int element = (int)(sizeof(rod_element) / sizeof(double)) + most(segment, element_products);
     const int law = most(segment, element_contracted) + POSE * (1 + segment->tensions);
     const int deviations = POSE * segment->elements * segment->deviating;
@@ -36,6 +39,7 @@ int rod_memory(const fingerfem_segment *segment)
 
 int rod_work(const fingerfem_segment *segment)
 {
+    /* work memory is shared: the largest need of outlines, variants or shortenings */
     const int outlines = outline_work(segment), variants = variants_work(segment);
     const int shortenings = segment->sixes * most(segment, element_contracted);
     const int found = outlines > variants ? outlines : variants;
@@ -47,10 +51,12 @@ int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_
 void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found)
 {
     found->segment = segment;
+    /* strides between laws, and between elements */
     found->free_stride = POSE * (1 + segment->tensions);
     found->contracted_stride = most(segment, element_contracted);
     found->products_stride = most(segment, element_products);
     memory += (0 - (uintptr_t)memory / sizeof *memory) % POSE; /* a row lies in one line of the cache */
+    /* arrays one after another: contracted, free, elements, products, deviations, monomials */
     found->contracted = memory;
     memory += segment->laws * found->contracted_stride;
     found->free = memory;
@@ -61,6 +67,7 @@ void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, 
     found->deviations = memory + segment->elements * found->products_stride;
     found->monomials = found->deviations + POSE * segment->elements * segment->deviating;
     found->work = work;
+    /* tensions, their monomials and the derivatives of these */
     memcpy(found->tensions, tensions, (size_t)segment->tensions * sizeof *tensions);
     tensions_monomials(segment, tensions, found->monomials);
 }
@@ -71,12 +78,13 @@ void rod_contract(const rod_state *rod)
         element_contract(rod->segment, rod->segment->law[k], rod->monomials, rod->contracted + k * rod->contracted_stride);
 }
 
-/* Where an element's proximal section is, and what its changes are turned by. */
+/* The proximal section of an element, p' = p + Q q and Q' = Q R; and G = s Q (1 + [g]x), so that b' = b + G dg. */
 static void advance(rod_element *element, double *place, double *rotation)
 {
     const double *Q = element->rotation, *q = element->pose, *g = element->pose + 3;
     const double s = 2.0 / (1.0 + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     double next[9];
+    /* row i of Q q, of G = s (Q + Q [g]x), and of Q' = s (Q + Q [g]x + Q g g^T) - Q */
 #pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
         const double *row = Q + 3 * i, along = row[0] * g[0] + row[1] * g[1] + row[2] * g[2];
@@ -92,7 +100,7 @@ static void advance(rod_element *element, double *place, double *rotation)
     memcpy(rotation, next, sizeof next);
 }
 
-/* The plate's wrench as an element's distal section carries it, in its own frame. */
+/* The body's wrench f, m at an element's distal section, in the section's frame: Q^T f, Q^T (m - p x f). */
 static inline void carry(const double *wrench, rod_element *element)
 {
     const double *Q = element->rotation;
@@ -105,7 +113,7 @@ static inline void carry(const double *wrench, rod_element *element)
     }
 }
 
-/* Begin at the plate, or where the element before ends. */
+/* Distal section of an element: the body itself for k = 0, else where the element before ends. */
 static inline void begin(rod_element *element, int k, rod_end *end)
 {
     static const double place[3] = {0.0}, rotation[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
@@ -122,12 +130,15 @@ void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_en
     for (int k = part.first; k < part.last; k++) {
         rod_element *element = rod->elements + k;
         const fingerfem_law *law = law_of(rod, k);
+        /* pose of the distal section, and the wrench through it */
         begin(element, k - part.first, end);
         carry(wrench, element);
         end->inside &= element_inside(law, element->wrench);
+        /* the law: pose q, g and its derivatives by that wrench; then the proximal section */
         element_pose(law, rod->contracted + segment->law_of[k] * rod->contracted_stride, element->wrench,
                      rod->products + k * rod->products_stride, element->pose);
         advance(element, end->place, end->rotation);
+        /* by the body's wrench: changes of the wrench through the element, of its pose, of the proximal section */
 #pragma GCC unroll 3
         for (int six = 0; six < WIDE_SIX; six++) {
             wide carried[W], change[W] = {{0.0}};
@@ -136,6 +147,7 @@ void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_en
             follow_move(element, change, moved + six);
         }
     }
+    /* motion of the body seen from the end of its part, by its wrench */
     for (int six = 0; six < WIDE_SIX; six++) follow_from_clamp(end->place, moved + six, seen + WIDE * six);
     for (int i = 0; i < W; i++) memcpy(end->by_wrench[i], seen + POSE * i, sizeof end->by_wrench[i]);
 }
@@ -146,11 +158,13 @@ void rod_by_tensions(const rod_state *rod, rod_part part, double (*by_tensions)[
     const int t = segment->tensions;
     follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     double end[3], own[TENSIONS_MOST * POSE];
+    /* dq, dg by the tensions, at fixed wrench and through the wrench; then the motion of the proximal section */
     for (int k = part.first; k < part.last; k++) {
         element_by_tensions(segment, law_of(rod, k), rod->contracted + segment->law_of[k] * rod->contracted_stride,
                             rod->products + k * rod->products_stride, own);
         follow_changes(rod->elements + k, rod->elements[part.first].wrench, t, own, moved);
     }
+    /* motion of the body seen from the end of its part, by the tensions */
     follow_clamp(rod, part, end);
     for (int k = 0; WIDE * k < t; k++) follow_from_clamp(end, moved + k, by_tensions[0] + WIDE * k);
 }
@@ -160,22 +174,26 @@ void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS
     const fingerfem_segment *segment = rod->segment;
     const int t = segment->tensions;
     follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
-    end->inside = 1; /* every box is as wide to both sides of no wrench */
+    end->inside = 1; /* every box is symmetric about w = 0 */
     memset(end->by_wrench, 0, sizeof end->by_wrench);
+    /* pose of every law without a wrench, with derivatives by the tensions */
     for (int k = 0; k < segment->laws; k++)
         element_free(segment, segment->law[k], rod->monomials, rod->free + k * rod->free_stride);
     for (int k = 0; k < segment->elements; k++) {
         const double *free = rod->free + segment->law_of[k] * rod->free_stride;
         rod_element *element = rod->elements + k;
+        /* pose of the proximal section */
         begin(element, k, end);
         memcpy(element->pose, free, sizeof element->pose);
         advance(element, end->place, end->rotation);
+        /* motion of the proximal section by the tensions */
         for (int part = 0; WIDE * part < t; part++) {
             wide change[W] = {{0.0}};
             follow_by_inputs(t, free + POSE, WIDE * part, change);
             follow_move(element, change, moved + part);
         }
     }
+    /* motion of the plate seen from the clamp, by the tensions */
     for (int part = 0; WIDE * part < t; part++) follow_from_clamp(end->place, moved + part, by_tensions[0] + WIDE * part);
 }
 
@@ -184,6 +202,7 @@ void rod_free_motion(const rod_state *rod, int section, rod_motion *moved)
     const fingerfem_segment *segment = rod->segment;
     for (int part = 0; WIDE * part < segment->tensions; part++) {
         follow_motion own = {{{0.0}}, {{0.0}}};
+        /* the motions that elements 0 ... section - 1 add */
         for (int k = 0; k < section; k++) {
             wide change[W] = {{0.0}};
             follow_by_inputs(segment->tensions, rod->free + segment->law_of[k] * rod->free_stride + POSE, WIDE * part, change);

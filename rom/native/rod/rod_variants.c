@@ -1,9 +1,9 @@
-/* How a plate moves by the variants of its rod's elements: they deviate all at once, each at the wrench that it carries. */
+/* Motion of a plate by the variants of its rod's elements: all deviate at once, each at the wrench through it. */
 #include "rod_follow.h"
 
 enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
 
-/* Deviations of all elements, (elements, count, 8), where they are: those of a law's elements one after another. */
+/* Deviations of the poses of all elements, (elements, count, 8); elements of one law share its contraction. */
 static void deviate(const rod_state *rod, int pressed)
 {
     const fingerfem_segment *segment = rod->segment;
@@ -14,8 +14,10 @@ static void deviate(const rod_state *rod, int pressed)
         for (int k = 0; k < segment->elements; k++) {
             double *found = rod->deviations + row * k;
             if (segment->law_of[k] != law) continue;
+            /* first element of the law: contract by the tensions, or evaluate without a wrench */
             if (first < 0 && pressed) variants_contract(own, rod->monomials, rod->work);
             if (first < 0 && !pressed) variants_free(own, rod->monomials, rod->work, found);
+            /* an element under its wrench; without a wrench a copy of the first element's deviations */
             if (pressed) variants_under(own, rod->elements[k].wrench, rod->work, found);
             else if (first >= 0) memcpy(found, rod->deviations + row * first, (size_t)row * sizeof *found);
             first = first < 0 ? k : first;
@@ -28,10 +30,12 @@ void rod_by_variants(const rod_state *rod, rod_part part, int pressed, double (*
     const int count = rod->segment->deviating;
     follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     double end[3];
+    /* deviations of all elements, once: the plate's part is evaluated first */
     if (!part.first) deviate(rod, pressed);
     for (int k = part.first; k < part.last; k++) {
         const rod_element *element = rod->elements + k;
         const double *own = rod->deviations + POSE * count * k;
+        /* motion of the proximal section; under a wrench also through the changes of the wrench */
         if (pressed) follow_changes(element, rod->elements[part.first].wrench, count, own, moved);
         for (int j = 0; WIDE * j < count && !pressed; j++) {
             wide change[W] = {{0.0}};
@@ -39,6 +43,7 @@ void rod_by_variants(const rod_state *rod, rod_part part, int pressed, double (*
             follow_move(element, change, moved + j);
         }
     }
+    /* motion of the body seen from the end of its part, by the variants */
     follow_clamp(rod, part, end);
     for (int j = 0; WIDE * j < count; j++) follow_from_clamp(end, moved + j, by_variants[0] + WIDE * j);
 }

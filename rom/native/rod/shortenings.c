@@ -1,18 +1,19 @@
-/* How much shorter tendons are: an element's shortenings are a law of tensions and its transmitted wrench, as its pose is, and
- * a tendon's is the sum over all elements between the clamp and its plate. */
+/* Shortenings of tendons: those in an element are a law of the tensions and of its transmitted wrench, as its pose
+ * is. A tendon's shortening is the sum over all elements between the clamp and its plate. */
 #include "shortenings.h"
 #include <math.h>
 #include "rod_follow.h"
 
 enum { ROW = SHORTENINGS_ROW, POSE = FINGERFEM_POSE };
 
-/* How the wrench that an element transmits changes: rows of a component, (6, 8), by the wrench on the plate, and by the
- * tensions. */
+/* Derivatives of the wrench that an element transmits, (6, 8): a row for every component, by the wrench on the body
+ * of its part, and by the tensions. */
 typedef struct {
     double by_wrench[W][POSE], by_tensions[W][POSE];
 } transmitted;
 
-/* The next element's changes, from the motions of its distal section, which become those of its proximal one. */
+/* Derivatives of the wrench that element k transmits. The motions are those of its distal section on entry, and
+ * those of its proximal one on return. */
 static void transmit(const rod_state *rod, rod_part part, int k, follow_motion *by_wrench, follow_motion *by_tensions, transmitted *found)
 {
     const fingerfem_segment *segment = rod->segment;
@@ -20,7 +21,9 @@ static void transmit(const rod_state *rod, rod_part part, int k, follow_motion *
     const double *wrench = rod->elements[part.first].wrench, *contracted = rod->contracted + segment->law_of[k] * rod->contracted_stride;
     const int t = segment->tensions;
     double own[TENSIONS_MOST * POSE];
+    /* derivatives of the pose by the tensions, at fixed wrench */
     element_by_tensions(segment, segment->law[segment->law_of[k]], contracted, rod->products + k * rod->products_stride, own);
+    /* by the body's wrench: changes of the transmitted wrench, of the pose, of the proximal section */
     for (int six = 0; six < WIDE_SIX; six++) {
         wide carried[W], change[W] = {{0.0}};
         follow_carry(wrench, element, by_wrench + six, 1, WIDE * six, carried);
@@ -28,6 +31,7 @@ static void transmit(const rod_state *rod, rod_part part, int k, follow_motion *
         follow_move(element, change, by_wrench + six);
         for (int i = 0; i < W; i++) wide_store(found->by_wrench[i] + WIDE * six, carried[i]);
     }
+    /* likewise by the tensions */
     for (int j = 0; WIDE * j < t; j++) {
         wide carried[W], change[W] = {{0.0}};
         follow_by_inputs(t, own, WIDE * j, change);
@@ -43,23 +47,25 @@ static inline void add(double size, const double *row, double *sum)
     for (int o = 0; o < POSE; o++) sum[o] += size * row[o];
 }
 
-/* Add six tendons of an element, of which the law has been contracted. */
+/* Add the shortenings of six tendons in element k, of which the law was contracted, and their derivatives. */
 static void add_six(const rod_state *rod, int k, const fingerfem_law *law, const double *contracted, const transmitted *changes,
                     int first, shortenings_segment *found)
 {
     double values[(1 + W) * POSE], own[TENSIONS_MOST * POSE], *products = rod->products + k * rod->products_stride;
-    element_pose(law, contracted, rod->elements[k].wrench, products, values); /* whose products are those of its pose */
+    element_pose(law, contracted, rod->elements[k].wrench, products, values); /* with the same products as its pose */
     element_by_tensions(rod->segment, law, contracted, products, own);
     add(1.0, values, found->values + first);
+    /* dS/dF_j = partial derivative + sum_i dS/dw_i dw_i/dF_j */
     for (int j = 0; j < rod->segment->tensions; j++) {
         add(1.0, own + POSE * j, found->by_tensions[j] + first);
         for (int i = 0; i < W; i++) add(changes->by_tensions[i][j], values + POSE * (1 + i), found->by_tensions[j] + first);
     }
+    /* dS/dv_j = sum_i dS/dw_i dw_i/dv_j, with the body's wrench v */
     for (int j = 0; j < W; j++)
         for (int i = 0; i < W; i++) add(changes->by_wrench[i][j], values + POSE * (1 + i), found->by_wrench[j] + first);
 }
 
-/* Of a part that `rod_under` has placed. */
+/* Shortenings in a part of a rod under the wrench of the last `rod_under`. */
 static void under(const rod_state *rod, rod_part part, shortenings_segment *found)
 {
     const fingerfem_segment *segment = rod->segment;
@@ -69,6 +75,7 @@ static void under(const rod_state *rod, rod_part part, shortenings_segment *foun
     for (int k = part.first; k < part.last; k++) {
         const fingerfem_law *const *laws = segment->shortening + sixes * segment->law_of[k];
         transmit(rod, part, k, by_wrench, by_tensions, &changes);
+        /* every six tendons; a law is contracted anew where the element before has another one */
         for (int six = 0; six < sixes; six++) {
             double *contracted = rod->work + six * rod->contracted_stride;
             if (k == part.first || segment->law_of[k] != segment->law_of[k - 1])
@@ -78,10 +85,11 @@ static void under(const rod_state *rod, rod_part part, shortenings_segment *foun
     }
 }
 
-/* Of a segment that `rod_free` has placed. */
+/* Shortenings in a segment without a wrench. */
 static void without_wrench(const rod_state *rod, shortenings_segment *found)
 {
     const fingerfem_segment *segment = rod->segment;
+    /* law by law: all its elements shorten alike */
     for (int i = 0; i < segment->laws * segment->sixes; i++) {
         double values[(1 + TENSIONS_MOST) * POSE], count = 0.0;
         const int first = POSE * (i % segment->sixes);
@@ -106,7 +114,7 @@ int shortenings_of(const chain_rods *map, int free, shortenings_segment *segment
     return 1;
 }
 
-/* Which of the chain's tensions are a body's, as its segment has them. */
+/* Indices among the chain's tensions of those in the segment of a body; the ground has none. */
 static const int32_t *tensions_of(const chain_rods *map, int b, int *count)
 {
     const fingerfem_chain *chain = map->chain;
@@ -118,6 +126,7 @@ static const int32_t *tensions_of(const chain_rods *map, int b, int *count)
 void shortenings_together(const chain_rods *map, const shortenings_segment *segments, double *found)
 {
     memset(found, 0, (size_t)map->chain->tensions * sizeof *found);
+    /* sum over the parts of all segments that a tendon passes */
     for (int b = 0; b < map->count; b++) {
         int count;
         const int32_t *own = tensions_of(map, b, &count);
@@ -125,11 +134,13 @@ void shortenings_together(const chain_rods *map, const shortenings_segment *segm
     }
 }
 
-/* The motion of a body relative to the one before, R^T dc and R^T dtheta, (6), from those of both in space. */
+/* Motion of a body relative to the one before, dc_b - A^T (dc + t x a) and dtheta_b - A^T t, (6), from the motions
+ * of both in space, each in its own frame; a and A are arm and relative rotation. */
 static void relative_to_before(const chain_body *plate, const double *motion, double *found)
 {
     const double *before = motion - W, *turn = before + 3;
     double moved[3];
+    /* motion of the body as if it were fixed to the one before: dc + t x a, and t */
     follow_cross(turn, plate->arm, moved);
     for (int i = 0; i < 3; i++) moved[i] += before[i];
     for (int i = 0; i < 3; i++) {
@@ -145,11 +156,13 @@ void shortenings_change(const chain_state *state, const chain_rods *map, const s
     double change[W] = {0.0}, relative[W]; /* of the wrench that a body transmits */
     const int begin = map->bodies[0].segment == CHAIN_GROUND;
     memset(found, 0, (size_t)map->chain->tensions * sizeof *found);
+    /* from tip to base, with the change of the transmitted wrench */
     for (int b = map->count - 1; b >= begin; b--) {
         int count;
         const int32_t *own = tensions_of(map, b, &count);
         const shortenings_segment *segment = segments + b;
         for (int i = 0; i < W; i++) change[i] += wrenches[W * b + i];
+        /* dS_j = dS_j/dw . dw + sum_i dS_j/dF_i dF_i */
         for (int j = 0; j < count; j++) {
             double sum = 0.0;
             for (int i = 0; i < W; i++) sum += segment->by_wrench[i][shortenings_at(j)] * change[i];
@@ -157,6 +170,7 @@ void shortenings_change(const chain_state *state, const chain_rods *map, const s
             found[own[j]] += sum;
         }
         if (b == begin) break;
+        /* change of the wrench that the body before transmits */
         relative_to_before(state->bodies + b, motion + W * b, relative);
         chain_pass_change(state->bodies + b, relative, change);
     }
@@ -171,18 +185,21 @@ int fingerfem_chain_shortenings(const fingerfem_chain *chain, const double *tens
     chain_state state;
     shortenings_segment segments[MOST_BODIES];
     const int inside = chain_placed(chain, tensions, loads, memory, held, &map, &state), w = chain_size(&map);
+    /* no laws of shortenings: NaN */
     if (!shortenings_of(&map, 0, segments)) {
         for (int j = 0; j < t; j++) shortenings[j] = NAN;
         for (int j = 0; j < t * columns; j++) changes[j] = NAN;
         return inside;
     }
     shortenings_together(&map, segments, shortenings);
+    /* column c: a unit change of tension c, or of a component of a plate's wrench */
     for (int c = 0; c < columns; c++) {
         double by_tensions[TENSIONS_MOST] = {0.0}, by_wrenches[CHAIN_WRENCH] = {0.0}, motion[CHAIN_WRENCH], found[TENSIONS_MOST];
         const int clamped = c < t && held[c] != tensions[c];
         const int row = c < t ? 0 : W * chain_plate_of(&map, (c - t) / W) + (c - t) % W;
         if (c < t) by_tensions[c] = 1.0;
         else by_wrenches[row] = 1.0;
+        /* motions of all bodies by that input; then its column, 0 for a clamped tension */
         for (int i = 0; i < w; i++) motion[i] = state.bodies[i / W].motion[i % W][c < t ? w + c : row];
         shortenings_change(&state, &map, segments, by_tensions, by_wrenches, motion, found);
         for (int j = 0; j < t; j++) changes[columns * j + c] = clamped ? 0.0 : found[j];
@@ -197,6 +214,7 @@ int fingerfem_chain_elements(const fingerfem_chain *chain, const double *tension
     chain_rods map;
     chain_state state;
     const int inside = chain_placed(chain, tensions, loads, memory, held, &map, &state);
+    /* pose in space of every element's distal section, and the wrench through it */
     for (int k = 0; k < chain->plates; k++)
         for (int e = 0; e < chain->segments[k]->elements; e++, places += 3, rotations += 9, carried += W) {
             chain_section(&map, &state, k, e, places, rotations);

@@ -1,4 +1,4 @@
-/* The compiled answer of a separated model, see evaluation.h. An exported header has this text in it. */
+/* The compiled answer of a separated model, see evaluation.h. Exported headers contain this text. */
 #include <math.h>
 #include <stddef.h>
 #include "evaluation.h"
@@ -6,7 +6,7 @@
 #define FINGERFEM_API
 #endif
 
-/* What a form's row says: how many axes, terms and components, and where its modes are in data. */
+/* Columns of a form's row: numbers of axes, terms and components, and where its modes begin in data. */
 static inline int fingerfem_axes(const fingerfem_tables *tables, int form)
 {
     return tables->forms[FINGERFEM_ROW * form + FINGERFEM_AXES];
@@ -24,15 +24,17 @@ static inline int fingerfem_modes(const fingerfem_tables *tables, int form)
     return tables->forms[FINGERFEM_ROW * form + FINGERFEM_MODES];
 }
 
-/* Where x lies on an axis: its interval's pieces, how far along it is (an interval beyond the ends at most), and how
- * that changes with x. NaN goes to the lower end. */
+/* Cubic pieces of the interval of an axis where x lies; its coordinate `along` in the interval, 0 to 1, or up to 1
+ * beyond an end of the axis; and the derivative `rate` of that by x. NaN goes to the lower end. */
 static inline const double *fingerfem_pieces(const fingerfem_tables *tables, int form, int axis, double x, double *along,
                                              double *rate)
 {
+    /* x in intervals from the lower end, clamped to one interval beyond the ends */
     const int at = 2 * (tables->most_axes * form + axis);
     const double last = tables->axes[at], per_unit = tables->scales[at + 1];
     const double wanted = (x - tables->scales[at]) * per_unit;
     const double held = wanted > -1.0 ? (wanted < last + 1.0 ? wanted : last + 1.0) : -1.0;
+    /* interval, coordinate in it, and d along / dx, 0 where x is clamped */
     const int interval = (int)(held < 0.0 ? 0.0 : held > last - 1.0 ? last - 1.0 : held);
     *along = held - interval;
     *rate = wanted == held ? per_unit : 0.0;
@@ -49,6 +51,7 @@ static inline void fingerfem_products(const fingerfem_tables *tables, int form, 
 {
     const int axes = fingerfem_axes(tables, form), terms = fingerfem_terms(tables, form);
     for (int k = 0; k < terms; k++) whole[k] = 1.0;
+    /* product over the axes of the cubics c_0 + t (c_1 + t (c_2 + t c_3)) */
     for (int a = 0; a < axes; a++) {
         double t, rate;
         const double *restrict c = fingerfem_pieces(tables, form, a, x[a], &t, &rate);
@@ -65,6 +68,7 @@ static inline void fingerfem_products_and_slopes(const fingerfem_tables *tables,
     const int axes = fingerfem_axes(tables, form), terms = fingerfem_terms(tables, form);
     double *restrict behind = work, *values = work + terms;
     for (int k = 0; k < terms; k++) whole[k] = behind[k] = 1.0;
+    /* forwards: values G_a, and slopes (prod_{b<a} G_b) dG_a/dx_a */
     for (int a = 0; a < axes; a++) {
         double t, rate;
         const double *restrict c = fingerfem_pieces(tables, form, a, x[a], &t, &rate);
@@ -76,6 +80,7 @@ static inline void fingerfem_products_and_slopes(const fingerfem_tables *tables,
             whole[k] *= value[k];
         }
     }
+    /* backwards: slopes times prod_{b>a} G_b */
     for (int a = axes - 1; a >= 0; a--) {
         double *restrict value = values + a * terms, *restrict slope = slopes + a * terms;
         for (int k = 0; k < terms; k++) {
@@ -95,6 +100,7 @@ static inline double fingerfem_component(const fingerfem_tables *tables, int for
     return found;
 }
 
+/* Gradient of component j by the axes, from the terms' slopes. */
 static inline void fingerfem_gradient(const fingerfem_tables *tables, int form, int j, const double *slopes,
                                       double *gradient)
 {
@@ -102,11 +108,12 @@ static inline void fingerfem_gradient(const fingerfem_tables *tables, int form, 
     for (int a = 0; a < axes; a++) gradient[a] = fingerfem_component(tables, form, j, slopes + a * terms);
 }
 
-/* Hold a point's tensions to the sampled box; whether they are inside. NaN goes to the lower end. */
+/* Clamp a point's tensions to the sampled box; returns whether they were inside. NaN goes to the lower end. */
 static inline int fingerfem_hold_tensions(const fingerfem_kernel *kernel, const double *point, double *held)
 {
     const int d = kernel->parameters - 1;
     int inside = 1;
+    /* inside: as given; outside: the nearer wall */
     for (int j = 0; j < d; j++) {
         held[j] = point[j];
         if (point[j] >= kernel->lower[j] && point[j] <= kernel->upper[j]) continue;
@@ -117,29 +124,32 @@ static inline int fingerfem_hold_tensions(const fingerfem_kernel *kernel, const 
     return inside;
 }
 
-/* Hold the distance of an object that is touched to the box; whether it is inside, or infinite, which is no object. */
+/* Clamp d to the box if the object is touched; returns whether it was inside, or infinite, which is no object. */
 static inline int fingerfem_hold_distance(const fingerfem_kernel *kernel, const double *point, double touch_distance,
                                           double *held)
 {
     const int d = kernel->parameters - 1;
+    /* inside the box; free, so that d does not matter; or clamped */
     if (point[d] >= kernel->lower[d] && point[d] <= kernel->upper[d]) return 1;
     if (point[d] >= touch_distance) return point[d] == INFINITY;
     held[d] = point[d] > kernel->upper[d] ? kernel->upper[d] : kernel->lower[d];
     return 0;
 }
 
-/* The contact path [m] to the nearest object: its share, s, is the last coordinate, see rom/separated/tabulated.py. */
+/* The path from touch to the nearest distance, D - d_min [m]. The last coordinate s is the share of it, see
+ * rom/separated/tabulated.py. */
 static inline double fingerfem_whole_path(const fingerfem_kernel *kernel, double touch_distance)
 {
     return touch_distance - kernel->lower[kernel->parameters - 1];
 }
 
-/* Cell of a point: even in the tensions and in s, which is 0 before contact. */
+/* Number of a point's cell, of an even grid in the tensions and in s, which is 0 before contact. */
 static inline int fingerfem_cell(const fingerfem_kernel *kernel, const double *point, double touch_distance)
 {
     const int d = kernel->parameters - 1, cells = kernel->cells;
     const double path = touch_distance - point[d];
     int found = 0;
+    /* coordinates t = (F - lower) / (upper - lower) and s; cells row by row, clamped to the grid */
     for (int j = 0; j <= d; j++) {
         double t = j < d ? (point[j] - kernel->lower[j]) / (kernel->upper[j] - kernel->lower[j])
                          : path > 0.0 ? path / fingerfem_whole_path(kernel, touch_distance) : 0.0;
@@ -162,24 +172,29 @@ static inline int fingerfem_row(int j)
     return j <= FINGERFEM_FORCE ? FINGERFEM_TIP + j : FINGERFEM_PAD;
 }
 
-/* Add to an answer and its derivatives what contact adds: u = u_0 + p v(F, s), with p = D - d and s = p / (D - d_min). */
+/* Add what contact adds to an answer and its derivatives: u = u_0 + path v(F, s), with path = D - d and
+ * s = path / (D - d_min). */
 static inline void fingerfem_add_contact(const fingerfem_kernel *kernel, const double *point, double *memory, double *out,
                                          double *jacobian)
 {
     const fingerfem_tables *tables = &kernel->tables;
     const int p = kernel->parameters, d = p - 1, form = FINGERFEM_CONTACT_FORM, terms = fingerfem_terms(tables, form);
+    /* path = D - d, whole = D - d_min, and dD/dF from the free answer */
     const double touch = out[FINGERFEM_TOUCH], path = touch - point[d], whole = fingerfem_whole_path(kernel, touch);
     const double *rising = jacobian + p * FINGERFEM_TOUCH; /* dD/dF */
     double coordinates[FINGERFEM_MOST_PARAMETERS], gradient[FINGERFEM_MOST_PARAMETERS];
     double *products = memory, *slopes = products + terms, *work = slopes + p * terms;
+    /* products and slopes of the contact form at (F, s) */
     for (int j = 0; j < d; j++) coordinates[j] = point[j];
     coordinates[d] = path / whole;
     fingerfem_products_and_slopes(tables, form, coordinates, work, products, slopes);
+    /* component v of the contact form, with its gradient by (F, s) */
     for (int j = 0; j < fingerfem_components(tables, form); j++) {
         const int row = fingerfem_row(j);
         const double value = fingerfem_component(tables, form, j, products);
         fingerfem_gradient(tables, form, j, slopes, gradient);
-        const double by_path = gradient[d] / whole; /* dv/ds ds/dp */
+        /* du = path dv + v dpath, where ds/dd = -1 / whole and ds/dD = (1 - s) / whole */
+        const double by_path = gradient[d] / whole;
         double *own = jacobian + p * row;
         out[row] += path * value;
         for (int k = 0; k < d; k++)
@@ -206,6 +221,7 @@ FINGERFEM_API int fingerfem_answer(const fingerfem_kernel *kernel, const double 
     const int p = kernel->parameters, d = p - 1, form = FINGERFEM_FREE_FORM, terms = fingerfem_terms(tables, form);
     const int rows = FINGERFEM_PAD + kernel->has_pad;
     double held[FINGERFEM_MOST_PARAMETERS], *products = memory, *slopes = products + terms, *work = slopes + d * terms;
+    /* free answer u_0, D and their derivatives by the tensions */
     int inside = fingerfem_hold_tensions(kernel, point, held);
     for (int j = 0; j < rows * p; j++) jacobian[j] = 0.0;
     fingerfem_products_and_slopes(tables, form, held, work, products, slopes);
@@ -213,12 +229,14 @@ FINGERFEM_API int fingerfem_answer(const fingerfem_kernel *kernel, const double 
     for (int i = 0; i < FINGERFEM_FREE_TOUCH; i++)
         fingerfem_gradient(tables, form, i, slopes, jacobian + p * (FINGERFEM_TIP + i));
     fingerfem_gradient(tables, form, FINGERFEM_FREE_TOUCH, slopes, jacobian + p * FINGERFEM_TOUCH);
+    /* past touch: what contact adds, and whether the samples support it */
     const double touch = out[FINGERFEM_TOUCH];
     inside &= fingerfem_hold_distance(kernel, point, touch, held);
     if (held[d] < touch) {
         inside &= kernel->answered[fingerfem_cell(kernel, held, touch)] != 0;
         fingerfem_add_contact(kernel, held, memory, out, jacobian);
     }
+    /* derivatives across walls of the box are 0 */
     for (int j = 0; j < p && !inside; j++)
         if (held[j] != point[j])
             for (int i = 0; i < rows; i++) jacobian[p * i + j] = 0.0;

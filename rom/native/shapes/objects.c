@@ -1,12 +1,13 @@
+/* Contacts of planes, balls, cylinders and hulls with a plate, how they change as it moves, and distances of points. */
 #include "objects.h"
 #include <math.h>
 #include <string.h>
 #include "hull.h"
 
-#define FAR 1.0       /* from where an object comes [m] */
-#define MARCHES 60    /* towards the distance at which it touches */
-#define TOUCHED 1e-12 /* [m] */
-#define TINY 1e-12 /* of a squared sine below which a line is along an edge, and corners alone count [-] */
+#define FAR 1.0       /* d from which an object approaches [m] */
+#define MARCHES 60    /* most of Newton's steps to the distance at which it touches */
+#define TOUCHED 1e-12 /* converged: gap [m] */
+#define TINY 1e-12    /* squared sine between a line and an edge, below which corners alone count [-] */
 
 typedef double vector[3];
 
@@ -16,12 +17,13 @@ static int edge_axis(int name) { return (name - OBJECTS_CORNERS) / 4; }
 /* The middle of an edge. */
 static void edge_middle(int name, const double *half, double *p)
 {
+    /* the two bits of k are the signs along the other two axes */
     const int j = edge_axis(name), k = (name - OBJECTS_CORNERS) % 4;
     objects_corner((k & 1) << (j == 0) | (k >> 1) << (j == 2 ? 1 : 2), half, p);
     p[j] = 0.0;
 }
 
-/* A face: the corners. */
+/* Contacts with a plane: all corners p, with the gap a . (p - s). */
 static void before_face(const objects_feature *face, objects_contacts *found)
 {
     for (int k = 0; k < OBJECTS_CORNERS; k++) {
@@ -31,10 +33,11 @@ static void before_face(const objects_feature *face, objects_contacts *found)
     }
 }
 
-/* A point p of the plate beside a line. */
+/* Contact of a point p of the plate with a cylinder about a line. */
 static void beside(int name, const objects_feature *line, double radius, const double *p, objects_contacts *found)
 {
     vector n;
+    /* r = (p - s) - a (a . (p - s)), gap = |r| - radius, n = r / |r| */
     for (int i = 0; i < 3; i++) n[i] = p[i] - line->s[i];
     const double length = objects_dot(line->a, n);
     for (int i = 0; i < 3; i++) n[i] -= length * line->a[i];
@@ -43,16 +46,18 @@ static void beside(int name, const objects_feature *line, double radius, const d
     objects_note(found, name, line, size - radius, p, n);
 }
 
-/* A cylinder: the corners, and the edges where they pass nearest between their ends. */
+/* Contacts with a cylinder: all corners, and the edges of which the closest point lies between the ends. */
 static void cylinder(const objects_feature *line, double radius, objects_contacts *found)
 {
     objects_feature crossing = *line;
     vector p, r;
+    /* corners */
     crossing.kind = OBJECTS_EDGES;
     for (int k = 0; k < OBJECTS_CORNERS; k++) {
         objects_corner(k, found->half_lengths, p);
         beside(k, line, radius, p, found);
     }
+    /* edges along axis j: closest point p_j = -(r_j - a_j a.r) / (1 - a_j^2), r from s to the edge's middle */
     for (int name = OBJECTS_CORNERS; name < OBJECTS_POINTS; name++) {
         const int j = edge_axis(name);
         const double below = 1.0 - line->a[j] * line->a[j];
@@ -72,11 +77,13 @@ void objects_find(const fingerfem_object *object, const double *half_lengths, do
     objects_feature own = {.kind = OBJECTS_FACE};
     memcpy(found->half_lengths, half_lengths, sizeof found->half_lengths);
     found->plate = plate;
+    /* where the object is, from the plate's centre, along the axes of space */
     for (int i = 0; i < 3; i++) place[i] = object->centre[i] + d * object->direction[i] - centre[i];
     if (object->shape == FINGERFEM_HULL) {
         hull_find(object, place, rotation, found);
         return;
     }
+    /* its feature as the plate sees it, and the contacts by its shape */
     objects_turned_back(rotation, place, own.s);
     objects_turned_back(rotation, object->axis, own.a);
     own.kind = object->shape == FINGERFEM_PLANE ? OBJECTS_FACE : OBJECTS_LINE;
@@ -85,8 +92,8 @@ void objects_find(const fingerfem_object *object, const double *half_lengths, do
     else cylinder(&own, object->radius, found);
 }
 
-/* Changes of the plate's point p and of its normal n, times its length, at a contact, as its feature is seen to move by ds
- * and to turn by da. */
+/* Changes at contact k, seen from the plate, as its feature's point s moves by ds and its direction a changes by da: dp
+ * of the plate's point, and dr of the vector r along which the normal lies, n = r / |r|. */
 static void changes(const objects_contacts *contacts, int k, const double *ds, const double *da, double *dp, double *dr)
 {
     const objects_feature *feature = contacts->features + k;
@@ -97,12 +104,14 @@ static void changes(const objects_contacts *contacts, int k, const double *ds, c
     switch (feature->kind) {
     case OBJECTS_FACE: memcpy(dr, da, sizeof(vector)); return;
     case OBJECTS_POINT:
+        /* a vertex opposite a face moves the face's point along; r = p - s */
         for (int i = 0; i < 3; i++) {
             dp[i] = name >= OBJECTS_POINTS && fabs(s[i]) < half[i] ? ds[i] : 0.0;
             dr[i] = dp[i] - ds[i];
         }
         return;
     case OBJECTS_LINE:
+        /* a corner p stays; r = (p - s) - a (a . (p - s)) */
         for (int i = 0; i < 3; i++) {
             r[i] = p[i] - s[i];
             moved[i] = -ds[i];
@@ -115,9 +124,11 @@ static void changes(const objects_contacts *contacts, int k, const double *ds, c
         const double below = 1.0 - a[j] * a[j];
         vector unit = {0.0}, along;
         for (int i = 0; i < 3; i++) r[i] = (i == j ? 0.0 : p[i]) - s[i];
+        /* derivative of this quotient, u = -above / below */
         const double above = r[j] - a[j] * objects_dot(a, r);
         const double dabove = -ds[j] - da[j] * objects_dot(a, r) - a[j] * (objects_dot(da, r) - objects_dot(a, ds));
         dp[j] = -(dabove * below + above * 2.0 * a[j] * da[j]) / (below * below);
+        /* r = +-a x e_j, on the side of the normal */
         unit[j] = 1.0;
         objects_cross(a, unit, along);
         const double sign = copysign(1.0, objects_dot(along, contacts->wrenches[k]));
@@ -127,25 +138,28 @@ static void changes(const objects_contacts *contacts, int k, const double *ds, c
     }
 }
 
-/* What is fixed to the object is seen to move by ds = -v - t x s, da = -t x a. */
+/* Seen from a plate that moves by v and turns by t, the object's features move by ds = -v - t x s, da = -t x a. */
 void objects_change_with(const fingerfem_object *object, const objects_contacts *contacts, int k, int m, double *dp,
                         double *dn)
 {
     const objects_feature *feature = contacts->features + k;
     const double *n = contacts->wrenches[k], *a = feature->a;
-    double size = fabs(contacts->gaps[k] + object->radius); /* of what the normal is along */
+    double size = fabs(contacts->gaps[k] + object->radius);
     vector unit = {0.0}, ds = {0.0}, da = {0.0};
+    /* |r|: the distance from a point or a line, 1 for a face, |a x e_j| for edges */
     if (feature->kind == OBJECTS_FACE) size = 1.0;
     if (feature->kind == OBJECTS_EDGES) size = sqrt(1.0 - a[feature->edge] * a[feature->edge]);
+    /* motion of the feature, with s as seen from the plate: features are noted as if it stood off by `bent` */
     unit[m % 3] = 1.0;
     if (m < 3) {
         ds[m] = -1.0;
     } else {
         vector s;
-        for (int i = 0; i < 3; i++) s[i] = feature->s[i] + contacts->bent[k][i]; /* it is seen from where the plate would be */
+        for (int i = 0; i < 3; i++) s[i] = feature->s[i] + contacts->bent[k][i];
         objects_cross(s, unit, ds);
         objects_cross(feature->a, unit, da);
     }
+    /* dn = (dr - n (n . dr)) / |r| */
     changes(contacts, k, ds, da, dp, dn);
     const double part = objects_dot(n, dn);
     for (int i = 0; i < 3; i++) dn[i] = size > 0.0 ? (dn[i] - part * n[i]) / size : 0.0;
@@ -156,6 +170,7 @@ void objects_change(const fingerfem_object *object, const objects_contacts *cont
 {
     const double *n = contacts->wrenches[k];
     vector dp, dn, one, two, p;
+    /* wrench (n, p x n) of the point of the bent plate; column m: dn, and dp x n + p x dn */
     for (int i = 0; i < 3; i++) p[i] = contacts->points[k][i] + contacts->bent[k][i];
     for (int m = 0; m < FINGERFEM_WRENCH; m++) {
         objects_change_with(object, contacts, k, m, dp, dn);
@@ -171,13 +186,16 @@ void objects_change(const fingerfem_object *object, const objects_contacts *cont
 double objects_distance(const fingerfem_object *object, double d, const double *place, double *normal)
 {
     vector r;
+    /* the point, seen from the object's place */
     for (int i = 0; i < 3; i++) r[i] = place[i] - object->centre[i] - d * object->direction[i];
     if (object->shape == FINGERFEM_HULL) return hull_distance(object, r, normal);
     const double along = objects_dot(object->axis, r);
+    /* plane: gap = a . r */
     if (object->shape == FINGERFEM_PLANE) {
         memcpy(normal, object->axis, sizeof(vector));
         return along;
     }
+    /* ball: gap = |r| - radius, n = r / |r|; cylinder: with r across its axis */
     if (object->shape == FINGERFEM_CYLINDER)
         for (int i = 0; i < 3; i++) r[i] -= along * object->axis[i];
     const double size = sqrt(objects_dot(r, r));
@@ -185,19 +203,21 @@ double objects_distance(const fingerfem_object *object, double d, const double *
     return size - object->radius;
 }
 
-/* By Newton's method from far away: the distance of a convex body is convex in d, so that it never goes too far. Where the
- * point is outside at `least`, and the gap grows with d, it stays outside from there on. */
+/* By Newton's method from far away: the distance of a convex body is convex in d, so that no step goes past the root.
+ * Where the point is outside at `least`, and the gap grows with d, it stays outside from there on. */
 double objects_reach(const fingerfem_object *object, const double *place, double margin, double least)
 {
     double d = FAR;
     vector n;
+    /* stop: the point is outside at `least`, and the gap grows with d */
     if (isfinite(least)) {
         const double gap = objects_distance(object, least, place, n) - margin;
         if (gap >= 0.0 && objects_dot(n, object->direction) < 0.0) return least;
     }
+    /* Newton's method, d -= gap / (dgap/dd); a plane needs one step */
     for (int step = 0; step < MARCHES && d > least; step++) {
         const double gap = objects_distance(object, d, place, n) - margin, slope = -objects_dot(n, object->direction);
-        if (gap > 0.0 && slope <= 0.0) return least; /* it passes by */
+        if (gap > 0.0 && slope <= 0.0) return least; /* the object passes by */
         if (fabs(gap) < TOUCHED || (object->shape == FINGERFEM_PLANE && step)) return d;
         d -= gap / slope;
     }

@@ -1,23 +1,27 @@
+/* The list of contacts: room for new ones, and what is noted of each. */
 #include "objects_contacts.h"
 #include <math.h>
 #include <string.h>
 
-#define DEEP 0.5   /* of a radius: an object that is deeper in the free plate comes to it in steps [-] */
+#define DEEP 0.5   /* of the radius: an object deeper in the free plate approaches it in steps [-] */
 
 typedef double vector[3];
 
-/* Room for a contact with a gap: the place of that with the largest gap if there is none; -1 if all are nearer. */
+/* Index of a new contact: the next free one; without room that of the largest gap, or -1 if all gaps are smaller. */
 static int room_for(objects_contacts *all, double gap)
 {
     int at = 0;
     if (all->count < FINGERFEM_MOST_CONTACTS) return all->count++;
+    /* no room: find the largest gap */
     for (int k = 1; k < all->count; k++)
         if (all->gaps[k] > all->gaps[at]) at = k;
     return all->gaps[at] > gap ? at : -1;
 }
 
+/* Write a contact of the present part and object at an index, with the wrench (n, p x n). */
 static void put(objects_contacts *all, int at, int name, const objects_feature *feature, double gap, const double *p, const double *n)
 {
+    /* identity, and what only rubber has; see objects_note_rubber */
     all->plates[at] = all->plate;
     all->segments[at] = -1;
     all->domes[at] = 0.0;
@@ -26,6 +30,7 @@ static void put(objects_contacts *all, int at, int name, const objects_feature *
     all->features[at] = *feature;
     all->gaps[at] = gap;
     all->compliance[at] = OBJECTS_COMPLIANCE;
+    /* point, normal, and wrench of a unit force */
     memcpy(all->halves[at], all->half_lengths, sizeof(vector));
     memset(all->bent[at], 0, sizeof(vector));
     memcpy(all->points[at], p, sizeof(vector));
@@ -79,11 +84,13 @@ void objects_note_point(objects_contacts *all, int name, const double *s, double
     objects_feature point = {.kind = OBJECTS_POINT, .s = {s[0], s[1], s[2]}};
     vector p, n;
     int nearest = 0;
+    /* closest point p of the plate, n = p - s, and the face nearest to s */
     for (int i = 0; i < 3; i++) {
         p[i] = fabs(s[i]) < half[i] ? s[i] : copysign(half[i], s[i]);
         n[i] = p[i] - s[i];
         if (half[i] - fabs(s[i]) < half[nearest] - fabs(s[nearest])) nearest = i;
     }
+    /* gap = |n| - radius; if s is inside: out through that face, with a negative distance */
     double size = sqrt(objects_dot(n, n));
     for (int i = 0; i < 3 && size > 0.0; i++) n[i] /= size;
     if (size == 0.0) {

@@ -29,7 +29,9 @@ def model(table: dict, **obstacle) -> FingerModel:
     return FingerModel(Scene.model_validate(table | {"obstacle": kept | obstacle}))
 
 
-@pytest.fixture(scope="module", params=SHAPES)
+@pytest.fixture(
+    scope="module", params=["sphere", *(pytest.param(one, marks=pytest.mark.long) for one in SHAPES if one != "sphere")]
+)
 def pressed(request):
     """A model, and its state pressed on an obstacle."""
     import tomllib

@@ -249,6 +249,7 @@ def test_the_eliminated_pressure_is_the_unknown_of_a_saddle_point(planar):
 # -- tendons --
 
 
+@pytest.mark.long
 def test_a_straight_tendon_bends_more_than_a_guided_one_and_pulls_on_the_clamp(planar):
     """Its lever grows as the finger bends away from it, and the clamp's hole is outside the finger: the reaction is
     what the cable pulls there."""

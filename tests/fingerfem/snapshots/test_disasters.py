@@ -36,6 +36,7 @@ def only_line(said: str, name: str) -> str:
     return line
 
 
+@pytest.mark.long
 def test_a_job_that_is_killed_leaves_a_set_that_the_next_completes(scene, undisturbed, tmp_path):
     job = begun(command(2, scene, tmp_path / "set"), tmp_path / "set", 3)
     os.killpg(job.pid, signal.SIGKILL)
@@ -239,6 +240,7 @@ def test_locks_are_trusted_where_they_work_and_freed_by_the_end_of_a_process(tmp
         assert claims.take(7)
 
 
+@pytest.mark.long
 def test_a_clock_that_jumps_changes_nothing(scene, undisturbed, tmp_path, hostile):
     run(2, scene, tmp_path / "set", LD_PRELOAD=hostile, HOSTILE_CLOCK="jumping")
     assert_same(tmp_path / "set", undisturbed)
@@ -279,6 +281,7 @@ def test_a_compilation_that_was_killed_does_not_stop_the_next_job(scene, undistu
     assert_same(tmp_path / "set", undisturbed)
 
 
+@pytest.mark.long
 def test_groups_of_ranks_give_the_numbers_of_one_rank(scene, undisturbed, tmp_path):
     run(4, scene, tmp_path / "set", "--ranks-per-finger", "2")
     assert_same(tmp_path / "set", undisturbed, tolerance=1e-9)

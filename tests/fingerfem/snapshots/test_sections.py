@@ -66,7 +66,10 @@ def solved(of: Scene, tensions: list[float], comm: MPI.Comm = MPI.COMM_SELF) -> 
     return Pressed(finger, np.array(tensions), wrenches, record.displacements[0], stored)
 
 
-@pytest.fixture(scope="module", params=[*ONE, "two segments", "tapered"])
+@pytest.fixture(
+    scope="module",
+    params=["order 1", *(pytest.param(one, marks=pytest.mark.long) for one in ("order 2", "two segments", "tapered"))],
+)
 def pressed(request) -> Pressed:
     if request.param == "two segments":
         return solved(scene("two_segments.toml", [9, 8], 1), [15.0, 10.0])
@@ -164,7 +167,7 @@ def test_a_tendon_is_as_much_shorter_up_to_its_plate_as_in_all(pressed):
         assert np.abs(before - stored["channel_shortening"][k]).min() > 1e-7
 
 
-@pytest.mark.parametrize(("cells", "order"), ONE.values(), ids=ONE)
+@pytest.mark.parametrize(("cells", "order"), [ONE["order 1"], pytest.param(*ONE["order 2"], marks=pytest.mark.long)])
 def test_the_sections_stored_are_those_of_the_displacement_stored(cells, order):
     of = scene("pressed.toml", cells, order, sampling={"store": ["displacement"]})
     pressed = solved(of, [40.0, 25.0])
@@ -191,6 +194,7 @@ def test_ranks_that_share_a_finger_store_what_one_rank_does(cells, order):
         assert shared[name] == pytest.approx(alone[name], abs=1e-7 * np.abs(alone[name]).max()), name
 
 
+@pytest.mark.long
 def test_a_straight_tendon_passes_no_section_and_nothing_is_stored_of_it():
     table = tomllib.loads((ROOT / "scenes" / "pressed.toml").read_text())
     straight = [table["tendons"][0], table["tendons"][1] | {"path": "straight"}]

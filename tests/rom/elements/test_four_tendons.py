@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rom.elements import candidates, training
+from rom.elements.fitting import candidates, degrees, training
 from rom.elements.fitting.candidates import candidates as laws_of
 from rom.elements.polynomial import Polynomial
 from rom.elements.samples.element_samples import Samples
@@ -17,6 +17,7 @@ T = 4
 @pytest.fixture(scope="module")
 def elements():
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(degrees, "HIGHEST", 4.0)
         patch.setattr(training, "HIGHEST", 4.0)
         return training.train(elastic_rod.states(24, 0, offsets=elastic_rod.FOUR), {})
 
@@ -79,5 +80,5 @@ def test_a_degree_of_more_products_than_a_regression_may_have_is_not_tried(monke
     states = elastic_rod.states(4, 0, offsets=elastic_rod.FOUR)
     monkeypatch.setattr(candidates, "MOST", 100)
     for one in training.prepare(states).kinds.values():
-        assert len(one.equations.powers) <= 100 and one.highest < training.HIGHEST
+        assert len(one.equations.powers) <= 100 and one.highest < degrees.HIGHEST
         assert one.supports(one.highest) and not one.supports(one.highest + candidates.STEP)

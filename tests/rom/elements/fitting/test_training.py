@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from rom.dataset.snapshot_set import SnapshotError
-from rom.elements import rotation_vectors, training
+from rom.elements import rotation_vectors
+from rom.elements.fitting import degrees, training
 from rom.elements.fitting.regression import NormalEquations
 from rom.elements.samples.cuts import END, LONGEST, cut
 from rom.elements.samples.element_samples import element_samples
@@ -48,7 +49,7 @@ def test_lines_left_out_are_predicted_as_well_as_held_out_states(finger, rod_ele
     for errors, name in ((turned, "turn_rad"), (np.abs(shorter).max(axis=1), "shortening_m")):
         known = rod_elements.provenance["left_out"][name]
         assert 0 < np.median(errors) < 2 * known["median"] and np.quantile(errors, 0.95) < 2 * known["p95"]
-    lowest = prepared.score(dict.fromkeys(prepared.kinds, training.LOWEST))
+    lowest = prepared.score(dict.fromkeys(prepared.kinds, degrees.LOWEST))
     assert prepared.score(rod_elements.provenance["degrees"]) < 1e-2 * lowest
 
 

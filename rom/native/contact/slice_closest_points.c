@@ -1,38 +1,41 @@
-/* Where slices of rubber may touch an object: edges and faces at their nearest points, and lines across faces. */
+/* Contacts of a slice of rubber with a convex object: closest points of edges and faces, and lines across faces. */
 #include <math.h>
 #include "slices.h"
 
-#define STEPS 40     /* towards the nearest point */
-#define FLAT 1e-9    /* slope of the gap where it is least [-] */
-#define SHORT 1e-12  /* a last step, of coordinates [-] */
-#define FADE 5e-3    /* of half the side: how much nearer than its edges a face that presses half as hard as it may is [-] */
-#define FLUSH 0.4     /* of half the side: how far edges may be from an object, at most, that presses on the line between them [-] */
+#define STEPS 40     /* most steps of the Illinois method */
+#define FLAT 1e-9    /* converged: slope of the gap over the slice's thickness [-] */
+#define SHORT 1e-12  /* converged: step of a coordinate [-] */
+#define FADE 5e-3    /* of half the side: a face's point so much nearer than its edges is twice as compliant [-] */
+#define FLUSH 0.4    /* of half the side: largest gap of the edges, about, of a line that may press [-] */
 
-/* A point of a slice before an object: its coordinates, its gap, the normal, and how the gap changes along its coordinates. */
+/* A point of a slice before an object: coordinates [-], gap [m], normal out of the object, slopes of the gap [m]. */
 typedef struct {
     double at[3], gap, normal[3], slopes[3];
 } near_point;
 
-/* Edges and faces count as slightly domed, so that of flush ones the middle is the nearest. */
+/* Gap and slopes at a point. Edges and faces count as slightly domed, so that of flush ones the middle is closest. */
 static void look(const rubber_slice *slice, const fingerfem_object *object, double d, near_point *point)
 {
     double x[3], t[3][3];
+    /* slope_j = n . t_j + dome thickness at_j */
     slices_at(slice, point->at, x, t);
     point->gap = objects_distance(object, d, x, point->normal);
     for (int j = 0; j < 3; j++) point->slopes[j] = objects_dot(point->normal, t[j]) + (j ? SLICE_FLAT : slice->dome) * slice->thickness * point->at[j];
 }
 
-/* Bring a point to where an object is nearest along its axis x, between the slice's ends: the slope grows along it, as the
- * distance from a convex body does. (The Illinois method, Dowell and Jarratt 1971.) */
+/* Closest point of a line along x, between the slice's ends: the root of the slope, which grows along x as the distance
+ * from a convex body is convex. (The Illinois method, Dowell and Jarratt 1971.) */
 static void nearest_along(const rubber_slice *slice, const fingerfem_object *object, double d, near_point *point)
 {
     double ends[2] = {-1.0, 1.0}, slopes[2];
+    /* slopes at both ends; stop at an end from which the gap grows */
     for (int end = 0; end < 2; end++) {
         point->at[0] = ends[end];
         look(slice, object, d, point);
         slopes[end] = point->slopes[0];
         if (end ? slopes[1] <= 0.0 : slopes[0] >= 0.0) return;
     }
+    /* Illinois method: secant in the bracket; an end that stays twice has its slope halved */
     for (int step = 0, last = -1; step < STEPS; step++) {
         point->at[0] = (ends[0] * slopes[1] - ends[1] * slopes[0]) / (slopes[1] - slopes[0]);
         look(slice, object, d, point);
@@ -45,9 +48,11 @@ static void nearest_along(const rubber_slice *slice, const fingerfem_object *obj
     }
 }
 
+/* Add the contact of a point, seen from the slice. Its dome is what the gap grows by in a solution, see SLICE_DOME. */
 static void note_point(const rubber_slice *slice, int name, const near_point *point, double compliance, objects_contacts *all)
 {
     double x[3], t[3][3], p[3], n[3];
+    /* point p and normal n in the slice's frame */
     slices_at(slice, point->at, x, t);
     for (int i = 0; i < 3; i++) x[i] -= slice->centre[i];
     objects_turned_back(slice->rotation, x, p);
@@ -57,15 +62,18 @@ static void note_point(const rubber_slice *slice, int name, const near_point *po
     objects_note_rubber(all, name, point->gap, point->at, fmax(compliance, OBJECTS_COMPLIANCE), 0.5 * slice->dome * slice->thickness * point->at[0] * point->at[0], p, n);
 }
 
-/* The face between two edges that lie along x, from one to the other along axis j: a point nearer than both. It presses the
- * harder the nearer it is. */
+/* Closest point of the face between two edges along x, across along axis j, if it is nearer than both. The less it is
+ * nearer, the more compliant it is, so that its force fades out as the point moves to an edge. */
 static void face(const fingerfem_segment *segment, const rubber_slice *slice, const fingerfem_object *object, double d, double near,
                  int name, int j, const near_point *edges, objects_contacts *all)
 {
+    /* stop: the gap grows from one of the edges */
     double ends[2] = {-1.0, 1.0}, slopes[2] = {edges[0].slopes[j], edges[1].slopes[j]};
     if (slopes[0] >= 0.0 || slopes[1] <= 0.0) return;
+    /* stop: where the tangents at both edges meet, a lower bound of the gap is too large */
     const double least = (edges[0].gap * slopes[1] - edges[1].gap * slopes[0] + 2.0 * slopes[0] * slopes[1]) / (slopes[1] - slopes[0]);
-    if (least > near) return; /* where both tangents meet */
+    if (least > near) return;
+    /* Illinois method along axis j, for the least gap along x */
     near_point point = edges[0];
     for (int step = 0, last = -1; step < STEPS; step++) {
         point.at[j] = (ends[0] * slopes[1] - ends[1] * slopes[0]) / (slopes[1] - slopes[0]);
@@ -77,12 +85,13 @@ static void face(const fingerfem_segment *segment, const rubber_slice *slice, co
         if (side == last) slopes[!side] *= 0.5;
         last = side;
     }
+    /* contact if it is nearer than both edges: compliance c (1 + FADE h / how much nearer) */
     const double nearer = fmin(edges[0].gap, edges[1].gap) - point.gap;
     if (point.gap < near && nearer > 0.0)
         note_point(slice, name, &point, segment->face_compliance * (1.0 + FADE * segment->half_lengths[1] / nearer), all);
 }
 
-/* The line across a face, from one of these edges to the other along axis j. It presses where the mean of its gaps closes, by
+/* The line across a face, from one edge to the other along axis j. It presses where the mean gap of the face closes, by
  * Simpson's rule along and across the slice; `middles` are the edges' gaps midway between the slice's ends. */
 static void line(const fingerfem_segment *segment, const rubber_slice *slice, const fingerfem_object *object, double d, double near,
                  int name, int j, const near_point *edges, const double *middles, objects_contacts *all)
@@ -91,13 +100,16 @@ static void line(const fingerfem_segment *segment, const rubber_slice *slice, co
     const double aside = 0.5 * (middles[0] + middles[1]);
     near_point point = edges[0];
     double gaps[3], x[3], t[3][3];
+    /* stop: the edges are far from the object */
     if (aside > 3.0 * near + FLUSH * segment->half_lengths[1]) return;
+    /* gaps along the middle of the face, at both ends and at x = 0, where the normal is taken */
     point.at[j] = 0.0;
     for (int k = 0; k < 3; k++) {
         point.at[0] = places[k];
         slices_at(slice, point.at, x, t);
         gaps[k] = objects_distance(object, d, x, point.normal);
     }
+    /* mean gap, (g(-1) + g(1) + 2 g(0) + 2 aside) / 6 with the edges' mean, aside */
     point.gap = (gaps[0] + gaps[1] + 2.0 * gaps[2] + 2.0 * aside) / 6.0;
     if (point.gap < near) note_point(slice, name, &point, segment->line_compliance, all);
 }
@@ -107,6 +119,7 @@ void slices_find(const fingerfem_segment *segment, const rubber_slice *slice, co
 {
     double middles[OUTLINE_CORNERS];
     near_point edges[OUTLINE_CORNERS]; /* -y -z, y -z, -y z, y z */
+    /* edges: gap midway, then the closest point; far ones stay midway */
     for (int k = 0; k < OUTLINE_CORNERS; k++) {
         edges[k] = (near_point){.at = {0.0, k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0}};
         look(slice, object, d, edges + k);
@@ -115,6 +128,7 @@ void slices_find(const fingerfem_segment *segment, const rubber_slice *slice, co
         nearest_along(slice, object, d, edges + k);
         if (edges[k].gap < near) note_point(slice, k, edges + k, segment->edge_compliance, all);
     }
+    /* faces across y and across z, on both sides: closest point, and line across */
     for (int side = 0; side < 2; side++) {
         const near_point across_y[2] = {edges[side], edges[side + 2]}, across_z[2] = {edges[2 * side], edges[2 * side + 1]};
         const double middles_y[2] = {middles[side], middles[side + 2]}, middles_z[2] = {middles[2 * side], middles[2 * side + 1]};

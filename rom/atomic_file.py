@@ -11,7 +11,7 @@ from uuid import uuid4
 
 
 @contextlib.contextmanager
-def whole_file(file: Path, once: bool = False) -> Iterator[Path]:
+def atomic_file(file: Path, once: bool = False) -> Iterator[Path]:
     """A path beside a file, to be written in the context, which then gets the file's name.
 
     Args:
@@ -39,6 +39,6 @@ def whole_file(file: Path, once: bool = False) -> Iterator[Path]:
 
 
 def write_whole(file: Path, write: Callable[[Any], None], once: bool = False) -> None:
-    """Write a file by a function of a binary stream, see `whole_file`."""
-    with whole_file(file, once) as beside, beside.open("xb") as stream:
+    """Write a file by a function of a binary stream, see `atomic_file`."""
+    with atomic_file(file, once) as beside, beside.open("xb") as stream:
         write(stream)
