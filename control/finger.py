@@ -25,11 +25,11 @@ class Finger:
     """Controls one finger through its model.
 
     Args:
-        model: a finger that an object touches, or a separated model.
+        model: of a finger that an object may touch (`rom.TouchedSegment`), or a `rom.SeparatedModel`.
         limits: of the tensions and of their rate.
 
     Raises:
-        ValueError: limits that leave nothing.
+        ValueError: the limits exclude all trained tensions.
     """
 
     def __init__(self, model: Model, limits: Limits | None = None):
@@ -47,7 +47,7 @@ class Finger:
         self._offsets = np.array([tendon["offset"] for tendon in model.scene["tendons"]], float)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickled and copied by its parameters: what compiled code reads is made again."""
+        """Pickling and copying keep the arguments; the data for compiled code are made anew."""
         return type(self), (self.model, self.limits)
 
     def reach(
@@ -59,13 +59,13 @@ class Finger:
     ) -> Motion:
         """Bring the tip plate's centre to a point without touching the plane.
 
-        Points on the other side of the finger than its tendons are reached by the tendons' mirror images, as far as the
-        plane leaves that symmetry: `sides` says which are pulled.
+        A point on the side of the finger without tendons is reached by the mirror images of the tendons, if the plane
+        does not break that symmetry. `sides` gives the sides on which tendons are pulled.
 
         Args:
             point: position, shape (3,) [m], in the finger's axes (clamp at the origin, finger along x).
             distance: of the plane [m]; the finger stays this side of it.
-            start: tensions to start from [N]; of many answers the nearest to them is taken.
+            start: tensions to start from [N]; among several solutions, the one nearest to them is taken.
             tolerance: bounds the tip's distance from the point [m].
 
         Raises:
@@ -87,18 +87,18 @@ class Finger:
         start: ArrayLike | None = None,
         tolerance: float = 1e-4,
     ) -> list[Motion]:
-        """Lead the tip plate's centre along points, one a period, each motion from the one before.
+        """Lead the tip plate's centre along points, one per period; each motion starts from the previous one.
 
-        No tension changes by more than rate times period from one motion to the next; where a point is too far for
-        that, the motion that comes nearest is unreachable, and the next goes on from there. A point that is no number
-        is out_of_domain, and the tensions stay.
+        No tension changes by more than rate times period from one motion to the next. If a point is too far for that,
+        the status is `unreachable`, and the next motion starts where this one ends. If a point is not finite, the
+        status is `out_of_domain`, and the tensions do not change.
 
         Args:
             points: positions, shapes (3,) [m].
             period: from point to point [s].
             distance: see reach.
             tolerance: see reach.
-            start: tensions before the first point [N], at rest if left out; on the tendons of the scene.
+            start: tensions before the first point [N], of the scene's own tendons; the lowest allowed ones by default.
 
         Raises:
             ValueError: a start of the wrong shape, a period not above 0, or a distance where the model has no obstacle.
@@ -118,7 +118,7 @@ class Finger:
                 continue
             goal = goal - self.rest
             wanted = self._sides(goal, distance)
-            # A side is changed only where its tendons are slack: no tendon is let go at once.
+            # Sides change only while their tendons are slack: no tendon is released suddenly.
             pulled = [bool(np.any(present[self._offsets[:, a] != 0] > 0)) for a in (0, 1)]
             sides = (sides[0] if pulled[0] else wanted[0], sides[1] if pulled[1] else wanted[1])
             found.append(self._reach(goal, distance, present, tolerance, sides, change))
@@ -167,12 +167,12 @@ class Finger:
     def locate(self, tensions: ArrayLike, contact_force: ArrayLike, noise: float = 0.0, hint: float = np.nan) -> Motion:
         """Find the plane from tensions and the contact force felt; the motion's `distance` is d*.
 
-        Its `deviation` is that of d* by the sensor's noise, which many readings average out, and by the model's error,
-        which they do not.
+        Its `deviation` is the standard deviation of d*: by the sensor's noise, which averages out over readings, and by
+        the model's error, which does not.
 
         Args:
             tensions: [N], shape (tensions,), or those of m readings, shape (m, tensions).
-            contact_force: felt [N], above 0, or shape (m,).
+            contact_force: the measured one [N], above 0, or those of m readings, shape (m,).
             noise: standard deviation of the force sensor [N].
             hint: where the plane may be [m].
 
@@ -208,15 +208,15 @@ class Finger:
         tolerance: float = 1e-6,
         pad_pressure: float | None = None,
     ) -> Motion:
-        """Press on the plane with a contact force or with a pressure on the pad, changing the tensions little.
+        """Press on the plane with a contact force or with a pressure on the pad, changing the tensions as little as possible.
 
-        Where the pad would press harder than the limits allow, the motion is unreachable, and holds what they allow.
+        If the limits allow no such pressure on the pad, the status is `unreachable`; the largest allowed one is held.
 
         Args:
             contact_force: [N], above 0.
             distance: of the plane [m].
-            start: tensions now [N]; of many answers the nearest to them is taken.
-            tolerance: bounds the force's deviation [N]; a pressure's by what that force makes.
+            start: present tensions [N]; among several solutions, the one nearest to them is taken.
+            tolerance: bounds the deviation from the force [N]; from a pressure, by what this force produces.
             pad_pressure: to hold instead of a contact force [Pa], above 0; residual and error are then in [Pa].
 
         Raises:

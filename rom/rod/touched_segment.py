@@ -1,4 +1,4 @@
-"""A finger that one object touches: what controllers ask, a model of tensions and the object's distance."""
+"""A finger that one object may touch: the model that controllers query, of tensions and the object's distance."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ SHIPPED = Path(__file__).parents[1] / "finger.h5"  # made by `make model`
 @brief
 @dataclass(frozen=True, kw_only=True)
 class TouchedSegment(TouchedRod):
-    """A finger of one segment or several, and a rigid object without friction that touches it anywhere.
+    """A finger of one or more segments, and a frictionless rigid object that may touch it anywhere.
 
     Attributes:
         rod: the finger.
-        obstacle: what touches.
+        obstacle: the object that may touch the finger.
     """
 
     obstacle: RigidObject
@@ -44,7 +44,7 @@ class TouchedSegment(TouchedRod):
             path: the file; None reads the bundled finger.
 
         Raises:
-            ModelError: no file, no finger of elements, a damaged one, or one of another format.
+            ModelError: the file is missing, damaged, of another format, or no finger of rod elements.
 
         Example:
             >>> model = TouchedSegment.load()
@@ -61,17 +61,17 @@ class TouchedSegment(TouchedRod):
 
     @property
     def distance_names(self) -> list[str]:
-        """Of the obstacle's distance."""
+        """Name of the parameter for the obstacle's distance."""
         return ["d"]
 
     @property
     def scene(self) -> dict[str, Any]:
-        """The trained scene."""
+        """The scene that the finger was trained on."""
         return self.rod.scene
 
     @cached_property
     def lead(self) -> int:
-        """The tension that pushes most towards the object, in the middle of the others' range."""
+        """Index of the tension that pushes most towards the object, in the middle of all ranges."""
         lower, upper = self.limits
         middle = np.append((lower + upper)[:-1] / 2, np.inf)
         return int(np.argmax(touches(self.touching, middle[None]).jacobians[0, 4, :-1]))
@@ -82,14 +82,14 @@ class TouchedSegment(TouchedRod):
         return np.array(self.obstacle.numbers()["direction"])
 
     def rubber_gap(self, point: np.ndarray, wrenches: np.ndarray) -> float:
-        """The rubber's least distance from the object under loads, see `Rod.place` [m]; infinite if unknown."""
+        """Smallest distance of the rubber from the object under wrenches, see `Rod.place` [m]; infinite if unknown."""
         given = np.array(point, float), compiled.loads(self.rod.struct, np.asarray(wrenches, float))
         memory = compiled.memory_of(self.rod.struct)
         return float(LIBRARY.functions.fingerfem_rubber_gap(self.touching, *map(compiled.pointer, given), memory))
 
     @property
     def native(self) -> dict[str, Any]:
-        """What compiled controllers ask."""
+        """The data that compiled controllers need."""
         return {"touching": self.touching}
 
     def outputs(self, points: np.ndarray) -> np.ndarray:
@@ -99,7 +99,7 @@ class TouchedSegment(TouchedRod):
     def evaluate(self, parameters: ArrayLike, d: ArrayLike | None = None) -> Answer:
         """Tip, its orientation, contact force, touch distance and tendon shortenings at tensions [N] and d [m].
 
-        As `TouchedRod.evaluate`, without an axis of the objects.
+        Like `TouchedRod.evaluate`, but the arrays have no dimension for the objects.
         """
         found = super().evaluate(parameters, d)
         error = {name: one if name == "tip" else one[..., 0][()] for name, one in found.error.items()}

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from rom.elements.fitting.candidates import STEP, Candidates
 
 LOWEST, HIGHEST = 2.0, 5.0  # weighted degrees that are tried [-]
-BETTER = 0.97  # by which factor more products must make the error smaller [-]
+BETTER = 0.97  # more terms are accepted if the error falls below this factor times the best so far [-]
 
 
 def best_degrees(score: Callable[[dict[str, float]], float], kinds: dict[str, Candidates]) -> dict[str, float]:

@@ -1,7 +1,8 @@
-"""Section states of a finger -> its elements, chosen by the error of the finger that is assembled from them.
+"""Fits a finger's elements to its section states, with the degrees that predict the assembled finger best.
 
-All laws are fitted to the states of all lines. Their degrees are chosen by the contact forces of the assembled finger
-in lines that were left out, as an element's own residual does not show what it does to the finger.
+All element laws, one polynomial map per kind of element, are fitted to the states of all lines (states at the same
+tensions). Their degrees are chosen by cross-validation, by the contact forces of the assembled finger in left-out
+lines: an element's own residual does not show how it affects the finger.
 """
 
 from __future__ import annotations
@@ -31,10 +32,13 @@ from rom.elements.samples.element_samples import element_samples
 from rom.elements.samples.section_states import SectionStates
 from rom.error_statistics import quantiles
 
-FOLDS = 7  # groups of lines that are left out together, at most
+FOLDS = 7  # largest number of groups; the lines of a group are left out together
 FEWEST = 4  # lines
 SHARE = 0.9  # quantile of the predicted states' errors by which degrees are compared [-]
-FORCE, PLACE = 1e-3, 1e-4  # errors that count alike: of a contact force, and of a place over the finger's length [-]
+FORCE, PLACE = (
+    1e-3,
+    1e-4,
+)  # errors of equal weight: relative of a contact force; of a position over the finger's length [-]
 
 
 @brief
@@ -43,8 +47,8 @@ class Training:
     """The regressions of a finger's elements.
 
     Attributes:
-        states: the states.
-        fold: of each, shape (n,).
+        states: section states of a finger.
+        fold: the group that each state is left out with, shape (n,).
         kinds: candidates of every kind of element.
     """
 
@@ -60,7 +64,7 @@ class Training:
         return pieces(lengths, self.states.length)
 
     def left_out(self, degrees: dict[str, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The plate's places, rotations and the tendons' shortenings, every state predicted by the other folds.
+        """The plate's positions and rotations, and the tendons' shortenings, predicted by fits to other folds.
 
         Shapes (n, 3) [m], (n, 3, 3) [-] and (n, t) [m].
         """
@@ -85,7 +89,7 @@ class Training:
         return self._laws[key]
 
     def score(self, degrees: dict[str, float]) -> float:
-        """Error of left-out states, SHARE of them: of contact forces over FORCE, of the free place over PLACE [-]."""
+        """Errors of left-out states, SHARE-quantiles [-]: of contact forces over FORCE plus free positions over PLACE."""
         places, turned, _ = self.left_out(degrees)
         force = float(np.nanquantile(relative_force_errors(self.states, places, turned), SHARE))
         free = self.states.forces == 0
@@ -111,7 +115,7 @@ def prepare(states: SectionStates) -> Training:
 
 
 def fold_of(states: SectionStates) -> tuple[dict[int, int], np.ndarray]:
-    """The group of lines that every line, and every state, shape (n,), is left out with.
+    """The fold, a group of lines left out together, of every line, and of every state, shape (n,).
 
     Raises:
         SnapshotError: too few lines.
@@ -126,12 +130,12 @@ def fold_of(states: SectionStates) -> tuple[dict[int, int], np.ndarray]:
 def train(
     states: SectionStates, provenance: dict[str, Any], progress: Progress = quiet, finer: SectionStates | None = None
 ) -> Elements:
-    """The elements of a finger's states.
+    """Train a finger's elements.
 
     Args:
-        states: the states.
+        states: section states of the finger.
         provenance: of the states.
-        progress: called with the step, how much of it is done, and how much it is.
+        progress: called with the name of the step, the amount done and the total amount.
         finer: states of the same finger on a finer mesh, at the same cross-sections, which correct the elements.
 
     Raises:
@@ -167,7 +171,7 @@ def train(
 
 
 def corrections(training: Training, degrees: dict[str, float], finer: SectionStates) -> Training:
-    """The regressions of what corrects every element, see `rom.elements.fitting.mesh_correction`.
+    """The regressions of the mesh corrections of all elements, see `rom.elements.fitting.mesh_correction`.
 
     Args:
         training: on the coarser mesh.

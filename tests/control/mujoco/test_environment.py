@@ -69,6 +69,7 @@ def played(policy, episodes: int) -> tuple[float, int]:
     return float(np.mean(rewards)), lifted
 
 
+@pytest.mark.long
 def test_controllers_that_feel_lift_and_random_actions_do_not():
     reward, lifted = played(lambda environment, _: controllers(environment, 1.0), 6)
     blind, none = played(random_policy, 6)

@@ -19,7 +19,7 @@ def model():
     return TouchedSegment.load()
 
 
-@pytest.mark.parametrize("number", [11, 12, 13])
+@pytest.mark.parametrize("number", [12, *(pytest.param(one, marks=pytest.mark.long) for one in (11, 13))])
 def test_a_solid_is_lifted_turned_and_put_down(model, number):
     row = attempt(model, trial(number, SHAPES[number % 5]))
     assert row["fate"] == "held"
@@ -76,12 +76,13 @@ def pose_loop(rod: Rod, points: int = 2000) -> dict[str, float]:
     return {"work": work, "exchanged": exchanged, "share": abs(work) / exchanged}
 
 
+@pytest.mark.long
 def test_closed_loops_do_no_work(model):
     assert pose_loop(model.rod)["share"] < 1e-3
     assert tension_loop(model.rod, seconds=10.0)["share"] < 1e-3
 
 
-@pytest.mark.parametrize("friction", [0.3, 0.6])
+@pytest.mark.parametrize("friction", [0.6, pytest.param(0.3, marks=pytest.mark.long)])
 def test_a_plate_slides_at_the_angle_of_friction(model, friction):
     found = physics.sliding(model.rod, friction)
     assert found["sliding_median"] == pytest.approx(found["angle"], rel=0.03)

@@ -78,7 +78,7 @@ def test_a_finger_of_5_mm_and_one_of_half_a_metre_press_alike(model, length):
     assert simulation.contact_forces()[0] / length**2 == pytest.approx(expected, rel=0.005)
 
 
-@pytest.mark.parametrize("count", [1, 8, 24])
+@pytest.mark.parametrize("count", [1, 8, pytest.param(24, marks=pytest.mark.long)])
 def test_the_number_of_fingers_does_not_matter(model, count):
     spec, random = scene(1.0), np.random.default_rng(count)
     both = in_series(model.rod, 2)

@@ -110,6 +110,7 @@ def test_plants_go_on_when_the_user_has_let_time_pass_or_begun_anew(rod):
     assert simulation.time == pytest.approx(0.01)
 
 
+@pytest.mark.long
 def test_half_the_step_changes_a_held_force_little(rod):
     forces = [rested(before_a_wall(rod, step=step, gravity=-9.81), (30.0, 5.0)) for step in (0.001, 0.0005)]
     assert abs(forces[0] / forces[1] - 1) < 0.01
@@ -263,6 +264,7 @@ def test_a_gripper_picks_up_a_box_with_its_controllers_unchanged(rod):
     assert not simulation.left.any() and not simulation.lost.any()
 
 
+@pytest.mark.long
 def test_what_is_too_slippery_for_a_force_is_left_behind(rod):
     spec = mujoco.MjSpec.from_string(TABLE.format(friction=0.05))
     fingers = attach_gripper(spec, rod, "palm")

@@ -56,7 +56,7 @@ def touched(finger, random: np.random.Generator, shape: str) -> tuple[TouchedSeg
 
 def test_corners_that_press_on_a_plane_lie_on_it_and_no_other_is_behind_it(finger):
     random, known = np.random.default_rng(1), 0
-    for _ in range(100):
+    for _ in range(40):
         model, point = touched(finger, random, "plane")
         found = model.answers(point)
         if not found.inside[0]:  # forces beyond what was trained
@@ -75,7 +75,7 @@ def test_corners_that_press_on_a_plane_lie_on_it_and_no_other_is_behind_it(finge
         wanted = [rod.SIDE * found.out[0, 3], *found.wrenches[0, 3:]]
         pushing, left = nnls(np.vstack([np.full(8, rod.SIDE), arms]), np.array(wanted))
         assert left < 1e-6 * found.out[0, 3] and (pushing >= 0).all()
-    assert known > 70
+    assert known > 28
 
 
 def separation(one: np.ndarray, other: np.ndarray) -> float:
@@ -297,7 +297,7 @@ def test_an_object_in_the_clamp_is_noticed(finger):
 
 def test_a_finger_that_ends_at_a_kink_has_converged_if_it_holds_the_force(finger):
     """A ball rolls from the plate's face over its edge: the force has a kink there, and steps along it end."""
-    for height in np.linspace(0.0495, 0.055, 6):
+    for height in np.linspace(0.0495, 0.055, 3):
         ball = Sphere(centre=(height, 0.021, 0.0), radius=0.012, direction=(0, 1, 0), distances=(-0.01, 0.02))
         model = TouchedSegment(rod=finger, obstacle=ball)
         held = Finger(model).hold(0.5, 0.0)
