@@ -208,7 +208,7 @@ class Finger:
         tolerance: float = 1e-6,
         pad_pressure: float | None = None,
     ) -> Motion:
-        """Press on the plane with a contact force or with a pressure on the pad, changing the tensions as little as possible.
+        """Press on the plane with a contact force, or with a pressure on the pad, by tensions near the present ones.
 
         If the limits allow no such pressure on the pad, the status is `unreachable`; the largest allowed one is held.
 

@@ -64,7 +64,7 @@ class Training:
         return pieces(lengths, self.states.length)
 
     def left_out(self, degrees: dict[str, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The plate's positions and rotations, and the tendons' shortenings, predicted by fits to other folds.
+        """The plate's positions, rotations and the tendons' shortenings, predicted by fits to other folds.
 
         Shapes (n, 3) [m], (n, 3, 3) [-] and (n, t) [m].
         """
@@ -89,7 +89,7 @@ class Training:
         return self._laws[key]
 
     def score(self, degrees: dict[str, float]) -> float:
-        """Errors of left-out states, SHARE-quantiles [-]: of contact forces over FORCE plus free positions over PLACE."""
+        """SHARE-quantiles of left-out errors [-]: of contact forces over FORCE plus free positions over PLACE."""
         places, turned, _ = self.left_out(degrees)
         force = float(np.nanquantile(relative_force_errors(self.states, places, turned), SHARE))
         free = self.states.forces == 0
