@@ -246,6 +246,7 @@ def test_a_plate_led_around_a_closed_loop_gets_no_work_from_its_rubber(rod):
     assert abs(work) < 1e-3 * exchanged
 
 
+@pytest.mark.long
 def test_a_gripper_picks_up_a_box_with_its_controllers_unchanged(rod):
     spec = mujoco.MjSpec.from_string(TABLE.format(friction=0.6))
     fingers = attach_gripper(spec, rod, "palm")

@@ -41,7 +41,9 @@ def test_without_friction_it_is_the_answer_without_a_history(finger, shape):
     assert known > 4
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(
+    "shape", [one if one != "hull" else pytest.param(one, marks=pytest.mark.long) for one in SHAPES]
+)
 def test_forces_are_in_the_cone_and_slide_on_it(finger, shape):
     """Along random ways of the object and changes of the tensions."""
     random, slid, known = np.random.default_rng(5), 0, 0
@@ -142,6 +144,7 @@ def test_plates_of_two_segments_stick_and_slide(finger):
     assert [one.status for one in rough] == ["converged"] * 2 and rough[1].force[0] > rough[0].force[0]
 
 
+@pytest.mark.long
 def test_what_is_not_known_is_marked(plane, finger):
     far = friction_history(plane, [[*TENSIONS, 0.049]], 0.5)[0]
     assert far.status == "converged" and far.contacts == [] and far.contact_force == 0.0
@@ -170,6 +173,7 @@ def test_a_ball_does_not_pass_a_plate_by_between_two_increments(finger):
     assert np.linalg.norm(forces[1]) > 0.05 and forces[0] == pytest.approx(forces[1], rel=1e-4)
 
 
+@pytest.mark.long
 def test_what_is_lost_on_the_way_is_not_known_again(plane):
     deep = touch(plane) - 6e-3
     rows = [[*TENSIONS, 0.02], [*TENSIONS, deep], [*TENSIONS, 0.02]]
