@@ -59,8 +59,8 @@ class Finger:
     ) -> Motion:
         """Bring the tip plate's centre to a point without touching the plane.
 
-        A point on the side of the finger without tendons is reached by the mirror images of the tendons, if the plane
-        does not break that symmetry. `sides` gives the sides on which tendons are pulled.
+        If a point lies on the side that has no tendons, the tensions are those of mirror-image tendons there, provided
+        that the plane does not break the symmetry. The motion's `sides` are those on which tendons are pulled.
 
         Args:
             point: position, shape (3,) [m], in the finger's axes (clamp at the origin, finger along x).
@@ -126,7 +126,7 @@ class Finger:
         return found
 
     def _refused(self, point: np.ndarray, distance: float) -> str:
-        """Why a point before a plane is refused; empty if it is not."""
+        """The reason why a point in front of a plane is refused; empty if it is accepted."""
         if np.isfinite(distance):
             self._needs_obstacle()
         return no_point(point) or ("" if distance == np.inf else self._beyond(distance))
@@ -137,7 +137,7 @@ class Finger:
         return beyond("distance", distance, lower, upper, "m")
 
     def _sides(self, goal: np.ndarray, distance: float) -> tuple[int, int]:
-        """Sides of the finger on which a goal lies, as far as the tendons there are mirror images of the scene's."""
+        """For y and z: -1 if the goal lies opposite the tendons and their mirror images may reach it, else 1."""
         return (
             -1 if goal[1] < 0 and not np.isfinite(distance) and self._mirrors(0) else 1,
             -1 if goal[2] < 0 and self._mirrors(1) else 1,
@@ -165,10 +165,10 @@ class Finger:
         return self._motion(found.status, tensions, found, asked, **details)
 
     def locate(self, tensions: ArrayLike, contact_force: ArrayLike, noise: float = 0.0, hint: float = np.nan) -> Motion:
-        """Find the plane from tensions and the contact force felt; the motion's `distance` is d*.
+        """Find the plane from tensions and the measured contact force; the motion's `distance` is its distance d*.
 
-        Its `deviation` is the standard deviation of d*: by the sensor's noise, which averages out over readings, and by
-        the model's error, which does not.
+        Its `deviation` is the standard deviation of d*. It is due to the sensor's noise, which averages out over
+        readings, and to the model's error, which does not.
 
         Args:
             tensions: [N], shape (tensions,), or those of m readings, shape (m, tensions).
@@ -208,7 +208,7 @@ class Finger:
         tolerance: float = 1e-6,
         pad_pressure: float | None = None,
     ) -> Motion:
-        """Press on the plane with a contact force, or with a pressure on the pad, by tensions near the present ones.
+        """Press on the plane with a contact force or pad pressure, with tensions close to the present ones.
 
         If the limits allow no such pressure on the pad, the status is `unreachable`; the largest allowed one is held.
 
@@ -216,7 +216,7 @@ class Finger:
             contact_force: [N], above 0.
             distance: of the plane [m].
             start: present tensions [N]; among several solutions, the one nearest to them is taken.
-            tolerance: bounds the deviation from the force [N]; from a pressure, by what this force produces.
+            tolerance: largest deviation from the force [N]; that from a pressure is what such a force produces.
             pad_pressure: to hold instead of a contact force [Pa], above 0; residual and error are then in [Pa].
 
         Raises:
@@ -254,7 +254,7 @@ class Finger:
     def _press(
         self, model: Any, aim: float, target: float, distance: float, start: np.ndarray, tolerance: float
     ) -> Motion:
-        """Hold what a model presses with, as far as it may: its aim, which is not beyond the target."""
+        """Hold a force or a pad pressure at `aim`: the target, or the largest allowed value if that is smaller."""
         tensions, found = problems.hold(model, start, float(aim) / model.unit, float(distance), rules(tolerance))
         status = found.status
         found.residual *= model.unit
@@ -286,7 +286,7 @@ class Finger:
         return found
 
     def _motion(self, status: int, tensions: np.ndarray, found: Any, asked: str, **details: Any) -> Motion:
-        """A motion by an outcome; what was `asked` for is named if it is not met."""
+        """The motion of a solver's outcome; its reason quotes what was `asked` for, if that is not met."""
         return answered(status, tensions, found, asked, (self.lower, self.upper), **details)
 
     def _out_of_domain(

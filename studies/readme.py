@@ -42,12 +42,12 @@ def summary(numbers: dict) -> str:
     """README's block: one table, and the speed beside the paper's."""
     sweep, found = numbers["campaign"], numbers["errors"]
     return f"""
-The demo's finger against {found["states"]} held-out full-order states of the fine mesh, contact forces above 0.1 N; marked and not counted: {found["marked"]}.
-Touch is decided correctly in {found["touch"]["count"] - found["touch"]["wrong"]} of them.
+The demo's finger is compared with {found["states"]} held-out full-order states on the fine mesh; contact forces count above 0.1 N. Answers left out, as `inside` is false: {found["marked"]}.
+Touch is decided correctly in {found["touch"]["count"] - found["touch"]["wrong"]} states.
 
 {table(report.ERROR_HEADER, [row for row in report.error_rows(numbers) if row[0] != "touch distance"])}
 
-A hold of the authors' {sweep["starts"]:,} takes {sweep["mean_us"]:.0f} µs on average and {sweep["p99_us"]:.0f} µs at the 99th percentile. The paper reports
+In the paper's sweep of {sweep["starts"]:,} holds, one takes {sweep["mean_us"]:.0f} µs on average and {sweep["p99_us"]:.0f} µs at the 99th percentile. The paper reports
 7,160 µs on average and 31,000 µs at most, on another machine.
 """
 
