@@ -1,6 +1,6 @@
 """The studies: the page of each, and the module that measures each part.
 
-Each module has a function `measure(run: runner.Run)`, which returns what JSON can hold.
+Each module has a function `measure(run: parts.Run)`, which returns what JSON can hold.
 """
 
 from __future__ import annotations

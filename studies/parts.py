@@ -127,7 +127,7 @@ def version() -> str:
 
 
 def measure(name: str, out: Path) -> None:
-    """Measure one part in this process, and write its file; kept if it is there."""
+    """Measure one part in this process and write its file, unless it is there."""
     if read(name, out):
         return print(f"{name}: kept", flush=True)
     run = place(name, out)
@@ -157,7 +157,7 @@ def place(name: str, out: Path) -> Run:
 
 
 def read(name: str, out: Path) -> dict | None:
-    """What a part has written, None if it has not or if its study has changed since."""
+    """The file of a part; None if it is missing, or if the study has changed since."""
     file = place(name, out).file
     found = json.loads(file.read_text()) if file.exists() else None
     return found if found and found["hash"] == measuring_hash(name) else None
@@ -176,7 +176,7 @@ def function_of(name: str) -> Callable[[Run], Any]:
 
 
 def complete(study: str, out: Path) -> None:
-    """Measure whatever of a study is not there, each part in a process of its own, but for parts of another Python."""
+    """Measure the missing parts of a study, each in a process of its own; those of another Python are left out."""
     for name in parts(study):
         if name.split("/")[1] in STUDIES[study].elsewhere:
             continue
@@ -188,12 +188,13 @@ def complete(study: str, out: Path) -> None:
 
 
 def results(study: str, out: Path) -> tuple[dict[str, Any], dict[str, dict]]:
-    """What the parts of a study found, and where from, by part."""
+    """Results of the parts of a study, and their commits, dates and times, by part."""
     found, origin = {}, {}
     for name in parts(study):
         one = read(name, out)
         if one is None:
-            raise Unmeasured(f"docs/{STUDIES[study].page}.md not written: {name} must be measured first, see make docs")
+            reason = f"{name} must be measured first, with sources that do not change meanwhile: see make docs"
+            raise Unmeasured(f"docs/{STUDIES[study].page}.md not written: {reason}")
         part = name.split("/")[1]
         found[part], origin[part] = one.pop("result"), one
     return found, origin

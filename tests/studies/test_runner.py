@@ -123,6 +123,15 @@ def test_a_part_is_measured_by_its_module_and_what_that_imports_of_its_study():
     }
 
 
+def test_every_declared_part_has_its_function_and_its_template():
+    for study, declared in STUDIES.items():
+        assert (parts.ROOT / "studies" / study / "page.md.j2").exists() and set(declared.elsewhere) <= set(
+            declared.parts
+        )
+        for part in set(declared.parts) - set(declared.elsewhere):  # the others need MuJoCo or PyElastica
+            assert callable(parts.function_of(f"{study}/{part}"))
+
+
 def test_an_import_that_moves_leaves_a_page_fresh_and_any_other_line_does_not(study):
     code = study / "own.py"
     code.write_text("from rom.one import (\n    a,\n)\n\nLENGTH = 1.0\n")
