@@ -7,7 +7,6 @@
 #define MARCHES 60    /* Newton steps towards the touch distance */
 #define TOUCHED 1e-12 /* gap that counts as closed [m] */
 #define NEAR 1e-4     /* gap below which a contact is found again where its plate is bent, by some um [m] */
-#define SLICE_BULGE 0.04 /* of half the side: more than any bent face deviates from a plane [-] */
 #define SLICE_NEAR 0.04 /* of half the side: gap below which slices take part, as they may touch in the next step [-] */
 
 /* Displacement, (3), of the point of contact k from a box, by the displacements of the plate's corners, (8, 3). */
@@ -82,13 +81,12 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
         if (!segment->knots || !slices_near(problem->map, &at->chain, q, object, d, close, near)) continue;
         /* corners of the knots of near elements, and the heights of their highest ridges [m] */
         const double *points = slices_corners(problem->map, &at->chain, q, free, near);
-        const double bulge = SLICE_BULGE * rubber_half(chain);
         double highest[FINGERFEM_MOST_ELEMENTS];
         for (int e = 0; e < segment->elements; e++) highest[e] = near[e] == 1 ? slices_highest(problem->map->rods + q, e) : 0.0;
         /* contacts of all slices but those whose lower bound of the gap is too large */
         for (int n = 0; n < segment->places - 1; n++) {
             const int e = segment->place_elements[n];
-            if (near[e] != 1 || slices_least_gap(segment, points, n, object, d) > close + highest[e] + bulge) continue;
+            if (near[e] != 1 || slices_least_gap(segment, points, n, object, d) > close + highest[e]) continue;
             slices_make(problem->map, &at->chain, q, points, n, &slice);
             slice.dome = dome;
             slices_find(segment, &slice, object, d, close, &at->contacts);
