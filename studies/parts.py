@@ -169,10 +169,17 @@ def parts(study: str) -> list[str]:
 
 
 def function_of(name: str) -> Callable[[Run], Any]:
-    """The function that measures NAME/PART."""
+    """The function that measures NAME/PART.
+
+    Raises:
+        SystemExit: this Python has not what it needs.
+    """
     study, _, part = name.partition("/")
     module, _, function = STUDIES[study].parts[part].partition(":")
-    return getattr(importlib.import_module(f"studies.{study}.{module}"), function or "measure")
+    try:
+        return getattr(importlib.import_module(f"studies.{study}.{module}"), function or "measure")
+    except ModuleNotFoundError as missing:
+        raise SystemExit(f"{name} needs {missing.name}, which this Python does not have: see the Makefile") from None
 
 
 def complete(study: str, out: Path) -> None:

@@ -13,7 +13,7 @@ import argparse
 from pathlib import Path
 
 from studies.declared import STUDIES
-from studies.parts import ROOT, Unmeasured, complete, measure
+from studies.parts import ROOT, Unmeasured, complete, measure, parts
 from studies.sections import write_page
 
 OUT = ROOT / "out" / "docs"
@@ -24,7 +24,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("studies", nargs="*", choices=[*STUDIES, []], help="all by default")
     parser.add_argument("--out", type=Path, default=OUT)
-    parser.add_argument("--part", action="append", metavar="NAME/PART", help="measure this one alone, in this process")
+    every = [name for study in STUDIES for name in parts(study)]
+    one = "measure this one alone, in this process"
+    parser.add_argument("--part", action="append", metavar="NAME/PART", choices=every, help=one)
     options = parser.parse_args()
     out = options.out.resolve()
     for name in options.part or ():
