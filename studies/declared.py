@@ -29,9 +29,8 @@ def _same(*names: str) -> dict[str, str]:
 
 # In this order: later studies use the snapshot sets of earlier ones.
 STUDIES = {
-    "solver": Study("appendix", _same("speed", "choices")),
     "training": Study("appendix", _same("farm")),
-    "control": Study("speed", _same("campaigns", "loop", "grasps", "verification")),
+    "control": Study("speed", _same("campaigns", "loop", "grasps")),
     "tradeoff": Study("speed", _same("fingers")),
     "separated": Study(
         "accuracy",
@@ -49,13 +48,13 @@ STUDIES = {
     "tapered": Study("accuracy", _same("tapered")),
     "grasping": Study(
         "grasping",
-        _same("grasps", "physics", "pictures"),
-        elsewhere=("grasps", "physics", "pictures"),
+        _same("grasps", "pictures"),
+        elsewhere=("grasps", "pictures"),
     ),
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes")),
     "required": Study("appendix", _same("required")),
-    "figures": Study("appendix", _same("figures", "held", "errors")),
+    "figures": Study("appendix", _same("figures", "held")),
     "peers": Study(
         "peers",
         _same("reference", "ours", "speed") | {"finite_elements": "felupe.comparison", "rods": "rods.comparison"},

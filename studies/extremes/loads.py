@@ -10,7 +10,6 @@ import numpy as np
 from fingerfem.equilibrium.failures import LoadNotReached
 from studies.extremes.fingers import PART, SAME, apart, changed, draft, model, solved
 from studies.extremes.verdicts import Refused, Row, judged
-from studies.solver.speed import contact_force
 
 
 def rows() -> Iterator[Row]:
@@ -125,6 +124,7 @@ def paths(count: int) -> Iterator[Row]:
                 continuation.advance([60.0, 40.0], 0.006)
             except LoadNotReached as failure:
                 raise Refused(str(failure)) from None
-            return max(apart(finger.problem.tip(), direct.tip), abs(contact_force(finger) / pressed - 1))
+            pressing = finger.problem.scalar(finger.problem.forms.contact[0].force)
+            return max(apart(finger.problem.tip(), direct.tip), abs(pressing / pressed - 1))
 
         yield judged(PART, "path to a load", f"random, number {k + 1}", "the direct path", SAME, detour)

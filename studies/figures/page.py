@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
-from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
 
 from fingerfem import load_scene
 from fingerfem.output.sketch import write_sketch
@@ -20,7 +18,6 @@ SKETCHED = "one_segment"  # scene
 MM = 1e3  # millimetres per metre
 COLOURS = ("#1565c0", "#2e7d32", "#e07000")  # of forces
 FONT, DOTS_PER_INCH = 13, 110
-ENDS = 1e-4, 1e-1  # of the errors' colours [N]
 
 
 def prepare(found: dict, folder: Path) -> dict:
@@ -30,8 +27,7 @@ def prepare(found: dict, folder: Path) -> dict:
     write_sketch(load_scene(ROOT / "scenes" / f"{SKETCHED}.toml"), DOCS / "sketch.png")
     with plt.rc_context({"font.size": FONT}):
         draw_held(found["held"], DOCS / "held.png")
-        draw_errors(found["errors"], DOCS / "errors.png")
-    return {"sketched": SKETCHED, "held_words": held_words(found["held"]), "error_words": error_words(found["errors"])}
+    return {"sketched": SKETCHED, "held_words": held_words(found["held"])}
 
 
 def held_words(held: dict) -> dict:
@@ -45,17 +41,6 @@ def held_words(held: dict) -> dict:
         "forces": [f"{force:g}" for force in sorted({row["force"] for row in held["rows"]})],
         "rows": len(statuses),
         "counts": {status: statuses.count(status) for status in ("converged", "unreachable", "out_of_domain")},
-    }
-
-
-def error_words(errors: dict) -> dict:
-    """Of true errors: how many states, how many within the estimate, the largest where an answer is inside."""
-    inside = [one for one in errors["checked"] if one["inside"]]
-    return {
-        "checked": len(errors["checked"]),
-        "inside": len(inside),
-        "covered": sum(one["error"] <= one["estimate"] for one in inside),
-        "largest": max(one["error"] for one in inside),
     }
 
 
@@ -112,50 +97,3 @@ def _explain_held(above: Axes, below: Axes) -> None:
         below.plot([], [], "o", color="0.6", mec="black", label="full-order model")[0],
     ]
     below.legend(handles=marks, loc="upper left", frameon=False)
-
-
-def draw_errors(errors: dict, picture: Path) -> None:
-    """The estimate over F1 and d, hatched where it is no promise; true errors as discs on the same scale."""
-    tensions, distances = np.array(errors["tensions"]), MM * np.array(errors["distances"])
-    estimate = np.array(errors["estimate"], float)
-    unpromised = ~np.array(errors["inside"]) & np.isfinite(estimate)
-    figure, axes = plt.subplots(figsize=(9, 6.6), layout="constrained")
-    scale = LogNorm(*ENDS)
-    mesh = axes.pcolormesh(tensions, distances, estimate, norm=scale, cmap="viridis", shading="nearest")
-    axes.contourf(tensions, distances, unpromised, levels=[0.5, 1.5], colors="none", hatches=["xx"])
-    axes.plot(tensions, MM * np.array(errors["touch"]), color="#d50000", lw=2.5)
-    for inside, marker in ((True, "o"), (False, "s")):
-        chosen = [one for one in errors["checked"] if one["inside"] == inside]
-        points = np.array([one["point"] for one in chosen]).reshape(-1, 3)
-        values = [max(one["error"], ENDS[0]) for one in chosen]
-        axes.scatter(
-            points[:, 0],
-            MM * points[:, 2],
-            c=values,
-            norm=scale,
-            cmap="viridis",
-            marker=marker,
-            s=110,
-            ec="white",
-            lw=1.5,
-            clip_on=False,
-            zorder=3,
-        )
-    axes.text(30, 24, "no contact", ha="center", fontsize=FONT)
-    axes.set(
-        xlabel="tension F1 [N], F2 = 0", ylabel="distance d of the plane [mm]", ylim=distances[[0, -1]], xlim=(0, 101)
-    )
-    figure.colorbar(mesh, ax=axes, label="error of the contact force [N]", extend="min")
-    _explain_errors(axes)
-    figure.savefig(picture, dpi=DOTS_PER_INCH)
-    plt.close(figure)
-
-
-def _explain_errors(axes: Axes) -> None:
-    """A legend below the axes."""
-    handles: list[Any] = [
-        axes.plot([], [], color="#d50000", lw=2.5, label="touch")[0],
-        axes.fill_between([], [], [], fc="none", ec="0.2", hatch="xx", label="not inside"),
-        axes.plot([], [], "o", ms=10, color="#31688e", mec="white", label="true error")[0],
-    ]
-    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False)

@@ -6,7 +6,6 @@ import shutil
 from collections import Counter
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from studies.sections import DOCS
@@ -28,7 +27,6 @@ def prepare(found: dict, folder: Path) -> dict:
     """Draw, and count by shape and by reason."""
     for part in found["pictures"].values():
         shutil.copy(folder / part["file"], DOCS / part["file"])
-    histories(found["physics"]["coulomb"])
     rows = found["grasps"]["rows"]
     accepted = [row for row in rows if row["fate"] != "refused"]
     lifted = [row for row in rows if row["fate"] in ("held", "dropped") or "slips" in row]
@@ -66,17 +64,3 @@ def reasons(rows: list[dict]) -> list[tuple[str, int]]:
     """Why solids were let go, most frequent first."""
     words = [next(text for key, text in REASONS.items() if key in row["reason"]) for row in rows]
     return Counter(words).most_common()
-
-
-def histories(rows: list[dict]) -> None:
-    """Contact force along histories of tensions, by three ways to follow Coulomb's law."""
-    figure, every = plt.subplots(1, len(rows), figsize=(10, 3.2), layout="constrained")
-    for axes, row in zip(every, rows, strict=True):
-        axes.plot(row["tension"], row["mujoco"], color="tab:orange", lw=1, label="MuJoCo's contacts alone")
-        axes.plot(row["tension"], row["corrected"], color="tab:blue", lw=2, label="corrected")
-        axes.plot(row["tension"], row["history"], "k--", lw=1, label="quasi-static history")
-        axes.set(title=f"friction {row['friction']:g}", xlabel="lead tension [N]", ylim=(0, 2.2 * max(row["history"])))
-    every[0].set_ylabel("contact force [N]")
-    every[0].legend(frameon=False, fontsize=8)
-    figure.savefig(DOCS / "grasping_friction.png", dpi=110)
-    plt.close(figure)

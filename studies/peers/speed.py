@@ -28,11 +28,10 @@ from fingerfem.mechanics import contact, strain_energy, tendons
 from fingerfem.scene.laws import plate_law
 from studies.kinds import SCENES
 from studies.parts import Run
-from studies.solver.speed import contact_force, line_distances
 
 PULL, LINE = "100 N", "contact line"
 TASKS = {PULL: [100.0, 0.0], LINE: [50.0, 20.0]}  # tensions [N]
-STATES = 5  # of a contact line, the first
+STATES, COUNTED = 9, 5  # of a contact line, and the first of them, which are solved
 SMALL = 1e-2  # tension [N] of the first solve, which is not counted
 MOST_STEPS = 64  # from one load to another
 LEAST = 3  # factorisations of a step: one that approaches the solution, two that reach round-off
@@ -144,8 +143,15 @@ class User:
 
 
 def distances_of(model: FingerModel) -> list[float]:
-    """Distances of the contact line [m]; the finger is pulled by its tensions already."""
-    return line_distances(model.problem.reach(), model.scene.parameters[-1]["lower"])[:STATES].tolist()
+    """Distances of the contact line [m], dense where contact begins; the tensions are those of the line already."""
+    reach, nearest = model.problem.reach(), model.scene.parameters[-1]["lower"]
+    fractions = 1 - np.cos(np.pi / 2 * np.arange(1, STATES + 1) / STATES)
+    return (reach - fractions[:COUNTED] * (reach - nearest)).tolist()
+
+
+def contact_force(model: FingerModel) -> float:
+    """Contact force [N] of the model's present state."""
+    return model.problem.scalar(model.problem.forms.contact[0].force)
 
 
 def ours(model: FingerModel, task: str) -> dict[str, Any]:

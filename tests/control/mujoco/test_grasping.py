@@ -9,9 +9,8 @@ mujoco = pytest.importorskip("mujoco")
 from control.mujoco.solids import SHAPES  # noqa: E402
 from rom import Rod, TouchedSegment  # noqa: E402
 from rom.rod.inverse_map import InverseMap  # noqa: E402
-from studies.grasping import physics  # noqa: E402
-from studies.grasping.physics import SOFT, STEP, before_a_wall  # noqa: E402
-from studies.grasping.task import attempt, trial  # noqa: E402
+from studies.grasping.task import STEP, attempt, trial  # noqa: E402
+from tests.control.mujoco.dragged_wall import DRAG, SOFT, before_a_wall, sliding  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +83,7 @@ def test_closed_loops_do_no_work(model):
 
 @pytest.mark.parametrize("friction", [0.6, pytest.param(0.3, marks=pytest.mark.long)])
 def test_a_plate_slides_at_the_angle_of_friction(model, friction):
-    found = physics.sliding(model.rod, friction)
+    found = sliding(model.rod, friction)
     assert found["sliding_median"] == pytest.approx(found["angle"], rel=0.03)
     assert found["largest"] <= found["angle"] * (1 + 1e-6)
-    assert found["creep"] < 0.25 * physics.DRAG
+    assert found["creep"] < 0.25 * DRAG

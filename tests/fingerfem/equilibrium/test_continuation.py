@@ -9,7 +9,7 @@ from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.equilibrium.newton import Newton, NewtonOptions
 from fingerfem.scene.laws import neo_hookean_from
 from fingerfem.scene.scene import Scene
-from studies.solver import speed as solver_study
+from studies.peers import speed as solver_study
 
 LOADS = [([50.0, 0.0], 0.005), ([60.0, 40.0], 0.010), ([100.0, 30.0], 0.020)]
 
@@ -227,13 +227,13 @@ def test_the_whole_range_of_tensions_is_reached_in_few_iterations(draft):
 
 
 def test_a_contact_line_takes_at_most_five_factorisations_a_state(draft):
-    line = solver_study.contact_line(draft, [70.0, 40.0])
-    assert len(line["contact_forces"]) == solver_study.STATES and np.all(np.diff(line["contact_forces"]) > 0)
-    assert line["factorisations"] <= 5 * solver_study.STATES
+    line = solver_study.ours(draft, solver_study.LINE)
+    assert len(line["end"]) == solver_study.COUNTED and np.all(np.diff(line["end"]) > 0)
+    assert line["factorisations"] <= 5 * (1 + solver_study.COUNTED)
 
 
 def test_rest_to_the_strongest_pull_takes_at_most_22_factorisations(draft):
-    assert solver_study.from_rest(draft)["factorisations"] <= 22
+    assert solver_study.ours(draft, solver_study.PULL)["factorisations"] <= 22
 
 
 @pytest.mark.long

@@ -1,4 +1,4 @@
-"""Coulomb's law and the friction angle in the simulation."""
+"""A finger before a wall on springs, and one under which the wall is dragged along."""
 
 from __future__ import annotations
 
@@ -8,16 +8,10 @@ import mujoco
 import numpy as np
 
 from control.mujoco import Simulation, attach
-from rom import Rod, TouchedSegment, friction_history
+from rom import Rod
 from studies.grasping.task import STEP
-from studies.parts import Run
 
 DISTANCE = 0.013  # d of the wall [m]
-PULLED = np.concatenate(
-    [np.linspace(24, 34, 41), np.linspace(34, 30, 17)[1:], np.linspace(30, 36, 25)[1:], np.linspace(36, 33, 13)[1:]]
-)  # lead tension of a history that turns round three times [N]
-SLOWLY = 20.0  # [N/s]
-FRICTION = (0.3, 0.6, 1.0)
 LOADED = 0.1  # [N], with which contacts are looked at
 DRAWN, DRAG = 0.004, 0.002  # how far the wall is drawn along [m], and how fast [m/s]
 WALL = """
@@ -39,9 +33,7 @@ RINGS = 100.0  # rad/s, at which the wall would ring: slow for a step
 DAMPED = {STIFF: 1.0, SOFT: 0.02}  # of critical damping [-]: what it takes is lost to a loop's work
 
 
-def before_a_wall(
-    rod: Rod, friction: float, stiffness: float = STIFF, dragged: bool = False, coulomb: bool = True
-) -> Simulation:
+def before_a_wall(rod: Rod, friction: float, stiffness: float = STIFF, dragged: bool = False) -> Simulation:
     """A finger before a wall on springs along y and z [N/m], or drawn along z instead."""
     mass = stiffness / RINGS**2
     text = WALL.format(
@@ -56,26 +48,7 @@ def before_a_wall(
     )
     spec = mujoco.MjSpec.from_string(text)
     finger = attach(spec, rod, "palm")
-    return Simulation(spec.compile(), [finger], coulomb=coulomb)
-
-
-def coulomb(model: TouchedSegment, friction: float) -> dict[str, Any]:
-    """Contact force along a history of tensions: MuJoCo's law and the corrected one beside the quasi-static one."""
-    points = [[tension, 0.0, DISTANCE] for tension in PULLED]
-    expected = np.array([one.contact_force for one in friction_history(model, points, friction, increments=2)])
-    row: dict[str, Any] = {"friction": friction, "tension": PULLED.tolist(), "history": expected.tolist()}
-    for name, follows in (("corrected", True), ("mujoco", False)):
-        simulation, found = before_a_wall(model.rod, friction, coulomb=follows), []
-        simulation.pull(0, (PULLED[0], 0.0))
-        simulation.advance(1.0)
-        simulation.rate = SLOWLY
-        for tension in PULLED:
-            simulation.pull(0, (tension, 0.0))
-            simulation.advance(simulation.time + 0.25 / SLOWLY)
-            found.append(float(simulation.contact_forces()[0]))
-        off = np.abs(np.array(found) - expected) / expected.max()
-        row |= {name: found, f"{name}_mean": float(off.mean()), f"{name}_max": float(off.max())}
-    return row
+    return Simulation(spec.compile(), [finger])
 
 
 def sliding(rod: Rod, friction: float) -> dict[str, Any]:
@@ -109,13 +82,4 @@ def sliding(rod: Rod, friction: float) -> dict[str, Any]:
         "largest": float(known.max()),
         "creep": float(np.median(fast[known < 0.95 * limit])),
         "creep_most": float(fast[known < 0.95 * limit].max()),
-    }
-
-
-def measure(run: Run) -> dict:
-    """Both, for every coefficient of friction."""
-    model = TouchedSegment.load()
-    return {
-        "coulomb": [run.once(f"coulomb {friction}", coulomb, model, friction) for friction in FRICTION],
-        "sliding": [run.once(f"sliding {friction}", sliding, model.rod, friction) for friction in FRICTION],
     }

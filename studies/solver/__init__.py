@@ -1,1 +1,0 @@
-"""The full-order solver: docs/appendix.md."""
