@@ -14,7 +14,7 @@ COMMIT = $$(git rev-parse --short HEAD)$$(git diff --quiet HEAD -- fingerfem/*.p
 MEASURED = docker/run env FINGERFEM_COMMIT="$(COMMIT)"
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test test-long clean model page wheel readme docs peers site bench
+.PHONY: demo test test-long clean model page wheel readme docs gallery peers site bench
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -86,7 +86,11 @@ docs: readme .venv/ready
 	OPENBLAS_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" .venv/bin/python -m studies.runner \
 		--part grasping/grasps --part grasping/pictures
 	$(MEASURED) python3 -m studies.runner
-	$(MAKE) peers
+	$(MAKE) gallery peers
+
+# The pictures of examples/ in docs/index.md.
+gallery:
+	for name in one_finger gripper lengths; do docker/run python3 examples/$$name.py docs/example_$$name.png || exit 1; done
 
 # docs/peers.md alone: PyElastica by a Python that has it, then the rest.
 peers: out/peers/elastica/ready out/peers/felupe/ready

@@ -1,7 +1,9 @@
 """A gripper: forces that neither drop nor crush an egg, a grasp with flawed sensors, and faults in the loop.
 
-python3 examples/gripper.py
+python3 examples/gripper.py [PICTURE.png]
 """
+
+import sys
 
 import numpy as np
 
@@ -35,3 +37,15 @@ report = run(gripper.grips(1.0, options), broken, periods=900)
 print(f"loop: {report.status}; events {report.events[-1]}")
 assert report.status == ["converged", "sensor_failed", "converged"]  # the finger without sensor keeps its tensions
 assert 608 < report.events[-1][0] < 650 and report.events[-1][2] == "blind"
+
+if sys.argv[1:]:
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(5, 4), layout="constrained")
+    for finger in range(len(plants)):
+        pulls = [pull for pull in grasp.history if pull.finger == finger]
+        axes.plot([pull.time for pull in pulls], [pull.contact_force for pull in pulls], label=f"finger {finger + 1}")
+    axes.axhline(targets.contact_forces[0], color="0.5", ls="--", label="target")
+    axes.set(xlabel="control period", ylabel="contact force [N]")
+    axes.legend()
+    figure.savefig(sys.argv[1], dpi=120)

@@ -1,7 +1,9 @@
 """One finger: reach a point, follow a path, feel a plane, hold a force.
 
-python3 examples/one_finger.py
+python3 examples/one_finger.py [PICTURE.png]
 """
+
+import sys
 
 import numpy as np
 
@@ -43,3 +45,21 @@ print(f"hold: {held.status}, tensions {held.tensions.round(2)} N, estimated erro
 assert held.converged and 0 < held.error < 0.5
 for force, distance in ((50.0, 0.012), (1.0, 0.2)):
     print(f"hold {force:g} N at {1000 * distance:g} mm: {finger.hold(force, distance).status}")
+
+if sys.argv[1:]:
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(5, 3.5), layout="constrained")
+    along = np.linspace(0.0, sum(model.scene["geometry"]["segments"]), 60)
+    for tensions, label in (
+        ([0.0, 0.0], "at rest"),
+        (motions[-1].tensions, "end of the path"),
+        (held.tensions, "holds 1 N"),
+    ):
+        plane = found.distance if label == "holds 1 N" else np.inf
+        axes.plot(*1000 * model.sections([*tensions, plane], along).centres[:, :2].T, lw=8, alpha=0.7, label=label)
+    axes.plot(*1000 * np.array(path)[:, :2].T, "k-", lw=2, label="path")
+    axes.axhline(1000 * (0.005 + found.distance), color="0.5", label="plane")
+    axes.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
+    figure.legend(loc="outside upper center", ncols=3)
+    figure.savefig(sys.argv[1], dpi=120)
