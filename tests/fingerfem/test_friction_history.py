@@ -56,6 +56,7 @@ def test_the_plane_does_the_work_that_friction_dissipates(draft):
     assert dissipated > 1e-4 and work == pytest.approx(dissipated, rel=0.1)
 
 
+@pytest.mark.long
 def test_shorter_increments_change_less(draft):
     ways = [[0.0, 0.0, 0.0], [0.001, 0.0, 0.001]]
     ends = [friction_history(draft, [PRESSED] * 2, 0.4, moved=ways, increments=n)[-1].force for n in (4, 8, 32)]
@@ -63,7 +64,7 @@ def test_shorter_increments_change_less(draft):
     assert errors[1] < 0.7 * errors[0] < 0.05
 
 
-@pytest.mark.parametrize("friction", [0.15, 0.3])
+@pytest.mark.parametrize("friction", [pytest.param(0.15, marks=pytest.mark.long), 0.3])
 def test_a_rod_has_the_full_order_history(draft, touched, friction):
     """Press, drag, drag aside, pull more: forces within half a percent of the normal force."""
     points = [[40.0, 5.0, 0.0115]] * 3 + [[41.0, 6.0, 0.0115]]
@@ -89,7 +90,9 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(
+    "shape", ["box", *(pytest.param(one, marks=pytest.mark.long) for one in ("sphere", "cylinder"))]
+)
 def test_round_objects_drag_the_rubber_along(table, shape):
     """What slides is on the cone of its nodes; without friction it is the frictionless state; work is dissipated."""
     friction, model = 0.3, before(table, SHAPES[shape])

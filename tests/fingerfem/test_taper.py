@@ -155,7 +155,9 @@ def test_a_scene_without_taper_has_the_fingerprint_that_it_had(table):
     assert Scene.model_validate(table).fingerprint() != scene.fingerprint()
 
 
-@pytest.mark.parametrize(("taper", "cells"), [(0.9, 21), pytest.param(0.6, 26, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    ("taper", "cells"), [pytest.param(*one, marks=pytest.mark.long) for one in ((0.9, 21), (0.6, 26))]
+)
 def test_a_rod_of_straight_elements_is_the_tapered_full_order_finger(demo, table, taper, cells):
     """On cells as long over their side as those of the training; the wrench's effect within 1 %, which covers both."""
     straight = Rod.load(demo / "finger.h5")

@@ -109,7 +109,9 @@ def asked_at_once(driver, points: np.ndarray) -> np.ndarray:
     return np.frombuffer(base64.b64decode(driver.execute_script(ASK, sent, points.shape[1])), "<f8").reshape(-1, 9)
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize(
+    "name", ["table", *(pytest.param(one, marks=pytest.mark.long) for one in ("rod", "two_segments"))]
+)
 def test_its_numbers_are_python_s_also_outside(opened, models, name):
     model = models[name]
     points = some_points(model, 2_000)
@@ -292,6 +294,7 @@ def test_a_hold_that_is_refused_names_the_number_and_its_range(page):
     assert said(page) == ("the force must be above 0 N, got -1 N", "out_of_domain")
 
 
+@pytest.mark.long
 def test_its_controller_is_the_robot_s(page):
     from control import Finger
 

@@ -71,6 +71,7 @@ def test_contact_force_depends_on_neither_method_nor_stiffness(method, factor):
     assert forces(method, factor) == pytest.approx(forces("penalty", 1.0), rel=1e-3)
 
 
+@pytest.mark.long
 def test_nitsche_keeps_the_identities_of_the_potential(table):
     table["obstacle"]["method"], table["mesh"]["cells"] = "nitsche", [10, 5]
     with unoptimised():
@@ -132,7 +133,7 @@ def test_a_file_for_paraview_holds_the_state(draft, tmp_path):
 # -- what a scene does not name costs nothing --
 
 
-@pytest.mark.parametrize("load", [([100.0], None), ([50.0], 0.005)], ids=str)
+@pytest.mark.parametrize("load", [([100.0], None), pytest.param(([50.0], 0.005), marks=pytest.mark.long)], ids=str)
 def test_half_a_finger_gives_the_answer_of_the_whole(planar, load):
     half = model_of(planar).solve(*load)
     planar["mesh"]["symmetry"] = False
@@ -307,6 +308,7 @@ def test_a_finger_that_curls_into_itself_is_marked(planar):
     assert model.solve([150.0], sensitivities=False).self_intersecting
 
 
+@pytest.mark.long
 def test_a_finger_that_curls_into_itself_is_a_failed_snapshot(planar, tmp_path):
     planar["geometry"]["segments"], planar["mesh"]["cells"] = [0.120], [48, 5]
     planar["tendons"][0]["tension"] = [0.0, 150.0]

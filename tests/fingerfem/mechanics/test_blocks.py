@@ -189,7 +189,7 @@ def test_contact_patch(method, order):
     assert fem.assemble_scalar(block.squared) == pytest.approx(pressure(stretch) ** 2, rel=1e-8)  # uniform
 
 
-@pytest.mark.parametrize("method", ["penalty", "nitsche"])
+@pytest.mark.parametrize("method", ["penalty", pytest.param("nitsche", marks=pytest.mark.long)])
 def test_an_open_gap_transmits_nothing(method):
     block = Block(plane=(method, 100 * E, 0.05))
     assert np.abs(block.solve()).max() == 0.0

@@ -69,6 +69,7 @@ def test_a_mesh_of_two_is_not_chosen_and_given(pressed):
         Scene.model_validate(pressed | {"preset": "standard", "coarse": {"cells": [10, 5]}})
 
 
+@pytest.mark.long
 def test_two_commands_solve_both_meshes_of_one_scene(pressed, tmp_path):
     file = tmp_path / "scene.toml"
     meshes = {"mesh": {"cells": [14, 5]}, "coarse": {"cells": [10, 5], "lines": 4}, "sampling": {"lines": 3}}

@@ -47,6 +47,7 @@ def test_a_job_that_is_killed_leaves_a_set_that_the_next_completes(scene, undist
     assert not list((tmp_path / "set" / "attempts").iterdir())
 
 
+@pytest.mark.long
 def test_a_kill_at_any_change_of_a_file_leaves_nothing_that_passes_as_done(undisturbed, tmp_path, hostile):
     line = [sys.executable, str(Path(__file__).with_name("kills.py")), str(undisturbed), str(tmp_path)]
     settings = {"LD_PRELOAD": hostile, "PYTHONPATH": os.pathsep.join(map(str, [ROOT, ROOT / "tests" / "fingerfem"]))}
@@ -185,6 +186,7 @@ def test_a_folder_that_cannot_be_written_to_is_one_line(scene, tmp_path):
     assert "must be a folder that can be written to, got Permission denied" in only_line(done.stderr, "read only")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["none", pytest.param("lying", marks=pytest.mark.long)])
 def test_without_working_locks_two_jobs_share_a_set_by_claim_files(scene, undisturbed, tmp_path, hostile, kind):
     settings = {"LD_PRELOAD": hostile, "HOSTILE_LOCKS": kind}
@@ -196,6 +198,7 @@ def test_without_working_locks_two_jobs_share_a_set_by_claim_files(scene, undist
     assert ours["missing"] == 0 and not list((tmp_path / "set" / "claimed").iterdir())
 
 
+@pytest.mark.long
 def test_without_working_locks_a_killed_rank_s_claim_is_taken_over(scene, undisturbed, tmp_path, hostile):
     settings = {"LD_PRELOAD": hostile, "HOSTILE_LOCKS": "none"}
     job = begun(command(1, scene, tmp_path / "set")[3:], tmp_path / "set", 2, env=os.environ | settings)

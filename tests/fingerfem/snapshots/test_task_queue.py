@@ -30,6 +30,7 @@ def test_a_set_keeps_free_states_and_contact_states_apart(undisturbed):
     assert distance[reached][:, 0] == pytest.approx(touch - 0.02 * (touch - 0.001))
 
 
+@pytest.mark.long
 def test_the_numbers_do_not_depend_on_the_number_of_ranks(scene, undisturbed, tmp_path):
     run(3, scene, tmp_path / "three")
     assert_same(tmp_path / "three", undisturbed)
@@ -87,6 +88,7 @@ def test_held_out_states_are_drawn_from_the_seed_and_solved_from_rest(scene, tmp
     assert np.array_equal(snapshots.random("contact_force") > 0, touching)
 
 
+@pytest.mark.long
 def test_held_out_planes_at_the_same_tensions_are_what_they_are_from_rest(scene, tmp_path):
     run(2, scene, tmp_path / "held", "--random", "3", "--seed", "5", "--distances", "3")
     snapshots = SnapshotSet(tmp_path / "held")
@@ -100,6 +102,7 @@ def test_held_out_planes_at_the_same_tensions_are_what_they_are_from_rest(scene,
         assert pressed == pytest.approx(state.contact_force, abs=1e-6)
 
 
+@pytest.mark.long
 def test_distances_without_held_out_points_or_without_a_plane_are_refused(scene, tmp_path):
     free = tmp_path / "free.toml"
     free.write_text((ROOT / "scenes" / "free.toml").read_text())
@@ -183,6 +186,7 @@ def test_stored_derivatives_are_differences_of_states(scene, undisturbed):
     assert np.array_equal(line["touch_distance_jacobian"][0], line["touch_distance_jacobian"][-1])
 
 
+@pytest.mark.long
 def test_only_what_a_scene_asks_for_is_stored(scene, undisturbed, tmp_path):
     frugal = tmp_path / "frugal.toml"
     frugal.write_text(scene.read_text() + 'store = ["pad_pressure"]\n')
@@ -195,12 +199,14 @@ def test_only_what_a_scene_asks_for_is_stored(scene, undisturbed, tmp_path):
     assert line["pad_pressure"][-1] > 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("states", "ranks"), [(7, 3), (1, 4)])
 def test_ranks_that_share_few_or_uneven_states_end_with_all_of_them(scene, tmp_path, states, ranks):
     report = run(ranks, scene, tmp_path / "held", "--random", str(states), "--seed", "1")
     assert report["ranks"] == ranks and report["failed"] == 0 and SnapshotSet(tmp_path / "held").states == states
 
 
+@pytest.mark.long
 def test_ranks_that_find_no_state_left_end_without_solving_one(scene, tmp_path):
     for lines in (1, 0):
         report = run(2, scene, tmp_path / "held", "--random", "1")

@@ -34,7 +34,7 @@ def points(table: dict, shape: dict, order: int = 1) -> tuple[ClosestPoints, np.
     return found, moved.ravel()
 
 
-@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("order", [1, pytest.param(2, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", SHAPES)
 def test_forces_are_differences_of_the_energy_and_the_stiffness_of_the_forces(table, name, order):
     found, displacement = points(table, SHAPES[name], order)
@@ -91,6 +91,7 @@ def ball_scene(table: dict) -> Scene:
     return Scene.model_validate(table | {"obstacle": kept | BEFORE_A_BALL})
 
 
+@pytest.mark.long
 def test_a_state_on_a_ball_costs_what_a_state_on_a_plane_costs(table):
     finger = FingerModel(ball_scene(table))
     touch = finger.solve([50.0, 20.0]).touch_distance
