@@ -44,6 +44,7 @@ def test_a_free_finger_is_certified_too(grid, table):
     assert found.tip == pytest.approx(grid.free("tip")[2, 2], abs=1e-8)
 
 
+@pytest.mark.long
 def test_a_finger_of_elements_is_compared_on_the_mesh_that_corrected_it():
     """On the mesh of its training a corrected finger would seem off by what these meshes differ by."""
     bundled = TouchedSegment.load()

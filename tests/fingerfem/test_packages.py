@@ -36,6 +36,7 @@ def test_a_picture_of_a_solved_state_is_refused_before_it_is_solved(tmp_path):
         assert done.returncode == 2 and done.stderr.startswith("pyvista is not installed"), done.stderr
 
 
+@pytest.mark.long
 def test_every_module_imports_and_every_command_has_help():
     line = [sys.executable, "tests/packaging/installed.py"]
     done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True)

@@ -62,6 +62,7 @@ def test_under_mpirun_the_farm_s_bar_moves_while_it_works(scene, undisturbed, be
     assert_same(begun, undisturbed)
 
 
+@pytest.mark.long
 def test_the_demo_s_own_call_of_the_farm_shows_a_bar(scene, undisturbed, begun):
     seen = shown([sys.executable, "-c", DEMO, str(begun), str(scene)], FINGERFEM_RANKS="2")
     assert seen.code == 0 and len(counts(seen.bars)) > 2, seen.text
@@ -69,6 +70,7 @@ def test_the_demo_s_own_call_of_the_farm_shows_a_bar(scene, undisturbed, begun):
     assert_same(begun, undisturbed)
 
 
+@pytest.mark.long
 def test_ctrl_c_stops_the_demo_s_call_in_one_line_and_the_next_completes_the_set(scene, undisturbed, begun):
     words = [sys.executable, "-c", DEMO, str(begun), str(scene)]
     seen = shown(words, interrupt_at=unfinished(begun), FINGERFEM_RANKS="2")
@@ -144,6 +146,7 @@ with Reporter(ledger) as report:
 """
 
 
+@pytest.mark.long
 def test_the_bar_of_a_long_refined_set_fits_the_window(tmp_path):
     seen = shown([sys.executable, "-c", LONG, str(tmp_path)])
     assert seen.code == 0

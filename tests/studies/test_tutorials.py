@@ -29,6 +29,7 @@ def page() -> str:
     return (DOCS / "tutorials" / "your-finger.md").read_text()
 
 
+@pytest.mark.long
 def test_the_scene_of_the_tutorial_trains_a_finger_that_holds_a_force(page, tmp_path):
     (scene,) = re.findall(r'```toml title="mine/finger.toml"\n(.*?)```', page, re.DOTALL)
     assert 'preset = "draft"' in scene

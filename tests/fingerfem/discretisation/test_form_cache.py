@@ -115,6 +115,7 @@ def test_jobs_that_start_together_on_a_cold_cache_compile_every_form_once_and_on
     assert jobs.end(more) == 2
 
 
+@pytest.mark.long
 def test_jobs_that_are_killed_at_random_moments_hold_up_nobody(jobs):
     chance = random.Random(2018)
     survivors, victims = [jobs.begin(4) for _ in range(2)], [jobs.begin(4) for _ in range(4)]

@@ -91,7 +91,9 @@ def reached_by(model: FingerModel, options: StepOptions, path: list) -> np.ndarr
     return model.problem.displacement.copy()
 
 
-@pytest.mark.parametrize("target", TARGETS, ids=str)
+@pytest.mark.parametrize(
+    "target", [TARGETS[0], *(pytest.param(one, marks=pytest.mark.long) for one in TARGETS[1:])], ids=str
+)
 def test_the_equilibrium_depends_neither_on_the_number_of_steps_nor_on_the_path(model, target):
     """Few and many steps, and three random detours with the obstacle in place, to a ten millionth of the length."""
     tensions, distance = target

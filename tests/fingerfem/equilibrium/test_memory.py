@@ -11,7 +11,7 @@ from fingerfem import FingerModel, load_scene
 from fingerfem.equilibrium.factorisation import Factorisation
 
 
-@pytest.mark.parametrize("solves", [300, pytest.param(1000, marks=pytest.mark.long)])
+@pytest.mark.parametrize("solves", [pytest.param(one, marks=pytest.mark.long) for one in (300, 1000)])
 def test_many_solves_leave_memory_flat(scene, solves):
     """Peak resident memory after 100 solves and after all; it grows by less than half of a vector for every solve."""
     model, random, peaks = FingerModel(load_scene(scene)), np.random.default_rng(0), []

@@ -144,7 +144,9 @@ AHEAD = {
 }
 
 
-@pytest.mark.parametrize("shape", AHEAD)
+@pytest.mark.parametrize(
+    "shape", ["plane", *(pytest.param(one, marks=pytest.mark.long) for one in AHEAD if one != "plane")]
+)
 def test_an_obstacle_ahead_of_the_straight_finger_compresses_it(shape, table):
     table["mesh"]["cells"], table["obstacle"] = [10, 5], table["obstacle"] | {"distance": [-0.001, 0.01]}
     finger, pushed = model(table, **AHEAD[shape]), 1e-4  # [m]
@@ -163,6 +165,7 @@ def test_an_obstacle_that_is_passed_by_presses_nothing(table):
     assert state.contact_force == 0.0 and state.touch_distance is None and state.penetration == 0.0
 
 
+@pytest.mark.long
 def test_half_the_finger_is_modelled_where_the_obstacle_is_its_own_mirror_image(table):
     table["tendons"] = table["tendons"][:1]
     sphere = {"shape": "sphere", "centre": [0.042, 0.017, 0.0], "radius": 0.012}

@@ -60,7 +60,7 @@ def figures(length: float, **obstacle) -> list[np.ndarray]:
     return [*found, np.array([free.touch_distance / length]), np.array(forces)]
 
 
-@pytest.mark.parametrize("obstacle", [{}, SPHERE], ids=["plane", "sphere"])
+@pytest.mark.parametrize("obstacle", [{}, pytest.param(SPHERE, marks=pytest.mark.long)], ids=["plane", "sphere"])
 def test_fingers_of_5_mm_and_of_5_m_have_the_same_figures(obstacle):
     small, large = (figures(length, **obstacle) for length in LENGTHS)
     assert large[-1][0] > 0 and np.isfinite(np.concatenate([part.ravel() for part in small])).all()
@@ -101,6 +101,7 @@ lines = 8
     return Rod(elements=train(states, {}), scene=states.scene)
 
 
+@pytest.mark.long
 def test_elements_of_a_finger_of_5_mm_and_of_one_of_1_m_give_the_same_figures(tmp_path):
     lengths = 5e-3, 1.0  # [m]
     small, large = (trained(length, tmp_path / str(length)) for length in lengths)

@@ -82,7 +82,7 @@ def elastica() -> dict[float, list[np.ndarray]]:
     return found
 
 
-@pytest.mark.parametrize("case", range(3))
+@pytest.mark.parametrize("case", [2, *(pytest.param(one, marks=pytest.mark.long) for one in (0, 1))])
 def test_a_dead_load_at_the_tip_bends_the_elastica(elastica, case):
     _, w, u = ELASTICA[case]
     tips = [elastica[slenderness][case] for slenderness in (20, 40)]
@@ -95,7 +95,7 @@ def test_the_elastica_is_approached_with_the_square_of_side_over_length(elastica
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.2)
 
 
-@pytest.mark.parametrize("m", [0.5, pytest.param(1.5, marks=pytest.mark.long)])
+@pytest.mark.parametrize("m", [*(pytest.param(one, marks=pytest.mark.long) for one in (0.5, 1.5))])
 def test_a_guided_tendon_bends_a_circle(m):
     """x / L = sin(m) / m, w / L = (1 - cos m) / m with m = F e L / EI, both shortened by 1 - F / EA to first order."""
     positions, ratios = [], (20, 40, 80)
@@ -111,7 +111,7 @@ def test_a_guided_tendon_bends_a_circle(m):
 
 # m / m_c and r = N L^2 / EI of theta' = m - r (x_tip - x) with d / L = 0.1, m_c = 0.2006725111
 @pytest.mark.parametrize(
-    ("over_touch", "r"), [(1.25, 0.07588679), pytest.param(2.0, 0.30389948, marks=pytest.mark.long)]
+    ("over_touch", "r"), [pytest.param(*one, marks=pytest.mark.long) for one in ((1.25, 0.07588679), (2.0, 0.30389948))]
 )
 def test_a_tendon_arc_is_held_back_by_the_plane(over_touch, r):
     m, forces, ratios = over_touch * 0.2006725111, [], (20, 40, 80)
@@ -148,6 +148,7 @@ def test_a_column_buckles_under_a_dead_load_as_euler_says():
     assert extrapolated((20, 40), found, [2]) == pytest.approx(1.0, abs=0.005)
 
 
+@pytest.mark.long
 def test_a_straight_tendon_on_the_axis_buckles_its_finger_at_four_times_that():
     """A pull towards a fixed point at the clamp: pi^2 EI / L^2 (Timoshenko, Gere, Theory of Elastic Stability, 2.4)."""
     found = []

@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 
+import pytest
 from farm import ROOT, assert_same
 
 SRUN = """#!/usr/bin/env bash
@@ -33,6 +34,7 @@ def test_the_slurm_script_trains_a_set(scene, undisturbed, tmp_path):
     assert again.returncode == 2 and again.stderr == "FINGERFEM_IMAGE must name an Apptainer image, got none.sif\n"
 
 
+@pytest.mark.long
 def test_the_multinode_script_trains_a_set_on_the_hosts_it_is_given(scene, undisturbed, tmp_path):
     (tmp_path / "hosts").write_text("localhost slots=2\n")
     line = ["docker/cluster/multinode.sh", tmp_path / "hosts", scene, tmp_path / "set"]

@@ -62,7 +62,7 @@ def test_left_out_lines_are_predicted_within_a_ten_thousandth(finger):
     assert left_out["free_place_m"]["p95"] < 2e-6
 
 
-@pytest.mark.parametrize("length", LENGTHS[1:])
+@pytest.mark.parametrize("length", [LENGTHS[1], pytest.param(LENGTHS[2], marks=pytest.mark.long)])
 def test_a_finger_of_another_length_is_the_full_order_model_s(finger, trained, length):
     table = tomllib.loads(scene_text([length], tension=40.0))
     model, rod = FingerModel(Scene.model_validate(table)), finger.assembled(table)

@@ -31,14 +31,14 @@ def test_they_are_the_full_order_model_s_states_there(scene, tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "columns must be F1,F2,d"),
+        pytest.param("", "columns must be F1,F2,d", marks=pytest.mark.long),
         ("F1,d\n1,2\n", "columns must be F1,F2,d, got F1,d"),
-        ("F1,F2,d\n", "must have a line for each point, got none"),
-        ("F1,F2,d\n1,2\n", "must be numbers, got 1,2"),
-        ("F1,F2,d\n1,much,0.01\n", "must be numbers, got 1,much,0.01"),
+        pytest.param("F1,F2,d\n", "must have a line for each point, got none", marks=pytest.mark.long),
+        pytest.param("F1,F2,d\n1,2\n", "must be numbers, got 1,2", marks=pytest.mark.long),
+        pytest.param("F1,F2,d\n1,much,0.01\n", "must be numbers, got 1,much,0.01", marks=pytest.mark.long),
         ("F1,F2,d\n1,2,nan\n", "d must lie in"),
-        ("F1,F2,d\n1,2,0.01\n".encode("utf-16"), "must be a text file in UTF-8"),
-        ("F1,F2,d\n1,2,0.01\n1000,2,0.01\n", "got 1000 in point 2"),
+        pytest.param("F1,F2,d\n1,2,0.01\n".encode("utf-16"), "must be a text file in UTF-8", marks=pytest.mark.long),
+        pytest.param("F1,F2,d\n1,2,0.01\n1000,2,0.01\n", "got 1000 in point 2", marks=pytest.mark.long),
     ],
 )
 def test_a_table_that_makes_no_sense_is_one_line(scene, tmp_path, text, words):

@@ -160,6 +160,7 @@ def test_fingers_of_any_measures_have_lines_sections_and_a_transfer_from_mesh_to
         assert np.abs(brought.reshape(-1, 3) - linear(targets)).max() < 1e-12 * np.abs(targets).max()
 
 
+@pytest.mark.long
 def test_a_finger_whose_measures_are_not_round_is_trained_on_two_meshes(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(NOT_ROUND)

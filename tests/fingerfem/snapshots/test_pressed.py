@@ -95,6 +95,7 @@ def test_tendons_shorten_by_a_wrench_as_the_plate_moves_by_their_tensions(presse
     assert (np.linalg.eigvalsh(own) > 0).all()
 
 
+@pytest.mark.long
 def test_one_rank_solves_the_same_numbers(pressed_scene, pressed_set, tmp_path):
     run(1, pressed_scene, tmp_path / "set")
     assert_same(tmp_path / "set", pressed_set)
@@ -143,6 +144,7 @@ def finer_scene(pressed_scene, tmp_path_factory) -> Path:
     return file
 
 
+@pytest.mark.long
 def test_states_that_begin_at_those_of_a_coarser_mesh_are_those_from_rest(finer_scene, pressed_set, tmp_path):
     rest = run(2, finer_scene, tmp_path / "rest")
     near = run(2, finer_scene, tmp_path / "near", "--near", str(pressed_set))

@@ -35,6 +35,7 @@ def test_a_finer_grid_uses_the_states_of_a_coarser_one_again(scene, undisturbed,
     assert reused["newton_iterations"] < 0.9 * fresh["newton_iterations"]
 
 
+@pytest.mark.long
 def test_a_set_that_keeps_no_fields_is_used_again_too(planar, tmp_path):
     coarse, finer = tmp_path / "coarse.toml", tmp_path / "finer.toml"
     coarse.write_text(planar.read_text() + "store = []\n")

@@ -12,6 +12,7 @@ SECOND = DRAFT[DRAFT.rindex("[[tendons]]") : DRAFT.index("[obstacle]")]
 ONE = DRAFT.replace(SECOND, "").replace("tension = [0.0, 100.0]", "tension = [0.0, 60.0]")
 
 
+@pytest.mark.long
 def test_held_out_states_that_begin_at_a_coarser_grid_s_are_those_from_rest(tmp_path):
     coarse, fine = tmp_path / "coarse.toml", tmp_path / "fine.toml"
     coarse.write_text(ONE.replace("[20, 5]", "[14, 4]").replace("_nodes = 4", "_nodes = 7"))

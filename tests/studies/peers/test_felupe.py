@@ -22,7 +22,7 @@ MESH = [10, 5], 1
 FREE, TOUCHING = ([40.0, 20.0], None), ([40.0, 20.0], 0.012)
 
 
-@pytest.mark.parametrize("method", ["penalty", "nitsche"])
+@pytest.mark.parametrize("method", ["penalty", pytest.param("nitsche", marks=pytest.mark.long)])
 def test_felupe_finds_the_same_displacement_and_contact_force(method, tmp_path):
     free, touching = compare(scene_of("one_segment", NEO_HOOKEAN, MESH, method), (FREE, TOUCHING), tmp_path)
     assert free["failed"] is None and touching["failed"] is None

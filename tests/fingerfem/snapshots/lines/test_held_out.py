@@ -23,6 +23,7 @@ def assert_same_states(ours: SnapshotSet, theirs: SnapshotSet) -> None:
         assert np.abs(ours.random(name) - theirs.random(name)).max() < bound, name
 
 
+@pytest.mark.long
 def test_states_do_not_depend_on_where_they_began_and_take_fewer_iterations(scene, undisturbed, tmp_path):
     draw = "--random", "16", "--seed", "5"
     run(2, scene, tmp_path / "near", *draw, "--near", str(undisturbed))
