@@ -44,6 +44,7 @@ def test_what_sticks_is_elastic(draft):
     assert back.dissipated == pytest.approx(begun.dissipated, abs=1e-7)
 
 
+@pytest.mark.long
 def test_the_plane_does_the_work_that_friction_dissipates(draft):
     """Once around a cycle that repeats itself, by the trapezoidal rule over its points."""
     there = np.linspace(0.0, 0.003, 9)

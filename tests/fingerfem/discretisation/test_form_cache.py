@@ -104,6 +104,7 @@ def jobs(tmp_path) -> Jobs:
     return Jobs(tmp_path)
 
 
+@pytest.mark.long
 def test_jobs_that_start_together_on_a_cold_cache_compile_every_form_once_and_on_a_warm_one_none(jobs):
     for compiled in (6, 0):
         together = [jobs.begin(3), jobs.begin(2), jobs.begin(1, ranks=2)]

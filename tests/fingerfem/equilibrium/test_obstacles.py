@@ -45,6 +45,7 @@ def pressed(request):
     return finger, free, finger.solve(TENSIONS, free.touch_distance - 0.001)
 
 
+@pytest.mark.long
 def test_a_plane_that_says_where_it_is_gives_the_numbers_of_the_usual_one(table):
     usual = model(table).solve(TENSIONS, D)
     same = model(table, centre=[0.03, 0.005, 0.01], normal=[0, -2.0, 0], direction=[0, 3.0, 0]).solve(TENSIONS, D)
@@ -159,6 +160,7 @@ def test_an_obstacle_ahead_of_the_straight_finger_compresses_it(shape, table):
     assert state.clamp_reaction == pytest.approx([state.contact_force, 0, 0], rel=1e-6, abs=1e-6)
 
 
+@pytest.mark.long
 def test_an_obstacle_that_is_passed_by_presses_nothing(table):
     finger = model(table, shape="sphere", centre=[0.05, 0.02, 0.2], radius=0.01)
     state = finger.solve(TENSIONS, D)

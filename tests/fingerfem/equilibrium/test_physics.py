@@ -91,6 +91,7 @@ def test_complementarity_is_reported_and_nearly_kept(draft):
     assert free.penetration is None and free.contact_force == 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("cells", [[20, 5], pytest.param([40, 8], marks=pytest.mark.long)])
 def test_a_pad_under_all_that_touches_has_the_whole_force(planar, cells):
     """Whatever the mesh: the force on the tip's edge comes from two faces and rests on one pad."""
@@ -268,6 +269,7 @@ def test_a_straight_tendon_bends_more_than_a_guided_one_and_pulls_on_the_clamp(p
     assert straight.sensitivities["tip"]["F1"] == pytest.approx(slope, rel=1e-3)
 
 
+@pytest.mark.long
 def test_guided_and_straight_tendons_can_be_mixed(table):
     table["tendons"][1]["path"] = "straight"
     state = model_of(table).solve([30.0, 5.0], sensitivities=False)

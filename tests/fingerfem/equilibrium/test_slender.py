@@ -163,6 +163,7 @@ def test_a_straight_tendon_on_the_axis_buckles_its_finger_at_four_times_that():
     assert extrapolated((20, 40), found, [2]) == pytest.approx(1.0, abs=0.005)
 
 
+@pytest.mark.long
 def test_two_opposite_guided_tendons_do_not_buckle_a_finger_far_beyond_eulers_load():
     table = finger(20, 0.4).scene.model_dump()
     table["tendons"].append(table["tendons"][0] | {"name": "G", "offset": [-0.4 * SIDE, 0.0]})

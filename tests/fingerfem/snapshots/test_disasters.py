@@ -133,6 +133,7 @@ def test_ctrl_c_at_any_moment_is_hardly_ever_a_death_however_long_a_factorisatio
     assert killed and deaths <= 1, (deaths, killed)  # a note that is just begun has no signal's number yet
 
 
+@pytest.mark.long
 def test_three_deaths_at_one_line_quarantine_it_and_what_needs_it_and_retry_solves_them(scene, undisturbed, tmp_path):
     folder = tmp_path / "set"
     shutil.copytree(undisturbed, folder)

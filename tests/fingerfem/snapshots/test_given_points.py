@@ -12,6 +12,7 @@ from rom.dataset.snapshot_set import SnapshotSet
 POINTS = [[0.006, 40.0, 8.0], [0.006, 45.0, 0.0], [0.020, 45.0, 0.0]]  # d, F1, F2
 
 
+@pytest.mark.long
 def test_they_are_the_full_order_model_s_states_there(scene, tmp_path):
     file = tmp_path / "points.csv"
     lines = ["d, F1, F2", *(",".join(map(str, point)) for point in POINTS), ""]

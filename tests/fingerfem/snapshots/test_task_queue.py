@@ -112,6 +112,7 @@ def test_distances_without_held_out_points_or_without_a_plane_are_refused(scene,
         assert done.stderr.strip().startswith("distances must be") and len(done.stderr.strip().splitlines()) == 1
 
 
+@pytest.mark.long
 def test_another_scene_or_a_foreign_folder_is_refused_in_one_line(scene, undisturbed, tmp_path):
     other = tmp_path / "other.toml"
     other.write_text(scene.read_text().replace("C1 = 1.9e6", "C1 = 2.0e6"))

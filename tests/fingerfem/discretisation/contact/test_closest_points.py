@@ -103,6 +103,7 @@ def test_a_state_on_a_ball_costs_what_a_state_on_a_plane_costs(table):
     assert set(on_ball.strategies) <= {"mixed", "plain"}
 
 
+@pytest.mark.long
 @pytest.mark.mpi
 def test_ranks_share_a_finger_before_a_ball():
     import tomllib
