@@ -25,6 +25,7 @@ def page():
     scene_obstacle.MAY_HAVE.pop("capsule")
 
 
+@pytest.mark.long
 def test_a_finger_of_yeoh_s_rubber_is_neo_hookean_without_the_second_term(page):
     scene, law = page["load_scene"]("scenes/draft.toml"), page["Yeoh"](C1=1.9e6, C2=0.0, D1=2.43e-7)
     scenes = scene, scene.model_copy(update={"material": law})

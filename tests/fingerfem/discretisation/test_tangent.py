@@ -84,7 +84,10 @@ def csr(matrix) -> scipy.sparse.csr_matrix:
     return scipy.sparse.csr_matrix((values, columns, starts), shape=matrix.size)
 
 
-@pytest.mark.parametrize("name", SPECIALS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(one, marks=pytest.mark.long) if "order 2" in one or one == "tapered" else one for one in SPECIALS],
+)
 def test_it_is_the_form_s_to_round_off(table, name):
     model = FingerModel(Scene.model_validate(changed(table, SPECIALS[name])))
     problem = model.problem

@@ -39,13 +39,14 @@ def test_states_of_the_demo_are_those_from_rest(trained):
     held_out = SnapshotSet(trained / "heldout")
     model = FingerModel(load_scene(ROOT / "scenes" / "draft.toml"))
     felt = np.flatnonzero(held_out.random("contact_force") > 0)
-    for k in [*felt[::30], *np.flatnonzero(held_out.random("contact_force") == 0)[::60]]:
+    for k in [*felt[::8], *np.flatnonzero(held_out.random("contact_force") == 0)[::24]]:
         *tensions, distance = held_out.random("parameters")[k]
         state = model.solve(tensions, distance, sensitivities=False)
         assert np.abs(state.tip - held_out.random("tip")[k]).max() < TOLERANCE["tip"]
         assert abs(state.contact_force - held_out.random("contact_force")[k]) < TOLERANCE["contact_force"]
 
 
+@pytest.mark.long
 def test_where_a_neighbour_does_not_lead_there_it_goes_from_rest(scene, undisturbed, draft):
     """A neighbour that is no equilibrium: its displacement is of another state's, times ten."""
     model, snapshots = FingerModel(load_scene(scene)), SnapshotSet(undisturbed)
@@ -71,7 +72,10 @@ def test_a_set_without_free_states_is_no_start_for_them(scene, undisturbed):
     assert np.abs(arrays["contact_force"] - plain["contact_force"]).max() < TOLERANCE["contact_force"]
 
 
-@pytest.mark.parametrize("what", ["no set", "held-out", "other scene", "without random"])
+@pytest.mark.parametrize(
+    "what",
+    ["no set", "other scene", *(pytest.param(one, marks=pytest.mark.long) for one in ("held-out", "without random"))],
+)
 def test_a_set_that_none_can_begin_at_is_refused_in_one_line(what, scene, undisturbed, tmp_path):
     folder, options, file = undisturbed, ["--random", "2"], scene
     if what == "no set":
