@@ -22,8 +22,11 @@ from control.native import CONTROL
 from rom.brief import brief
 from rom.native import pointer
 
-GOING, CONVERGED, STATIONARY, LIMIT, OUTSIDE = range(5)  # as in least_squares.h
 STATUS = ("going", "converged", "stationary", "iteration_limit", "out_of_domain")
+GOING, CONVERGED, STATIONARY, LIMIT, OUTSIDE = (
+    getattr(CONTROL.constants, f"CONTROL_{name}")
+    for name in ("GOING", "CONVERGED", "STATIONARY", "ITERATION_LIMIT", "OUTSIDE")
+)
 
 
 class Rules(NamedTuple):

@@ -10,8 +10,11 @@ import numpy as np
 
 from rom.brief import brief
 from rom.console.table import COVERED, Table, as_html, components, number, quantities, row, shown
+from rom.native import LIBRARY
 
-TIP, FORCE, TOUCH, PAD = 0, 3, 4, 5  # rows of an answer, as in kernel.h; the pad only where a model has it
+ROWS = LIBRARY.constants
+# Rows of an answer; the pad's only where a model has it.
+TIP, FORCE, TOUCH, PAD = ROWS.FINGERFEM_TIP, ROWS.FINGERFEM_FORCE, ROWS.FINGERFEM_TOUCH, ROWS.FINGERFEM_PAD
 FEW = 10  # points of many that a table shows
 INSIDE = "inside what was trained; errors cover 95 of 100 states"
 OUTSIDE = "not inside what was trained: nothing says how far this is from the truth"

@@ -10,8 +10,9 @@ import numpy as np
 from rom.checked_file import ModelError
 from rom.dataset.grid import SHARE
 from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE
+from rom.native import LIBRARY
 
-MOST_ELEMENTS = 64  # of a segment, as in rom/native/segment.h
+MOST_ELEMENTS = LIBRARY.constants.FINGERFEM_MOST_ELEMENTS  # of a segment
 
 
 class Piece(NamedTuple):

@@ -26,7 +26,7 @@ PUBLIC = "fingerfem_object", "FINGERFEM_PLANE"  # by these: the type of objects,
 EXAMPLE, DEEP = 0.3, 2 / 3  # of the leading tension's range, and of the touch distance there: a point in contact [-]
 # The stack that gcc takes, times 1.25 or so, which tests measure: by the bodies that may bear wrenches, plates and
 # sections of rubber, and their square, for matrices of all wrenches, and by the powers of a polynomial [kB].
-SECTIONS = 9  # besides plates, as in segment.h
+SECTIONS = LIBRARY.constants.FINGERFEM_MOST_BODIES - LIBRARY.constants.FINGERFEM_MOST_PLATES  # besides plates
 STACK, BY_BODY, BY_BODIES, BY_POWER = 160.0, 18.0, 3.2, 0.35
 
 

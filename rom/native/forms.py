@@ -9,7 +9,10 @@ import numpy as np
 from rom.answer import PAD
 from rom.native import LIBRARY, pointer
 
-AXES, TERMS, COMPONENTS, MODES, ROW = range(5)  # columns of a form's row and their number, as in kernel.h
+# Columns of a form's row, and their number.
+AXES, TERMS, COMPONENTS, MODES, ROW = (
+    getattr(LIBRARY.constants, f"FINGERFEM_{name}") for name in ("AXES", "TERMS", "COMPONENTS", "MODES", "ROW")
+)
 
 
 def memory_of(tables: Any) -> Any:

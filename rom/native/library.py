@@ -109,6 +109,16 @@ class Library:
         return found
 
     @cached_property
+    def constants(self) -> Any:
+        """The headers' enumerators as attributes; nothing is built for them."""
+        from cffi import FFI
+
+        found = FFI()  # of enumerations alone, as whole headers take ten times as long
+        for header in self._headers:
+            found.cdef("\n".join(re.findall(r"\benum \{[^}]*\};", header.read_text(encoding="utf-8"))))
+        return found.dlopen(None)
+
+    @cached_property
     def functions(self) -> Any:
         """The headers' functions.
 

@@ -12,6 +12,7 @@ from rom.elements.law import ElementMap
 from rom.elements.march import march
 from rom.elements.pieces import MOST_ELEMENTS
 from rom.elements.polynomial import Polynomial
+from rom.native import LIBRARY
 from rom.rod.wrench_products import padded
 
 if TYPE_CHECKING:
@@ -19,11 +20,13 @@ if TYPE_CHECKING:
     from rom.rod.rod import Rod
     from rom.rod.segment import Segment
 
-MOST_TENSIONS, MOST_POWER, MOST_VARIANTS = 8, 31, 8  # as in native/segment.h
+MOST_TENSIONS, MOST_POWER = LIBRARY.constants.FINGERFEM_MOST_TENSIONS, LIBRARY.constants.FINGERFEM_MOST_POWER
+MOST_VARIANTS = LIBRARY.constants.FINGERFEM_MOST_VARIANTS
 MOST_PRODUCTS = 1 << 20  # of a polynomial: with these, places in memory are counted in 32 bits
 FARTHEST = 2.0  # a plate that nothing touches, from its clamp, over its segment's length [-]
 MOST_KNOTS = 16  # of an element's outline; one side long it has two
-WRENCH, ELEMENT, CORNERS, KNOT = 6, 6, 24, 12  # numbers of a wrench, an element's pose, a plate's corners, a knot
+WRENCH, CORNERS = LIBRARY.constants.FINGERFEM_WRENCH, LIBRARY.constants.FINGERFEM_CORNERS
+ELEMENT, KNOT = 6, 12  # numbers of an element's pose, and of a knot
 
 
 def check(rod: Rod) -> None:

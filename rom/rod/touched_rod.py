@@ -25,7 +25,7 @@ from rom.rod.report import FingerReport
 from rom.rod.rod import QUANTITIES, Rod
 from rom.rod.shape import Sections
 
-MOST = 8  # objects, as in segment.h
+MOST = LIBRARY.constants.FINGERFEM_MOST_OBJECTS
 
 
 @brief

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rom.checked_file import require, shaped
+from rom.native import LIBRARY
 from rom.parameter import Parameter
 from rom.rod.scene_of_rod import of_tables
 from rom.separated.form import Separated
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 PLAIN = ("parameters", "scene", "accuracy", "provenance", "lead")
 FREE, CONTACT = ("x", "y", "z", "touch_distance"), ("x", "y", "z", "contact_force", "pad_pressure")
 PER_PATH = "tip -, contact force N/m, displacement -, pad pressure Pa/m"  # units of estimated errors
-MOST_PARAMETERS, MOST_TERMS = 9, 1 << 16  # as in native/kernel.h; positions in memory are counted in 32 bits
+MOST_PARAMETERS = LIBRARY.constants.FINGERFEM_MOST_PARAMETERS
+MOST_TERMS = 1 << 16  # positions in memory are counted in 32 bits
 
 
 def contents(model: SeparatedModel) -> dict[str, Any]:

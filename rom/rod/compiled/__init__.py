@@ -26,8 +26,8 @@ from rom.rod.compiled.arrangement import (
 from rom.rod.compiled.indentation import indentations
 from rom.rod.compiled.outlines import Outline, knots_of, outline_of
 
-CORNERS = 24  # as in segment.h
-ENDS = 1  # sections of a segment's surface besides its places, FINGERFEM_FRONTS there
+CORNERS = LIBRARY.constants.FINGERFEM_CORNERS
+ENDS = LIBRARY.constants.FINGERFEM_FRONTS  # sections of a segment's surface besides its places
 
 
 __all__ = ["Outline", "outline_of"]  # and all that is defined here

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from rom.elements.polynomial import Polynomial
+from rom.native import LIBRARY
 from rom.rod.wrench_products import padded
 
-BLOCK, POSE, SIX = 4, 8, 6  # as in segment.h; values of a law
-EIGHT, KNOT = 8, 12  # likewise: numbers of an outline fill eights; numbers of one of its knots
+BLOCK, POSE = LIBRARY.constants.FINGERFEM_BLOCK, LIBRARY.constants.FINGERFEM_POSE
+SIX = 6  # values of a law
+EIGHT, KNOT = 8, 12  # numbers of an outline fill eights; numbers of one of its knots
 PLACES, NEAREST = 5, 4  # cross-sections of the rubber for every knot; knots that interpolate one
 
 

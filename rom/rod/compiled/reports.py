@@ -10,7 +10,7 @@ from rom.brief import brief
 from rom.native import LIBRARY, pointer
 from rom.rod.compiled import loads, memory_of
 
-QUATERNION, ERRORS = 4, 2  # numbers of an orientation, and of errors, as in segment.h
+QUATERNION, ERRORS = LIBRARY.constants.FINGERFEM_QUATERNION, LIBRARY.constants.FINGERFEM_REPORT_ERRORS  # their numbers
 
 
 @brief

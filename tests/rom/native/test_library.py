@@ -10,10 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from control.least_squares import CONVERGED, GOING, LIMIT, STATIONARY
 from control.native import CONTROL
-from rom import answer
-from rom.native import LIBRARY, Library, NoCompiler, forms
+from rom.native import LIBRARY, Library, NoCompiler
 from rom.native.library import FEATURES, LINE, processor
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -103,20 +101,13 @@ def test_a_source_that_does_not_compile_is_one_line(tmp_path, monkeypatch):
     assert not list((tmp_path / "cache").rglob("*.so"))
 
 
-def test_what_c_and_python_both_name_has_one_value():
-    lib = CONTROL.functions
-    rows = (lib.FINGERFEM_TIP, lib.FINGERFEM_FORCE, lib.FINGERFEM_TOUCH, lib.FINGERFEM_PAD)
-    assert rows == (answer.TIP, answer.FORCE, answer.TOUCH, answer.PAD)
-    columns = (
-        lib.FINGERFEM_AXES,
-        lib.FINGERFEM_TERMS,
-        lib.FINGERFEM_COMPONENTS,
-        lib.FINGERFEM_MODES,
-        lib.FINGERFEM_ROW,
+def test_constants_are_those_of_the_headers_and_need_no_compiler(tmp_path, monkeypatch):
+    library = sample(tmp_path, 1.0)
+    monkeypatch.setenv("CC", "no-such-compiler")
+    (tmp_path / "sample.h").write_text(
+        "enum { SAMPLE_FIRST = 3, SAMPLE_SECOND };\n" + (tmp_path / "sample.h").read_text()
     )
-    assert columns == (forms.AXES, forms.TERMS, forms.COMPONENTS, forms.MODES, forms.ROW)
-    states = (lib.CONTROL_GOING, lib.CONTROL_CONVERGED, lib.CONTROL_STATIONARY, lib.CONTROL_ITERATION_LIMIT)
-    assert states == (GOING, CONVERGED, STATIONARY, LIMIT)
+    assert (library.constants.SAMPLE_FIRST, library.constants.SAMPLE_SECOND) == (3, 4)
 
 
 def test_the_sources_allocate_nothing_and_keep_no_state():

@@ -11,7 +11,6 @@ from rom.checked_file import ModelError
 from rom.native import LIBRARY
 from rom.rod import compiled as native
 from rom.rod import limits
-from rom.rod.compiled.arrangement import BLOCK, POSE
 from rom.rod.compiled.touched import touches
 from rom.rod.inverse_map import InverseMap
 from rom.rod.objects.shapes import Plane
@@ -239,9 +238,6 @@ def test_a_law_beyond_what_compiled_code_holds_is_refused_by_name_and_limit(chan
 def test_a_rod_beyond_what_compiled_code_holds_is_refused_by_name_and_limit():
     element = laws.law(2, 0, degree=1)
     most = limits.MOST_ELEMENTS
-    lib = LIBRARY.functions
-    assert (most, BLOCK, POSE) == (lib.FINGERFEM_MOST_ELEMENTS, lib.FINGERFEM_BLOCK, lib.FINGERFEM_POSE)
-    assert (limits.ELEMENT, limits.ELEMENT * BLOCK) == (lib.FINGERFEM_WRENCH, lib.FINGERFEM_BLOCK_ROW)
     with pytest.raises(ModelError, match=f"elements must be from 1 to {most}, got {most + 1}"):
         compiled([element] * (most + 1))
     with pytest.raises(ModelError, match="tensions of all elements must have one box"):
