@@ -65,7 +65,8 @@ def test_shorter_increments_change_less(draft):
     assert errors[1] < 0.7 * errors[0] < 0.05
 
 
-@pytest.mark.parametrize("friction", [pytest.param(0.15, marks=pytest.mark.long), 0.3])
+@pytest.mark.long
+@pytest.mark.parametrize("friction", [0.15, 0.3])
 def test_a_rod_has_the_full_order_history(draft, touched, friction):
     """Press, drag, drag aside, pull more: forces within half a percent of the normal force."""
     points = [[40.0, 5.0, 0.0115]] * 3 + [[41.0, 6.0, 0.0115]]
@@ -91,9 +92,8 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize(
-    "shape", ["box", *(pytest.param(one, marks=pytest.mark.long) for one in ("sphere", "cylinder"))]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("shape", SHAPES)
 def test_round_objects_drag_the_rubber_along(table, shape):
     """What slides is on the cone of its nodes; without friction it is the frictionless state; work is dissipated."""
     friction, model = 0.3, before(table, SHAPES[shape])

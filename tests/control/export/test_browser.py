@@ -281,6 +281,7 @@ def test_the_message_of_a_hold_goes_with_it(page, let_go):
     assert said(page)[0].startswith("out of reach")
 
 
+@pytest.mark.long
 def test_a_hold_that_is_refused_names_the_number_and_its_range(page):
     from selenium.webdriver.common.keys import Keys
 

@@ -101,6 +101,7 @@ def test_one_rank_solves_the_same_numbers(pressed_scene, pressed_set, tmp_path):
     assert_same(tmp_path / "set", pressed_set)
 
 
+@pytest.mark.long
 def test_a_line_that_is_lost_is_solved_again_and_is_the_same(pressed_scene, pressed_set, tmp_path):
     before = read_task(pressed_set, "pressed-13")
     task_file(pressed_set, "pressed-13").unlink()
