@@ -40,7 +40,7 @@ def models(table):
 
 @pytest.fixture(scope="session")
 def trained() -> Path:
-    """The folder of the draft finger's sets: training, heldout, finer."""
+    """The folder of the draft finger's sets: training, heldout; for long tests also finer."""
     folder = ROOT / "out" / "tests"
     if not (folder / "ready").exists():
         pytest.fail(f"these tests need the draft finger's sets: make test, or {TRAIN}")

@@ -38,6 +38,7 @@ def test_the_truth_of_a_table_is_its_state_and_the_answer_its_own(grid, table):
     assert found.factorisations > 2
 
 
+@pytest.mark.long
 def test_a_free_finger_is_certified_too(grid, table):
     found = Certifier(SeparatedModel.load(table)).certify(grid.free("parameters")[2, 2, :-1])
     assert found.contact_force is None and found.errors.keys() == {"tip"}

@@ -71,6 +71,7 @@ def test_a_tendon_s_length_under_a_homogeneous_deformation(table, path):
         assert problem.tendon_length(k) == pytest.approx(mean, rel=1e-6)
 
 
+@pytest.mark.long
 def test_reaction_and_contact_force_are_in_balance(model):
     finger, taper = model
     state = finger.solve([60.0 * taper**2, 40.0 * taper**2], 0.010, sensitivities=False)

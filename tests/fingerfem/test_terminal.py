@@ -114,6 +114,7 @@ def test_solve_fits_the_window_and_ctrl_c_ends_it_in_one_line(scene):
     seen.assert_interrupted("stopped by Ctrl-C; nothing was written, the same command begins again")
 
 
+@pytest.mark.long
 def test_in_ascii_states_bars_and_names_are_plain(scene, undisturbed, begun, tmp_path):
     named = tmp_path / "named.toml"
     named.write_text(scene.read_text().replace('name = "', 'name = "Prüfling µ ', 1))

@@ -87,6 +87,7 @@ def test_estimated_errors_cover_the_true_ones_in_states_of_both_sets(grid_model,
         assert found["touch"]["force_without_touch"] == 0
 
 
+@pytest.mark.long
 def test_states_on_a_finer_mesh_enlarge_the_estimates_until_they_are_covered(grid_model, trained):
     training, finer = (SnapshotSet(trained / name) for name in ("training", "finer"))
     model = separate_grid(training, finer=finer)

@@ -130,6 +130,7 @@ def test_its_numbers_are_python_s_also_outside(opened, models, name):
     assert 0 < expected.inside.sum() < len(points)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", MODELS)
 def test_it_shows_orientation_and_shortenings_of_a_rod_alone(opened, models, name):
     model, shown = models[name], opened(name)
@@ -221,6 +222,7 @@ def test_a_mouse_a_finger_and_keys_turn_the_view(page):
     assert settled(page) == begun
 
 
+@pytest.mark.long
 def test_a_finger_on_the_glass_moves_a_slider(page):
     slider = page.find_element("id", "pull-0")
     box, before = slider.rect, page.execute_script("return window.fingerfem.point()")[0]
@@ -259,6 +261,7 @@ def said(driver) -> tuple[str, str | None]:
     return found.text, found.get_attribute("data-status")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "let_go", ["type", *(pytest.param(one, marks=pytest.mark.long) for one in ("uncheck", "pull"))]
 )

@@ -148,6 +148,7 @@ def test_what_a_killed_compilation_has_left_is_removed_when_it_is_old_and_never_
     assert jobs.end(second) == 2 and not jobs.private()
 
 
+@pytest.mark.long
 def test_who_waits_for_a_stopped_process_says_so_and_then_compiles_for_itself(jobs):
     stopped = jobs.begin(1, CC=jobs.slow_compiler())
     jobs.go(stopped)
@@ -196,6 +197,7 @@ def test_commands_without_a_compiler_say_so_in_one_line(scene, tmp_path):
     assert "forms must compile" in said and "/nowhere/gcc" in said
 
 
+@pytest.mark.long
 def test_commands_at_once_on_a_cold_cache_solve_though_one_of_them_is_killed(tmp_path):
     text = (ROOT / "scenes" / "draft.toml").read_text().replace("cells = [20, 5]", "cells = [10, 5]")
     free = tmp_path / "free.toml"

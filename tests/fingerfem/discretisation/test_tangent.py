@@ -24,6 +24,7 @@ SPECIALS = {
     "tapered": {"mesh": {"cells": [14, 5]}, "taper": [0.7]},
     "tapered, mixed, order 2": {"mesh": {"cells": [10, 5], "order": 2}, "material": STIFF, "taper": [0.7]},
 }
+QUICK = "order 1", "half"
 
 
 def changed(table: dict, special: dict) -> dict:
@@ -86,7 +87,7 @@ def csr(matrix) -> scipy.sparse.csr_matrix:
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(one, marks=pytest.mark.long) if "order 2" in one or one == "tapered" else one for one in SPECIALS],
+    [*QUICK, *(pytest.param(one, marks=pytest.mark.long) for one in SPECIALS if one not in QUICK)],
 )
 def test_it_is_the_form_s_to_round_off(table, name):
     model = FingerModel(Scene.model_validate(changed(table, SPECIALS[name])))

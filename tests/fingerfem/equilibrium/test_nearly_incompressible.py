@@ -43,6 +43,7 @@ def test_iterations_do_not_grow_with_the_bulk_modulus(poisson, pull):
     assert bent(poisson, pull).newton_iterations <= 2 * bent(0.49, pull).newton_iterations <= 40
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("pull", PULLS)
 def test_it_takes_no_more_iterations_than_the_rubber_on_which_presets_measure_their_cost(pull):
     """An iteration of the mixed form costs as much as another (docs/appendix.md)."""

@@ -145,6 +145,7 @@ AHEAD = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "shape", ["plane", *(pytest.param(one, marks=pytest.mark.long) for one in AHEAD if one != "plane")]
 )

@@ -134,6 +134,7 @@ def test_a_file_for_paraview_holds_the_state(draft, tmp_path):
 # -- what a scene does not name costs nothing --
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("load", [([100.0], None), pytest.param(([50.0], 0.005), marks=pytest.mark.long)], ids=str)
 def test_half_a_finger_gives_the_answer_of_the_whole(planar, load):
     half = model_of(planar).solve(*load)
@@ -338,6 +339,7 @@ def test_shipped_scenes_stay_clear_of_themselves(scene, tensions):
     assert not FingerModel(load_scene(SCENES / f"{scene}.toml")).solve(tensions, sensitivities=False).self_intersecting
 
 
+@pytest.mark.long
 def test_two_opposite_tendons_shorten_a_finger_and_leave_it_stable(planar):
     planar["tendons"].append(planar["tendons"][0] | {"name": "F3", "offset": [-0.004, 0.0]})
     state = model_of(planar).solve([60.0, 60.0])
@@ -395,6 +397,7 @@ def test_an_unstable_equilibrium_is_a_failed_snapshot(planar, tmp_path):
     assert line["reason"][-1] == "the equilibrium is not stable"
 
 
+@pytest.mark.long
 def test_saint_venant_kirchhoff_rubber_is_taken_up_to_its_limit(planar):
     planar["material"] = {"law": "saint-venant-kirchhoff", "E": 9.88e6, "nu": 0.45}
     assert model_of(planar).solve([5.0]).stable

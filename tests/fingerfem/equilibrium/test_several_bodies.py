@@ -44,6 +44,7 @@ def test_two_balls_that_squeeze_a_finger_press_alike(draft):
     assert state.clamp_reaction[1] == pytest.approx(0, abs=1e-5 * above)
 
 
+@pytest.mark.long
 def test_a_body_that_is_away_changes_nothing(draft):
     alone, among = (finger.solve([50.0, 20.0], 0.004) for finger in (model(draft, ABOVE), model(draft, ABOVE, FAR)))
     assert alone.contact_forces is None and among.contact_forces[1] == 0
@@ -71,6 +72,7 @@ def test_forces_are_those_of_the_energy_and_balance_the_clamp(pressed):
     assert force == pytest.approx(state.sensitivities["contact_force"]["d"], rel=2e-3)
 
 
+@pytest.mark.long
 def test_a_plane_beside_a_ball_is_the_plane_alone(draft):
     plane = {"shape": "plane", "centre": [0.0, 0.005, 0.0]}
     alone, among = (model(draft, plane, *others).solve([50.0, 20.0], 0.010) for others in ((), (FAR,)))

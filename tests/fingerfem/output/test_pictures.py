@@ -66,6 +66,7 @@ def test_tendons_end_in_the_plate_as_far_from_its_centre_as_at_rest(draft, press
         assert apart == pytest.approx(np.linalg.norm(tendon.offset), rel=1e-3)
 
 
+@pytest.mark.long
 def test_tendons_of_half_a_finger_are_found_on_its_plane_of_symmetry():
     """There the mesh ends."""
     model = FingerModel(load_scene(ROOT / "scenes" / "free.toml"))

@@ -90,6 +90,7 @@ def test_the_command_refuses_what_elements_cannot_make_before_it_writes(trained,
     )
 
 
+@pytest.mark.long
 def test_two_segments_with_tendons_that_end_at_either_plate(finger):
     """A rigid plate clamps the next segment; a tendon of the tip passes the first segment as if it ended there."""
     table = tomllib.loads(scene_text([0.037, 0.037], tension=30.0))

@@ -77,6 +77,7 @@ def test_killing_a_rank_and_running_again_ends_in_the_undisturbed_set(scene, und
     assert_same(folder, undisturbed)
 
 
+@pytest.mark.long
 def test_held_out_states_are_drawn_from_the_seed_and_solved_from_rest(scene, tmp_path):
     run(2, scene, tmp_path / "held", "--random", "6", "--seed", "3")
     snapshots = SnapshotSet(tmp_path / "held")
@@ -127,6 +128,7 @@ def test_another_scene_or_a_foreign_folder_is_refused_in_one_line(scene, undistu
     assert [file.name for file in foreign.iterdir()] == ["thesis.tex"]
 
 
+@pytest.mark.long
 def test_two_jobs_that_begin_different_sets_in_one_folder_do_not_mix(scene, tmp_path):
     folder = tmp_path / "contested"
     jobs = [
@@ -158,6 +160,7 @@ def test_an_unfinished_or_a_broken_set_is_not_read(scene, undisturbed, tmp_path)
         SnapshotSet(tmp_path)
 
 
+@pytest.mark.long
 def test_stored_derivatives_are_differences_of_states(scene, undisturbed):
     """Of a contact state, and of a free one: by every parameter, against states solved beside it."""
     from fingerfem import FingerModel, load_scene

@@ -35,7 +35,7 @@ def points(table: dict, shape: dict, order: int = 1) -> tuple[ClosestPoints, np.
 
 
 @pytest.mark.parametrize("order", [1, pytest.param(2, marks=pytest.mark.long)])
-@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("name", ["face", *(pytest.param(one, marks=pytest.mark.long) for one in ("edge", "corner"))])
 def test_forces_are_differences_of_the_energy_and_the_stiffness_of_the_forces(table, name, order):
     found, displacement = points(table, SHAPES[name], order)
     d = 0.0

@@ -32,6 +32,7 @@ def nodal(points, shape: tuple) -> np.ndarray:
     return at_nodes
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("shape", SHAPES)
 def test_points_press_as_the_compiled_forms_do(table, shape):
     problem, points = pressed(table, shape)
