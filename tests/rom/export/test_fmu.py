@@ -69,7 +69,9 @@ COUNTS = {"rod": 300, "table": 2000, "two_segments": 100}
 
 
 @BOTH
-@pytest.mark.parametrize("name", ["rod", "table", pytest.param("two_segments", marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "name", ["table", *(pytest.param(one, marks=pytest.mark.long) for one in ("rod", "two_segments"))]
+)
 def test_its_numbers_are_python_s_also_outside(models, made, name, version):
     model, count = models[name], COUNTS[name]
     points = some_points(model, count)
@@ -151,7 +153,7 @@ def test_where_a_derivative_is_asked_for_of_nothing_it_is_refused(made, version)
 
 
 @BOTH
-@pytest.mark.parametrize("controller", [False, True])
+@pytest.mark.parametrize("controller", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_the_library_runs_with_the_c_library_of_debian_11(made, version, controller):
     library = made("rod", version, controller).library.read_bytes()
     needed = {tuple(map(int, one)) for one in re.findall(rb"GLIBC_(\d+)\.(\d+)", library)}
@@ -215,7 +217,7 @@ def test_the_library_needs_no_other_and_shows_nothing_but_the_standard(made, ver
 
 
 @BOTH
-@pytest.mark.parametrize("controller", [False, True])
+@pytest.mark.parametrize("controller", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_its_sources_make_the_library_on_their_own(made, tmp_path, version, controller):
     fmu = made("table", version, controller)
     sources = fmu.folder / "sources"
@@ -233,6 +235,7 @@ def test_its_sources_make_the_library_on_their_own(made, tmp_path, version, cont
     assert done.returncode == 0 and done.stderr == ""
 
 
+@pytest.mark.long
 def test_the_same_model_makes_the_same_file(table, made, tmp_path):
     again = tmp_path / "table3.fmu"
     write(table, again)
