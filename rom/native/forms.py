@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from rom.answer import PAD
 from rom.native import LIBRARY, pointer
 
 # Columns of a form's row, and their number.
@@ -45,7 +44,7 @@ def values_and_gradients(tables: Any, form: int, points: np.ndarray) -> tuple[np
 
 def rows(kernel: Any) -> int:
     """Number of rows of an answer."""
-    return PAD + int(kernel.has_pad)
+    return LIBRARY.constants.FINGERFEM_PAD + int(kernel.has_pad)
 
 
 def answer(kernel: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
