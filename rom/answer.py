@@ -12,9 +12,8 @@ from rom.brief import brief
 from rom.console.table import COVERED, Table, as_html, components, number, quantities, row, shown
 from rom.native import LIBRARY
 
-ROWS = LIBRARY.constants
 # Rows of an answer; the pad's only where a model has it.
-TIP, FORCE, TOUCH, PAD = ROWS.FINGERFEM_TIP, ROWS.FINGERFEM_FORCE, ROWS.FINGERFEM_TOUCH, ROWS.FINGERFEM_PAD
+TIP, FORCE, TOUCH, PAD = (getattr(LIBRARY.constants, f"FINGERFEM_{name}") for name in ("TIP", "FORCE", "TOUCH", "PAD"))
 FEW = 10  # points of many that a table shows
 INSIDE = "inside what was trained; errors cover 95 of 100 states"
 OUTSIDE = "not inside what was trained: nothing says how far this is from the truth"

@@ -51,7 +51,7 @@ from studies import report, sets
 SCENES = Path(__file__).resolve().parents[1] / "scenes" / "demo"
 CALLER = "FINGERFEM_CALLER"  # the demo, not the farm, prints what an interruption keeps
 SHOW_CURSOR = "\x1b[?25h"  # which a bar hides, and a killed rank does not bring back
-HELD_OUT, QUICKLY_HELD_OUT = 8, 4  # random tensions, each with four distances
+HELD_OUT, QUICK_HELD_OUT = 8, 4  # random tensions, each with four distances
 # The fingers that are driven are on a mesh of their own, neither the fine nor the coarse one.
 PLANTS = {"mesh": {"cells": [10, 5], "order": 2}}
 # Meshes that are soon solved.
@@ -124,7 +124,7 @@ def trained(out: Path, quick: bool) -> tuple[TouchedSegment, dict]:
     say("training: the same states on a fine mesh; each begins at the coarse one")
     fine, on_fine = farm(scene_file("fine", out, quick), out / "fine", "--near", str(out / "coarse"))
     say("held-out: full-order states before a plane, on the coarse mesh from rest, then on the fine one")
-    drawn = f"--random {QUICKLY_HELD_OUT if quick else HELD_OUT} --distances 4 --seed 2018".split()
+    drawn = f"--random {QUICK_HELD_OUT if quick else HELD_OUT} --distances 4 --seed 2018".split()
     farm(scene_file("plane_coarse", out, quick), out / "heldout-coarse", *drawn)
     near = "--near", str(out / "heldout-coarse")
     fresh, held_out = farm(scene_file("plane", out, quick), out / "heldout", *drawn, *near)

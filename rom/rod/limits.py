@@ -26,7 +26,8 @@ MOST_PRODUCTS = 1 << 20  # of a polynomial: with these, places in memory are cou
 FARTHEST = 2.0  # a plate that nothing touches, from its clamp, over its segment's length [-]
 MOST_KNOTS = 16  # of an element's outline; one side long it has two
 WRENCH, CORNERS = LIBRARY.constants.FINGERFEM_WRENCH, LIBRARY.constants.FINGERFEM_CORNERS
-ELEMENT, KNOT = 6, 12  # numbers of an element's pose, and of a knot
+ELEMENT = LIBRARY.constants.FINGERFEM_BLOCK_ROW // LIBRARY.constants.FINGERFEM_BLOCK  # numbers of an element's pose
+KNOT = 12  # numbers of a knot
 
 
 def check(rod: Rod) -> None:

@@ -14,7 +14,7 @@ from rom.native import LIBRARY
 from rom.rod.wrench_products import padded
 
 BLOCK, POSE = LIBRARY.constants.FINGERFEM_BLOCK, LIBRARY.constants.FINGERFEM_POSE
-SIX = 6  # values of a law
+SIX = LIBRARY.constants.FINGERFEM_BLOCK_ROW // BLOCK  # values of a law
 EIGHT, KNOT = 8, 12  # numbers of an outline fill eights; numbers of one of its knots
 PLACES, NEAREST = 5, 4  # cross-sections of the rubber for every knot; knots that interpolate one
 

@@ -229,7 +229,7 @@ def test_the_whole_range_of_tensions_is_reached_in_few_iterations(draft):
 def test_a_contact_line_takes_at_most_five_factorisations_a_state(draft):
     line = solver_study.ours(draft, solver_study.LINE)
     assert len(line["end"]) == solver_study.COUNTED and np.all(np.diff(line["end"]) > 0)
-    assert line["factorisations"] <= 5 * (1 + solver_study.COUNTED)
+    assert line["factorisations"] <= 5 * solver_study.COUNTED
 
 
 def test_rest_to_the_strongest_pull_takes_at_most_22_factorisations(draft):
