@@ -29,9 +29,13 @@ from cffi import VerificationError
 from dolfinx import fem, jit
 from ffcx.naming import compute_signature
 from mpi4py import MPI
+from ufl.classes import Label
+from ufl.corealg.map_dag import map_expr_dag
+from ufl.corealg.multifunction import MultiFunction
 
 NOTICE = 10.0  # [s] of waiting for another process, after which it is said; few forms take as long to compile
 PATIENCE = 120.0  # [s] of waiting, after which a form is compiled here too: whoever compiles it may be stopped
+COMPILER_FLAGS = ["-O1", "-g0"]  # -O2 compiles for two to three times as long, and its forms are as fast
 ABANDONED = 86400.0  # [s]: a private folder that has not changed for a day was left by a process that was killed
 
 
@@ -47,7 +51,7 @@ def form(integrals: ufl.Form) -> fem.Form:
         OSError: it cannot be compiled; on every rank.
     """
     folder = _compiled(integrals, integrals.ufl_domain().ufl_cargo().comm)
-    made = fem.form(integrals, dolfinx.default_scalar_type, jit_options={"cache_dir": folder})
+    made = fem.form(integrals, dolfinx.default_scalar_type, jit_options=_jit_options(folder))
     for kind in (fem.IntegralType.cell, fem.IntegralType.exterior_facet):
         regions = list(made._cpp_object.integral_ids(kind))
         if len(set(regions)) < len(regions):
@@ -91,8 +95,31 @@ def expression(value: Any, points: np.ndarray) -> fem.Expression:
     Raises:
         OSError: it cannot be compiled; on every rank.
     """
+    value = _with_numbered_labels(value)
     folder = _compiled((value, points), ufl.domain.extract_unique_domain(value).ufl_cargo().comm)
-    return fem.Expression(value, points, jit_options={"cache_dir": folder}, dtype=dolfinx.default_scalar_type)
+    return fem.Expression(value, points, jit_options=_jit_options(folder), dtype=dolfinx.default_scalar_type)
+
+
+class _NumberedLabels(MultiFunction):
+    """An expression with its labels of `ufl.variable` counted anew, in the order in which they are found."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._labels: dict[Label, Label] = {}
+
+    expr = MultiFunction.reuse_if_untouched
+
+    def label(self, label: Label) -> Label:
+        return self._labels.setdefault(label, Label(len(self._labels)))
+
+
+def _with_numbered_labels(value: Any) -> Any:
+    """The same expression under a name that does not depend on what the process made before.
+
+    UFL counts the labels of all its expressions together. FFCx hashes these counts with an expression, though not with
+    a form: without this every process would compile moduli that lie in the cache already.
+    """
+    return map_expr_dag(_NumberedLabels(), value)
 
 
 def _compiled(source: Any, comm: MPI.Comm) -> Path:
@@ -110,9 +137,13 @@ def _compiled(source: Any, comm: MPI.Comm) -> Path:
     return folder
 
 
+def _jit_options(folder: Path | None = None) -> dict[str, Any]:
+    return {"cffi_extra_compile_args": COMPILER_FLAGS} | ({"cache_dir": folder} if folder else {})
+
+
 def _name(source: Any) -> str:
     """A hash of all that the compiled code depends on: at least of what FFCx names its modules after."""
-    options = {name: value for name, value in jit.get_options().items() if name.startswith("cffi_")}
+    options = {name: value for name, value in jit.get_options(_jit_options()).items() if name.startswith("cffi_")}
     options |= ffcx.get_options({"scalar_type": dolfinx.default_scalar_type})
     built = [dolfinx.__version__, *map(sysconfig.get_config_var, ("CFLAGS", "SOABI", "EXT_SUFFIX"))]
     return compute_signature([source], f"{sorted(options.items())} {built}")
@@ -136,7 +167,7 @@ def _compile(source: Any, folder: Path) -> None:
         try:
             private.mkdir(parents=True)
             scalar = {"scalar_type": dolfinx.default_scalar_type}
-            jit.ffcx_jit(MPI.COMM_SELF, source, form_compiler_options=scalar, jit_options={"cache_dir": private})
+            jit.ffcx_jit(MPI.COMM_SELF, source, form_compiler_options=scalar, jit_options=_jit_options(private))
             private.rename(folder)
         except (OSError, ImportError, VerificationError) as error:
             cleared = not private.exists() and folder.parent.exists()  # `rm -r` of the whole cache, say: once more

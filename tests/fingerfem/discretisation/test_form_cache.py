@@ -12,8 +12,14 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
+import ufl
+from dolfinx import fem, mesh
 from farm import ROOT
+from mpi4py import MPI
+
+from fingerfem.discretisation import form_cache
 
 # A form and an expression by number, on a mesh of one cell; the C compiler's calls are counted by FFCx's own function.
 SMALL = """
@@ -102,6 +108,17 @@ class Jobs:
 @pytest.fixture
 def jobs(tmp_path) -> Jobs:
     return Jobs(tmp_path)
+
+
+def test_an_expression_with_a_derivative_is_compiled_once_whatever_the_process_made_before(jobs, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", jobs.settings["XDG_CACHE_HOME"])
+    box = mesh.create_unit_cube(MPI.COMM_SELF, 1, 1, 1)
+    u = fem.Function(fem.functionspace(box, ("Lagrange", 1)))
+    for _ in range(2):
+        x = ufl.variable(1 + u)
+        twice = form_cache.expression(ufl.diff(x**2, x), np.array([[0.5, 0.5, 0.5]]))
+        assert np.allclose(twice.eval(box, np.zeros(1, np.int32)), 2)
+    assert jobs.whole() == 1
 
 
 @pytest.mark.long
