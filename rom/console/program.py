@@ -32,7 +32,11 @@ def begin() -> None:
 
 @contextmanager
 def one_line(*unusable: type[Exception]) -> Iterator[None]:
-    """Ends the process in one line for bad input, exit code 2; or for one of these exceptions, exit code 3."""
+    """Ends the process in one line for bad input, exit code 2; or for one of these exceptions, exit code 3.
+
+    A signal that ends the process keeps its exit code, whatever fails while contexts are left, such as a half-written
+    archive that cannot be closed.
+    """
     try:
         yield
     except ImportError as error:
@@ -43,7 +47,16 @@ def one_line(*unusable: type[Exception]) -> Iterator[None]:
     except unusable as error:
         _end(str(error), NOTHING_USABLE)
     except (ValueError, OSError) as error:
-        _end(str(error), BAD_INPUT)
+        _end(str(error), _code_of_ending(error.__context__) or BAD_INPUT)
+
+
+def _code_of_ending(error: BaseException | None) -> int | None:
+    """The exit code with which the process was about to end when an error was raised."""
+    while error is not None:
+        if isinstance(error, SystemExit) and isinstance(error.code, int):
+            return error.code
+        error = error.__context__
+    return None
 
 
 def _end(reason: str, code: int) -> NoReturn:

@@ -10,6 +10,8 @@ import sys
 import pytest
 from terminal import ROOT, shown
 
+from rom.console.program import one_line
+
 SMALL = 4096  # [bytes] of the largest file that may be written
 COMMANDS = {
     "rom info": ["info", "rom/finger.h5"],
@@ -20,6 +22,16 @@ COMMANDS = {
     "control campaign": ["campaign", "--starts", "4"],
 }
 PLAIN = {"µ": "u", "±": "+-"}
+
+
+@pytest.mark.parametrize("code", [130, 143])
+def test_an_error_on_the_way_out_does_not_change_the_exit_code_of_a_signal(code):
+    with pytest.raises(SystemExit) as ended, one_line():
+        try:
+            raise SystemExit(code)
+        finally:
+            raise ValueError("the archive must be closed")
+    assert ended.value.code == code
 
 
 def command(name, trained) -> list[str]:
