@@ -33,6 +33,7 @@ def test_a_finger_of_yeoh_s_rubber_is_neo_hookean_without_the_second_term(page):
     assert forces[1] == pytest.approx(forces[0], rel=1e-9)
 
 
+@pytest.mark.long
 def test_the_tip_of_the_cone_presses_by_its_rounding_from_its_corner(page):
     (contact,) = page["touched"].contact_forces([12.0, 3.0, 0.0])
     assert page["answer"].inside

@@ -132,12 +132,14 @@ def test_several_obstacles_and_bad_input_are_refused(table, draft):
         friction_history(draft, [[400.0, 0.0, 0.01]], 0.3)
 
 
+@pytest.mark.long
 def test_a_finger_that_leaves_the_plane_comes_back_without_memory(draft):
     begun, away, again = friction_history(draft, [PRESSED, [40.0, 5.0, 0.02], PRESSED], 0.4, increments=3)
     assert away.normal_force == 0.0 and np.isnan(away.sticks) and not away.force.any()
     np.testing.assert_allclose(again.force, begun.force, atol=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.mpi
 def test_ranks_that_share_a_finger_have_its_history():
     """One of two ranks has no node in contact."""

@@ -8,6 +8,7 @@ from fingerfem.full_order_plant import FullOrderPlant
 DISTANCE = 0.012
 
 
+@pytest.mark.long
 def test_pulls_go_on_from_the_last_one_and_feel_the_same(draft):
     random = np.random.default_rng(3)
     plant, other = FullOrderPlant(draft, DISTANCE), FullOrderPlant(draft, 0.008)

@@ -54,6 +54,7 @@ def nothing_is_left_over(folder: Path) -> bool:
     return not list((folder / "attempts").iterdir()) and not [*folder.glob("tasks/.*"), *folder.glob("claimed/*")]
 
 
+@pytest.mark.long
 def test_under_mpirun_the_farm_s_bar_moves_while_it_works(scene, undisturbed, begun):
     words = [word for word in command(2, scene, begun, "--progress", "bar") if word != "--json"]
     seen = shown(words)
@@ -80,6 +81,7 @@ def test_ctrl_c_stops_the_demo_s_call_in_one_line_and_the_next_completes_the_set
     assert_same(begun, undisturbed)
 
 
+@pytest.mark.long
 def test_ctrl_c_drops_the_line_at_hand_and_is_no_death(scene, undisturbed, begun):
     words = [*FARM, str(scene), str(begun)]
     shown(words, interrupt_at=unfinished(begun), times=3).assert_interrupted(f"stopped by Ctrl-C: {KEPT}")
@@ -100,6 +102,7 @@ def test_ctrl_c_ends_mpirun_without_noise_and_the_next_completes_the_set(scene, 
     assert_same(begun, undisturbed)
 
 
+@pytest.mark.long
 def test_ctrl_c_ends_the_demo_in_one_line(tmp_path):
     seen = shown([sys.executable, "studies/demo.py", str(tmp_path), "--quick"], interrupt_at=" [1-9]/12 ")
     seen.assert_interrupted(f"demo: stopped by Ctrl-C: {KEPT}")

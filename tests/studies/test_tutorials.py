@@ -68,6 +68,7 @@ def test_the_scene_of_the_tutorial_is_what_its_preset_takes(page):
     assert chosen.expected is not None and chosen.coarse is not None
 
 
+@pytest.mark.long
 def test_a_held_force_is_that_of_the_full_order_model(demo):
     (code,) = re.findall(r"```python\n(.*?)```", (DOCS / "howto" / "trust.md").read_text(), re.DOTALL)
     code = code.replace("out/demo", str(demo)).replace("scenes/standard.toml", "scenes/draft.toml")  # what tests train

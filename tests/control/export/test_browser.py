@@ -233,6 +233,7 @@ def test_a_finger_on_the_glass_moves_a_slider(page):
     assert page.execute_script("return window.fingerfem.point()")[0] > before + 20
 
 
+@pytest.mark.long
 def test_it_holds_a_force_while_the_plane_moves(page):
     from selenium.webdriver.common.keys import Keys
 

@@ -45,6 +45,7 @@ def test_saint_venant_kirchhoff_in_compression_follows_its_closed_form_up_to_its
     assert middle_stretch(compressed) == pytest.approx(stretch, rel=0.015)
 
 
+@pytest.mark.long
 def test_saint_venant_kirchhoff_at_half_its_length_is_refused_with_its_limit(compressed):
     with pytest.raises(LoadNotReached, match=r"compressed to a stretch of 0\.5\d+, below 0\.5774") as caught:
         compressed.solve([100.0, 100.0])
@@ -52,6 +53,7 @@ def test_saint_venant_kirchhoff_at_half_its_length_is_refused_with_its_limit(com
     assert compressed.problem.limits.smallest_stretch() >= 3**-0.5
 
 
+@pytest.mark.long
 def test_saint_venant_kirchhoff_beyond_its_limit_in_a_part_of_the_finger_is_refused(saint_venant_kirchhoff):
     """Bending compresses one side alone."""
     model = FingerModel(Scene.model_validate(saint_venant_kirchhoff))

@@ -149,6 +149,7 @@ def test_jobs_that_are_killed_at_random_moments_hold_up_nobody(jobs):
     assert jobs.end(late) == 0
 
 
+@pytest.mark.long
 def test_what_a_killed_compilation_has_left_is_removed_when_it_is_old_and_never_used(jobs):
     killed = jobs.begin(1, CC=jobs.slow_compiler())
     jobs.go(killed)
@@ -184,6 +185,7 @@ def test_who_waits_for_a_stopped_process_says_so_and_then_compiles_for_itself(jo
     assert jobs.whole() == 2 and not jobs.private()
 
 
+@pytest.mark.long
 def test_a_cache_that_is_removed_while_a_form_compiles_is_begun_once_more(jobs):
     job = jobs.begin(1, CC=jobs.slow_compiler())
     jobs.go(job)

@@ -55,7 +55,16 @@ def resultants(model: FingerModel) -> tuple[np.ndarray, np.ndarray]:
     return lines[1:], forces
 
 
-@pytest.mark.parametrize(("name", "taper"), [*((name, 1.0) for name in LAWS), ("compressible", 0.8)])
+@pytest.mark.parametrize(
+    ("name", "taper"),
+    [
+        ("compressible", 1.0),
+        *(
+            pytest.param(*one, marks=pytest.mark.long)
+            for one in [("nearly incompressible", 1.0), ("compressible", 0.8)]
+        ),
+    ],
+)
 def test_every_sections_force_is_what_presses_beyond_it(table, name, taper):
     table["tendons"], table["mesh"]["cells"], table["geometry"]["taper"] = table["tendons"][:1], [12, 5], [taper]
     if LAWS[name] is not None:

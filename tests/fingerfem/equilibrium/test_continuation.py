@@ -84,7 +84,7 @@ def test_forces_and_shortenings_are_derivatives_of_the_potential(draft, states, 
         assert (ahead - behind) / 0.2 == pytest.approx(length, rel=1e-5)
 
 
-@pytest.mark.parametrize("load", LOADS[:2], ids=str)
+@pytest.mark.parametrize("load", [LOADS[0], pytest.param(LOADS[1], marks=pytest.mark.long)], ids=str)
 def test_sensitivities_are_differences_of_states(draft, states, load):
     (tensions, d), state = load, states[tuple(load[0]), load[1]]
     for name, change, h in (("F1", ([1.0, 0.0], 0.0), 0.01), ("d", ([0.0, 0.0], 1.0), 1e-6)):

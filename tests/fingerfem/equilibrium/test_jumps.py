@@ -44,13 +44,8 @@ def check_equilibrium(model: FingerModel) -> None:
     assert model.problem.smallest_volume_ratio() > 0
 
 
-@pytest.mark.parametrize(
-    ("jumps", "mixed"),
-    [
-        (20, False),
-        *(pytest.param(*one, marks=pytest.mark.long) for one in ((10, True), (500, False), (500, True))),
-    ],
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("jumps", "mixed"), [(20, False), (10, True), (500, False), (500, True)])
 def test_full_newton_steps_between_random_loads_converge_or_give_a_reason(jumps, mixed):
     """Each jump is tried as one step first, then by continuation; neither leaves a NaN behind."""
     model, draw = small(mixed), np.random.default_rng(38)

@@ -54,6 +54,7 @@ def test_a_body_that_is_away_changes_nothing(draft):
         assert among.sensitivities["contact_force"][name] == pytest.approx(slope, rel=1e-6)
 
 
+@pytest.mark.long
 def test_forces_are_those_of_the_energy_and_balance_the_clamp(pressed):
     finger, state = pressed
     assert (state.contact_forces > 0.05).all() and state.stable
@@ -91,6 +92,7 @@ def test_several_bodies_are_written_as_they_are_read_and_wrong_ones_refused(draf
         model(draft, {"shape": "plane"}, POST, distance=[0.001, 0.03], pad=draft["obstacle"]["pad"])
 
 
+@pytest.mark.long
 def test_several_bodies_are_not_trained_on(draft):
     scene = model(draft, {"shape": "plane"}, POST, distance=[0.001, 0.03]).scene
     with pytest.raises(SceneError, match=r"obstacle must be the plane .* to train on it, got 2 bodies"):

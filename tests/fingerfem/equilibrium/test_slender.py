@@ -82,7 +82,8 @@ def elastica() -> dict[float, list[np.ndarray]]:
     return found
 
 
-@pytest.mark.parametrize("case", [2, *(pytest.param(one, marks=pytest.mark.long) for one in (0, 1))])
+@pytest.mark.long
+@pytest.mark.parametrize("case", [0, 1, 2])
 def test_a_dead_load_at_the_tip_bends_the_elastica(elastica, case):
     _, w, u = ELASTICA[case]
     tips = [elastica[slenderness][case] for slenderness in (20, 40)]

@@ -33,6 +33,7 @@ def of_colour(picture: np.ndarray, colour: str) -> np.ndarray:
     return np.asarray(np.linalg.norm(picture - to_rgb(colour), axis=2) < CLOSE)
 
 
+@pytest.mark.long
 def test_a_picture_shows_finger_plates_plane_and_tendons(picture):
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50
     for colour, least in ((panels.PULLED, 300), (panels.OBSTACLE, 5000), (panels.PLATES, 300)):

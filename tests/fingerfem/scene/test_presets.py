@@ -198,6 +198,7 @@ def test_a_finger_that_is_none_is_refused_as_such(side, open_table, tmp_path):
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.long
 def test_the_command_says_what_is_expected(pressed, tmp_path):
     file = tmp_path / "scene.toml"
     file.write_text('preset = "draft"\n' + as_toml(pressed))

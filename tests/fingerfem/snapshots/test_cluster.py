@@ -18,6 +18,7 @@ cd "$5"; shift 6; exec "$@"
 """
 
 
+@pytest.mark.long
 def test_the_slurm_script_trains_a_set(scene, undisturbed, tmp_path):
     for name, text in (("srun", SRUN), ("apptainer", APPTAINER)):
         (tmp_path / name).write_text(text)

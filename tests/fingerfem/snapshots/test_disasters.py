@@ -70,6 +70,7 @@ def test_sigterm_drops_the_line_at_hand_and_is_no_death(scene, undisturbed, tmp_
     assert_same(tmp_path / "set", undisturbed)
 
 
+@pytest.mark.long
 def test_sigterm_to_mpirun_ends_all_ranks_in_ten_seconds(scene, tmp_path):
     job = begun(command(2, scene, tmp_path / "set"), tmp_path / "set", 3)
     job.terminate()
@@ -156,6 +157,7 @@ def test_three_deaths_at_one_line_quarantine_it_and_what_needs_it_and_retry_solv
     assert_same(folder, undisturbed)
 
 
+@pytest.mark.long
 def test_a_full_disk_is_one_line_and_loses_nothing_that_was_written(scene, undisturbed, tmp_path):
     folder = tmp_path / "small disk"
     folder.mkdir()
@@ -174,6 +176,7 @@ def test_a_full_disk_is_one_line_and_loses_nothing_that_was_written(scene, undis
     assert_same(tmp_path / "larger disk", undisturbed)
 
 
+@pytest.mark.long
 def test_a_folder_that_cannot_be_written_to_is_one_line(scene, tmp_path):
     folder = tmp_path / "read only"
     folder.mkdir(mode=0o555)

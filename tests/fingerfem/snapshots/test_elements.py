@@ -56,13 +56,15 @@ def _environment() -> dict[str, str]:
     return os.environ | {"PYTHONPATH": str(ROOT)}
 
 
+@pytest.mark.long
 def test_left_out_lines_are_predicted_within_a_ten_thousandth(finger):
     left_out = finger.elements.provenance["left_out"]
     assert left_out["contact_force"]["median"] < 1e-4 and left_out["contact_force"]["p95"] < 5e-4
     assert left_out["free_place_m"]["p95"] < 2e-6
 
 
-@pytest.mark.parametrize("length", [LENGTHS[1], pytest.param(LENGTHS[2], marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("length", LENGTHS[1:3])
 def test_a_finger_of_another_length_is_the_full_order_model_s(finger, trained, length):
     table = tomllib.loads(scene_text([length], tension=40.0))
     model, rod = FingerModel(Scene.model_validate(table)), finger.assembled(table)
@@ -79,6 +81,7 @@ def test_a_finger_of_another_length_is_the_full_order_model_s(finger, trained, l
     assert max(off) < 1.5e-6 and max(turned) < 4e-5
 
 
+@pytest.mark.long
 def test_the_command_refuses_what_elements_cannot_make_before_it_writes(trained, finger):
     (trained / "short.toml").write_text(scene_text([0.022]))
     command = [sys.executable, "-m", "rom", "assemble", "short.toml", "finger.h5", "-o", "short.h5"]

@@ -147,6 +147,7 @@ def check_sections(scene: Scene, lines: list[np.ndarray], nodes: np.ndarray) -> 
         assert in_plate(scene.outline, k, nodes.T).sum() == layers * len(lines[1]) * len(lines[2])
 
 
+@pytest.mark.long
 def test_fingers_of_any_measures_have_lines_sections_and_a_transfer_from_mesh_to_mesh():
     for random, coarse, fine in fingers():
         (own, nodes), (_, targets) = nodes_of(coarse, random), nodes_of(fine, random)

@@ -20,6 +20,7 @@ def solved(folder: Path, text: str) -> tuple[SnapshotSet, FingerModel]:
     return SnapshotSet(folder / "set"), FingerModel(load_scene(file))
 
 
+@pytest.mark.long
 def test_a_finger_that_touches_at_its_lowest_tension_is_in_contact_from_there_on(tmp_path):
     text = DRAFT.replace(SECOND_TENDON, "").replace("tension = [0.0, 100.0]", "tension = [20.0, 60.0]")
     snapshots, model = solved(tmp_path, text)

@@ -26,6 +26,7 @@ def test_the_pressures_derivatives_are_those_of_finite_differences(spatial, tmp_
         assert slopes[j] == pytest.approx((high.pad_pressure - low.pad_pressure) / (2 * h), rel=1e-3)
 
 
+@pytest.mark.long
 def test_a_pad_under_everything_presses_with_the_contact_force_over_its_area(scene, tmp_path):
     """Here the pad is the whole face of the plate, and the rubber does not touch."""
     file = tmp_path / "pad.toml"

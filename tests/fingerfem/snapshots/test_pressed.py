@@ -109,6 +109,7 @@ def test_a_line_that_is_lost_is_solved_again_and_is_the_same(pressed_scene, pres
     assert np.array_equal(read_task(pressed_set, "pressed-13")["clamp_place"], before["clamp_place"])
 
 
+@pytest.mark.long
 def test_held_out_states_measure_the_finger_that_is_built(pressed_scene, pressed_set, tmp_path):
     run(2, pressed_scene, tmp_path / "held-out", "--random", "8", "--seed", "3")
 

@@ -63,6 +63,7 @@ def test_a_tendon_that_is_not_named_has_no_axis_and_a_planar_pull_half_the_mesh(
     assert "contact_force" in quantities(states)
 
 
+@pytest.mark.long
 def test_a_pad_that_is_not_named_has_no_form_and_one_that_is_not_stored_no_quantity(table, solved):
     without = scene(table)
     del without["obstacle"]["pad"]
@@ -71,6 +72,7 @@ def test_a_pad_that_is_not_named_has_no_form_and_one_that_is_not_stored_no_quant
     assert "pad_pressure" in quantities(solved(scene(table, sampling={"store": ["pad_pressure"]})))
 
 
+@pytest.mark.long
 def test_tip_and_contact_force_alone_store_no_field(table, solved):
     states = solved(scene(table, sampling={"store": []}))
     assert {"tip", "contact_force"} < quantities(states)

@@ -31,6 +31,7 @@ def test_felupe_finds_the_same_displacement_and_contact_force(method, tmp_path):
     assert touching["contact_force"] > 1.0 and touching["contact_force_difference"] < 1e-6
 
 
+@pytest.mark.long
 def test_felupe_differentiates_an_energy_to_the_same_displacement(tmp_path):
     (free,) = compare(scene_of("one_segment", MOONEY_RIVLIN, MESH), (FREE,), tmp_path)
     assert free["failed"] is None and free["displacement_difference"] < 1e-10
