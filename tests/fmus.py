@@ -19,7 +19,7 @@ from control.export import fmu as control_fmu
 from rom.export.fmu import write
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
-BOTH = pytest.mark.parametrize("version", [2, 3])
+BOTH = pytest.mark.parametrize("version", [3, pytest.param(2, marks=pytest.mark.long)])
 
 
 class Maker:

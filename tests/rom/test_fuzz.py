@@ -81,6 +81,7 @@ def cache(tmp_path_factory) -> Path:
     return tmp_path_factory.mktemp("sanitized")
 
 
+@pytest.mark.long
 @needs_sanitizers
 def test_sixty_wrong_files_are_refused_or_answered(sources, tmp_path, cache):
     found = counted(sources, tmp_path, cache, 60, seed=1)

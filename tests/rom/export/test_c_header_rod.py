@@ -104,7 +104,7 @@ def two_plates(model):
     return TouchedSegment(rod=rod, obstacle=facing_plane(geometry["side"], (0.0, sum(lengths))))
 
 
-@pytest.fixture(scope="module", params=["one plate", "two plates"])
+@pytest.fixture(scope="module", params=["one plate", pytest.param("two plates", marks=pytest.mark.long)])
 def called(request, model, two_plates, tmp_path_factory):
     """A model, and the functions of its header."""
     own, folder = (model if request.param == "one plate" else two_plates), tmp_path_factory.mktemp("header")
@@ -254,6 +254,7 @@ int main(void)
 """
 
 
+@pytest.mark.long
 def test_a_hull_is_its_numbers_in_python(model, alone):
     from rom.export.numbers import definitions
     from rom.native import LIBRARY

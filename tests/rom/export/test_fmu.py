@@ -378,6 +378,7 @@ def test_what_cannot_be_written_is_refused_in_one_line(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.long
 def test_the_command_writes_one_and_refuses_the_rest(table_file, tmp_path):
     def run(*arguments: str) -> subprocess.CompletedProcess:
         command = [sys.executable, "-m", "rom", "export", *arguments]

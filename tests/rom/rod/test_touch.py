@@ -295,6 +295,7 @@ def test_an_object_in_the_clamp_is_noticed(finger):
         assert bool(model.evaluate([0.0, 0.0, -1e-5]).inside) == inside
 
 
+@pytest.mark.long
 def test_a_finger_that_ends_at_a_kink_has_converged_if_it_holds_the_force(finger):
     """A ball rolls from the plate's face over its edge: the force has a kink there, and steps along it end."""
     for height in np.linspace(0.0495, 0.055, 3):
