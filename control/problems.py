@@ -53,6 +53,7 @@ def atlas(model: Model, lower: np.ndarray, upper: np.ndarray, row: int = FORCE) 
     free = model.outputs(np.column_stack([tensions, np.full(len(tensions), np.inf)]))
     touch = free[:, TOUCH].copy()
     distances = np.linspace(model.limits[0][-1], model.limits[1][-1], nodes)
+    distances[0] = distances[:2].mean()  # at the nearest an object may press on the whole side: nearly all of the time
     held = np.array([model.outputs(np.column_stack([tensions, np.full(len(tensions), d)])) for d in distances])
     forces, past, unit = held[..., FORCE], touch - distances[:, None], 1.0
     if row != FORCE:
