@@ -10,7 +10,9 @@ from rom.console.packages import REMEDIES, REQUIRED, MissingPackage, explained, 
 SCENE, MODEL = "scenes/draft.toml", "rom/finger.h5"
 
 
-@pytest.mark.parametrize("program", ["fingerfem", "rom", "control"])
+@pytest.mark.parametrize(
+    "program", ["control", *(pytest.param(one, marks=pytest.mark.long) for one in ("fingerfem", "rom"))]
+)
 def test_every_command_has_help_where_no_optional_package_is(program):
     for words in ([], *([name] for name in sorted(commands(program)))):
         done = run_without(OPTIONAL, program, *words, "--help")

@@ -171,7 +171,7 @@ def test_reports_at_clamped_tensions_do_not_change_with_these_and_many_are_as_on
 def test_where_there_is_no_equilibrium_errors_are_infinite():
     model = two_segments()
     random, (lower, upper) = np.random.default_rng(3), model.limits
-    points = lower + (upper - lower) * (1.2 * random.random((2000, 3)) - 0.1)
+    points = lower + (upper - lower) * (1.2 * random.random((200, 3)) - 0.1)
     answer = model.evaluate(points)
     lost = ~np.isfinite(answer.error["tip"])
     assert lost.any() and np.array_equal(lost, ~np.isfinite(answer.orientation_error))
