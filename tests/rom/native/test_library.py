@@ -50,6 +50,7 @@ def test_a_library_beside_its_sources_is_taken_and_nothing_is_built(tmp_path, mo
     assert not (tmp_path / "cache").exists()
 
 
+@pytest.mark.long
 def test_many_processes_may_build_at_once_in_a_cold_cache(tmp_path):
     command, environment = [sys.executable, "-c", USE], without(tmp_path)
     jobs = [
@@ -73,12 +74,14 @@ def test_without_a_library_and_a_compiler_the_command_says_so_in_one_line(tmp_pa
     assert "C compiler must" in line and "got" in line
 
 
+@pytest.mark.long
 def test_a_cache_that_cannot_be_written_to_is_done_without(tmp_path):
     (tmp_path / "file").write_text("no folder")
     done = subprocess.run([sys.executable, "-c", USE], env=without(tmp_path / "file"), capture_output=True, text=True)
     assert (done.stdout, done.stderr) == ("True\n", "")
 
 
+@pytest.mark.long
 def test_levels_of_the_processor_are_each_a_library_of_the_same_functions(tmp_path):
     if not processor():
         pytest.skip("levels are those of x86-64 with AVX2")
