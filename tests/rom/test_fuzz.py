@@ -97,6 +97,7 @@ def test_more_wrong_files_are_refused_or_answered(sources, tmp_path, cache):
     assert found["answered"] > 7 and found["refused"] > 75
 
 
+@pytest.mark.long
 @needs_sanitizers
 def test_right_files_are_answered_under_sanitizers(sources, tmp_path, cache):
     for k, source in enumerate(sources):

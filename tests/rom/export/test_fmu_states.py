@@ -95,6 +95,7 @@ def test_bytes_that_are_no_state_are_refused(made, version, controller, capsys):
         fmu.own.deserializeFMUState(packed)
 
 
+@pytest.mark.long
 @BOTH
 def test_states_of_other_fmus_are_refused(made, version, capsys):
     others = {

@@ -79,6 +79,7 @@ def test_a_force_that_it_holds_is_the_fingers_own(table, finger):
     assert truth.inside and abs(truth.contact_force - 1.0) < motion.error
 
 
+@pytest.mark.long
 def test_a_ball_has_a_table_too_and_its_file_is_the_same_model(whole, tmp_path):
     ball = Sphere(centre=(0.046, 0.031, 0.001), radius=0.026, direction=(0, 1, 0), distances=(0.001, 0.020))
     found = specialise(replace(whole, obstacle=ball), NODES)
@@ -88,6 +89,7 @@ def test_a_ball_has_a_table_too_and_its_file_is_the_same_model(whole, tmp_path):
     assert np.array_equal(read.outputs(at), found.outputs(at))
 
 
+@pytest.mark.long
 def test_kinks_of_touch_do_not_leave_all_bounds_between_the_nodes():
     """Two corners touch at once where tensions are 0, and slopes just past touch are those of one side."""
     tendons = [
