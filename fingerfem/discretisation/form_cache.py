@@ -35,8 +35,8 @@ from ufl.corealg.multifunction import MultiFunction
 
 NOTICE = 10.0  # [s] of waiting for another process, after which it is said; few forms take as long to compile
 PATIENCE = 120.0  # [s] of waiting, after which a form is compiled here too: whoever compiles it may be stopped
-COMPILER_FLAGS = ["-O1", "-g0"]  # -O2 compiles for two to three times as long, and its forms are as fast
 ABANDONED = 86400.0  # [s]: a private folder that has not changed for a day was left by a process that was killed
+COMPILER_FLAGS = ["-O1", "-g0"]  # -O2 compiles for two to three times as long, and its forms are as fast
 
 
 def cache_folder() -> Path:

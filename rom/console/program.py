@@ -45,7 +45,7 @@ def one_line(*unusable: type[Exception]) -> Iterator[None]:
             raise
         _end(reason, BAD_INPUT)
     except unusable as error:
-        _end(str(error), NOTHING_USABLE)
+        _end(str(error), _code_of_ending(error.__context__) or NOTHING_USABLE)
     except (ValueError, OSError) as error:
         _end(str(error), _code_of_ending(error.__context__) or BAD_INPUT)
 
