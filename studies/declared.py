@@ -42,9 +42,10 @@ STUDIES = {
     ),
     "rods": Study(
         "accuracy",
-        _same("accuracy", "lengths", "objects", "robustness", "speed")
+        _same("accuracy", "objects", "robustness", "speed")
         | _same(*(f"on_rubber.{name}" for name in ("indentation", "positions", "rubber", "several", "histories"))),
     ),
+    "assembled": Study("accuracy", _same("four", "fingers")),
     "tapered": Study("accuracy", _same("tapered")),
     "grasping": Study(
         "grasping",

@@ -9,13 +9,13 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from rom import TouchedSegment
+from rom import Rod, TouchedSegment
 from rom.error_statistics import quantiles
 from rom.held_out import check
 from studies import sets
 from studies.parts import Run
 from studies.rods import plans
-from studies.rods.full_order import FullOrder
+from studies.rods.full_order import FullOrder, Table
 from studies.rods.scattered_objects import DISTANCE, SHAPES, placed, tensions
 
 CORES = 2
@@ -23,16 +23,15 @@ DEEPEST = 0.004  # [m]: how far objects come beyond the free plate
 FELT = 0.05  # contact force that relative errors are of, at least [N]
 
 
-def scattered(run: Run, plan: plans.Plan, shape: str, count: int) -> dict:
-    """Random objects of one shape."""
-    finger, random = plans.rod(run, plan), np.random.default_rng(9)
-    full = FullOrder(tomllib.loads(plans.scene(run, plan).read_text()))
+def scattered(finger: Rod, table: Table, shape: str, count: int) -> dict:
+    """Random objects of one shape, against the full-order model of a scene with a load."""
+    full, random, most = FullOrder(table), np.random.default_rng(9), table["load"]["force"]
     errors: list[float] = []
     expected: list[float] = []
     counts = dict.fromkeys(("no answer", "marked", "weak", "failed", "rubber"), 0)
     while len(errors) < count:
         pulled = tensions(finger, random)
-        found, table = placed(finger, pulled, random, shape)
+        found, touched = placed(finger, pulled, random, shape)
         d = DISTANCE - DEEPEST * random.random()
         model = TouchedSegment(rod=finger, obstacle=found)
         answer = model.answers(np.array([*pulled, d]))
@@ -40,7 +39,7 @@ def scattered(run: Run, plan: plans.Plan, shape: str, count: int) -> dict:
         if answer.evaluations[0] < 0:
             counts["no answer"] += 1
             continue
-        if not answer.inside[0] or force > plan.force:
+        if not answer.inside[0] or force > most:
             counts["marked"] += 1
             continue
         if force < FELT:
@@ -49,7 +48,7 @@ def scattered(run: Run, plan: plans.Plan, shape: str, count: int) -> dict:
         if any(one.rubber for one in model.contact_forces([*pulled, d])):
             counts["rubber"] += 1
             continue
-        true = full.force(table, pulled, d, answer.wrenches[0])
+        true = full.force(touched, pulled, d, answer.wrenches[0])
         if true is None:
             counts["failed"] += 1
             continue
@@ -65,8 +64,11 @@ def scattered(run: Run, plan: plans.Plan, shape: str, count: int) -> dict:
 def by_shape(run: Run, plan: plans.Plan, count: dict[str, int]) -> list[dict]:
     """Random objects of every shape, a shape a process, each on one core."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    finger, table = plans.rod(run, plan), tomllib.loads(plans.scene(run, plan).read_text())
     with ProcessPoolExecutor(CORES, mp_context=get_context("spawn")) as pool:
-        return [one.result() for one in [pool.submit(scattered, run, plan, shape, count[shape]) for shape in SHAPES]]
+        return [
+            one.result() for one in [pool.submit(scattered, finger, table, shape, count[shape]) for shape in SHAPES]
+        ]
 
 
 def papers_plane(run: Run, plan: plans.Plan) -> dict:

@@ -23,7 +23,6 @@ def prepare(found: dict, folder: Path) -> dict:
     return {
         "held": draw(TouchedSegment.load().rod, DOCS / "segment.png"),
         "objects_in_all": sum(row["objects"] for row in found["robustness"]["verdicts"]),
-        "lengths_and_two": [*found["lengths"]["lengths"], found["lengths"]["two"]],
     }
 
 

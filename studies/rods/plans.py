@@ -18,18 +18,24 @@ SEED = 5
 
 @dataclass(frozen=True)
 class Plan:
-    """A set: the largest force [N], lines of 5 states, held-out states, and the mesh if not the draft scene's."""
+    """A set: the largest force [N], lines of 5 states, held-out states.
+
+    Attributes:
+        mesh: if not the draft scene's.
+        offsets: (y, z) of tendons of up to 100 N each [m], if not the draft scene's two.
+    """
 
     force: float
     lines: int
     held_out: int
     mesh: tuple[int, int, int] | None = None
+    offsets: tuple[tuple[float, float], ...] | None = None
 
     @property
     def name(self) -> str:
         """For files and tables."""
         mesh = "" if self.mesh is None else f", {self.mesh[0]} x {self.mesh[1]} order {self.mesh[2]}"
-        return f"{self.force:g} N{mesh}"
+        return f"{self.force:g} N{mesh}{'' if self.offsets is None else f', {len(self.offsets)} tendons'}"
 
 
 SMALL, LARGE = Plan(5.0, 24, 100), Plan(15.0, 24, 100)
@@ -39,6 +45,12 @@ FINE = Plan(15.0, 12, 20, sets.STANDARD)
 def scene(run: Run, plan: Plan) -> Path:
     """The draft finger with a load in place of the plane."""
     head, rest = sets.without_sampling("draft").split("[obstacle]")
+    if plan.offsets is not None:
+        tendons = [
+            {"name": f"F{k}", "offset": list(offset), "segment": 1, "tension": [0.0, 100.0]}
+            for k, offset in enumerate(plan.offsets, 1)
+        ]
+        head = head.split("[[tendons]]")[0] + sets.as_toml({"tendons": tendons}) + "\n"
     text = f"{head}[load]\nforce = {plan.force}\n\n{rest[rest.index('[mesh]') :]}"
     if plan.mesh is not None:
         text = sets.on_mesh(text, *plan.mesh)
