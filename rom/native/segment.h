@@ -106,6 +106,7 @@ typedef struct {
     double begins;                       /* size of the section where the segment begins over that of the plate's [-] */
     double face_compliance, edge_compliance, line_compliance; /* of a slice: of a face's point, of an edge, and of the line across a face; 0: rigid [m/N] */
     const double *row_compliance, *opposite_compliance;         /* (places - 1): how far a unit force on a slice lowers the same face, and the opposite one, so many slices away [m/N] */
+    const double *point_compliance;                             /* (places - 1): what that of the same face is less by, between points of the face [m/N] */
     double young_modulus, poisson;       /* of the rubber [Pa], [-] */
     const double *ridges;                /* (tensions, 2): height of the ridge above each tendon, over its tension and the curvature, for
                                             faces across y and across z; negative for the faces at -y and -z [1/Pa] */
@@ -232,7 +233,8 @@ int fingerfem_touch_pressing(const fingerfem_touching *touching, const double *p
 /* Bodies under loads, and their possible contacts with an object, for contact laws that are solved by the caller.
  * Of each body: the index of its load, and its motion R^T dc, R^T dtheta by the wrenches on all bodies, (6 bodies, 6 bodies).
  * Of each contact: the plate or slice of rubber (`parts`), its corner, edge or face (`names`), and the segment; the loaded bodies
- * (`on`), -1 for the ground; the gap [m]; how far each yields by a unit force on every one, (contacts, contacts) [m/N]; the material point, in the plate's frame [m] or in
+ * (`on`), -1 for the ground; the gap [m]; how far each yields by a unit force on every one, (contacts, contacts) [m/N], of that by its own
+ * slice (`local`), if all of it presses, and how the gap grows along the slice (`profiles`, see shapes/indentation.h); the material point, in the plate's frame [m] or in
  * coordinates of the slice [-]; the place in space [m]; the normal out of the object and two tangents; the wrenches of unit forces
  * along these on both bodies (`arms`); and the derivatives of these wrenches by the motions of both bodies (`changes`), where the tangents
  * rotate with the normal. */
@@ -243,6 +245,7 @@ typedef struct {
     int32_t parts[FINGERFEM_MOST_CONTACTS], names[FINGERFEM_MOST_CONTACTS], segments[FINGERFEM_MOST_CONTACTS];
     int32_t rubber[FINGERFEM_MOST_CONTACTS], on[FINGERFEM_MOST_CONTACTS][2];
     double gaps[FINGERFEM_MOST_CONTACTS], compliances[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], material[FINGERFEM_MOST_CONTACTS][3];
+    double local[FINGERFEM_MOST_CONTACTS], profiles[FINGERFEM_MOST_CONTACTS][8];
     double places[FINGERFEM_MOST_CONTACTS][3], axes[FINGERFEM_MOST_CONTACTS][3][3], arms[FINGERFEM_MOST_CONTACTS][3][12];
     double changes[FINGERFEM_MOST_CONTACTS][3][12][12];
 } fingerfem_contacts;
@@ -250,6 +253,9 @@ typedef struct {
 /* These at tensions, of the first object at d that is moved by (3) [m] besides. Returns 0 if there are more bodies than there is room for. */
 int fingerfem_find_contacts(const fingerfem_touching *touching, const double *tensions, double d, const double *moved,
                             const double *loads, double *memory, fingerfem_contacts *found);
+
+/* The same contacts' gaps [m] and compliances by their own force [m/N], both (contacts), linearised about normal forces, (contacts) [N]. */
+void fingerfem_indent(const fingerfem_contacts *contacts, const double *forces, double *gaps, double *compliances);
 
 /* Where the material points of contacts are under other tensions and loads, (contacts, 3) [m]. */
 void fingerfem_material_points(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,

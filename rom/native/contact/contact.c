@@ -62,6 +62,7 @@ static double step(const contact_problem *problem, double most, contact_state *s
     /* a wrench was given, but no forces: find G by the forces just found, and solve again */
     if (any(w, state->wrench) && !any(contacts->count, state->forces)) {
         memcpy(state->forces, forces, sizeof forces);
+        response_indent(problem, state);
         if (!response_find(problem, state) || !response_balance(problem, state, forces)) return -1.0;
     }
     /* dw = S (W f - w) */
@@ -107,6 +108,7 @@ static int solve_from(const contact_problem *problem, double d, contact_state *s
         memcpy(forces, state->forces, sizeof forces);
         if (!placed_under(problem, d, rubber, state)) return -k;
         carry(&before, forces, &state->at.contacts, state->forces);
+        response_indent(problem, state);
         const double size = step(problem, share, state);
         if (size < 0.0) return -k;
         /* stop: the step is small, and no object lies in rubber that was left out */

@@ -82,6 +82,8 @@ static void note(const contact_problem *problem, const placed *at, int k, int gr
     /* gap [m], and local compliances to all contacts [m/N] */
     found->gaps[k] = contacts->gaps[k] + contacts->domes[k];
     for (int j = 0; j < contacts->count; j++) found->compliances[contacts->count * k + j] = response_compliance(problem, at, k, j);
+    found->local[k] = slice ? contacts->compliance[k] : 0.0;
+    memcpy(found->profiles[k], contacts->profiles + k, sizeof found->profiles[k]);
     /* bodies that it loads; -1 for the ground, or for none */
     for (int end = 0; end < SLICE_ENDS; end++) found->on[k][end] = end < at->arms[k].count ? at->arms[k].bodies[end] - ground : -1;
     /* wrenches of unit forces along normal and tangents, and their changes */
@@ -130,6 +132,22 @@ int fingerfem_find_contacts(const fingerfem_touching *touching, const double *te
     found->inside &= !placed_crowded(&state.at.contacts);
     for (int k = 0; k < found->contacts; k++) note(&problem, &state.at, k, ground, found);
     return 1;
+}
+
+void fingerfem_indent(const fingerfem_contacts *contacts, const double *forces, double *gaps, double *compliances)
+{
+    const int count = contacts->contacts;
+    for (int k = 0; k < count; k++) {
+        /* depth of the closest point, without what other forces lower it by, and without its own slice's part */
+        const double *row = contacts->compliances + count * k;
+        indentation_profile profile;
+        double share, lift, depth = -contacts->gaps[k] + contacts->local[k] * fmax(forces[k], 0.0);
+        memcpy(&profile, contacts->profiles[k], sizeof profile);
+        for (int j = 0; j < count; j++) depth -= row[j] * fmax(forces[j], 0.0);
+        indentation_tangent(&profile, depth, &share, &lift);
+        gaps[k] = contacts->gaps[k] + lift;
+        compliances[k] = row[k] + contacts->local[k] * (1.0 / share - 1.0);
+    }
 }
 
 void fingerfem_material_points(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,

@@ -1,5 +1,6 @@
 /* How the bodies yield to contact forces: G, S and C S, the balance of gaps and forces, derivatives, and stability. */
 #include "response.h"
+#include "slices.h"
 #include <math.h>
 #include <stdlib.h>
 #include "../linear_algebra/small.h"
@@ -169,10 +170,13 @@ double response_compliance(const contact_problem *problem, const placed *at, int
     const int segment = contacts->segments[k], away = abs(contacts->plates[k] - contacts->plates[other]);
     const double *n = contacts->wrenches[k], *m = contacts->wrenches[other];
     double sum = 0.0;
-    if (k == other) return contacts->compliance[k] + element_compliance(at, k, k);
-    if (segment < 0 || segment != contacts->segments[other] || contacts->compliance[k] == OBJECTS_COMPLIANCE) return 0.0;
+    if (k == other) sum = contacts->compliance[k] / contacts->shares[k];
+    if (segment < 0 || segment != contacts->segments[other] || contacts->compliance[k] == OBJECTS_COMPLIANCE) return sum;
     const fingerfem_segment *own = problem->touching->chain->segments[segment];
-    for (int i = 1; i < 3; i++) sum += n[i] * m[i] > 0.0 ? n[i] * m[i] * own->row_compliance[away] : -n[i] * m[i] * own->opposite_compliance[away];
+    /* points of one face */
+    const int name = contacts->names[k], same = name == contacts->names[other] && name >= SLICE_FACES && name < SLICE_LINES;
+    if (same) sum -= own->point_compliance[away];
+    for (int i = 1; i < 3 && k != other; i++) sum += n[i] * m[i] > 0.0 ? n[i] * m[i] * own->row_compliance[away] : -n[i] * m[i] * own->opposite_compliance[away];
     return sum + element_compliance(at, k, other);
 }
 
@@ -182,6 +186,18 @@ double response_indentation(const contact_problem *problem, const placed *at, co
     for (int j = 0; j < at->contacts.count; j++)
         if (forces[j] > 0.0) sum += response_compliance(problem, at, k, j) * forces[j];
     return sum;
+}
+
+void response_indent(const contact_problem *problem, contact_state *state)
+{
+    objects_contacts *contacts = &state->at.contacts;
+    for (int k = 0; k < contacts->count; k++) {
+        /* depth of the closest point, without what other forces lower it by */
+        const double own = contacts->compliance[k] / contacts->shares[k] * state->forces[k];
+        const double others = response_indentation(problem, &state->at, state->forces, k) - own;
+        if (contacts->segments[k] >= 0)
+            indentation_tangent(contacts->profiles + k, -contacts->gaps[k] - contacts->domes[k] - others, contacts->shares + k, contacts->lifts + k);
+    }
 }
 
 /* Forces, (count), at some contacts, by which their gaps open as much as `wanted`, in place: solve
@@ -213,7 +229,7 @@ int response_balance(const contact_problem *problem, const contact_state *state,
             if (!active[k]) continue;
             if (!known[k]) yield(problem, state, k, columns[k]);
             known[k] = 1;
-            found[count] = opening(&state->at, k, still) - contacts->gaps[k] - contacts->domes[k];
+            found[count] = opening(&state->at, k, still) - objects_gap(contacts, k);
             rows[count++] = k;
         }
         /* forces of the active contacts, and motion sum_k f_k C S W_k - C S w of all bodies */
@@ -227,7 +243,7 @@ int response_balance(const contact_problem *problem, const contact_state *state,
         /* wrong contacts: active ones that pull, others whose gap g_k + W_k . xi + sum_j c_kj f_j is negative */
         for (int k = 0; k < all; k++)
             if (active[k] ? forces[k] < -PULL
-                          : contacts->gaps[k] + contacts->domes[k] + opening(&state->at, k, motion) + response_indentation(problem, &state->at, forces, k) < -INSIDE)
+                          : objects_gap(contacts, k) + opening(&state->at, k, motion) + response_indentation(problem, &state->at, forces, k) < -INSIDE)
                 wrong[wrongs++] = k;
         /* stop: no contact is wrong */
         if (!wrongs) return 1;

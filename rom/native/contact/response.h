@@ -17,6 +17,9 @@ int response_balance(const contact_problem *problem, const contact_state *state,
  * between its ends [m/N]. */
 double response_compliance(const contact_problem *problem, const placed *at, int k, int other);
 
+/* Linearise the indentation of all slices about a state's pose and forces: shares and lifts of its contacts. */
+void response_indent(const contact_problem *problem, contact_state *state);
+
 /* The indentation of contact k by all forces [m]. */
 double response_indentation(const contact_problem *problem, const placed *at, const double *forces, int k);
 

@@ -1,10 +1,13 @@
 /* Contacts of a slice of rubber with a convex object: closest points of edges and faces, and lines across faces. */
 #include <math.h>
+#include <string.h>
 #include "slices.h"
 
 #define STEPS 40     /* most steps of the Illinois method */
 #define FLAT 1e-9    /* converged: slope of the gap over the slice's thickness [-] */
+#define ROUGH 1e-4   /* the same, of what a profile is sampled at */
 #define SHORT 1e-12  /* converged: step of a coordinate [-] */
+#define SHALLOW 0.25 /* of the gap up to which slices take part: below it, their profile is sampled [-] */
 #define FADE 5e-3    /* of half the side: a face's point so much nearer than its edges is twice as compliant [-] */
 #define FLUSH 0.4    /* of half the side: largest gap of the edges, about, of a line that may press [-] */
 
@@ -48,8 +51,64 @@ static void nearest_along(const rubber_slice *slice, const fingerfem_object *obj
     }
 }
 
+/* Closest point of the line across a face along axis j, at one x, between the edges. */
+static void nearest_across(const rubber_slice *slice, const fingerfem_object *object, double d, int j, near_point *point)
+{
+    double ends[2] = {-1.0, 1.0}, slopes[2];
+    for (int end = 0; end < 2; end++) {
+        point->at[j] = ends[end];
+        look(slice, object, d, point);
+        slopes[end] = point->slopes[j];
+        if (end ? slopes[1] <= 0.0 : slopes[0] >= 0.0) return;
+    }
+    for (int step = 0, last = -1; step < STEPS; step++) {
+        point->at[j] = (ends[0] * slopes[1] - ends[1] * slopes[0]) / (slopes[1] - slopes[0]);
+        look(slice, object, d, point);
+        const int side = point->slopes[j] > 0.0;
+        if (fabs(point->slopes[j]) < ROUGH * slice->thickness) return;
+        ends[side] = point->at[j];
+        slopes[side] = point->slopes[j];
+        if (side == last) slopes[!side] *= 0.5;
+        last = side;
+    }
+}
+
+/* The gap of an edge, or of a face across axis j, at one x. */
+static void look_at(const rubber_slice *slice, const fingerfem_object *object, double d, int j, double x, near_point *point)
+{
+    point->at[0] = x;
+    if (j) nearest_across(slice, object, d, j, point);
+    else look(slice, object, d, point);
+}
+
+/* How the gap of an edge, or of a face across axis j, grows from its closest point to both ends of the slice; then the point
+ * moves to the middle of what is pressed in at that gap. */
+static void press(const rubber_slice *slice, const fingerfem_object *object, double d, int j, double near, near_point *point,
+                  indentation_profile *found)
+{
+    const double least = point->gap, from = point->at[0];
+    double t[2];
+    memset(found, 0, sizeof *found);
+    if (slice->dome != SLICE_DOME || least > SHALLOW * near) return; /* nothing is solved for, or it does not press yet */
+    for (int side = 0; side < 2; side++) {
+        /* gaps midway and at the end, over the least */
+        const double to = side ? 1.0 : -1.0;
+        near_point aside = *point;
+        look_at(slice, object, d, j, 0.5 * (from + to), &aside);
+        const double midway = aside.gap - least;
+        look_at(slice, object, d, j, to, &aside);
+        indentation_side(found, side, 0.5 * fabs(to - from), midway, aside.gap - least);
+    }
+    if (least >= 0.0) return;
+    indentation_zone(found, -least, t);
+    look_at(slice, object, d, j, from + found->sides[1].length * t[1] - found->sides[0].length * t[0], point);
+    found->rise = point->gap - least;
+    found->slides = fabs(from) < 1.0 && t[0] < 1.0 && t[1] < 1.0;
+}
+
 /* Add the contact of a point, seen from the slice. Its dome is what the gap grows by in a solution, see SLICE_DOME. */
-static void note_point(const rubber_slice *slice, int name, const near_point *point, double compliance, objects_contacts *all)
+static void note_point(const rubber_slice *slice, int name, const near_point *point, double compliance,
+                       const indentation_profile *profile, objects_contacts *all)
 {
     double x[3], t[3][3], p[3], n[3];
     /* point p and normal n in the slice's frame */
@@ -59,7 +118,7 @@ static void note_point(const rubber_slice *slice, int name, const near_point *po
     objects_turned_back(slice->rotation, point->normal, n);
     all->plate = slice->number;
     all->segment = slice->segment;
-    objects_note_rubber(all, name, point->gap, point->at, fmax(compliance, OBJECTS_COMPLIANCE), 0.5 * slice->dome * slice->thickness * point->at[0] * point->at[0], p, n);
+    objects_note_rubber(all, name, point->gap, point->at, fmax(compliance, OBJECTS_COMPLIANCE), 0.5 * slice->dome * slice->thickness * point->at[0] * point->at[0], profile, p, n);
 }
 
 /* Closest point of the face between two edges along x, across along axis j, if it is nearer than both. The less it is
@@ -87,8 +146,10 @@ static void face(const fingerfem_segment *segment, const rubber_slice *slice, co
     }
     /* contact if it is nearer than both edges: compliance c (1 + FADE h / how much nearer) */
     const double nearer = fmin(edges[0].gap, edges[1].gap) - point.gap;
-    if (point.gap < near && nearer > 0.0)
-        note_point(slice, name, &point, segment->face_compliance * (1.0 + FADE * segment->half_lengths[1] / nearer), all);
+    if (point.gap >= near || nearer <= 0.0) return;
+    indentation_profile profile;
+    press(slice, object, d, j, near, &point, &profile);
+    note_point(slice, name, &point, segment->face_compliance * (1.0 + FADE * segment->half_lengths[1] / nearer), &profile, all);
 }
 
 /* The line across a face, from one edge to the other along axis j. It presses where the mean gap of the face closes, by
@@ -111,7 +172,8 @@ static void line(const fingerfem_segment *segment, const rubber_slice *slice, co
     }
     /* mean gap, (g(-1) + g(1) + 2 g(0) + 2 aside) / 6 with the edges' mean, aside */
     point.gap = (gaps[0] + gaps[1] + 2.0 * gaps[2] + 2.0 * aside) / 6.0;
-    if (point.gap < near) note_point(slice, name, &point, segment->line_compliance, all);
+    const indentation_profile whole = {.rise = 0.0};
+    if (point.gap < near) note_point(slice, name, &point, segment->line_compliance, &whole, all);
 }
 
 void slices_find(const fingerfem_segment *segment, const rubber_slice *slice, const fingerfem_object *object, double d, double near,
@@ -126,7 +188,11 @@ void slices_find(const fingerfem_segment *segment, const rubber_slice *slice, co
         middles[k] = edges[k].gap;
         if (edges[k].gap > near + slice->thickness) continue;
         nearest_along(slice, object, d, edges + k);
-        if (edges[k].gap < near) note_point(slice, k, edges + k, segment->edge_compliance, all);
+        if (edges[k].gap >= near) continue;
+        near_point point = edges[k];
+        indentation_profile profile;
+        press(slice, object, d, 0, near, &point, &profile);
+        note_point(slice, k, &point, segment->edge_compliance, &profile, all);
     }
     /* faces across y and across z, on both sides: closest point, and line across */
     for (int side = 0; side < 2; side++) {

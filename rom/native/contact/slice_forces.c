@@ -124,6 +124,7 @@ static void sliding(const rubber_slice *slice, const fingerfem_object *object, d
     slices_at(slice, at, x, t);
     for (int j = 0; j < 3; j++) {
         objects_turned_back(slice->rotation, t[j], tangents[j]);
+        if (j == 0 && !contacts->profiles[k].slides && contacts->gaps[k] < 0.0) continue; /* in the middle of the slice, or of what is pressed in */
         if (contacts->names[k] < SLICE_LINES && count < 2 && fabs(at[j]) < 1.0) free[count++] = j;
     }
     /* two unit vectors across n */

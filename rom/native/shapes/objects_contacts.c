@@ -24,7 +24,9 @@ static void put(objects_contacts *all, int at, int name, const objects_feature *
     /* identity, and what only rubber has; see objects_note_rubber */
     all->plates[at] = all->plate;
     all->segments[at] = -1;
-    all->domes[at] = 0.0;
+    all->domes[at] = all->lifts[at] = 0.0;
+    all->shares[at] = 1.0;
+    all->profiles[at] = (indentation_profile){.rise = 0.0};
     all->objects[at] = all->object;
     all->names[at] = name;
     all->features[at] = *feature;
@@ -45,8 +47,8 @@ void objects_note(objects_contacts *all, int name, const objects_feature *featur
     if (at >= 0) put(all, at, name, feature, gap, p, n);
 }
 
-void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, double dome, const double *p,
-                         const double *n)
+void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, double dome,
+                         const indentation_profile *profile, const double *p, const double *n)
 {
     const objects_feature none = {.kind = OBJECTS_FACE};
     const int at = room_for(all, gap);
@@ -55,6 +57,7 @@ void objects_note_rubber(objects_contacts *all, int name, double gap, const doub
     memcpy(all->material[at], material, sizeof(vector));
     all->segments[at] = all->segment;
     all->domes[at] = dome;
+    all->profiles[at] = *profile;
     all->compliance[at] = compliance;
 }
 

@@ -2,6 +2,7 @@
 #ifndef FINGERFEM_OBJECTS_CONTACTS_H
 #define FINGERFEM_OBJECTS_CONTACTS_H
 #include "../segment.h"
+#include "indentation.h"
 
 #define OBJECTS_COMPLIANCE 1e-9 /* what a contact of a plate yields, for forces that are shared by a stiff plate to be unique [m/N] */
 
@@ -29,6 +30,9 @@ typedef struct {
     objects_feature features[FINGERFEM_MOST_CONTACTS];
     double gaps[FINGERFEM_MOST_CONTACTS];                       /* [m], negative inside the object */
     double domes[FINGERFEM_MOST_CONTACTS];                      /* what gaps of slices grow by where they are solved for, see SLICE_DOME [m] */
+    indentation_profile profiles[FINGERFEM_MOST_CONTACTS];      /* of a slice: how its gap grows away from the point */
+    double shares[FINGERFEM_MOST_CONTACTS];                     /* of the slice that is pressed in; 1: all of it, or a plate [-] */
+    double lifts[FINGERFEM_MOST_CONTACTS];                      /* what the gap grows by, as the slice is not as near as its closest point [m] */
     double material[FINGERFEM_MOST_CONTACTS][3];                /* of a slice: where p is in it, -1 to 1 [-] */
     double compliance[FINGERFEM_MOST_CONTACTS];                       /* what it yields by itself [m/N] */
     double points[FINGERFEM_MOST_CONTACTS][3];                  /* p, of a plate that is a box [m] */
@@ -52,6 +56,9 @@ static inline void objects_turned_back(const double *rotation, const double *v, 
     for (int i = 0; i < 3; i++) out[i] = rotation[i] * v[0] + rotation[3 + i] * v[1] + rotation[6 + i] * v[2];
 }
 
+/* The gap that is solved for: with the dome, and with what the linearised indentation adds [m]. */
+static inline double objects_gap(const objects_contacts *contacts, int k) { return contacts->gaps[k] + contacts->domes[k] + contacts->lifts[k]; }
+
 /* How deep an object may lie in the free plate for its sides to be distinguished [m]. */
 double objects_shallow(const fingerfem_object *object, const double *half_lengths);
 
@@ -61,8 +68,8 @@ void objects_note(objects_contacts *all, int name, const objects_feature *featur
                   const double *n);
 
 /* Add a contact of a slice of rubber, as `objects_note`: where it is, the point and the normal in the slice's axes. */
-void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, double dome, const double *p,
-                         const double *n);
+void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, double dome,
+                         const indentation_profile *profile, const double *p, const double *n);
 
 /* Whether there are contacts of a plate, or slice. */
 int objects_any_of(const objects_contacts *contacts, int plate);

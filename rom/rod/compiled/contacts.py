@@ -105,6 +105,19 @@ def find_contacts(
     )
 
 
+def indented(contacts: Contacts, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Gaps [m] and compliances by own forces [m/N], shapes (m,), linearised about forces (shapes/indentation.c).
+
+    Args:
+        contacts: m of them.
+        forces: normal ones, shape (m,) [N].
+    """
+    gaps, compliances = np.empty_like(contacts.gaps), np.empty_like(contacts.gaps)
+    given = np.ascontiguousarray(forces, float)
+    LIBRARY.functions.fingerfem_indent(contacts.compiled, pointer(given), pointer(gaps), pointer(compliances))
+    return gaps, compliances
+
+
 def material_points(chain: Any, tensions: np.ndarray, loads: np.ndarray, contacts: Contacts) -> np.ndarray:
     """Where the material points of contacts are under other tensions and loads, shape (m, 3) [m].
 

@@ -1,12 +1,17 @@
 """How deep forces press into rubber by themselves, beside what bends and stretches the finger.
 
-The rubber is cut into slices of thickness p along the finger. Its half side is h, Young's modulus E. The compliance of
-a slice is
+The rubber is cut into slices of thickness p along the finger. Its half side is h, Young's modulus E. Springs along the
+finger press where an object reaches them (native/shapes/indentation.c). Their compliance, of a whole slice, is
 
     on an edge, or at a point of a face      1 / (EDGE E p),  1 / (FACE E p)           [m/N]
 
 as the one-dimensional springs that press on a ball as its contact of Hertz does (Popov, Contact Mechanics and Friction,
-2010, chapter 19). A force f on a line across a face lowers the face at the distance x along the finger by
+2010, chapter 19): E / (1 - nu^2) / sqrt(2) is 0.777 E at nu = 0.3. A half-space sinks below the finger's axis too, and
+that the axis does not: points of one face at the distance x rise by
+
+    f / (E h) POINT exp(-(x / (NEAR h))^2).
+
+A force f on a line across a face lowers the face at the distance x along the finger by
 
     f / (E h) ROW / 2 ln(1 + (DEPTH h / x)^2),
 
@@ -15,8 +20,8 @@ is thick; over the line's own slice, by f / (E h) ROW (ln(DEPTH h / p) + 3/2). T
 
     f / (E h) OPPOSITE exp(-x / (REACH h)).
 
-DEPTH, OPPOSITE and REACH are those of linear elasticity on 40 x 10 cells, EDGE and FACE of balls and cylinders that
-squeeze a finger from two sides (studies/rods/on_rubber/indentation.py).
+DEPTH, OPPOSITE and REACH are those of linear elasticity on 40 x 10 cells; EDGE, FACE, POINT and NEAR agree with balls
+that squeeze a finger from two sides, on meshes that are refined (studies/rods/on_rubber/indentation.py).
 """
 
 from __future__ import annotations
@@ -25,7 +30,8 @@ from typing import Any
 
 import numpy as np
 
-FACE, EDGE = 0.9, 0.37  # [-]
+FACE, EDGE = 0.76, 0.37  # [-]
+POINT, NEAR = 0.7, 0.6
 ROW, DEPTH = 0.29, 0.42
 OPPOSITE, REACH = 0.187, 0.44
 FIRM = 1e-2  # extra compliance of a line over its own, for the forces of a face to be unique [-]
@@ -50,5 +56,6 @@ def indentations(young_modulus: float, half: float, pitch: float, count: int) ->
         "edge_compliance": 1 / (EDGE * young_modulus * pitch),
         "line_compliance": (1 + FIRM) * ROW * own * unit,
         "row_compliance": ROW * unit * np.append(own, np.log1p((DEPTH * half / away) ** 2) / 2),
+        "point_compliance": POINT * unit * np.exp(-((np.append(0.0, away) / (NEAR * half)) ** 2)),
         "opposite_compliance": OPPOSITE * unit * np.exp(-np.append(0.0, away) / (REACH * half)),
     }

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rom.brief import brief
-from rom.rod.compiled.contacts import AXES, Contacts, Label, find_contacts, material_points
+from rom.rod.compiled.contacts import AXES, Contacts, Label, find_contacts, indented, material_points
 from rom.rod.friction.contact_law import OPEN, ContactLaw, law
 from rom.rod.touched_segment import TouchedSegment
 
@@ -169,10 +169,10 @@ def _law(
     # By its own force a contact's point yields so much, at least.
     normals = at.arms[:, ::AXES]
     yielding = np.einsum("im,ij,jm->m", normals, at.motions, normals)
-    own = np.diagonal(at.compliances)
+    gaps, own = indented(at, parts[:, 0])
     stiffness = 1 / np.maximum(np.abs(yielding) + own, 1e-6)
     earlier = _parts(at, last.by_label)[:, 1:]
-    gaps = at.gaps + _shared(at) @ parts[:, 0]
+    gaps += _shared(at) @ parts[:, 0]
     return law(parts, np.column_stack([gaps, slips]), earlier, own, stiffness, friction)
 
 

@@ -86,9 +86,10 @@ def test_loads_on_sections_are_the_contact_forces_where_they_are(bundled, shape)
 
 @pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder"])
 def test_contacts_are_in_the_object_as_deep_as_rubber_yields_to_them(bundled, shape):
-    """Every point is behind the surface along its normal; no point of the rubber is deeper than all of them.
+    """Every point is behind the surface along its normal, in the middle of what presses of its slice.
 
-    A line presses where the mean of its gaps closes; slices are domed by up to 2e-3 of their thickness.
+    The deepest of them is half as deep as the rubber, or more. A line presses where the mean of its gaps closes; slices
+    are domed by up to 2e-3 of their thickness.
     """
     random = np.random.default_rng(2)
     for _ in range(8):
@@ -107,13 +108,16 @@ def test_contacts_are_in_the_object_as_deep_as_rubber_yields_to_them(bundled, sh
             assert one.normal == pytest.approx(normal, abs=1e-6)
             assert -2e-3 < gap < 5e-5
             depths.append(-gap)
-        loads = model.answers(point).loads[0]
-        assert -model.rubber_gap(point, loads) < max(depths) + 2e-6
+        deepest = -model.rubber_gap(point, model.answers(point).loads[0])
+        assert max(depths) > 0.5 * deepest - 2e-6
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_derivatives_by_the_distance_are_those_of_the_answers(bundled, shape):
-    """But for how the surface changes its shape under the load, which the solve counts and the derivative does not."""
+    """But for how the surface changes its shape under the load, which the solve counts and the derivative does not.
+
+    Beside the rounded edge of a box, the normal changes within the part of a slice that presses.
+    """
     random, errors = np.random.default_rng(3), []
     for _ in range(12):
         model, point = pressed(bundled, random, shape)
@@ -123,7 +127,7 @@ def test_derivatives_by_the_distance_are_those_of_the_answers(bundled, shape):
         found = model.jacobian(point)[:, -1]
         errors.append(abs(found[3] - differences[3]) / abs(differences[3]))
         assert found[:3] == pytest.approx(differences[:3], abs=0.1 * np.linalg.norm(differences[:3]))
-    assert np.median(errors) < 0.01 and max(errors) < 0.1
+    assert np.median(errors) < (0.02 if shape == "box" else 0.01) and max(errors) < 0.1
 
 
 @pytest.mark.parametrize("shape", SHAPES)
