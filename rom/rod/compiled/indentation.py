@@ -6,8 +6,8 @@ finger press where an object reaches them (native/shapes/indentation.c). Their c
     on an edge, or at a point of a face      1 / (EDGE E p),  1 / (FACE E p)           [m/N]
 
 as the one-dimensional springs that press on a ball as its contact of Hertz does (Popov, Contact Mechanics and Friction,
-2010, chapter 19): E / (1 - nu^2) / sqrt(2) is 0.777 E at nu = 0.3. The depth counts from the finger's axis. A half-space
-sinks at the depth of the axis, too, so that points of one face at the distance x sink less, by
+2010, chapter 19): E / (1 - nu^2) / sqrt(2) is 0.777 E at nu = 0.3. The depth counts from the finger's axis. A
+half-space sinks at the depth of the axis, too, so that points of one face at the distance x sink less, by
 
     f / (E h) POINT exp(-(x / (NEAR h))^2).
 
