@@ -131,7 +131,7 @@ class Problem(Assembly):
         """Spread tensions [N], shape (tendons,), over the cells that carry them."""
         density.x.array[:] = 0.0
         for tension, (cells, size) in zip(tensions, self._tendon_cells, strict=True):
-            density.x.array[cells] = tension / size
+            density.x.array[cells] += tension / size
 
     @property
     def unknowns(self) -> int:

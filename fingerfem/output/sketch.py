@@ -240,7 +240,9 @@ def _section(axes: Axes, frame: Frame, pad: Pad | None) -> None:
         beside = abs(z) <= abs(y)  # names stand beside tendons that lie above one another, and upright otherwise
         at, turned = ((z + 0.7 * width, y), 0) if beside else ((z, y + 0.7 * width), 90)
         ha, va = ("left", "center") if beside else ("center", "bottom")
-        axes.text(*at, tendon.name, color=colour, ha=ha, va=va, rotation=turned, fontsize=FONT)
+        here = [other.name for other in frame.tendons if other.offset == tendon.offset]
+        if tendon.name == here[0]:
+            axes.text(*at, ", ".join(here), color=colour, ha=ha, va=va, rotation=turned, fontsize=FONT)
     if pad is not None:
         wide = half if pad.width is None else MM * pad.width / 2
         axes.plot([-wide, wide], [half, half], color=PAD, lw=5, solid_capstyle="butt")

@@ -60,7 +60,7 @@ def grid_lines(outline: GridOutline, mesh: Mesh, half: bool) -> tuple[np.ndarray
     """
     along, across = mesh.cells
     try:
-        lines = [_graded(outline.geometry, breakpoints, along) for breakpoints in _along(outline)]
+        lines = [_graded(outline.geometry, *segment) for segment in _with_cells(_along(outline), along)]
     except ValueError as error:
         raise ValueError(f"mesh.cells[0] {error}") from None
     x = np.unique(np.concatenate(lines))
@@ -87,6 +87,16 @@ def grid_lines(outline: GridOutline, mesh: Mesh, half: bool) -> tuple[np.ndarray
     if z is None:
         return x, y, y
     return x, y, z if half else np.concatenate([-z[:0:-1], z])
+
+
+def _with_cells(segments: list[list[float]], along: int) -> list[tuple[list[float], int]]:
+    """Each segment's breakpoints [m] and cells: the longest has `along`, the others cells of nearly the same length."""
+    longest = max(one[-1] - one[0] for one in segments)
+    shares = [(one[-1] - one[0]) / longest for one in segments]
+    return [
+        (one, along if share == 1 else max(round(along * share), len(one) - 1))
+        for one, share in zip(segments, shares, strict=True)
+    ]
 
 
 def _graded(geometry: Geometry, breakpoints: list[float], cells: int) -> np.ndarray:

@@ -86,9 +86,11 @@ class Scene(SceneTable):
                 )
             for other in self.tendons[:k]:
                 apart = max(abs(a - b) for a, b in zip(tendon.offset, other.offset, strict=True))
-                if apart < width * (1 - 1e-9):
+                shared = tendon.path == other.path == "channel" and tendon.segment != other.segment
+                if apart < width * (1 - 1e-9) and not (shared and apart <= width * 1e-9):
                     raise ValueError(
-                        f"tendons.{k}.offset must keep channels apart (geometry.channel is {width:g} m wide), "
+                        f"tendons.{k}.offset must keep channels apart (geometry.channel is {width:g} m wide), or share "
+                        f"the channel of a tendon that ends at another plate, "
                         f"got {tendon.offset} beside {other.name} at {other.offset}"
                     )
             _ordered(f"tendons.{k}.tension", tendon.tension)

@@ -145,7 +145,7 @@ class Load(SceneTable):
 
 
 class Mesh(SceneTable):
-    """Hexahedra: cells per segment along the axis, cells across the side, Lagrange order."""
+    """Hexahedra: cells along the longest segment, cells across the side, Lagrange order."""
 
     cells: Annotated[list[Annotated[int, Field(ge=1, le=4000)]], Field(min_length=2, max_length=2)]
     order: Annotated[int, Field(ge=1, le=2)] = 1

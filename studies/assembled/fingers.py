@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,35 +15,52 @@ from studies.rods import plans
 from studies.rods.full_order import FullOrder, Table
 from studies.rods.objects import scattered
 
-# Cells along the rubber of each segment, as long as the trained ones, and the plates that tendons end at. The draft
-# finger has 19 cells. The mesh error of order 1, 3.5 % of the tip's displacement, depends on the length of cells.
-OF_TWO_TENDONS = (9, (1, 1)), (15, (1, 1)), (30, (1, 1)), (46, (1, 1)), (19, (1, 2)), (15, (1, 3))
-OF_FOUR_TENDONS = ((19, (1, 1, 2, 2)),)
+
+class Made(NamedTuple):
+    """A finger: cells along the rubber of each segment, and for every tendon of the elements the plates it ends at.
+
+    Cells are as long as the trained ones, of which the draft finger has 19. The mesh error of order 1, 3.5 % of the
+    tip's displacement, depends on their length.
+    """
+
+    cells: tuple[int, ...]
+    plates: tuple[tuple[int, ...], ...]
+
+
+BOTH, ONE, TWO = ((1,), (1,)), (1,), (2,)
+OF_TWO_TENDONS = (
+    *(Made((cells,), BOTH) for cells in (9, 15, 30, 46)),
+    Made((19, 19), (ONE, TWO)),
+    Made((19, 9), (ONE, TWO)),
+    Made((15, 15, 15), (ONE, (3,))),
+    Made((19, 9, 15), (TWO, (3,))),
+)
+OF_FOUR_TENDONS = Made((19, 19), (ONE, ONE, TWO, TWO)), Made((19, 19), ((1, 2),) * 4), Made((19, 11), ((1, 2),) * 4)
 MOMENT = 0.2  # of the force on a plate about the clamp, at most [N m]: long fingers are pressed less
 STATES, PLANES = 12, 12
 SIZE, MODULUS = 1.7, 0.4  # of a similar finger, over the trained one's [-]
 
 
-def assembled(trained: Rod, cells: int, plates: tuple[int, ...], force: float) -> tuple[Rod, Table]:
-    """A finger of segments of another length, and its full-order scene.
+def assembled(trained: Rod, made: Made, force: float) -> tuple[Rod, Table]:
+    """A finger of other segments and tendons, and its full-order scene.
 
     Args:
         trained: whose elements it is made of.
-        cells: along the rubber of each segment.
-        plates: by trained tendon, the segment that it ends at.
+        made: its segments and tendons.
         force: on a plate, at most [N].
     """
     table: Table = {key: deepcopy(trained.elements.scene[key]) for key in ("geometry", "material", "tendons", "mesh")}
     whole, plate = table["geometry"]["segments"][0], table["geometry"]["plate"]
     cell = (whole - plate) / (table["mesh"]["cells"][0] - 1)  # one more is the plate's
-    lengths = [cells * cell + plate] * max(plates)
-    table["mesh"]["cells"][0] = cells + 1
+    lengths = [cells * cell + plate for cells in made.cells]
+    table["mesh"]["cells"][0] = max(made.cells) + 1
     table["geometry"]["segments"] = lengths
     # The base is pulled by all tendons, and the tip of a long finger must not meet the finger itself.
     share = min(1.0, whole / sum(lengths))
     table["tendons"] = [
-        one | {"segment": segment, "tension": [0.0, one["tension"][1] * share]}
-        for one, segment in zip(table["tendons"], plates, strict=True)
+        one | {"name": f"{one['name']}_{k}", "segment": k, "tension": [0.0, one["tension"][1] * share / len(plates)]}
+        for one, plates in zip(table["tendons"], made.plates, strict=True)
+        for k in plates
     ]
     table |= {"name": "assembled", "load": {"force": min(force, MOMENT / sum(lengths))}}
     return trained.assembled(table), table
@@ -71,12 +89,13 @@ def tips(finger: Rod, table: Table, count: int) -> dict:
     return counts | {kind: quantiles(np.array(values)) for kind, values in errors.items()}
 
 
-def row(trained: Rod, cells: int, plates: tuple[int, ...], force: float) -> dict:
+def row(trained: Rod, made: Made, force: float) -> dict:
     """One finger: its tip, and planes that touch a corner of its last plate."""
-    finger, table = assembled(trained, cells, plates, force)
+    finger, table = assembled(trained, made, force)
     return {
         "lengths_mm": [1e3 * one for one in table["geometry"]["segments"]],
-        "plates": list(plates),
+        "tendons": len(table["tendons"]),
+        "plates": [one["segment"] for one in table["tendons"]],
         "elements": [len(one.elements) for one in finger.segments],
         "force": table["load"]["force"],
         "tension": table["tendons"][0]["tension"][1],
@@ -110,8 +129,8 @@ def similar(trained: Rod) -> dict:
 def measure(run: Run) -> dict:
     """A row a finger, then similarity."""
     rows = [
-        run.once(f"{cells} cells, {plates}", row, plans.rod(run, plan), cells, plates, plan.force)
+        run.once(f"{made.cells} cells, {made.plates}", row, plans.rod(run, plan), made, plan.force)
         for plan, fingers in ((plans.LARGE, OF_TWO_TENDONS), (FOUR, OF_FOUR_TENDONS))
-        for cells, plates in fingers
+        for made in fingers
     ]
     return {"fingers": rows, "similar": run.once("similar", similar, TouchedSegment.load().rod)}

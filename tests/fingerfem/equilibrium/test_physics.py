@@ -1,5 +1,6 @@
 """What a scene may name beyond the draft: contact methods, laws, near incompressibility, straight tendons, symmetry."""
 
+import tomllib
 from contextlib import nullcontext
 from functools import cache
 from pathlib import Path
@@ -295,6 +296,23 @@ def test_the_long_tendon_slides_through_the_middle_plate():
     assert short.sensitivities["channel_shortening"]["F_l"]["F_s"] == pytest.approx(
         short.sensitivities["channel_shortening"]["F_s"]["F_l"], rel=1e-6
     )
+
+
+def test_tendons_of_two_plates_share_a_channel():
+    table = tomllib.loads((SCENES / "two_segments.toml").read_text())
+    del table["obstacle"]
+    table |= {"mesh": {"cells": [10, 7]}, "load": {"force": 1.0}}
+    short, long = (one | {"offset": [0.004, 0.0]} for one in table["tendons"])
+    one, other, both = (model_of(table | {"tendons": tendons}) for tendons in ([short], [long], [short, long]))
+    assert both.problem.rest_lengths == pytest.approx([0.049, 0.099])
+    assert both.solve([0.0, 20.0]).tip == pytest.approx(other.solve([20.0]).tip, rel=1e-9)
+    alone, shared = both.solve([20.0, 0.0]), both.solve([10.0, 10.0])
+    assert alone.tip == pytest.approx(one.solve([20.0]).tip, rel=1e-9)
+    # Both pull on the first segment with their sum: it turns as by one tendon of that tension.
+    turns = [np.arctan2(state.plate_rotations[0][1, 0], state.plate_rotations[0][0, 0]) for state in (alone, shared)]
+    assert turns[0] == pytest.approx(turns[1], rel=0.02)
+    shortened = shared.sensitivities["channel_shortening"]
+    assert shortened["F_s"]["F_l"] == pytest.approx(shortened["F_l"]["F_s"], rel=1e-6)
 
 
 # -- what the model does not prevent --

@@ -1,5 +1,8 @@
 """Grid lines fit plates and channels at every resolution."""
 
+import tomllib
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,6 +13,8 @@ from fingerfem.discretisation import regions
 from fingerfem.discretisation.mesh import build_mesh
 from fingerfem.scene import grid_lines
 from fingerfem.scene.scene import Scene
+
+SCENES = Path(__file__).resolve().parents[3] / "scenes"
 
 
 def lines_of(scene: Scene):
@@ -42,6 +47,20 @@ def test_the_papers_grid_is_uniform(table):
     assert np.allclose(np.diff(x), 0.5e-3, rtol=1e-9)
     assert np.allclose(np.diff(y), 1e-3, rtol=1e-9)
     assert np.array_equal(y, z)
+
+
+@given(st.lists(st.floats(0.012, 0.2), min_size=2, max_size=8))
+def test_cells_of_all_segments_are_nearly_as_long_as_those_of_the_longest(lengths):
+    table = tomllib.loads((SCENES / "two_segments.toml").read_text())
+    table["geometry"]["segments"], table["tendons"] = lengths, table["tendons"][:1]
+    del table["obstacle"]
+    table["mesh"] = {"cells": [round(max(lengths) / 2e-3), 8]}
+    scene = Scene.model_validate(table)
+    x, _, _ = lines_of(scene)
+    ends = np.append(0.0, np.cumsum(lengths))
+    counts = [np.sum((x > begin + 1e-9) & (x < end + 1e-9)) for begin, end in zip(ends, ends[1:], strict=False)]
+    assert counts[int(np.argmax(lengths))] == table["mesh"]["cells"][0]
+    assert np.abs(np.array(counts) - np.array(lengths) / max(lengths) * max(counts)).max() <= 0.5 + 1e-9
 
 
 @pytest.mark.mpi

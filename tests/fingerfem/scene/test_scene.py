@@ -43,7 +43,7 @@ BROKEN = {
     "no room for the plate": ("cells = [20, 5]", "cells = [1, 5]", ["mesh.cells[0]", "at least 2 cells", "1"]),
     "cells that lock": ("cells = [20, 5]", "cells = [8, 5]", ["mesh.cells[0]", "two thirds of the side", "0.007 m"]),
     "cells of order 2 that lock": (
-        "cells = [20, 5]       # per segment along the axis, across the side\norder = 1",
+        "cells = [20, 5]       # along the longest segment, across the side\norder = 1",
         "cells = [5, 5]\norder = 2",
         ["mesh.cells[0]", "longer than the side", "0.0123 m"],
     ),
@@ -55,6 +55,11 @@ BROKEN = {
         "offset = [0.0, 0.004]",
         "offset = [0.003, 0.001]",
         ["tendons.1.offset", "apart", "0.002 m", "[0.003, 0.001]", "F1"],
+    ),
+    "one channel to one plate": (
+        "offset = [0.0, 0.004]",
+        "offset = [0.004, 0.0]",
+        ["tendons.1.offset", "another plate", "[0.004, 0.0]", "F1"],
     ),
     "unknown path": (
         "segment = 1 ",
