@@ -1,6 +1,7 @@
 """Grid lines fit plates and channels at every resolution."""
 
 import tomllib
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -58,7 +59,7 @@ def test_cells_of_all_segments_are_nearly_as_long_as_those_of_the_longest(length
     scene = Scene.model_validate(table)
     x, _, _ = lines_of(scene)
     ends = np.append(0.0, np.cumsum(lengths))
-    counts = [np.sum((x > begin + 1e-9) & (x < end + 1e-9)) for begin, end in zip(ends, ends[1:], strict=False)]
+    counts = [np.sum((x > begin + 1e-9) & (x < end + 1e-9)) for begin, end in pairwise(ends)]
     assert counts[int(np.argmax(lengths))] == table["mesh"]["cells"][0]
     assert np.abs(np.array(counts) - np.array(lengths) / max(lengths) * max(counts)).max() <= 0.5 + 1e-9
 
