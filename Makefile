@@ -83,27 +83,21 @@ wheel:
 
 # All generated pages of docs/, README's numbers and the front that presets choose from: some two hours on two cores. What
 # is measured is kept in out/docs, so that the same command goes on after an interruption; python3 -m studies.runner NAME makes one page.
-# MuJoCo, whose pictures need EGL, and other packages, which this one is compared with, come from PyPI, in environments beside.
-docs: readme .venv/ready
+# MuJoCo, whose pictures need EGL, and FElupe, which this package is compared with, come from PyPI.
+docs: readme .venv/ready out/peers/felupe/ready
 	@$(AS_ROOT) && apt-get install -qy --no-install-recommends libegl1 libgl1-mesa-dri libopengl0 >/dev/null || true
 	OPENBLAS_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" .venv/bin/python -m studies.runner \
 		--part grasping/grasps --part grasping/pictures
 	$(MEASURED) python3 -m studies.runner
-	$(MAKE) gallery peers
+	$(MAKE) gallery
 
 # The pictures of examples/ in docs/index.md.
 gallery:
 	for name in one_finger gripper lengths; do docker/run python3 examples/$$name.py docs/example_$$name.png || exit 1; done
 
-# docs/peers.md alone: PyElastica by a Python that has it, then the rest.
-peers: out/peers/elastica/ready out/peers/felupe/ready
-	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 FINGERFEM_COMMIT="$(COMMIT)" out/peers/elastica/bin/python -m studies.runner --part peers/rods
+# docs/peers.md alone.
+peers: out/peers/felupe/ready
 	$(MEASURED) python3 -m studies.runner peers
-
-out/peers/elastica/ready:
-	$(PYTHON) -m venv out/peers/elastica
-	out/peers/elastica/bin/python -m pip install -q --disable-pip-version-check -e . pyelastica jinja2
-	touch $@
 
 # FElupe, the other finite element code, runs in a process of its own; only that process looks into its folder.
 out/peers/felupe/ready: .venv/ready

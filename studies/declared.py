@@ -15,7 +15,7 @@ class Study:
     Attributes:
         page: without its suffix.
         parts: by part, the module of `studies/NAME/`, or MODULE:FUNCTION.
-        elsewhere: parts for another Python, which has MuJoCo or PyElastica; see the Makefile.
+        elsewhere: parts for another Python, which has MuJoCo; see the Makefile.
     """
 
     page: str
@@ -58,7 +58,6 @@ STUDIES = {
     "figures": Study("appendix", _same("figures", "held")),
     "peers": Study(
         "peers",
-        _same("reference", "ours", "speed") | {"finite_elements": "felupe.comparison", "rods": "rods.comparison"},
-        elsewhere=("rods",),
+        _same("beams") | {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"},
     ),
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,22 +10,22 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from studies.axes import large_letters, logarithmic
-from studies.peers.errors import compared, errors
-from studies.peers.ours import ASIDE, trained
 from studies.peers.question import CONTACT, FREE, finger
+from studies.peers.reduced import trained, within
 from studies.sections import DOCS
 
 COLOURS = {"finite elements": "tab:blue", "beam": "tab:green", "reduced model": "tab:orange"}
 PANELS = {"free_tips": "tip in free space", "contact_forces": "contact force on the plane"}
 MARKERS = "os^vDPX*<>"
+FREE_TIPS, PRESSED = "free_tips", ("contact_tips", "contact_forces")
 LEAST = 1e-5  # smallest error that is drawn [-]
 
 
 def prepare(found: dict, folder: Path) -> dict:
     """Draw the picture; every alternative with its errors, and the tables."""
     reference = found["reference"]
-    every = [*reference["ours"], *found["ours"], *found["rods"]]
-    rows = compared(every, reference["finest"])
+    every = [*reference["ours"], *found["ours"], *found["beams"]]
+    rows = [row | {"errors": errors(row, reference["finest"])} for row in every]
     draw(rows, DOCS / "peers.png")
     return {
         "kinds": {kind: sorted((row for row in rows if row["kind"] == kind), key=_force_error) for kind in COLOURS},
@@ -33,8 +34,7 @@ def prepare(found: dict, folder: Path) -> dict:
         "free": [int(tension) for tension in FREE],
         "contact": CONTACT,
         "finger": finger(),
-        "within": within(reference["finest"]),
-        "same": same(found["finite_elements"]),
+        "within": [{"name": name} | within(model, reference["finest"]) for name, model in trained().items()],
     }
 
 
@@ -45,45 +45,26 @@ def unanswered(row: dict[str, Any]) -> str:
     return ", ".join([*free, *pressed])
 
 
-def within(reference: dict[str, Any]) -> list[dict[str, Any]]:
-    """How many errors of contact states are within the two models' estimates, and how large these are."""
-    truths = list(zip(reference["contact_tips"], reference["contact_forces"], strict=True))
-    found = []
-    for name, model in trained().items():
-        estimates = [model.evaluate(np.array([tension, ASIDE, distance])) for tension, distance in CONTACT]
-        pairs = list(zip(estimates, truths, strict=True))
-        shares = [answer.error["contact_force"] / force for answer, (_, force) in pairs]
-        found.append(
-            {
-                "name": name,
-                "forces": sum(
-                    abs(answer.contact_force - f) <= answer.error["contact_force"] for answer, (_, f) in pairs
-                ),
-                "tips": sum(np.linalg.norm(answer.tip - tip) <= answer.error["tip"] for answer, (tip, _) in pairs),
-                "median": float(np.median(shares)),
-                "max": float(max(shares)),
-            }
-        )
-    return found
+def errors(answers: dict[str, Any], reference: dict[str, Any]) -> dict[str, Any]:
+    """Median and largest relative errors of one alternative [-], and the states that it has no answer for.
+
+    Tips over the displacement of the reference's tip, contact forces over the reference's. States without an answer are
+    not in the numbers; `missing_free` and `missing_contact` are their places.
+    """
+    found: dict[str, Any] = {}
+    missing: dict[str, list[int]] = {}
+    for quantity in (FREE_TIPS, *PRESSED):
+        answered, truth = answers[quantity], reference[quantity]
+        off = [relative(one, true) for one, true in zip(answered, truth, strict=True) if one is not None]
+        found[quantity] = {"median": float(np.median(off)), "max": max(off)} if off else None
+        missing[quantity] = [k for k, one in enumerate(answered) if one is None] if off else []
+    pressed = sorted({k for quantity in PRESSED for k in missing[quantity]})
+    return found | {"missing_free": missing[FREE_TIPS], "missing_contact": pressed}
 
 
-def same(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Largest differences from FElupe by scene, law, mesh and method."""
-    found: dict[str, list[dict[str, Any]]] = {}
-    for row in rows:
-        found.setdefault(repr([row[key] for key in ("scene", "law", "mesh", "method")]), []).append(row)
-    return [
-        {key: of[0][key] for key in ("scene", "law", "method", "unknowns")}
-        | {"cells": " x ".join(map(str, of[0]["mesh"]["cells"])), "order": of[0]["mesh"]["order"], "states": len(of)}
-        | {"failed": sum(row["failed"] is not None for row in of)}
-        | {"displacement": _largest(of, "displacement_difference")}
-        | {"contact_force": _largest(of, "contact_force_difference")}
-        for of in found.values()
-    ]
-
-
-def _largest(rows: list[dict[str, Any]], key: str) -> float | None:
-    return max((row[key] for row in rows if row[key] is not None), default=None)
+def relative(answered: float | Sequence[float], truth: float | Sequence[float]) -> float:
+    """Distance over the true one's length [-]."""
+    return float(np.linalg.norm(np.subtract(answered, truth)) / np.linalg.norm(truth))
 
 
 def _force_error(row: dict[str, Any]) -> tuple[float, float]:

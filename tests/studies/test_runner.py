@@ -117,10 +117,6 @@ def test_a_part_is_measured_by_its_module_and_what_that_imports_of_its_study():
     assert {"robustness.py", "scattered_objects.py", "full_order.py"} <= names
     assert not names & {"lengths.py", "study.py", "page.py"}
     assert parts.measuring_hash("rods/robustness") != parts.measuring_hash("rods/speed")
-    folder = parts.ROOT / "studies" / "peers"  # a part that another Python measures
-    assert {"asking.py", "cosserat_rod.py"} <= {
-        file.name for file in parts.imported(folder / "rods" / "comparison.py", folder)
-    }
 
 
 def test_every_declared_part_has_its_function_and_its_template():
@@ -128,7 +124,7 @@ def test_every_declared_part_has_its_function_and_its_template():
         assert (parts.ROOT / "studies" / study / "page.md.j2").exists() and set(declared.elsewhere) <= set(
             declared.parts
         )
-        for part in set(declared.parts) - set(declared.elsewhere):  # the others need MuJoCo or PyElastica
+        for part in set(declared.parts) - set(declared.elsewhere):  # the others need MuJoCo
             assert callable(parts.function_of(f"{study}/{part}"))
 
 

@@ -9,7 +9,6 @@ from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.equilibrium.newton import Newton, NewtonOptions
 from fingerfem.scene.laws import neo_hookean_from
 from fingerfem.scene.scene import Scene
-from studies.peers import speed as solver_study
 
 LOADS = [([50.0, 0.0], 0.005), ([60.0, 40.0], 0.010), ([100.0, 30.0], 0.020)]
 
@@ -227,13 +226,23 @@ def test_the_whole_range_of_tensions_is_reached_in_few_iterations(draft):
 
 
 def test_a_contact_line_takes_at_most_five_factorisations_a_state(draft):
-    line = solver_study.ours(draft, solver_study.LINE)
-    assert len(line["end"]) == solver_study.COUNTED and np.all(np.diff(line["end"]) > 0)
-    assert line["factorisations"] <= 5 * solver_study.COUNTED
+    continuation, forces = draft.continuation, []
+    before = continuation.newton.factorisations
+    continuation.rest()
+    continuation.advance([50.0, 20.0], None)
+    reach, nearest = draft.problem.reach(), draft.scene.parameters[-1]["lower"]
+    for share in 1 - np.cos(np.pi / 2 * np.arange(1, 6) / 9):  # dense where contact begins
+        continuation.advance([50.0, 20.0], reach - share * (reach - nearest))
+        forces.append(draft.problem.contact.force())
+    assert np.all(np.diff([0.0, *forces]) > 0)
+    assert continuation.newton.factorisations - before <= 25
 
 
 def test_rest_to_the_strongest_pull_takes_at_most_22_factorisations(draft):
-    assert solver_study.ours(draft, solver_study.PULL)["factorisations"] <= 22
+    before = draft.continuation.newton.factorisations
+    draft.continuation.rest()
+    draft.continuation.advance([100.0, 0.0], None)
+    assert draft.continuation.newton.factorisations - before <= 22
 
 
 @pytest.mark.long

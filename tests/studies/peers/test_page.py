@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.peers.errors import compared, errors
+from studies.peers.page import errors
 from studies.peers.question import CONTACT, FREE, Answers, finger
 
 
@@ -31,11 +31,6 @@ def test_states_without_an_answer_are_counted_once_and_do_not_flatter():
     assert found["missing_contact"] == [0] and found["contact_forces"]["median"] == pytest.approx(0.1)
     none = errors(answers(1.0, contact_forces=[None] * len(CONTACT)), answers(1.0))
     assert none["contact_forces"] is None and none["missing_contact"] == []
-
-
-def test_times_are_multiples_of_the_fastest():
-    rows = compared([answers(1.0), answers(4.0)], answers(1.0))
-    assert [row["times"] for row in rows] == pytest.approx([1.0, 4.0])
 
 
 def test_the_finger_is_the_one_of_the_scene_file():

@@ -1,1 +1,0 @@
-"""What is taken for soft robots in place of finite elements."""
