@@ -1,8 +1,8 @@
 """Part `finite_elements`: the same states of the same meshes by another finite element code, FElupe.
 
 FElupe runs in a process of its own, of which nothing is imported here. It gets nodes, cells and the scene's numbers.
-Its kinematics, quadrature, assembly, laws and Newton's method are its own; contact, tendons and the second invariant are
-written once more as its items. Newton's method begins at a displacement that is a thousandth too small, and ends at the
+Its kinematics, quadrature, assembly, laws and Newton's method are its own; contact, tendons and the second invariant
+are written once more as its items. Newton's method begins at a displacement that is 0.1 ppm too small, and ends at the
 equilibrium of FElupe's equations: the same displacement but for round-off.
 
 make out/peers/felupe/ready     installs FElupe into a folder, for that process alone
@@ -29,7 +29,7 @@ from fingerfem.scene.scene import Scene
 from studies.parts import ROOT, Run
 
 FELUPE = ROOT / "out" / "peers" / "felupe"
-SHORT = 0.999  # of the displacement: where FElupe begins [-]
+SHORT = 1 - 1e-7  # of the displacement: where FElupe begins [-]
 # Newton's method converges quadratically: an iteration that moves so little [-] leaves nothing but round-off.
 TIGHT = NewtonOptions(tolerance=0.0, settled=1e-11, noise=1e-8)
 NEO_HOOKEAN = {"law": "neo-hookean", "C1": 1.9e6, "D1": 2.43e-7}
