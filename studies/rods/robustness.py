@@ -1,13 +1,12 @@
-"""Contact with random objects of all kinds: each has an answer or a reason, with friction too; no force jumps."""
+"""Contact with random objects of all kinds: each has an answer or a reason; no force jumps."""
 
 from __future__ import annotations
 
-import time
 from collections import Counter
 
 import numpy as np
 
-from rom import Rod, TouchedSegment, friction_history
+from rom import Rod, TouchedSegment
 from rom.rod.objects.shapes import facing_plane
 from studies.parts import Run
 from studies.rods.on_rubber.rubber import clear_of_clamp
@@ -16,8 +15,6 @@ from studies.rods.scattered_objects import DISTANCE, SHAPES, placed, tensions
 DEEPEST = 0.003  # [m]: how far objects come beyond the free plate
 POINTS, REFINED = 64, 60  # of a line; bisections of its largest step
 JUMP = 1e-6  # [N]
-# Of histories with friction: how far objects move aside [m], tensions change [N], and the coefficient of friction [-].
-ASIDE, CHANGED, FRICTION = (2e-4, 2e-3), 10.0, (0.3, 1.0)
 
 
 def verdicts(finger: Rod, shape: str, count: int) -> dict:
@@ -75,43 +72,10 @@ def jumps(finger: Rod, count: int) -> dict:
     return {"lines": count, "largest_n": largest, "over": over, "limit_n": JUMP}
 
 
-def histories(finger: Rod, shape: str, count: int) -> dict:
-    """Histories with friction: an object presses, moves aside, tensions change, and it moves back."""
-    random = np.random.default_rng(14)
-    found: Counter[str] = Counter()
-    steps: list[float] = []
-    while sum(found.values()) < count:
-        pulled = tensions(finger, random)
-        model = TouchedSegment(rod=finger, obstacle=placed(finger, pulled, random, shape)[0])
-        point = np.array([*pulled, DISTANCE - DEEPEST * random.random()])
-        if not model.answers(point).inside[0]:
-            continue
-        lower, upper = model.limits
-        other = np.clip(point + np.array([*random.uniform(-CHANGED, CHANGED, len(pulled)), 0.0]), lower, upper)
-        aside = np.cross(model.direction, random.standard_normal(3))
-        aside *= random.uniform(*ASIDE) / np.linalg.norm(aside)
-        begun = time.perf_counter()
-        states = friction_history(
-            model,
-            [point, point, other, point],
-            random.uniform(*FRICTION),
-            moved=[np.zeros(3), aside, aside, np.zeros(3)],
-        )
-        steps.append((time.perf_counter() - begun) / len(states))
-        found[states[-1].status] += 1
-    return {
-        "shape": shape,
-        "histories": count,
-        **{name: found[name] for name in ("converged", "out_of_domain", "no_equilibrium")},
-        "ms": 1e3 * float(np.median(steps)),
-    }
-
-
 def measure(run: Run) -> dict:
     """All shapes, then lines; of the bundled finger."""
-    finger, count, few = TouchedSegment.load().rod, 2500, 40
+    finger, count = TouchedSegment.load().rod, 2500
     return {
         "verdicts": [run.once(shape, verdicts, finger, shape, count) for shape in SHAPES],
-        "histories": [run.once(f"{shape}, friction", histories, finger, shape, few) for shape in SHAPES],
         "jumps": run.once("lines", jumps, finger, 5_000),
     }

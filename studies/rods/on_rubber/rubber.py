@@ -77,9 +77,15 @@ def pressed(finger: Rod, random: np.random.Generator, shape: str) -> Pressed | N
     return Pressed(pulled, [(found, table)], d)
 
 
-def measure(run: Run) -> list[dict]:
+def by_shape(run: Run, plan: plans.Plan, count: int) -> list[dict]:
     """Every shape, a shape a process."""
-    plan, count = plans.LARGE, 10
     calls = [(partial(pressed, shape=shape), [21], count, MOST, True) for shape in SHAPES]
-    parts = zip(SHAPES, by_core(run, plan, calls), strict=True)
-    return [{"shape": shape, **summary([part])} for shape, part in parts]
+    found = zip(SHAPES, by_core(run, plan, calls), strict=True)
+    along, across, _ = plan.mesh or (20, 5, 1)
+    return [{"shape": shape, "cells": f"{along} x {across}", **summary([one])} for shape, one in found]
+
+
+def measure(run: Run) -> list[dict]:
+    """On the draft mesh, and on cells half as long."""
+    asked = (plans.LARGE, 10), (plans.SMALL_CELLS, 5)
+    return [row for plan, count in asked for row in run.once(plan.name, by_shape, run, plan, count)]
