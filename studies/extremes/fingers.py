@@ -17,11 +17,7 @@ from fingerfem.scene.toml_file import one_line
 from studies.extremes.verdicts import Refused
 
 ROOT = Path(__file__).resolve().parents[2]
-PART = "full-order model"
 Table = dict[str, Any]
-MESH = 0.05  # relative error that a draft mesh may have against a fine one of order 2 [-]
-COARSE = 0.15  # the same of the coarsest mesh that is not refused [-]
-SAME = 1e-6  # relative difference of two ways to one state [-]
 
 
 def draft() -> Table:
@@ -65,6 +61,12 @@ def solved(of: FingerModel, tensions: list[float], distance: float | None = None
     return state
 
 
+def force(state: State) -> float:
+    """The contact force of a state before an obstacle [N]."""
+    assert state.contact_force is not None
+    return float(state.contact_force)
+
+
 def apart(one: np.ndarray, other: np.ndarray) -> float:
     """Relative distance of two vectors [-]."""
     return float(np.linalg.norm(np.subtract(one, other)) / np.linalg.norm(other))
@@ -85,5 +87,4 @@ def against_finer(table: Table, tensions: list[float], distance: float | None = 
     error = apart(ours.tip, fine.tip)
     if distance is None:
         return error
-    assert ours.contact_force is not None and fine.contact_force is not None
-    return max(error, abs(ours.contact_force / fine.contact_force - 1))
+    return max(error, abs(force(ours) / force(fine) - 1))

@@ -17,7 +17,6 @@ class Row:
     """What became of one extreme.
 
     Attributes:
-        part: of the software.
         extreme: which range is at its end.
         case: how far.
         outcome: accurate, refused or INACCURATE.
@@ -26,7 +25,6 @@ class Row:
         reference: what the answer is compared with; or the reason of a refusal.
     """
 
-    part: str
     extreme: str
     case: str
     outcome: str
@@ -39,13 +37,13 @@ class Refused(Exception):
     """A result that says why it is none."""
 
 
-def judged(part: str, extreme: str, case: str, reference: str, bound: float, error: Callable[[], float]) -> Row:
+def judged(extreme: str, case: str, reference: str, bound: float, error: Callable[[], float]) -> Row:
     """One row: `error` computes the relative error, or raises what refuses with a reason."""
     try:
         found = float(error())
     except (ValueError, LoadNotReached, Refused) as refusal:
         reason = str(refusal).strip().replace(f"{ROOT}/", "")
         outcome = REFUSED if reason and "\n" not in reason else INACCURATE
-        return Row(part=part, extreme=extreme, case=case, outcome=outcome, error=None, bound=None, reference=reason)
+        return Row(extreme=extreme, case=case, outcome=outcome, error=None, bound=None, reference=reason)
     outcome = ACCURATE if found <= bound else INACCURATE
-    return Row(part=part, extreme=extreme, case=case, outcome=outcome, error=found, bound=bound, reference=reference)
+    return Row(extreme=extreme, case=case, outcome=outcome, error=found, bound=bound, reference=reference)

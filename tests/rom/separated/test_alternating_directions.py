@@ -91,3 +91,16 @@ def test_zero_is_one_term_and_what_is_half_missing_is_refused():
             separate(np.array(tensor), EnrichmentOptions())
     with pytest.raises(ValueError, match="must have values"):
         separate(np.full((2, 3), np.nan), EnrichmentOptions())
+
+
+@pytest.mark.parametrize("size", [1e-150, 1.0, 1e150])
+@pytest.mark.parametrize("kind", ["constant", "linear", "jump", "noise"])
+def test_the_stated_error_is_the_true_one_whatever_the_size_of_the_numbers(kind, size):
+    x, y, z = np.meshgrid(*[np.linspace(0, 1, 12)] * 3, indexing="ij")
+    noise = np.random.default_rng(1).standard_normal(x.shape)
+    tensor = {"constant": 0 * x + 3.7, "linear": 1 + x + 2 * y - z, "jump": 1.0 * (x + y > z + 0.5), "noise": noise}[
+        kind
+    ]
+    factors, errors = separate(size * tensor[None], EnrichmentOptions(tolerance=1e-10, terms=20))
+    left = np.linalg.norm(compose(factors) / size - tensor[None]) / np.linalg.norm(tensor)
+    assert left == pytest.approx(errors[-1], abs=1e-9)
