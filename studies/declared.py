@@ -30,7 +30,7 @@ def _same(*names: str) -> dict[str, str]:
 # In this order: later studies use the snapshot sets of earlier ones.
 STUDIES = {
     "training": Study("appendix", _same("farm")),
-    "control": Study("speed", _same("campaigns", "loop", "grasps")),
+    "control": Study("speed", _same("campaigns", "loop")),
     "tradeoff": Study("speed", _same("fingers")),
     "separated": Study(
         "accuracy",

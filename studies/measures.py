@@ -32,15 +32,6 @@ def call_times(call: Callable[[np.ndarray], Any], points: np.ndarray) -> dict[st
     return {"p50_us": float(np.percentile(taken, 50)) / 1e3, "p99_us": float(np.percentile(taken, 99)) / 1e3}
 
 
-def quantiles(errors: np.ndarray) -> dict[str, float]:
-    """Median, 95th percentile and largest of errors, shape (states,)."""
-    return {
-        "median": float(np.median(errors)),
-        "p95": float(np.percentile(errors, 95)),
-        "max": float(errors.max()),
-    }
-
-
 def random_points(model: Model, count: int) -> np.ndarray:
     """Random parameters of a model's box, shape (count, parameters)."""
     lower, upper = model.limits

@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from rom import SeparatedModel, TouchedSegment, load, specialise
+from rom.error_statistics import quantiles
 from rom.native.forms import values
 from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.form import Separated
 from studies import sets
-from studies.measures import call_times, quantiles, random_points
+from studies.measures import call_times, random_points
 from studies.parts import ROOT, Run
 
 DISTANCES = 0.001, 0.031  # of the plane, as the paper has it [m]

@@ -17,11 +17,12 @@ from rom import Rod, TouchedSegment
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.fitting.training import train
 from rom.elements.samples.section_states import read_section_states
+from rom.error_statistics import quantiles
 from rom.rod.objects.shapes import facing_plane
 from rom.summaries import origin
 from studies import sets
 from studies.control.models import DISTANCES
-from studies.measures import call_times, quantiles, random_points
+from studies.measures import call_times, random_points
 from studies.parts import ROOT, Run
 
 PRESSED = ROOT / "scenes" / "demo" / "fine.toml"  # the draft scene's finger, with a load in place of the plane
