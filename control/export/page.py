@@ -17,8 +17,8 @@ import numpy as np
 from rom.atomic_file import write_whole
 from rom.checked_file import ModelError
 from rom.dataset.geometry import tip_at_rest
-from rom.export.image import Image
 from rom.export.model import struct
+from rom.export.wasm_memory import Image
 from rom.rod.compiled import ENDS
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from rom.export.image import address, owners
+from rom.export.wasm_memory import address, owners
 from rom.native import LIBRARY
 
 PER_LINE = 8  # numbers

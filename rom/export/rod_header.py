@@ -14,8 +14,8 @@ from pathlib import Path
 from rom.checked_file import ModelError
 from rom.export.amalgamation import Sources
 from rom.export.c_text import renamed
-from rom.export.image import address, owners
 from rom.export.numbers import definitions, literal
+from rom.export.wasm_memory import address, owners
 from rom.native import LIBRARY
 from rom.rod.touched_segment import TouchedSegment
 

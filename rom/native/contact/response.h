@@ -1,13 +1,40 @@
-/* How plates yield to forces at their contacts: C S, and what follows from it. */
+/* Response of the bodies to forces at their contacts: C S, and what follows from it. */
 #ifndef FINGERFEM_RESPONSE_H
 #define FINGERFEM_RESPONSE_H
 #include "contact.h"
+
+/* C S W_k: the motion of all bodies with a unit force at contact k. */
+static inline void response_yield(const contact_problem *problem, const contact_state *state, int k, double *out)
+{
+    const contact_arms *arms = state->at.arms + k;
+    const int size = contact_size(problem);
+    for (int i = 0; i < size; i++) {
+        out[i] = 0.0;
+        for (int a = 0; a < arms->count; a++)
+            for (int j = 0; j < W; j++) out[i] += state->yielding[i][W * arms->bodies[a] + j] * arms->wrenches[a][j];
+    }
+}
+
+/* W_k . xi: how much the gap of contact k grows with a motion xi of all bodies. */
+static inline double response_opening(const placed *at, int k, const double *motion)
+{
+    const contact_arms *arms = at->arms + k;
+    double sum = 0.0;
+    for (int a = 0; a < arms->count; a++)
+        for (int i = 0; i < W; i++) sum += motion[W * arms->bodies[a] + i] * arms->wrenches[a][i];
+    return sum;
+}
 
 /* G by the state's forces, S and C S; returns 0 if there are none. */
 int response_find(const contact_problem *problem, contact_state *state);
 
 /* A matrix times a vector, of all wrenches. */
 void response_product(int size, const chain_matrix m, const double *vector, double *out);
+
+/* Forces, (count), at some contacts, by which their gaps open as much as `wanted`, in place: solve
+ * (W^T C S W + c) f = wanted, c the local compliances. Returns 0 if that is singular. */
+int response_forces(const contact_problem *problem, const placed *at, int count, const int *rows, double (*columns)[CHAIN_WRENCH],
+                    double *wanted);
 
 /* Forces f >= 0, with gaps >= 0 and one of both zero at every contact, by block principal pivoting, with Murty's least index (1974) where that does not end (Judice and Pires 1994): it
  * ends for every positive definite W^T C S W. Begins with those that press. Returns 0 if it found none. */

@@ -1,4 +1,4 @@
-"""Where a finger and an object may touch at given loads, and how forces act there (contacts.c)."""
+"""Where a finger and an object may touch at given loads, and how forces act there (possible_contacts.c)."""
 
 from __future__ import annotations
 
