@@ -1,4 +1,4 @@
-"""Laws of the rubber: parameters, their range, and the small-strain moduli they mean. Energies are in materials."""
+"""Laws of the rubber: parameters, their range, small-strain moduli. Their energies: `mechanics.strain_energy`."""
 
 from __future__ import annotations
 
