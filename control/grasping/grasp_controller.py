@@ -1,7 +1,8 @@
 """One finger of a gripper, pull by pull: it closes until it feels something, finds it, squeezes and holds.
 
 It keeps its last reading from pull to pull. Every reading corrects the position of the plane a little:
-so it corrects an error of the model, and averages the sensor's noise. What it cannot see, it does not move by.
+so it corrects an error of the model, and averages the sensor's noise. Without a usable reading, it does not change the
+tensions.
 """
 
 from __future__ import annotations
@@ -18,11 +19,11 @@ from control.problems import grip, rules
 from rom.brief import brief
 
 PAST = 256  # pulls that are remembered: a reading that is older cannot be used
-SMOOTH = 0.2  # share of a reading's news in the contact force that a noisy finger is said to hold, at most
-SURPRISED = 3  # readings in a row that are not what was expected, before they are believed
-AGAIN = 1.25  # of its tension that a finger pulls at most to find again what it held
-BEYOND = 1.5  # of the tension that a target should take, above which the sensor is not believed any more
-DISTINCT = 1.3  # times what is felt as contact that a target must be
+SMOOTH = 0.2  # largest weight of a new reading in the smoothed contact force, with a noisy sensor [-]
+SURPRISED = 3  # consecutive unexpected readings before they get full weight
+AGAIN = 1.25  # times the lead tension at loss of contact: limit while the finger seeks contact again [-]
+BEYOND = 1.5  # times the lead tension predicted for the target: above it, the sensor counts as failed [-]
+DISTINCT = 1.3  # smallest ratio of a target to the force that counts as contact [-]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,16 +33,17 @@ class GraspOptions:
     Attributes:
         noise: standard deviation of the force sensor [N].
         feel: a force above this is contact [N]; three standard deviations of the noise if that is more.
-        approach_step: most that the lead tension grows in a pull while nothing is felt [N]. At the first
-            touch up to a fifth of this is felt, and as much more for every pull by which readings are late.
+        approach_step: most that the lead tension grows in a pull while nothing is felt [N]. The force at first contact
+            is up to a fifth of this. Each pull of sensor delay adds up to another fifth.
         squeeze_steps: pulls from touch to the held force.
         tolerance: a held force this near its target is held [-].
         period: from pull to pull [s], for ages of readings and rates of tensions.
-        settling: in which a finger follows its tensions [s]; no faster are readings believed.
-        dead_band: a force this near its target is not corrected, at most the tolerance [-]. With friction it is wanted:
-            whoever turns round feels the contact stick, and the force change the wrong way at first.
+        settling: time in which a finger follows a change of tension [s]. It limits the weight of a reading to
+            period / settling.
+        dead_band: a force this near its target is not corrected, at most the tolerance [-]. It is needed with friction:
+            when the tension change reverses, the contact sticks, and the force first changes in the wrong direction.
         patience: pulls without a usable reading before a sensor counts as failed.
-        pulls: most of a finger.
+        pulls: largest number of pulls per finger.
     """
 
     noise: float = 0.0
@@ -68,7 +70,10 @@ class GraspOptions:
             raise ValueError(f"dead_band must be at most the tolerance, {self.tolerance:g}, got {self.dead_band:g}")
 
     def gain(self, target: float) -> float:
-        """Share of a reading's news that is believed: noise then moves the held force by a third of its tolerance."""
+        """Weight of a reading's difference from the expected force [-].
+
+        Noise moves the held force by a third of its tolerance.
+        """
         if self.noise == 0:
             return self.fastest
         return float(np.clip(2 * (self.tolerance * target / (3 * self.noise)) ** 2, 1 / PAST, self.fastest))
@@ -131,7 +136,10 @@ class Grip:
 
     @property
     def target(self) -> float:
-        """Contact force to hold [N]; may change at any time. What is no force above 0 is refused: the last stays."""
+        """Contact force to hold [N]; may change at any time.
+
+        A target that is not finite, or not above DISTINCT times the contact threshold, is refused; the last is kept.
+        """
         return self._target
 
     @target.setter
@@ -275,7 +283,10 @@ class Grip:
             self._cap = self._most()
 
     def _close_enough(self) -> bool:
-        """Whether what is felt needs no correction; while it squeezes, what is above its aim waits for that."""
+        """Whether the felt force needs no correction.
+
+        During the squeeze, a force above the present aim waits until the aim has grown.
+        """
         band = self._options.dead_band * self._target
         return band > 0 and min(self._aim, self._target - band) <= self.felt <= self._target + band
 
@@ -292,7 +303,7 @@ class Grip:
         return True
 
     def _judge(self, felt: float, expected: float) -> None:
-        """Whether a reading is no news but a surprise: something slipped, or moved."""
+        """Count consecutive readings far from the expected force: something slipped, or moved."""
         wide = 6 * self._options.noise + 0.1 * self._target
         self._surprised = self._surprised + 1 if abs(felt - expected) > wide else 0  # nan is none
         if self._surprised == (1 if self._gain == 1 else SURPRISED) and self.stage == "hold":

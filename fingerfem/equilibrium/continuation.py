@@ -1,4 +1,4 @@
-"""Continuation to a load: predictor, adaptive steps, two Newton strategies, bisection; an answer or an exception."""
+"""Continuation to a load: predictor, adaptive steps, three Newton strategies, bisection; an answer or an exception."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ class StepOptions:
     """How far one step goes.
 
     Attributes:
-        turn: most a step's tensions may turn the tip of a slender finger, F e L / EI [rad].
-        first_turn: the same for a step that has no step before it to go by [rad].
+        turn: largest rotation of a slender finger's tip by the tensions of one step, F e L / EI [rad].
+        first_turn: the same for the first step [rad].
         approach: most the plane may move in a step, over the finger's length [-].
         touch: how far the plane moves past the first node it meets, over the finger's side [-].
         halvings: how often a failing step is halved, all in all, before the path is given up.
@@ -53,9 +53,9 @@ class Step:
     slope: np.ndarray
 
     def change_after(self, last: Step) -> np.ndarray:
-        """Change of displacement by the cubic through both ends of the last step; after a turn by the tangent [m].
+        """Change of displacement by the cubic through both ends of the last step, shape (owned and ghost values,) [m].
 
-        Shape (owned and ghost values of this rank,).
+        By the tangent if the direction of the load changes, or if the step more than doubles.
         """
         ratio = float(np.max(np.abs(self.load)) / np.max(np.abs(last.load)))
         if ratio > 2 or not np.allclose(self.load, ratio * last.load, rtol=1e-6, atol=0):
@@ -67,7 +67,7 @@ class Step:
 
 
 def _strategies(halvings: int) -> Sequence[Strategy]:
-    """A shorter step costs less than a more patient method, at first."""
+    """Strategies to try after a number of halvings: at first, a shorter step costs less than a more robust one."""
     return STRATEGIES[: 1 if halvings < 2 else 2 if halvings < 6 else 3]
 
 
@@ -87,7 +87,7 @@ class Continuation:
         self._turn = np.array(
             [float(np.linalg.norm(tendon.offset)) * ends[tendon.segment - 1] / bending for tendon in scene.tendons]
         )  # [rad/N]
-        # A tendon on the axis bends nothing but shortens: count its strain for a turn.
+        # A tendon on the axis does not bend the finger but shortens it: the axial strain counts as a rotation.
         self._turn += 1 / (problem.law.young_modulus * geometry.side**2)
         length = geometry.length
         self._turn_by_wrench = np.repeat([length**2 / 2, length], 3) / bending  # [rad/N, rad/(N m)]
@@ -120,7 +120,7 @@ class Continuation:
     def advance(self, tensions: ArrayLike, distance: float | None, wrenches: ArrayLike | None = None) -> None:
         """Go in a straight line from the present load to tensions [N], shape (tendons,), and distance [m].
 
-        An obstacle that was away comes from where it touches.
+        An obstacle that was absent is first placed where it just touches the finger.
 
         Args:
             tensions: shape (tendons,) [N].
@@ -206,7 +206,7 @@ class Continuation:
                 with contextlib.suppress(NotConverged):  # where the tangent is singular there is no prediction
                     step = self._predict(tensions, distance, wrenches)
             problem.set_loads(tensions, distance, wrenches)
-            # Of other rubber the stress where the prediction ends is as good a start.
+            # Without the mixed formulation, the stress at the predicted displacement is an equally good start.
             is_predicted = step is not None and problem.law.is_mixed
             try:
                 needed, linearisation = newton.solve(strategy, is_predicted=is_predicted)

@@ -37,7 +37,7 @@ class ContactForce(NamedTuple):
         place: of the point in space, shape (3,) [m].
         normal: out of the object, shape (3,) [-].
         force: on the plate, shape (3,) [N].
-        slides: or sticks; without friction it slides.
+        slides: true if the contact slides, false if it sticks. Without friction it always slides.
         rubber: whether the point is of the rubber.
         object: which, of several.
     """
@@ -116,8 +116,8 @@ class TouchedRod(PickledByFields):
     def answers(self, points: ArrayLike, by_object: bool = False) -> Touched:
         """Answers, with all that is known of them, at points, shape (n, p) [N, m].
 
-        Derivatives by the objects' poses, if wanted, are those with a motion along x, y, z, then with a turning about
-        axes through the centre, of one object after another.
+        With `by_object`, derivatives with respect to the objects' poses are included: for each object in turn, by a
+        translation along x, y, z, then by a rotation about axes through its centre.
 
         Raises:
             ModelError: the wrong number of parameters.
@@ -140,9 +140,9 @@ class TouchedRod(PickledByFields):
             parameters: shape (p,) or (n, p); tensions alone, shape (t,) or (n, t), if d is given.
             d: see `rom.parameter.joined`.
 
-        All objects come together. Where no equilibrium was found on their approach, the answer is not inside, and its
-        error infinite. It is not inside either where the equilibrium is not stable. What belongs to an object has a
-        last axis of m.
+        All objects approach the finger simultaneously. Where no equilibrium was found on their approach, the answer is
+        not inside, and its error infinite. It is not inside either where the equilibrium is not stable. Arrays with one
+        value per object have a last axis of length m.
 
         Raises:
             ModelError: the wrong number of parameters.
@@ -183,7 +183,7 @@ class TouchedRod(PickledByFields):
     def contact_forces(self, parameters: ArrayLike) -> list[ContactForce]:
         """Where objects press at one point, shape (p,), and how much; none without an equilibrium.
 
-        A plate is rigid: of more contacts than its wrench determines, the forces are one of many solutions.
+        A plate is rigid. If its wrench does not determine all of its contacts' forces, they are one of many solutions.
         """
         (point,) = self._points(parameters)
         found = pressing(self.touching, point)
@@ -195,7 +195,7 @@ class TouchedRod(PickledByFields):
         ]
 
     def displacement(self, parameters: ArrayLike, points: ArrayLike | None = None) -> np.ndarray:
-        """Of material points at one point of the parameters, shape (p,); shape (points, 3) [m].
+        """Displacements of material points at one point of the parameters, shape (p,); returns shape (points, 3) [m].
 
         Args:
             parameters: tensions [N] and every d [m].
