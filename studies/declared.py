@@ -42,8 +42,11 @@ STUDIES = {
     ),
     "rods": Study(
         "accuracy",
-        _same("accuracy", "objects", "robustness", "speed")
-        | _same(*(f"on_rubber.{name}" for name in ("indentation", "positions", "rubber", "several", "histories"))),
+        _same("accuracy", "objects", "speed"),
+    ),
+    "rubber": Study(
+        "accuracy",
+        _same("indentation", "positions", "random_objects", "several", "histories", "robustness"),
     ),
     "assembled": Study("accuracy", _same("four", "fingers")),
     "tapered": Study("accuracy", _same("tapered")),

@@ -19,7 +19,7 @@ from studies.coverage import points
 from studies.parts import ROOT, Run
 
 SCENES = ROOT / "scenes" / "demo"
-KINDS = {"random": 40, "on the walls": 16, "chosen": 45, "sought": 16}  # numbers of points
+KINDS = {"random": 40, "on the walls": 16, "chosen": 15, "sought": 16}  # numbers of points
 SEED = 2021
 OTHER_LINES = 8  # of states, that the finger is trained on by which points are sought
 QUANTITIES = "tip", "touch_distance", "contact_force"

@@ -112,11 +112,11 @@ def test_a_template_that_names_what_was_not_measured_is_an_error(study):
 
 
 def test_a_part_is_measured_by_its_module_and_what_that_imports_of_its_study():
-    folder = parts.ROOT / "studies" / "rods"
-    names = {file.name for file in parts.imported(folder / "robustness.py", folder)}
-    assert {"robustness.py", "scattered_objects.py", "full_order.py"} <= names
-    assert not names & {"lengths.py", "study.py", "page.py"}
-    assert parts.measuring_hash("rods/robustness") != parts.measuring_hash("rods/speed")
+    folder = parts.ROOT / "studies" / "rubber"
+    names = {file.name for file in parts.imported(folder / "several.py", folder)}
+    assert {"several.py", "random_objects.py", "pressed_objects.py"} <= names
+    assert not names & {"robustness.py", "page.py"}
+    assert parts.measuring_hash("rubber/robustness") != parts.measuring_hash("rubber/several")
 
 
 def test_every_declared_part_has_its_function_and_its_template():

@@ -21,7 +21,7 @@ is thick; over the line's own slice, by f / (E h) ROW (ln(DEPTH h / p) + 3/2). T
     f / (E h) OPPOSITE exp(-x / (REACH h)).
 
 DEPTH, OPPOSITE and REACH are those of linear elasticity on 40 x 10 cells; EDGE, FACE, POINT and NEAR agree with balls
-that squeeze a finger from two sides, on meshes that are refined (studies/rods/on_rubber/indentation.py).
+that squeeze a finger from two sides, on meshes that are refined (studies/rubber/indentation.py).
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ import numpy as np
 from rom import Rod, TouchedSegment
 from rom.rod.objects.shapes import facing_plane
 from studies.parts import Run
-from studies.rods.on_rubber.rubber import clear_of_clamp
 from studies.rods.scattered_objects import DISTANCE, SHAPES, placed, tensions
+from studies.rubber.random_objects import clear_of_clamp
 
 DEEPEST = 0.003  # [m]: how far objects come beyond the free plate
 POINTS, REFINED = 64, 60  # of a line; bisections of its largest step

@@ -18,8 +18,8 @@ from rom.rod.touched_rod import ContactForce
 from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import Table, obstacle
-from studies.rods.on_rubber.rubber import anywhere, clear_of_clamp
 from studies.rods.scattered_objects import DISTANCE
+from studies.rubber.random_objects import anywhere, clear_of_clamp
 
 CORES, INCREMENTS = 2, 4
 PULLED, FORCES = ((15.0, 80.0), (0.0, 40.0)), (0.3, 6.0)  # tensions, and force without friction at first [N]

@@ -12,8 +12,8 @@ from rom.rod.objects.shapes import RigidObject
 from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import Table, obstacle, random_box
-from studies.rods.on_rubber.pressed_objects import Pressed, by_core, summary
 from studies.rods.scattered_objects import DISTANCE, SHAPES, tensions
+from studies.rubber.pressed_objects import Pressed, by_core, summary
 
 DEPTHS, RADII = (2e-4, 4e-3), (3e-3, 3e-2)  # beyond touch; of round objects [m]
 TILT, EDGE = np.radians(40), 0.8  # of an object against the surface; of half the side: beyond, an edge's neighbourhood
@@ -87,5 +87,5 @@ def by_shape(run: Run, plan: plans.Plan, count: int) -> list[dict]:
 
 def measure(run: Run) -> list[dict]:
     """On the draft mesh, and on cells half as long."""
-    asked = (plans.LARGE, 10), (plans.SMALL_CELLS, 5)
+    asked = (plans.LARGE, 10), (plans.SMALL_CELLS, 4)
     return [row for plan, count in asked for row in run.once(plan.name, by_shape, run, plan, count)]

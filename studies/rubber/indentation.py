@@ -15,7 +15,7 @@ from rom.rod.objects.shapes import RigidObject
 from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import FullOrder, obstacle
-from studies.rods.on_rubber.pressed_objects import together
+from studies.rubber.pressed_objects import together
 
 PIECE = 0.012  # length [m]
 CELLS = [(6, 5), (12, 10), (24, 20)]  # along and across, of order 1

@@ -11,9 +11,9 @@ from rom.rod.objects.shapes import RigidObject
 from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import Table, obstacle
-from studies.rods.on_rubber.pressed_objects import Pressed, by_core, summary
-from studies.rods.on_rubber.rubber import DEPTHS, MOST, anywhere, clear_of_clamp
 from studies.rods.scattered_objects import DISTANCE, SHAPES, tensions
+from studies.rubber.pressed_objects import Pressed, by_core, summary
+from studies.rubber.random_objects import DEPTHS, MOST, anywhere, clear_of_clamp
 
 RADII, PLACES, CLEARANCE = (0.006, 0.020), (0.2, 0.7), 1.5e-3  # [m]; of the finger's length [-]; at rest, at most [m]
 PULLED = ((30.0, 100.0), (0.0, 20.0))  # towards the cylinder, and across [N]
@@ -54,7 +54,7 @@ def wrapped(finger: Rod, random: np.random.Generator) -> Pressed:
 
 def measure(run: Run) -> dict:
     """Both, each in two halves."""
-    plan, count = plans.LARGE, 15
+    plan, count = plans.LARGE, 10
     pairs = by_core(run, plan, [(pair, [31, k], count, MOST) for k in range(2)])
-    around = by_core(run, plan, [(wrapped, [41, k], 20) for k in range(2)])
+    around = by_core(run, plan, [(wrapped, [41, k], 12) for k in range(2)])
     return {"pairs": summary(pairs), "wrapped": summary(around)}
