@@ -46,8 +46,9 @@ STUDIES = {
     ),
     "rubber": Study(
         "accuracy",
-        _same("indentation", "positions", "random_objects", "several", "histories", "robustness"),
+        _same("indentation", "positions", "random_objects", "robustness"),
     ),
+    "several": Study("accuracy", _same("several", "histories")),
     "assembled": Study("accuracy", _same("four", "fingers")),
     "tapered": Study("accuracy", _same("tapered")),
     "grasping": Study(

@@ -40,7 +40,6 @@ class Plan:
 
 SMALL, LARGE = Plan(5.0, 24, 100), Plan(15.0, 24, 100)
 FINE = Plan(15.0, 12, 20, sets.STANDARD)
-SMALL_CELLS = Plan(15.0, 12, 20, (40, 10, 1))  # 1 mm across
 
 
 def scene(run: Run, plan: Plan) -> Path:

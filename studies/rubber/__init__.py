@@ -1,1 +1,1 @@
-"""Contact on the rubber against the full-order model: forces, indentation, several objects, friction."""
+"""Contact on the rubber against the full-order model: forces, indentation, robustness."""

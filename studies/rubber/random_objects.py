@@ -81,11 +81,10 @@ def by_shape(run: Run, plan: plans.Plan, count: int) -> list[dict]:
     """Every shape, a shape a process."""
     calls = [(partial(pressed, shape=shape), [21], count, MOST, True) for shape in SHAPES]
     found = zip(SHAPES, by_core(run, plan, calls), strict=True)
-    along, across, _ = plan.mesh or (20, 5, 1)
-    return [{"shape": shape, "cells": f"{along} x {across}", **summary([one])} for shape, one in found]
+    return [{"shape": shape, **summary([one])} for shape, one in found]
 
 
 def measure(run: Run) -> list[dict]:
-    """On the draft mesh, and on cells half as long."""
-    asked = (plans.LARGE, 10), (plans.SMALL_CELLS, 4)
-    return [row for plan, count in asked for row in run.once(plan.name, by_shape, run, plan, count)]
+    """On the elements' own mesh."""
+    plan = plans.LARGE
+    return list(run.once(plan.name, by_shape, run, plan, 10))

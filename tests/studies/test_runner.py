@@ -113,10 +113,10 @@ def test_a_template_that_names_what_was_not_measured_is_an_error(study):
 
 def test_a_part_is_measured_by_its_module_and_what_that_imports_of_its_study():
     folder = parts.ROOT / "studies" / "rubber"
-    names = {file.name for file in parts.imported(folder / "several.py", folder)}
-    assert {"several.py", "random_objects.py", "pressed_objects.py"} <= names
+    names = {file.name for file in parts.imported(folder / "random_objects.py", folder)}
+    assert {"random_objects.py", "pressed_objects.py"} <= names
     assert not names & {"robustness.py", "page.py"}
-    assert parts.measuring_hash("rubber/robustness") != parts.measuring_hash("rubber/several")
+    assert parts.measuring_hash("rubber/robustness") != parts.measuring_hash("rubber/positions")
 
 
 def test_every_declared_part_has_its_function_and_its_template():

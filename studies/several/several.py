@@ -54,7 +54,7 @@ def wrapped(finger: Rod, random: np.random.Generator) -> Pressed:
 
 def measure(run: Run) -> dict:
     """Both, each in two halves."""
-    plan, count = plans.LARGE, 10
+    plan, count = plans.LARGE, 15
     pairs = by_core(run, plan, [(pair, [31, k], count, MOST) for k in range(2)])
-    around = by_core(run, plan, [(wrapped, [41, k], 12) for k in range(2)])
+    around = by_core(run, plan, [(wrapped, [41, k], 20) for k in range(2)])
     return {"pairs": summary(pairs), "wrapped": summary(around)}

@@ -1,0 +1,1 @@
+"""Several objects at once, wrapped cylinders, and friction, against the full-order model."""
