@@ -1,8 +1,7 @@
 """One finger of a gripper, pull by pull: it closes until it feels something, finds it, squeezes and holds.
 
 It keeps its last reading from pull to pull. Every reading corrects the position of the plane a little:
-so it corrects an error of the model, and averages the sensor's noise. Without a usable reading, it does not change the
-tensions.
+so it corrects an error of the model, and averages the sensor's noise. Without a usable reading, tensions stay.
 """
 
 from __future__ import annotations
@@ -38,8 +37,7 @@ class GraspOptions:
         squeeze_steps: pulls from touch to the held force.
         tolerance: a held force this near its target is held [-].
         period: from pull to pull [s], for ages of readings and rates of tensions.
-        settling: time in which a finger follows a change of tension [s]. It limits the weight of a reading to
-            period / settling.
+        settling: time in which a finger follows its tensions [s]; a reading's weight is at most period / settling [-].
         dead_band: a force this near its target is not corrected, at most the tolerance [-]. It is needed with friction:
             when the tension change reverses, the contact sticks, and the force first changes in the wrong direction.
         patience: pulls without a usable reading before a sensor counts as failed.
@@ -70,10 +68,7 @@ class GraspOptions:
             raise ValueError(f"dead_band must be at most the tolerance, {self.tolerance:g}, got {self.dead_band:g}")
 
     def gain(self, target: float) -> float:
-        """Weight of a reading's difference from the expected force [-].
-
-        Noise moves the held force by a third of its tolerance.
-        """
+        """Weight of a reading's difference from the expected force [-]: noise moves the held force by tolerance / 3."""
         if self.noise == 0:
             return self.fastest
         return float(np.clip(2 * (self.tolerance * target / (3 * self.noise)) ** 2, 1 / PAST, self.fastest))
@@ -136,10 +131,7 @@ class Grip:
 
     @property
     def target(self) -> float:
-        """Contact force to hold [N]; may change at any time.
-
-        A target that is not finite, or not above DISTINCT times the contact threshold, is refused; the last is kept.
-        """
+        """Contact force to hold [N]. A new one that is infinite, or not above DISTINCT contact thresholds, is refused."""
         return self._target
 
     @target.setter
@@ -283,10 +275,7 @@ class Grip:
             self._cap = self._most()
 
     def _close_enough(self) -> bool:
-        """Whether the felt force needs no correction.
-
-        During the squeeze, a force above the present aim waits until the aim has grown.
-        """
+        """Whether the felt force needs no correction; in a squeeze, one above the aim waits until the aim has grown."""
         band = self._options.dead_band * self._target
         return band > 0 and min(self._aim, self._target - band) <= self.felt <= self._target + band
 

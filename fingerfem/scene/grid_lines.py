@@ -91,12 +91,9 @@ def grid_lines(outline: GridOutline, mesh: Mesh, half: bool) -> tuple[np.ndarray
 
 def _with_cells(segments: list[list[float]], along: int) -> list[tuple[list[float], int]]:
     """Each segment's breakpoints [m] and cells: the longest has `along`, the others cells of nearly the same length."""
-    longest = max(one[-1] - one[0] for one in segments)
-    shares = [(one[-1] - one[0]) / longest for one in segments]
-    return [
-        (one, along if share == 1 else max(round(along * share), len(one) - 1))
-        for one, share in zip(segments, shares, strict=True)
-    ]
+    lengths = [one[-1] - one[0] for one in segments]
+    shares = [round(along * length / max(lengths)) for length in lengths]
+    return [(one, max(cells, min(along, len(one) - 1))) for one, cells in zip(segments, shares, strict=True)]
 
 
 def _graded(geometry: Geometry, breakpoints: list[float], cells: int) -> np.ndarray:

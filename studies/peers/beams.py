@@ -41,17 +41,17 @@ class Rubber:
 
     @property
     def axial(self) -> float:
-        """E A [N]."""
+        """Axial stiffness E A [N]."""
         return self.finger.young * self.finger.side**2
 
     @property
     def shear(self) -> float:
-        """Of a shear strain [N]: k G A."""
+        """Shear stiffness k G A [N]."""
         return SHEAR_FACTOR * self.finger.shear * self.finger.side**2
 
     @property
     def bending(self) -> float:
-        """E I of the square section [N m^2]."""
+        """Bending stiffness E I of the square section [N m^2]."""
         return self.finger.young * self.finger.side**4 / 12
 
 
@@ -63,7 +63,7 @@ def tip(finger: Finger, end: End) -> list[float]:
 
 
 def corner(finger: Finger, end: End) -> tuple[float, float]:
-    """Where the higher one of the plate's two far corners is [m]."""
+    """Position x, y of the higher one of the plate's two far corners [m]."""
     c, s = math.cos(end[2]), math.sin(end[2])
     half = math.copysign(finger.side / 2, c)
     return end[0] + finger.plate * c - half * s, end[1] + finger.plate * s + half * c

@@ -55,7 +55,7 @@ def scene_of(name: str, law: dict[str, Any], mesh: tuple[list[int], int]) -> Sce
 
 
 def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """A finger before a plane for FElupe: its nodes, cells and what they are; and the scene's numbers."""
+    """Input of FElupe for a finger in front of a plane: nodes, cells and their regions; the scene's numbers."""
     problem, scene = model.problem, model.scene
     arrays = {
         "points": problem.space.tabulate_dof_coordinates(),
