@@ -131,7 +131,7 @@ class Grip:
 
     @property
     def target(self) -> float:
-        """Contact force to hold [N]. A new one that is infinite, or not above DISTINCT contact thresholds, is refused."""
+        """Contact force to hold [N]. A new one must be finite and above DISTINCT times the contact threshold."""
         return self._target
 
     @target.setter
