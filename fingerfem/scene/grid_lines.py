@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -92,7 +93,7 @@ def grid_lines(outline: GridOutline, mesh: Mesh, half: bool) -> tuple[np.ndarray
 def _with_cells(segments: list[list[float]], along: int) -> list[tuple[list[float], int]]:
     """Each segment's breakpoints [m] and cells: the longest has `along`, the others cells of nearly the same length."""
     lengths = [one[-1] - one[0] for one in segments]
-    shares = [round(along * length / max(lengths)) for length in lengths]
+    shares = [math.ceil(along * length / max(lengths) * (1 - EQUAL)) for length in lengths]
     return [(one, max(cells, min(along, len(one) - 1))) for one, cells in zip(segments, shares, strict=True)]
 
 
