@@ -162,6 +162,7 @@ def test_mirrored_pulls_give_mirrored_states(draft):
 
 def test_a_load_that_is_not_reached_raises_with_the_last_good_load(draft):
     continuation = Continuation(draft.problem, StepOptions(halvings=1))
+    continuation.rest()
     continuation.newton.options = NewtonOptions(iterations=2)
     with pytest.raises(LoadNotReached, match="no equilibrium beyond") as caught:
         continuation.advance([100.0, 0.0], None)
@@ -180,6 +181,7 @@ def test_a_failed_newton_attempt_leaves_the_model_as_it_was(draft):
 
 
 def test_a_singular_tangent_is_refused_when_it_is_factorised(draft, monkeypatch):
+    draft.continuation.rest()
     newton = draft.continuation.newton
     newton.linearise()
     monkeypatch.setattr(draft.problem, "tangent", lambda: draft.problem.matrix.zeroEntries())
