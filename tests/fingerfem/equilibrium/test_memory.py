@@ -30,7 +30,8 @@ def test_tangents_that_are_not_definite_leave_memory_flat(draft):
         return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 1e6
 
     draft.continuation.rest()  # other tests leave it in any state
-    definite = draft.problem.tangent().copy()
+    draft.continuation.linearise()
+    definite = draft.problem.matrix.copy()
     indefinite, matrix = definite.copy(), definite.copy()
     indefinite.shift(-2e4)
     factors, sizes = Factorisation(matrix), []
