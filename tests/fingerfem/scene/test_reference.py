@@ -13,8 +13,8 @@ from fingerfem.scene.laws import SceneTable
 from fingerfem.scene.scene import Scene
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "reference" / "scene.md"
-ROW = re.compile(r"^\| `([\w.]+)` \| [^|]* \| .*? \| ([^|]*) \| ?([^|]*?) ?\|$", re.MULTILINE)
-DEFAULTS = {key: default.strip() for key, default, _ in ROW.findall(PAGE.read_text())}
+ROW = re.compile(r"^\| `([\w.]+)` \| .*? \| ([^|]*) \|$", re.MULTILINE)
+DEFAULTS = {key: default.strip() for key, default in ROW.findall(PAGE.read_text())}
 
 # The smallest scene of every kind.
 SMALLEST = {
