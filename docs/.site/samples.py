@@ -14,8 +14,9 @@ A page shows what a block prints by including it in the next one:
     --8<-- "rom-info.txt"
     ```
 
-Commands without such an inclusion are not run; of a page with one after a Python block, all Python blocks are, one
-after another. A block with a title is a file. What pages keep in mine/ and out/ is kept in out/samples/.
+"rom-info.txt:1:3" shows its first three lines. Commands without such an inclusion are not run; of a page with one after
+a Python block, all Python blocks are, one after another. A block with a title is a file. What pages keep in mine/ and
+out/ is kept in out/samples/.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 DOCS, SAMPLES, WORK = ROOT / "docs", ROOT / "docs" / "reference" / "samples", ROOT / "out" / "samples"
 BLOCK = re.compile(
-    r'^```(?:(bash|python)|\w+ title="(.*?)")\n(.*?)^```\n(?:\n```\w*\n--8<-- "(.*?)"\n```\n)?',
+    r'^```(?:(bash|python)|\w+ title="(.*?)")\n(.*?)^```\n(?:\n```\w*\n--8<-- "([^:"]*)[:\d]*"\n```\n)?',
     re.DOTALL | re.MULTILINE,
 )
 PATH = f"{ROOT / '.venv' / 'bin'}{os.pathsep}{os.environ['PATH']}"

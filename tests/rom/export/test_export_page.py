@@ -16,8 +16,7 @@ from rom.rod.objects.shapes import Sphere
 from rom.rod.touched_segment import TouchedSegment
 
 PAGE = (Path(__file__).resolve().parents[3] / "docs" / "howto" / "export.md").read_text()
-COMPILERS = ("cc", "c++")
-pytestmark = pytest.mark.skipif(not all(map(shutil.which, COMPILERS)), reason="needs compilers of C and C++")
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs a compiler of C")
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +33,7 @@ def printed(model, tmp_path_factory) -> tuple[Path, dict[str, list[float]]]:
     for name, text in re.findall(r'^```\w+ title="(.*?)"\n(.*?)^```$', PAGE, re.DOTALL | re.MULTILINE):
         (folder / name).write_text(text)
     numbers = {}
-    for line in re.findall(r"^docker/run ((?:cc|c\+\+|out/) ?.*)$", PAGE, re.MULTILINE):
+    for line in re.findall(r"^docker/run ((?:cc|out/) ?.*)$", PAGE, re.MULTILINE):
         done = subprocess.run(line, shell=True, cwd=folder, capture_output=True, text=True)
         assert done.returncode == 0 and done.stderr == "", done.stderr
         numbers[line] = [float(word) for word in re.findall(r"(?<![\w+])\d+\.?\d*", done.stdout)]
@@ -51,11 +50,10 @@ def test_the_robot_presses_a_ball_as_in_python(model, printed):
     assert numbers[-1] == pytest.approx(touched.jacobian(points[-1])[3, 0], abs=6e-5)
 
 
-def test_c_plus_plus_and_the_shared_library_answer_as_python(model, printed):
-    folder, numbers = printed
+def test_the_shared_library_answers_as_python(model, printed):
+    folder, _ = printed
     point, out = np.array([20.0, 0.0, 0.010]), np.empty(5)
     answer = model.evaluate(point)
-    assert numbers["out/main"][-1] == pytest.approx(answer.contact_force, abs=6e-4)
     library = ctypes.CDLL(str(folder / "out" / "press.so"))
     doubles = [array.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for array in (point, out)]
     assert library.press(*doubles) == 1
