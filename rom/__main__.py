@@ -55,6 +55,10 @@ def build(
     terms: Annotated[
         int | None, typer.Option(min=1, max=10_000, help="Of a grid: most products of a form, 200.")
     ] = None,
+    degree: Annotated[
+        float | None,
+        typer.Option(min=2, max=8, help="Of rod elements: highest degree that is tried, 5; 6 suits longer fingers."),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Write a model with expected errors above 100 %.")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -64,13 +68,16 @@ def build(
     snapshots, finer_sets = SnapshotSet(folder), [SnapshotSet(one) for one in finer or []]
     states = None if held_out is None else held_out_of(held_out)
     if not snapshots.description.has_load:
+        if degree is not None:
+            raise ValueError(f"degree must be left out for a set of states on a grid, got {degree:g}")
         separate_set(snapshots, output, states, finer_sets, terms, force, as_json)
     if terms is not None:
         raise ValueError(f"terms must be left out for a set of a scene with a load, got {terms}")
     from rom.build import train_rod
+    from rom.elements.fitting.degrees import HIGHEST
 
     with steps() as progress:
-        finger = train_rod(snapshots, origin(snapshots), finer_sets, progress)
+        finger = train_rod(snapshots, origin(snapshots), finer_sets, progress, degree or HIGHEST)
     finger = finger if states is None else finger.with_accuracy(check_rod(finger, states))
     check_expected(finger.errors.contact_force, output, force)
     finger.save(output)

@@ -30,7 +30,11 @@ FEWEST = 3  # states on a finer mesh that touch
 
 
 def train_rod(
-    snapshots: SnapshotSet, provenance: dict[str, Any], finer: Sequence[SnapshotSet], progress: Progress = quiet
+    snapshots: SnapshotSet,
+    provenance: dict[str, Any],
+    finer: Sequence[SnapshotSet],
+    progress: Progress = quiet,
+    highest: float = training.HIGHEST,
 ) -> Rod:
     """Build the finger of a set of pressed states.
 
@@ -39,6 +43,7 @@ def train_rod(
         provenance: what it is.
         finer: states on a finer mesh: pressed ones correct its elements, those before the plane enlarge estimates.
         progress: called with the step, how much of it is done, and how much it is.
+        highest: weighted degree of the elements' polynomials [-].
 
     Raises:
         SnapshotError: a held-out set, too few lines, or sets of another finger, or on no finer mesh.
@@ -55,7 +60,7 @@ def train_rod(
     sections = read_section_states(snapshots)
     corrects = read_section_states(pressed[0], sections.at) if pressed else None
     provenance = provenance | ({"corrected_by": finer_origin(pressed[0])} if pressed else {})
-    finger = Rod(elements=training.train(sections, provenance, progress, corrects), scene=sections.scene)
+    finger = Rod(elements=training.train(sections, provenance, progress, corrects, highest), scene=sections.scene)
     return with_mesh_error(finger, before_plane) if before_plane else finger
 
 

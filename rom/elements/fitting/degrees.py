@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 from rom.elements.fitting.candidates import STEP, Candidates
 
-LOWEST, HIGHEST = 2.0, 5.0  # weighted degrees that are tried [-]
+LOWEST = 2.0  # weighted degree that is tried [-]
+HIGHEST = 5.0  # unless a user asks for more: 6 halves the errors of long fingers, with twice the products [-]
 BETTER = 0.97  # more terms are accepted if the error falls below this factor times the best so far [-]
 
 
@@ -20,7 +21,7 @@ def best_degrees(score: Callable[[dict[str, float]], float], kinds: dict[str, Ca
         kinds: candidates of every kind of element.
     """
     highest = {kind: _highest(one) for kind, one in kinds.items()}
-    steps = int((HIGHEST - LOWEST) / STEP) + 1
+    steps = int((max(highest.values()) - LOWEST) / STEP) + 1
     shared = [{kind: min(LOWEST + STEP * k, top) for kind, top in highest.items()} for k in range(steps)]
     scores = [score(degrees) for degrees in shared]
     best = min(scores)
@@ -41,6 +42,6 @@ def _changed(degrees: dict[str, float], kind: str, step: float) -> dict[str, flo
 def _highest(one: Candidates) -> float:
     """The highest degree that a kind's samples support."""
     degree = LOWEST
-    while degree + STEP <= HIGHEST and one.supports(degree + STEP):
+    while one.supports(degree + STEP):
         degree += STEP
     return degree

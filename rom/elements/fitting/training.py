@@ -98,8 +98,8 @@ class Training:
         return force / FORCE + place / (PLACE * self.states.length)
 
 
-def prepare(states: SectionStates) -> Training:
-    """The regressions of a finger's elements.
+def prepare(states: SectionStates, highest: float = HIGHEST) -> Training:
+    """The regressions of a finger's elements, up to a weighted degree.
 
     Raises:
         SnapshotError: too few lines to leave some out, or a tapered finger.
@@ -110,7 +110,7 @@ def prepare(states: SectionStates) -> Training:
     kinds = {}
     for kind, pairs in cut(states.at, states.scene["geometry"]["side"]).items():
         samples = [element_samples(states, *pair) for pair in pairs]
-        kinds[kind] = candidates(samples, of_line, states.scene, HIGHEST)
+        kinds[kind] = candidates(samples, of_line, states.scene, highest)
     return Training(states=states, fold=fold, kinds=kinds)
 
 
@@ -128,7 +128,11 @@ def fold_of(states: SectionStates) -> tuple[dict[int, int], np.ndarray]:
 
 
 def train(
-    states: SectionStates, provenance: dict[str, Any], progress: Progress = quiet, finer: SectionStates | None = None
+    states: SectionStates,
+    provenance: dict[str, Any],
+    progress: Progress = quiet,
+    finer: SectionStates | None = None,
+    highest: float = HIGHEST,
 ) -> Elements:
     """Train a finger's elements.
 
@@ -137,12 +141,13 @@ def train(
         provenance: of the states.
         progress: called with the name of the step, the amount done and the total amount.
         finer: states of the same finger on a finer mesh, at the same cross-sections, which correct the elements.
+        highest: weighted degree of the elements' polynomials [-].
 
     Raises:
         SnapshotError: too few lines to leave some out.
     """
     progress("fitting elements", 0, 2)
-    training = prepare(states)
+    training = prepare(states, highest)
     progress("fitting elements", 1, 2)
     degrees = best_degrees(training.score, training.kinds)
     trainings = [(training, degrees)]

@@ -86,3 +86,12 @@ def test_left_out_predictions_are_those_of_a_training_without_these_lines(rod_st
     chosen = np.flatnonzero(equations.powers.sum(axis=1) <= 2)
     inputs = element_samples(rod_states, 0, 10).inputs
     np.testing.assert_allclose(equations.fit(chosen, [0]).value(inputs), alone.fit(chosen).value(inputs), atol=1e-9)
+
+
+def test_a_degree_above_the_usual_one_is_tried_where_it_is_asked_for(prepared, rod_states, rod_elements):
+    more = training.prepare(rod_states, degrees.HIGHEST + 1)
+    assert max(one.highest for one in prepared.kinds.values()) == degrees.HIGHEST
+    assert more.kinds["interior"].highest == degrees.HIGHEST + 1
+    chosen = degrees.best_degrees(more.score, more.kinds)
+    assert more.score(chosen) <= prepared.score(rod_elements.provenance["degrees"])
+    assert all(more.kinds[kind].supports(degree) for kind, degree in chosen.items())
