@@ -11,16 +11,15 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
 from rom.brief import brief
 from rom.native import LIBRARY, PickledByFields
-from rom.native.forms import AXES, COMPONENTS, MODES, ROW, TERMS, values_and_gradients
+from rom.native.forms import AXES, COMPONENTS, MODES, ROW, TERMS
 from rom.separated.alternating_directions import EnrichmentOptions, khatri_rao, separate, slopes
 
 FEWEST = 4  # nodes with samples
-RELIED = 1e-2  # share of the largest below which singular values of products do not count for further values [-]
+RELIED = 1e-2  # share of the largest below which singular values of products do not count for the field [-]
 
 
 @brief
@@ -33,52 +32,55 @@ class Separated(PickledByFields):
         functions: nodal values of the one-dimensional functions, and their derivatives, shapes (2, n_a, terms).
         modes: F_i, shape (m, terms), in the quantity's unit.
         errors: relative 2-norm error over what was separated of the first 1, 2, ... terms, shape (terms,) [-].
+        field: F_i of further quantities by the same products, shape (k, terms); None if there are none.
     """
 
     ends: np.ndarray
     functions: Sequence[np.ndarray]
     modes: np.ndarray
     errors: np.ndarray
+    field: np.ndarray | None = None
 
     @classmethod
     def of(
-        cls, axes: Sequence[np.ndarray], values: np.ndarray, gradient: np.ndarray, options: EnrichmentOptions
+        cls,
+        axes: Sequence[np.ndarray],
+        values: np.ndarray,
+        gradient: np.ndarray,
+        options: EnrichmentOptions,
+        field: np.ndarray | None = None,
     ) -> Separated:
-        """Separate a function that is sampled on a grid.
-
-        Its numbers are those that single precision holds, 6e-8 of every value: a model file need not store more.
+        """Separate a function that is sampled on a grid, in numbers that single precision holds.
 
         Args:
             axes: nodes of every axis, shapes (n_a,); some nodes of an even axis.
-            values: shape (n_1, ..., n_k, m), nan where missing. Those beyond the gradient's `leading` have modes of the
-                leading ones' products, by least squares.
-            gradient: of the leading values by the axes, shape (n_1, ..., n_k, leading, k), nan where missing.
+            values: shape (n_1, ..., n_k, m), nan where missing.
+            gradient: their derivatives by the axes, shape (n_1, ..., n_k, m, k), nan where missing.
             options: of the separation.
+            field: further values at the same nodes, whose modes are found by least squares.
 
         Raises:
             ValueError: too few samples.
         """
-        leading, known = gradient.shape[-2], np.isfinite(values[..., 0])
+        known = np.isfinite(values[..., 0])
         if known.sum() < FEWEST:
             raise ValueError(f"a grid must have samples at {FEWEST} nodes at least, got {known.sum()}")
-        sizes = np.abs(values[known][:, :leading]).max(axis=0)
+        sizes = np.abs(values[known]).max(axis=0)
         sizes[sizes == 0] = 1.0  # a finger that bends in a plane has no third displacement
-        (modes, *factors), errors = separate(np.moveaxis(values[..., :leading] / sizes, -1, 0), options)
+        (modes, *factors), errors = separate(np.moveaxis(values / sizes, -1, 0), options)
         functions = []
         for a, axis in enumerate(axes):
             derivative = np.moveaxis(gradient[..., a] / sizes, -1, 0)
             function = CubicHermiteSpline(axis, factors[a], slopes([modes, *factors], derivative, a + 1))
             even = np.linspace(axis[0], axis[-1], round(np.ptp(axis) / np.diff(axis).min()) + 1)
             functions.append(_single(np.array([function(even), function(even, 1)])))
-        weights = np.linalg.norm(modes, axis=0)  # a small term has steep functions, and stays small
-        products = (khatri_rao(factors) * weights)[known.ravel()]
-        further = weights * np.linalg.lstsq(products, values[known][:, leading:], rcond=RELIED)[0].T
-        return cls(
-            ends=np.array([[axis[0], axis[-1]] for axis in axes]).T,
-            functions=functions,
-            modes=_single(np.vstack([sizes[:, None] * modes, further])),
-            errors=_single(errors),
-        )
+        if field is not None:
+            weights = np.linalg.norm(modes, axis=0)  # a small term has steep functions, and stays small
+            products = (khatri_rao(factors) * weights)[known.ravel()]
+            field = _single(weights * np.linalg.lstsq(products, field[known], rcond=RELIED)[0].T)
+        ends = np.array([[axis[0], axis[-1]] for axis in axes]).T
+        modes = _single(sizes[:, None] * modes)
+        return cls(ends=ends, functions=functions, modes=modes, errors=_single(errors), field=field)
 
     @property
     def terms(self) -> int:
@@ -91,25 +93,20 @@ class Separated(PickledByFields):
         return LIBRARY.struct("fingerfem_tables", **tables([self]))
 
     def truncated(self, tolerance: float) -> tuple[Separated, np.ndarray]:
-        """The fewest leading terms whose separation error is below `tolerance` [-], all of them if none is.
+        """The fewest leading terms whose separation error is below `tolerance` [-], or all terms; without the field.
 
-        And what every component loses thereby, 95th percentile over the nodes, shape (m,).
+        The second result is what every component loses, the 95th percentile over the nodes, shape (m,).
         """
         good = np.flatnonzero(self.errors <= tolerance)
         k = int(good[0]) + 1 if good.size else self.terms
         lost = khatri_rao([function[0, :, k:] for function in self.functions]) @ self.modes[:, k:].T
         functions = [function[..., :k] for function in self.functions]
-        fewer = replace(self, functions=functions, modes=self.modes[:, :k], errors=self.errors[:k])
+        fewer = replace(self, functions=functions, modes=self.modes[:, :k], errors=self.errors[:k], field=None)
         return fewer, np.percentile(np.abs(lost), 95, axis=0)
-
-    def value_and_gradient(self, x: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Value at a point, shape (m,), and gradient by the axes, shape (m, axes)."""
-        value, gradient = values_and_gradients(self.tables, 0, np.atleast_2d(np.asarray(x, float)))
-        return value[0], gradient[0]
 
 
 def tables(forms: Sequence[Separated]) -> dict[str, Any]:
-    """What a struct fingerfem_tables of these forms holds or points to, by the names of kernel.h."""
+    """The fields of a struct fingerfem_tables of these forms, by the names of kernel.h."""
     axes = max(len(form.functions) for form in forms)
     heads, spans = np.zeros((len(forms), ROW), np.int64), np.zeros((len(forms), axes, 2), np.int64)
     scales, parts, offset = np.ones((len(forms), axes, 2)), [], 0
@@ -120,7 +117,7 @@ def tables(forms: Sequence[Separated]) -> dict[str, Any]:
             parts.append(cubic_pieces(function[0], function[1], (high - low) / intervals).ravel())
             offset += parts[-1].size
         heads[f, [AXES, TERMS, COMPONENTS, MODES]] = len(form.functions), form.terms, len(form.modes), offset
-        parts.append(np.ascontiguousarray(form.modes).ravel())
+        parts.append(form.modes.ravel())
         offset += form.modes.size
     most = dict(zip(("most_axes", "most_terms", "most_components"), heads.max(axis=0).tolist(), strict=False))
     return most | {"forms": heads, "axes": spans, "scales": scales, "data": np.concatenate(parts)}
