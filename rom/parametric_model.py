@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rom.answer import TOUCH, Answer
 from rom.checked_file import ModelError
 from rom.console.table import Table, as_html
 from rom.parameter import Parameter
@@ -24,6 +26,9 @@ class ParametricModel:
         def tables(self) -> list[Table | str]:
             """For people."""
 
+        def evaluate(self, parameters: ArrayLike, d: ArrayLike | None = None) -> Answer:
+            """Outputs with estimated errors, at one point or many."""
+
         def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
             """Outputs at one point, shape (m,), and their derivatives, shape (m, p)."""
 
@@ -37,6 +42,13 @@ class ParametricModel:
         """Lower and upper ends of the parameters, shapes (p,) [N, m]."""
         ends = np.array([[parameter.lower, parameter.upper] for parameter in self.parameters], float)
         return ends[:, 0], ends[:, 1]
+
+    @cached_property
+    def lead(self) -> int:
+        """Index of the tension that pushes most towards a single object, in the middle of all ranges."""
+        lower, upper = self.limits
+        middle = np.append((lower + upper)[:-1] / 2, np.inf)
+        return int(np.argmax(self.jacobian(middle)[TOUCH, :-1]))
 
     def jacobian(self, parameters: ArrayLike) -> np.ndarray:
         """The derivatives of `value_and_jacobian` alone, shape (m, p)."""

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt, maximum_filter, percentile_filter
 
 from rom.brief import brief
-
-if TYPE_CHECKING:
-    from rom.separated.model import SeparatedModel
+from rom.checked_file import require
+from rom.parametric_model import ParametricModel
 
 MARGIN = 1e-3  # share of the range of d: the least margin of contact paths
 COVERED = 0.97  # of the calibrating points [-]
 COLUMNS = "tip", "contact_force", "displacement", "pad_pressure"  # of Errors.contact
-WITHOUT_CONTACT = "tip", "displacement"  # those with an error before touch, too
 SHARP, FEW = 85, 0.1  # percentile, among a cell and its neighbours, of a local rate; points a cell that make it local
 
 
@@ -64,9 +61,9 @@ class Errors:
 
 
 def estimated(
-    table: SeparatedModel, points: np.ndarray, off: Mapping[str, np.ndarray], valid: np.ndarray, cells: int
+    table: ParametricModel, points: np.ndarray, off: Mapping[str, np.ndarray], valid: np.ndarray, cells: int
 ) -> Errors:
-    """The errors of a model per length of contact path, by cells of the tensions and s.
+    """The errors of a separated model, in contact per length of its path and by cells of the tensions and s.
 
     Rates are infinite in cells in contact with points that are not valid, or next to one, and where an estimate exceeds
     all forces.
@@ -79,42 +76,42 @@ def estimated(
         cells: along every parameter.
 
     Raises:
-        ValueError: no valid points.
+        ModelError: no valid points.
     """
-    if not valid.any():
-        raise ValueError("the source must have an answer at some tensions and distances, got none")
+    require(bool(valid.any()), "the source must have an answer at some tensions and distances", "none")
     answers, (lower, upper), shape = table.evaluate(points), table.limits, (cells,) * points.shape[1]
-    late = float(np.quantile(off["touch_distance"][valid], COVERED))
+    late = _covering(off["touch_distance"][valid])
     margin = max(MARGIN * float(upper[-1] - lower[-1]), late)
     path = answers.touch_distance - points[:, -1]
     length, touched = path + margin, path > 0
+    free, pressed = valid & ~touched, valid & touched
     shares = (points - lower) / (upper - lower)
     shares[:, -1] = np.where(touched, path / np.maximum(answers.touch_distance - lower[-1], margin), 0.0)
     own = np.ravel_multi_index(tuple(np.clip(shares * cells, 0, cells - 1).astype(int).T), shape)
-    free, pressed = valid & ~touched, valid & touched
-    alone, rates = dict.fromkeys(COLUMNS, 0.0), np.zeros((cells ** len(shape), table.errors.contact.shape[1]))
-    for column, name in enumerate(COLUMNS):
-        if name not in off:
-            continue
-        if name in WITHOUT_CONTACT and free.any():
-            alone[name] = float(np.quantile(off[name][free], COVERED))
-        grown = np.maximum(off[name] - alone[name], 0.0)[pressed] / length[pressed]
-        rates[:, column] = _local(own[pressed], grown, shape)
+    off = dict.fromkeys(COLUMNS, np.zeros(len(points))) | dict(off)  # some have no displacement
+    alone = {name: _covering(off[name][free]) for name in ("tip", "displacement")}
+    names = COLUMNS[:-1] if answers.pad_pressure is None else COLUMNS
+    grown = [np.maximum(off[name] - alone.get(name, 0.0), 0.0)[pressed] for name in names]
+    rates = np.stack([_local(own[pressed], one / length[pressed], shape) for one in grown], axis=1)
     lost = pressed & (rates[own, 1] * length > np.max(answers.contact_force[pressed], initial=0.0))
     marked = np.zeros(shape, bool)
     marked.reshape(-1)[own[(~valid & touched) | lost]] = True
     rates[maximum_filter(marked, size=3, mode="nearest").reshape(-1)] = np.inf
-    without_contact = {name: alone[name] for name in WITHOUT_CONTACT}
-    return Errors(touch_distance=late, contact=rates, margin=margin, **without_contact)
+    return Errors(**alone, touch_distance=late, contact=rates, margin=margin)
+
+
+def _covering(errors: np.ndarray) -> float:
+    """The bound that COVERED of the errors are below, 0 without any."""
+    return float(np.quantile(errors, COVERED)) if errors.size else 0.0
 
 
 def _local(own: np.ndarray, rates: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """By cell: the largest rate in it, or what most of its neighbours are below, if that is more.
+    """By cell: the largest of the rates in it, or what most of its neighbours are below, if that is more.
 
-    Everywhere what COVERED of all are below, if there are too few rates: then they do not resolve the cells.
+    Too few rates do not resolve the cells: then every cell has the bound of all.
     """
     if len(rates) < FEW * np.prod(shape):
-        return np.full(np.prod(shape), np.quantile(rates, COVERED) if rates.size else 0.0)
+        return np.full(np.prod(shape), _covering(rates))
     largest = np.full(shape, -1.0)
     np.maximum.at(largest.reshape(-1), own, rates)
     largest = largest[tuple(distance_transform_edt(largest < 0, return_distances=False, return_indices=True))]

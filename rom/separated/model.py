@@ -46,7 +46,6 @@ class SeparatedModel(ParametricModel, PickledByFields):
             pressure [Pa/m]; by tensions and s. Its field is the nodes' displacement [-].
         errors: the estimated ones.
         nodes: at rest, shape (nodes, 3) [m]; None if the samples had no displacement.
-        lead: index of the tension that pushes most towards the object.
         scene: the sampled finger's.
         accuracy: error by quantity against what the samples are from; empty if it is not measured.
         provenance: what the samples are from.
@@ -60,7 +59,6 @@ class SeparatedModel(ParametricModel, PickledByFields):
     contact: Separated
     errors: Errors = field(repr=False)
     nodes: np.ndarray | None = field(repr=False, default=None)
-    lead: int
     scene: dict[str, Any] = field(repr=False)
     accuracy: dict[str, dict[str, Any]]
     provenance: dict[str, Any]

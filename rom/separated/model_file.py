@@ -19,7 +19,7 @@ from rom.separated.form import Separated
 if TYPE_CHECKING:
     from rom.separated.model import SeparatedModel
 
-PLAIN = ("parameters", "scene", "accuracy", "provenance", "lead")
+PLAIN = "scene", "accuracy", "provenance"
 FREE, CONTACT = ("x", "y", "z", "touch_distance"), ("x", "y", "z", "contact_force", "pad_pressure")
 PER_PATH = "tip -, contact force N/m, displacement -, pad pressure Pa/m"  # units of estimated errors
 MOST_PARAMETERS = LIBRARY.constants.FINGERFEM_MOST_PARAMETERS
@@ -32,6 +32,7 @@ def contents(model: SeparatedModel) -> dict[str, Any]:
     p, errors = len(model.parameters), model.errors
     cells = (errors.cells(p),) * p
     tree: dict[str, Any] = {name: getattr(model, name) for name in PLAIN} | {
+        "lead": model.lead,
         "parameters": [one.as_json() for one in model.parameters],
         "free": _tree(model.free, axes, "m", FREE),
         "contact": _tree(model.contact, axes | {"s": "-"}, "-, -, -, N/m, Pa/m", CONTACT),
@@ -59,7 +60,6 @@ def read(file: h5py.File) -> dict[str, Any]:
     texts = [text for one in parameters for text in (one.name, one.unit)]
     require(all(isinstance(text, str) for text in texts), "parameters must have text as names and units", texts)
     _check_ends("parameters", np.array([[one.lower, one.upper] for one in parameters], float).T)
-    require(0 <= tree["lead"] < p - 1, f"lead must be from 0 to {p - 2}", tree["lead"])
     scene = tree["scene"] | of_tables(tree["scene"])
     require(len(scene["tendons"]) == p - 1, f"tendons must be {p - 1}", len(scene["tendons"]))
     field = tree.get("displacement") or dict.fromkeys(("nodes", "free", "contact"))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rom.answer import FORCE, TOUCH, Answer
+from rom.checked_file import require
 from rom.console.terminal import Progress, quiet
 from rom.error_statistics import compared, differences
 from rom.rod.objects.shapes import facing_plane
@@ -32,53 +33,41 @@ def rod_samples(model: TouchedSegment, nodes: int = NODES, progress: Progress = 
     """A finger before its object, on a grid of so many nodes of every axis.
 
     Raises:
-        ValueError: fewer than 4 nodes, or an object that is not in the way of the finger.
+        ModelError: fewer than 4 nodes, too narrow a range of d, or an object that is not in the way of the finger.
     """
-    if nodes < 4:
-        raise ValueError(f"nodes must be at least 4, got {nodes}")
-    lower, upper = model.limits
-    farthest = sum(model.scene["geometry"]["segments"])  # contact begins beyond the limits, too
-    wide = replace(model, obstacle=replace(model.obstacle, distances=(lower[-1], max(upper[-1], farthest))))
+    (lower, upper), length = model.limits, sum(model.scene["geometry"]["segments"])
+    (nearest, farthest), least = model.obstacle.distances, NARROWEST * length
+    require(nodes >= 4, "nodes must be at least 4", nodes)
+    rule = f"d must have a range of at least {least:g} m"
+    require(farthest - nearest >= least, rule, f"{nearest:g} to {farthest:g} m")
+    wide = replace(model, obstacle=replace(model.obstacle, distances=(nearest, max(farthest, length))))
 
-    def sampled(tensions: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        points = np.concatenate([np.broadcast_to(tensions, (*d.shape, tensions.shape[-1])), d[..., None]], axis=-1)
+    def sampled(d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        at = tensions if d.ndim < tensions.ndim else tensions[..., None, :]
+        points = np.concatenate([np.broadcast_to(at, (*d.shape, at.shape[-1])), d[..., None]], axis=-1)
         found = wide.answers(points.reshape(-1, len(lower)))
         good = (found.evaluations > 0) & (found.out[:, FORCE] < BEYOND * model.rod.force)
-        parts = np.where(good[:, None], found.out, np.nan), np.where(good[:, None, None], found.jacobians, np.nan)
-        return parts[0].reshape(*d.shape, -1), parts[1].reshape(*d.shape, -1, len(lower))
+        values, jacobians = np.where(good, found.out.T, np.nan).T, np.where(good, found.jacobians.T, np.nan).T
+        return values.reshape(*d.shape, -1), jacobians.reshape(*d.shape, -1, len(lower))
 
-    ends = zip(lower[:-1], upper[:-1], strict=True)
-    axes = [*(np.linspace(low, high, nodes) for low, high in ends), np.linspace(FIRST, 1.0, nodes)]
-    tensions = np.stack(np.meshgrid(*axes[:-1], indexing="ij"), axis=-1)
+    axes = [*(np.linspace(low, high, nodes) for low, high in zip(lower, upper, strict=True))][:-1]
+    s, tensions = np.linspace(FIRST, 1.0, nodes), np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     progress("sampling", 0, 2)
-    free = sampled(tensions, np.full(tensions.shape[:-1], np.inf))
+    free = sampled(np.full(tensions.shape[:-1], np.inf))
     touch = free[0][..., TOUCH]
-    _check_distances(model, tensions, touch)
+    rule = "the object must be in the way of the finger at all tensions: narrow those of the scene, or ask the finger"
+    require(not np.isinf(touch).any(), rule, f"a finger that passes it at {tensions[np.isinf(touch)][:1].tolist()} N")
+    rule = f"d must begin below {np.nanmax(touch):.4g} m, where the finger touches"
+    require(bool(np.nanmax(touch) > nearest), rule, f"{nearest:g} m")
     progress("sampling", 1, 2)
-    contact = sampled(tensions[..., None, :], touch[..., None] - np.multiply.outer(touch - lower[-1], axes[-1]))
     return Samples(
         parameters=model.parameters,
         scene=model.scene,
-        lead=model.lead,
-        axes=axes,
+        axes=[*axes, s],
         free=free,
-        contact=contact,
+        contact=sampled(touch[..., None] - (touch[..., None] - nearest) * s),
         determined=DETERMINED,
     )
-
-
-def _check_distances(model: TouchedSegment, tensions: np.ndarray, touch: np.ndarray) -> None:
-    """Raise ValueError for distances or an object that no model can be of."""
-    least, (lower, upper) = NARROWEST * sum(model.scene["geometry"]["segments"]), model.obstacle.distances
-    if not upper - lower >= least:
-        raise ValueError(f"d must have a range of at least {least:g} m, got {lower:g} to {upper:g} m")
-    if np.isinf(touch).any():
-        raise ValueError(
-            f"the object must be in the way of the finger at all tensions, but the finger passes it at "
-            f"{tensions[np.isinf(touch)][0].tolist()} N: narrow the tensions of the scene, or ask the finger itself"
-        )
-    if np.nanmax(touch) <= lower:
-        raise ValueError(f"d must begin below {np.nanmax(touch):.4g} m, where the finger touches, got {lower:g} m")
 
 
 def specialise(
@@ -86,7 +75,6 @@ def specialise(
     nodes: int = NODES,
     options: EnrichmentOptions | None = None,
     *,
-    seed: int = 0,
     progress: Progress = quiet,
 ) -> SeparatedModel:
     """The separated model of a finger before its object, for tensions and d within the finger's limits.
@@ -98,36 +86,30 @@ def specialise(
         model: the finger and its object.
         nodes: of every axis, 4 at least; nodes^(tensions + 1) contacts are solved.
         options: of the separation.
-        seed: of the points at which errors are measured.
         progress: called with the step, how much of it is done, and how much it is.
 
     Raises:
-        ValueError: fewer than 4 nodes, or an object that is not in the way of the finger.
+        ModelError: fewer than 4 nodes, an object that is not in the way of the finger, or too few contacts.
 
     Example:
         >>> table = specialise(TouchedSegment.load(), nodes=12)  # doctest: +SKIP
     """
     table = tabulated(rod_samples(model, nodes, progress), options or EnrichmentOptions(), progress)
     progress("measuring the errors", 0, 2)
-    points, own = _random(model, np.random.default_rng([seed, 0]), CALIBRATING)
+    points, own = _random(model, np.random.default_rng([0, 0]), CALIBRATING)
     off = differences(table.evaluate(points), {name: getattr(own, name) for name in QUANTITIES})
     off = {name: error + own.error[name] for name, error in off.items()}
     cells = int(CELLS ** (1 / points.shape[1]) + 1e-9)
     table = replace(table, errors=estimated(table, points, off, np.asarray(own.inside), cells))
     progress("measuring the errors", 1, 2)
-    accuracy = measured(table, model, np.random.default_rng([seed, 1]), MEASURING)
+    accuracy = measured(table, model, np.random.default_rng([0, 1]), MEASURING)
+    rule = f"the table must have contact forces at {FEWEST} of {MEASURING} points at least"
     count = accuracy["contact_force"]["count"]
-    if count < FEWEST:
-        raise ValueError(
-            f"the table must have contact forces at {FEWEST} of {MEASURING} points at least, got {count}: all others "
-            "are marked; take other distances or more nodes"
-        )
-    origin = {
-        "specialised_from": model.scene["name"],
-        "object": repr(model.obstacle),
-        "facing_plane": model.obstacle == facing_plane(model.scene["geometry"]["side"], model.obstacle.distances),
-    }
-    return replace(table, accuracy=accuracy, provenance=table.provenance | origin)
+    require(count >= FEWEST, rule, f"{count}: all others are marked; take other distances or more nodes")
+    plane = facing_plane(model.scene["geometry"]["side"], model.obstacle.distances)
+    origin = {"specialised_from": model.scene["name"], "object": repr(model.obstacle)}
+    provenance = table.provenance | origin | {"facing_plane": model.obstacle == plane}
+    return replace(table, accuracy=accuracy, provenance=provenance)
 
 
 def measured(

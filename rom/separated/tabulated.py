@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.answer import FORCE, PAD, TIP, TOUCH
+from rom.answer import FORCE, PAD, TOUCH
 from rom.brief import brief
 from rom.console.terminal import Progress, quiet
 from rom.parameter import Parameter
@@ -34,16 +34,14 @@ LEAST = 1e-3  # of the range of d: the shortest path that is sampled [-]
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Samples:
-    """Answers of a finger at tensions F [N], without and before one object.
+    """Answers of a finger at tensions F [N], without and before one object; nan where it has none.
 
-    Values are tip [m], contact force [N], touch distance [m], pad pressure [Pa] if there is a pad, then displacements
-    of `nodes` [m]. Derivatives are those of the first r = 5 + has_pad values by the p parameters. Both are nan where
-    the finger has no answer.
+    The m values are tip [m], contact force [N], touch distance [m], pad pressure [Pa] if there is a pad, and
+    displacements of `nodes` [m]. The first r = 5 or 6, all but the last kind, have derivatives by the p parameters.
 
     Attributes:
         parameters: tensions, then d.
         scene: the finger's, as plain data.
-        lead: index of the tension that pushes most towards the object.
         axes: nodes of every tension [N], and of s [-], some of even ones.
         free: values and derivatives without the object, shapes (n_1, ..., m) and (n_1, ..., r, p).
         contact: likewise at the nodes of s, shapes (n_1, ..., n_s, m) and (n_1, ..., n_s, r, p).
@@ -53,7 +51,6 @@ class Samples:
 
     parameters: list[Parameter]
     scene: dict[str, Any]
-    lead: int
     axes: Sequence[np.ndarray]
     free: tuple[np.ndarray, np.ndarray]
     contact: tuple[np.ndarray, np.ndarray]
@@ -67,36 +64,33 @@ def tabulated(samples: Samples, options: EnrichmentOptions, progress: Progress =
     Raises:
         ValueError: too few samples.
     """
-    axes, (free, by_free) = samples.axes, samples.free
-    m = by_free.shape[-2]  # values before those of the nodes
-    pad = [*range(PAD, m)]
-    progress("separating the samples", 0, 2)
-    rows = [*range(TIP, FORCE), TOUCH]
+    tensions = samples.axes[:-1]
+    (free, by_free), (added, gradient) = samples.free, _added(samples)
+    r, moves = by_free.shape[-2], samples.nodes is not None
+    count = int(np.isfinite(added[..., 0]).sum())
+    most = int(count * (FORCE + 1) / (samples.determined * (FORCE + 1 + sum(map(len, samples.axes)))))
     finer = replace(options, tolerance=FINER * options.tolerance)  # contact begins at the free form's touch distance
-    field = None if samples.nodes is None else free[..., m:]
-    alone = Separated.of(axes[:-1], free[..., rows], by_free[..., rows, :-1], finer, field)
-    progress("separating the samples", 1, 2)
-    values, gradient = _per_path(samples)
-    rows = [*range(TIP, FORCE + 1), *pad]
-    count = int(np.isfinite(values[..., 0]).sum())
-    most = int(count * (FORCE + 1) / (samples.determined * (FORCE + 1 + sum(map(len, axes)))))
     fewer = replace(options, terms=max(min(options.terms, most), 1))
-    limited = _limited(axes, values[..., rows], gradient[..., rows, :])
-    field = None if samples.nodes is None else values[..., m:]
+    progress("separating the samples", 0, 2)
+    rows = [*range(FORCE), TOUCH]
+    alone = Separated.of(tensions, free[..., rows], by_free[..., rows, :-1], finer, free[..., r:] if moves else None)
+    progress("separating the samples", 1, 2)
+    rows = [*range(FORCE + 1), *range(PAD, r)]
+    slopes = _limited(samples.axes, added[..., rows], gradient[..., rows, :])
+    pressed = Separated.of(samples.axes, added[..., rows], slopes, fewer, added[..., r:] if moves else None)
     return SeparatedModel(
         parameters=samples.parameters,
         free=alone,
-        contact=Separated.of(axes, values[..., rows], limited, fewer, field),
-        errors=Errors(tip=0.0, displacement=0.0, touch_distance=0.0, contact=np.zeros((1, 3 + len(pad))), margin=1.0),
+        contact=pressed,
+        errors=Errors(tip=0.0, displacement=0.0, touch_distance=0.0, contact=np.zeros((1, r - 2)), margin=1.0),
         nodes=samples.nodes,
-        lead=samples.lead,
         scene=samples.scene,
         accuracy={},
-        provenance={"states": count, "nodes": [len(axis) for axis in axes]},
+        provenance={"states": count, "nodes": [len(axis) for axis in samples.axes]},
     )
 
 
-def _per_path(samples: Samples) -> tuple[np.ndarray, np.ndarray]:
+def _added(samples: Samples) -> tuple[np.ndarray, np.ndarray]:
     """What contact adds per length of its path, v = (u - u_0) / p, and its gradient by F and s.
 
     Along an axis of the tensions d follows D: dd = (1 - s) dD and dp = s dD; along s the path grows by D - d_min.
