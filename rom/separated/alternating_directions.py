@@ -58,18 +58,16 @@ def separate(tensor: np.ndarray, options: EnrichmentOptions) -> tuple[Factors, n
     if size == 0:
         return [np.zeros((n, 1)) for n in tensor.shape], np.zeros(1)
     nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
-    tensor = tensor[(slice(None), *nearest)]
+    tensor = left = tensor[(slice(None), *nearest)]
     factors = [np.zeros((n, 0)) for n in tensor.shape]
-    while factors[0].shape[1] < options.terms:
-        left = tensor - compose(factors)
-        if np.linalg.norm(left[:, known]) <= options.tolerance * size:
-            break
+    while factors[0].shape[1] < options.terms and np.linalg.norm(left[:, known]) > options.tolerance * size:
         factors = [np.hstack(pair) for pair in zip(factors, _best_product(left), strict=True)]
         for _ in range(options.sweeps):
             swept = _swept(tensor, known, factors)
             if np.linalg.norm(swept[0], axis=0).max() > GROWN * size:
                 break
             factors = swept
+        left = tensor - compose(factors)
     order = np.argsort(-np.linalg.norm(factors[0], axis=0), kind="stable")
     factors, errors = [factor[:, order] for factor in factors], []
     for k in range(len(order)):

@@ -31,37 +31,32 @@ class Separated(PickledByFields):
         ends: lower and upper of every axis, shape (2, axes).
         functions: nodal values of the one-dimensional functions, and their derivatives, shapes (2, n_a, terms).
         modes: F_i, shape (m, terms), in the quantity's unit.
+        field: F_i of k further quantities by the same products, shape (k, terms).
         errors: relative 2-norm error over what was separated of the first 1, 2, ... terms, shape (terms,) [-].
-        field: F_i of further quantities by the same products, shape (k, terms); None if there are none.
     """
 
     ends: np.ndarray
     functions: Sequence[np.ndarray]
     modes: np.ndarray
+    field: np.ndarray
     errors: np.ndarray
-    field: np.ndarray | None = None
 
     @classmethod
     def of(
-        cls,
-        axes: Sequence[np.ndarray],
-        values: np.ndarray,
-        gradient: np.ndarray,
-        options: EnrichmentOptions,
-        field: np.ndarray | None = None,
+        cls, axes: Sequence[np.ndarray], values: np.ndarray, gradient: np.ndarray, options: EnrichmentOptions
     ) -> Separated:
         """Separate a function that is sampled on a grid, in numbers that single precision holds.
 
         Args:
             axes: nodes of every axis, shapes (n_a,); some nodes of an even axis.
-            values: shape (n_1, ..., n_k, m), nan where missing.
-            gradient: their derivatives by the axes, shape (n_1, ..., n_k, m, k), nan where missing.
+            values: shape (n_1, ..., m + k), nan where missing; the last k get the products of the others.
+            gradient: of the first m by the axes, shape (n_1, ..., m, axes), nan where missing.
             options: of the separation.
-            field: further values at the same nodes, whose modes are found by least squares.
 
         Raises:
             ValueError: too few samples.
         """
+        values, field = np.split(values, [gradient.shape[-2]], axis=-1)
         known = np.isfinite(values[..., 0])
         if known.sum() < FEWEST:
             raise ValueError(f"a grid must have samples at {FEWEST} nodes at least, got {known.sum()}")
@@ -74,13 +69,15 @@ class Separated(PickledByFields):
             function = CubicHermiteSpline(axis, factors[a], slopes([modes, *factors], derivative, a + 1))
             even = np.linspace(axis[0], axis[-1], round(np.ptp(axis) / np.diff(axis).min()) + 1)
             functions.append(_single(np.array([function(even), function(even, 1)])))
-        if field is not None:
-            weights = np.linalg.norm(modes, axis=0)  # a small term has steep functions, and stays small
-            products = (khatri_rao(factors) * weights)[known.ravel()]
-            field = _single(weights * np.linalg.lstsq(products, field[known], rcond=RELIED)[0].T)
-        ends = np.array([[axis[0], axis[-1]] for axis in axes]).T
-        modes = _single(sizes[:, None] * modes)
-        return cls(ends=ends, functions=functions, modes=modes, errors=_single(errors), field=field)
+        weights = np.linalg.norm(modes, axis=0)  # a small term has steep functions, and stays small
+        products = (khatri_rao(factors) * weights)[known.ravel()]
+        return cls(
+            ends=np.array([[axis[0], axis[-1]] for axis in axes]).T,
+            functions=functions,
+            modes=_single(sizes[:, None] * modes),
+            field=_single(weights * np.linalg.lstsq(products, field[known], rcond=RELIED)[0].T),
+            errors=_single(errors),
+        )
 
     @property
     def terms(self) -> int:
@@ -93,7 +90,7 @@ class Separated(PickledByFields):
         return LIBRARY.struct("fingerfem_tables", **tables([self]))
 
     def truncated(self, tolerance: float) -> tuple[Separated, np.ndarray]:
-        """The fewest leading terms whose separation error is below `tolerance` [-], or all terms; without the field.
+        """The fewest leading terms whose separation error is below `tolerance` [-], or all terms.
 
         The second result is what every component loses, the 95th percentile over the nodes, shape (m,).
         """
@@ -101,8 +98,8 @@ class Separated(PickledByFields):
         k = int(good[0]) + 1 if good.size else self.terms
         lost = khatri_rao([function[0, :, k:] for function in self.functions]) @ self.modes[:, k:].T
         functions = [function[..., :k] for function in self.functions]
-        fewer = replace(self, functions=functions, modes=self.modes[:, :k], errors=self.errors[:k], field=None)
-        return fewer, np.percentile(np.abs(lost), 95, axis=0)
+        arrays = {"modes": self.modes[:, :k], "field": self.field[:, :k], "errors": self.errors[:k]}
+        return replace(self, functions=functions, **arrays), np.percentile(np.abs(lost), 95, axis=0)
 
 
 def tables(forms: Sequence[Separated]) -> dict[str, Any]:
@@ -114,22 +111,15 @@ def tables(forms: Sequence[Separated]) -> dict[str, Any]:
         for a, ((low, high), function) in enumerate(zip(form.ends.T, form.functions, strict=True)):
             intervals = function.shape[1] - 1
             spans[f, a], scales[f, a] = (intervals, offset), (low, intervals / (high - low))
-            parts.append(cubic_pieces(function[0], function[1], (high - low) / intervals).ravel())
+            values, slopes = function
+            pieces = CubicHermiteSpline(np.arange(intervals + 1), values, slopes * (high - low) / intervals).c
+            parts.append(pieces[::-1].swapaxes(0, 1).ravel())
             offset += parts[-1].size
         heads[f, [AXES, TERMS, COMPONENTS, MODES]] = len(form.functions), form.terms, len(form.modes), offset
         parts.append(form.modes.ravel())
         offset += form.modes.size
     most = dict(zip(("most_axes", "most_terms", "most_components"), heads.max(axis=0).tolist(), strict=False))
     return most | {"forms": heads, "axes": spans, "scales": scales, "data": np.concatenate(parts)}
-
-
-def cubic_pieces(values: np.ndarray, slopes: np.ndarray, step: float) -> np.ndarray:
-    """Coefficients c of r cubic functions on every interval between nodes a step apart, shape (n - 1, 4, r).
-
-    Each is c0 + c1 t + c2 t^2 + c3 t^3, with t from 0 to 1, of nodal values and derivatives, shapes (n, r).
-    """
-    rise, begins, ends = np.diff(values, axis=0), step * slopes[:-1], step * slopes[1:]
-    return np.stack([values[:-1], begins, 3 * rise - 2 * begins - ends, begins + ends - 2 * rise], axis=1)
 
 
 def _single(values: np.ndarray) -> np.ndarray:

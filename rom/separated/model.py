@@ -166,12 +166,9 @@ class SeparatedModel(ParametricModel, PickledByFields):
         Its estimated errors grow by what the terms left out contribute.
         """
         (free, lost), (contact, less) = self.free.truncated(FREE_SHARE * tolerance), self.contact.truncated(tolerance)
-        errors = replace(
-            self.errors,
-            tip=self.errors.tip + float(np.linalg.norm(lost[:3])),
-            touch_distance=self.errors.touch_distance + float(lost[3]),
-            contact=self.errors.contact + np.array([np.linalg.norm(less[:3]), less[3], 0.0, *less[4:]]),
-        )
+        tip, touch = self.errors.tip + float(np.linalg.norm(lost[:3])), self.errors.touch_distance + float(lost[3])
+        rates = self.errors.contact + np.array([np.linalg.norm(less[:3]), less[3], 0.0, *less[4:]])
+        errors = replace(self.errors, tip=tip, touch_distance=touch, contact=rates)
         shorter = replace(self, free=free, contact=contact, nodes=None, errors=errors)
         kept = ", ".join(f"{name} {shorter.terms[name]} of {count}" for name, count in self.terms.items())
         logger.info("a tolerance of %g keeps these products of one-dimensional functions: %s", tolerance, kept)
@@ -183,7 +180,8 @@ class SeparatedModel(ParametricModel, PickledByFields):
         nodes = "without the displacement field" if self.nodes is None else f"displacement of {len(self.nodes):,} nodes"
         terms = f"{sum(self.terms.values())} products in {len(self.terms)} forms"
         first = f"{self.scene['name']}: {terms} from {self.provenance['states']} {source}; {nodes}"
-        return [first, parameters(self.parameters), *(accuracy(self.accuracy) or [NOT_MEASURED])]
+        measured = accuracy(self.accuracy)
+        return [first, parameters(self.parameters), *(measured if measured else [NOT_MEASURED])]
 
     def save(self, path: str | Path) -> None:
         """Write the model file (HDF5), see docs/format.md."""

@@ -62,13 +62,10 @@ def read(file: h5py.File) -> dict[str, Any]:
     _check_ends("parameters", np.array([[one.lower, one.upper] for one in parameters], float).T)
     scene = tree["scene"] | of_tables(tree["scene"])
     require(len(scene["tendons"]) == p - 1, f"tendons must be {p - 1}", len(scene["tendons"]))
-    field = tree.get("displacement") or dict.fromkeys(("nodes", "free", "contact"))
-    free = _form("free", tree["free"] | {"field": field["free"]}, p - 1, FREE)
-    contact = _form("contact", tree["contact"] | {"field": field["contact"]}, p, CONTACT)
-    if (nodes := field["nodes"]) is not None:
+    nodes = tree["displacement"]["nodes"] if "displacement" in tree else None
+    if nodes is not None:
         shaped("nodes", nodes, (len(nodes), 3))
-        for name, form in (("free", free), ("contact", contact)):
-            shaped(f"displacement by {name}", form.field, (nodes.size, form.terms))
+    free, contact = _form("free", tree, p - 1, FREE), _form("contact", tree, p, CONTACT)
     shaped("error", tree["error"]["contact"], (*cells.shape, len(contact.modes) - 1), finite=False)
     rates = np.where(cells[..., None] != 0, tree["error"]["contact"], np.inf).reshape(cells.size, -1)
     errors = Errors(**tree["error"] | {"contact": rates})
@@ -91,18 +88,22 @@ def _tree(form: Separated, axes: dict[str, str], unit: str, names: Sequence[str]
 
 
 def _form(name: str, tree: dict[str, Any], axes: int, names: Sequence[str]) -> Separated:
-    """A form from its file; `names` are those of its components, of which some may be missing."""
-    functions, (components, terms) = [tree[f"functions_{a}"] for a in range(axes)], tree["modes"].shape
+    """A form from its file with so many axes; `names` are those of its components, of which some may be missing."""
+    own, field = tree[name], tree.get("displacement", {})
+    functions, (components, terms) = [own[f"functions_{a}"] for a in range(axes)], own["modes"].shape
     rule = f"{name} must have {LEAST} to {len(names)} components"
     require(LEAST <= components <= len(names), rule, components)
     require(1 <= terms <= MOST_TERMS, f"{name} must have from 1 to {MOST_TERMS} terms", terms)
-    shaped(f"modes of {name}", tree["modes"], (components, terms))
-    shaped(f"errors of {name}", tree["errors"], (terms,))
-    shaped(f"ends of {name}", tree["ends"], (2, axes))
-    _check_ends(f"ends of {name}", tree["ends"])
+    arrays = {"ends": own["ends"], "modes": own["modes"], "errors": own["errors"]}
+    arrays["field"] = field[name] if field else np.zeros((0, terms))
+    size = field["nodes"].size if field else 0
+    shapes = {"ends": (2, axes), "modes": (components, terms), "errors": (terms,), "field": (size, terms)}
+    for part, shape in shapes.items():
+        shaped(f"{part} of {name}", arrays[part], shape)
     for a, function in enumerate(functions):
         shaped(f"functions_{a} of {name}", function, (2, max(*function.shape[1:2], 2), terms))
-    return Separated(functions=functions, **{one: tree[one] for one in ("ends", "modes", "errors", "field")})
+    _check_ends(f"ends of {name}", own["ends"])
+    return Separated(functions=functions, **arrays)
 
 
 def _check_ends(name: str, ends: np.ndarray) -> None:

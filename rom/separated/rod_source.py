@@ -11,6 +11,7 @@ from rom.answer import FORCE, TOUCH, Answer
 from rom.checked_file import require
 from rom.console.terminal import Progress, quiet
 from rom.error_statistics import compared, differences
+from rom.parameter import joined
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import QUANTITIES
 from rom.rod.touched_segment import TouchedSegment
@@ -35,25 +36,23 @@ def rod_samples(model: TouchedSegment, nodes: int = NODES, progress: Progress = 
     Raises:
         ModelError: fewer than 4 nodes, too narrow a range of d, or an object that is not in the way of the finger.
     """
-    (lower, upper), length = model.limits, sum(model.scene["geometry"]["segments"])
+    length, p = sum(model.scene["geometry"]["segments"]), len(model.parameters)
     (nearest, farthest), least = model.obstacle.distances, NARROWEST * length
     require(nodes >= 4, "nodes must be at least 4", nodes)
     rule = f"d must have a range of at least {least:g} m"
     require(farthest - nearest >= least, rule, f"{nearest:g} to {farthest:g} m")
     wide = replace(model, obstacle=replace(model.obstacle, distances=(nearest, max(farthest, length))))
 
-    def sampled(d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        at = tensions if d.ndim < tensions.ndim else tensions[..., None, :]
-        points = np.concatenate([np.broadcast_to(at, (*d.shape, at.shape[-1])), d[..., None]], axis=-1)
-        found = wide.answers(points.reshape(-1, len(lower)))
+    def sampled(tensions: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        found = wide.answers(joined(tensions, d).reshape(-1, p))
         good = (found.evaluations > 0) & (found.out[:, FORCE] < BEYOND * model.rod.force)
         values, jacobians = np.where(good, found.out.T, np.nan).T, np.where(good, found.jacobians.T, np.nan).T
-        return values.reshape(*d.shape, -1), jacobians.reshape(*d.shape, -1, len(lower))
+        return values.reshape(*d.shape, -1), jacobians.reshape(*d.shape, -1, p)
 
-    axes = [*(np.linspace(low, high, nodes) for low, high in zip(lower, upper, strict=True))][:-1]
+    axes = [np.linspace(one.lower, one.upper, nodes) for one in model.parameters[:-1]]
     s, tensions = np.linspace(FIRST, 1.0, nodes), np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     progress("sampling", 0, 2)
-    free = sampled(np.full(tensions.shape[:-1], np.inf))
+    free = sampled(tensions, np.full(tensions.shape[:-1], np.inf))
     touch = free[0][..., TOUCH]
     rule = "the object must be in the way of the finger at all tensions: narrow those of the scene, or ask the finger"
     require(not np.isinf(touch).any(), rule, f"a finger that passes it at {tensions[np.isinf(touch)][:1].tolist()} N")
@@ -65,7 +64,7 @@ def rod_samples(model: TouchedSegment, nodes: int = NODES, progress: Progress = 
         scene=model.scene,
         axes=[*axes, s],
         free=free,
-        contact=sampled(touch[..., None] - (touch[..., None] - nearest) * s),
+        contact=sampled(tensions[..., None, :], touch[..., None] - (touch[..., None] - nearest) * s),
         determined=DETERMINED,
     )
 

@@ -66,18 +66,18 @@ def tabulated(samples: Samples, options: EnrichmentOptions, progress: Progress =
     """
     tensions = samples.axes[:-1]
     (free, by_free), (added, gradient) = samples.free, _added(samples)
-    r, moves = by_free.shape[-2], samples.nodes is not None
+    r, m = by_free.shape[-2], free.shape[-1]
     count = int(np.isfinite(added[..., 0]).sum())
     most = int(count * (FORCE + 1) / (samples.determined * (FORCE + 1 + sum(map(len, samples.axes)))))
     finer = replace(options, tolerance=FINER * options.tolerance)  # contact begins at the free form's touch distance
     fewer = replace(options, terms=max(min(options.terms, most), 1))
     progress("separating the samples", 0, 2)
-    rows = [*range(FORCE), TOUCH]
-    alone = Separated.of(tensions, free[..., rows], by_free[..., rows, :-1], finer, free[..., r:] if moves else None)
+    rows, field = [*range(FORCE), TOUCH], [*range(r, m)]
+    alone = Separated.of(tensions, free[..., rows + field], by_free[..., rows, :-1], finer)
     progress("separating the samples", 1, 2)
     rows = [*range(FORCE + 1), *range(PAD, r)]
     slopes = _limited(samples.axes, added[..., rows], gradient[..., rows, :])
-    pressed = Separated.of(samples.axes, added[..., rows], slopes, fewer, added[..., r:] if moves else None)
+    pressed = Separated.of(samples.axes, added[..., rows + field], slopes, fewer)
     return SeparatedModel(
         parameters=samples.parameters,
         free=alone,

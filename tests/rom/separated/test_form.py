@@ -18,6 +18,7 @@ def form(request) -> Separated:
         ends=np.array([lower, lower + 1 + random.random(axes)]),
         functions=[random.standard_normal((2, 6, 5)) for _ in range(axes)],
         modes=random.standard_normal((3, 5)),
+        field=np.zeros((0, 5)),
         errors=np.array([0.5, 0.2, 0.1, 0.01, 0.001]),
     )
 
@@ -68,10 +69,10 @@ def test_a_separable_function_is_found_from_samples_with_missing_and_left_out_no
     at = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
     u = np.sin(at[..., 0]) * np.exp(at[..., 1]) + at.prod(axis=-1)
     by = np.stack([np.cos(at[..., 0]) * np.exp(at[..., 1]) + at[..., 1], u - at.prod(axis=-1) + at[..., 0]], axis=-1)
-    samples, gradient = u[..., None], by[..., None, :]
+    samples, gradient = np.stack([u, 3 * u], axis=-1), by[..., None, :]
     for missing in ((2, 3), (4, 0)):
         samples[missing], gradient[missing] = np.nan, np.nan
-    form = Separated.of([x, y], samples, gradient, EnrichmentOptions(terms=2, sweeps=1000), 3 * samples)
+    form = Separated.of([x, y], samples, gradient, EnrichmentOptions(terms=2, sweeps=1000))
     further = replace(form, modes=form.field)
     for point in ([0.5, 1.6], [0.31, 1.05], [0.93, 1.77]):
         true = np.sin(point[0]) * np.exp(point[1]) + np.prod(point)
