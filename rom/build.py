@@ -106,7 +106,7 @@ def separate_grid(
     Its estimated errors are those of the model of every second node, at all states.
 
     Args:
-        snapshots: a training set on a grid of one or two tensions.
+        snapshots: a training set on a grid.
         options: of the separations.
         held_out: states before the same plane, which measure its accuracy.
         finer: held-out states on a finer mesh, which enlarge its estimated errors.

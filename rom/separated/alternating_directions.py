@@ -39,21 +39,15 @@ def separate(tensor: np.ndarray, options: EnrichmentOptions) -> tuple[Factors, n
     """Approximate a tensor by a sum of products.
 
     Args:
-        tensor: shape (n_0, n_1, ..., n_k). A point (n_1, ..., n_k) of the grid may be missing: nan for all n_0.
+        tensor: shape (n_0, n_1, ..., n_k). A point (n_1, ..., n_k) of the grid counts as missing if any of its n_0
+            values is not finite.
         options: when to stop.
 
     Returns:
         factors, shapes (n_a, terms), unit columns but for the first direction's, which carry size and unit; terms in
         descending size; and the relative 2-norm error of the first 1, 2, ... terms, shape (terms,) [-].
-
-    Raises:
-        ValueError: values are infinite, or missing for some of n_0 only, or everywhere.
     """
-    known = np.isfinite(tensor[0])
-    if not np.array_equal(np.isfinite(tensor), np.broadcast_to(known, tensor.shape)) or np.isinf(tensor).any():
-        raise ValueError("tensor must be finite, or nan at whole points of its grid")
-    if not known.any():
-        raise ValueError("tensor must have values, got none")
+    known = np.isfinite(tensor).all(axis=0)
     size = float(np.linalg.norm(tensor[:, known]))
     if size == 0:
         return [np.zeros((n, 1)) for n in tensor.shape], np.zeros(1)

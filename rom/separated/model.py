@@ -29,7 +29,6 @@ from rom.separated.errors import COLUMNS, Errors
 from rom.separated.form import Separated, tables
 
 logger = logging.getLogger(__name__)
-
 KIND, FORMAT = "fingerfem separated model", 2
 FREE_SHARE = 0.01  # of a tolerance, for the free form: contact begins at its touch distance [-]
 
@@ -130,9 +129,8 @@ class SeparatedModel(ParametricModel, PickledByFields):
     def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """`outputs` at one point, shape (5 or 6,), and their derivatives, shape (5 or 6, p); the fastest call.
 
-        At touch itself, a kink, derivatives are those of the free side. Outside the sampled box they are zero across
-        its walls. Where a form swings below zero just after touch, the force is held at zero but not its derivative, so
-        that a solver finds where it rises.
+        At touch itself, a kink, derivatives are those of the free side; across walls of the sampled box they are zero.
+        Where a form swings below zero just after touch, the force is clamped to zero, but not its derivative.
         """
         return forms.answer(self.kernel, self._checked(parameters, most=1))[:2]
 
@@ -145,13 +143,12 @@ class SeparatedModel(ParametricModel, PickledByFields):
         if self.nodes is None:
             raise ModelError("displacement must be in the scene's sampling.store, got a model of samples without it")
         (lower, upper), point = self.limits, self._checked(parameters, most=1)
-        clamped = np.clip(np.where(np.isnan(point), lower, point), lower, upper)
-        touch = self.outputs(clamped[None])[0, TOUCH]
-        path = touch - clamped[-1]
-        (moved,) = forms.values(self._fields, 0, clamped[None, :-1])
+        tensions, d = np.split(np.clip(np.where(np.isnan(point), lower, point), lower, upper)[None], [-1], axis=1)
+        touch = self.outputs(point[None])[0, TOUCH]
+        moved, path = forms.values(self._fields, 0, tensions), touch - d
         if point[-1] < touch and path > 0:
-            clamped[-1] = path / (touch - lower[-1])
-            moved += path * forms.values(self._fields, 1, clamped[None])[0]
+            share = path / (touch - lower[-1])
+            moved += path * forms.values(self._fields, 1, np.hstack([tensions, share]))
         return moved.reshape(-1, 3)
 
     @cached_property
