@@ -28,7 +28,7 @@ class Errors:
         displacement: without contact, root mean square over the nodes [m]; 0 without the field.
         touch_distance: [m].
         contact: of tip, contact force, displacement and, if the model has it, pad pressure, per length of contact path
-            [-, N/m, -, Pa/m], by cell, shape (cells, 3 or 4); infinite in cells without an answer.
+            [-, N/m, -, Pa/m], by cells of tensions and s, shape (cells, ..., 3 or 4); infinite without an answer.
         margin: added to the contact path [m]. It is at least the error of the touch distance.
     """
 
@@ -41,22 +41,18 @@ class Errors:
     @property
     def alone(self) -> np.ndarray:
         """Errors without contact in the columns of `contact`, shape (3 or 4,)."""
-        return np.array([self.tip, 0.0, self.displacement, 0.0])[: self.contact.shape[1]]
+        return np.array([self.tip, 0.0, self.displacement, 0.0])[: self.contact.shape[-1]]
 
     @property
     def answered(self) -> np.ndarray:
-        """In which cells the samples support an answer, shape (cells,)."""
-        return np.isfinite(self.contact).all(axis=1)
-
-    def cells(self, p: int) -> int:
-        """Cells along each of p parameters."""
-        return round(len(self.contact) ** (1 / p))
+        """In which cells the samples support an answer, shape (cells, ...)."""
+        return np.isfinite(self.contact).all(axis=-1)
 
     def scaled(self, factors: Mapping[str, float]) -> Errors:
         """The errors times factors by quantity, 1 by default [-]."""
         factor = {name: factors.get(name, 1.0) for name in (*COLUMNS, "touch_distance")}
         own = {name: factor[name] * getattr(self, name) for name in ("tip", "displacement", "touch_distance")}
-        contact = self.contact * [factor[name] for name in COLUMNS[: self.contact.shape[1]]]
+        contact = self.contact * [factor[name] for name in COLUMNS[: self.contact.shape[-1]]]
         return Errors(**own, contact=contact, margin=max(self.margin, own["touch_distance"]))
 
 
@@ -87,16 +83,16 @@ def estimated(
     free, pressed = valid & ~touched, valid & touched
     shares = (points - lower) / (upper - lower)
     shares[:, -1] = np.where(touched, path / np.maximum(answers.touch_distance - lower[-1], margin), 0.0)
-    own = np.ravel_multi_index(tuple(np.clip(shares * cells, 0, cells - 1).astype(int).T), shape)
+    own = np.clip(shares * cells, 0, cells - 1).astype(int)
     off = dict.fromkeys(COLUMNS, np.zeros(len(points))) | dict(off)  # some have no displacement
     alone = {name: _covering(off[name][free]) for name in ("tip", "displacement")}
     names = COLUMNS[:-1] if answers.pad_pressure is None else COLUMNS
     grown = [np.maximum(off[name] - alone.get(name, 0.0), 0.0)[pressed] for name in names]
-    rates = np.stack([_local(own[pressed], one / length[pressed], shape) for one in grown], axis=1)
-    lost = pressed & (rates[own, 1] * length > np.max(answers.contact_force[pressed], initial=0.0))
+    rates = np.stack([_local(own[pressed], one / length[pressed], shape) for one in grown], axis=-1)
+    lost = pressed & (rates[(*own.T, 1)] * length > np.max(answers.contact_force[pressed], initial=0.0))
     marked = np.zeros(shape, bool)
-    marked.reshape(-1)[own[(~valid & touched) | lost]] = True
-    rates[maximum_filter(marked, size=3, mode="nearest").reshape(-1)] = np.inf
+    marked[tuple(own[(~valid & touched) | lost].T)] = True
+    rates[maximum_filter(marked, size=3, mode="nearest")] = np.inf
     return Errors(**alone, touch_distance=late, contact=rates, margin=margin)
 
 
@@ -106,13 +102,13 @@ def _covering(errors: np.ndarray) -> float:
 
 
 def _local(own: np.ndarray, rates: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """By cell: the largest of the rates in it, or what most of its neighbours are below, if that is more.
+    """By cell, shape (cells, ...): its largest rate, or what most of its neighbours are below, if that is more.
 
     Too few rates do not resolve the cells: then every cell has the bound of all.
     """
     if len(rates) < FEW * np.prod(shape):
-        return np.full(np.prod(shape), _covering(rates))
+        return np.full(shape, _covering(rates))
     largest = np.full(shape, -1.0)
-    np.maximum.at(largest.reshape(-1), own, rates)
+    np.maximum.at(largest, tuple(own.T), rates)
     largest = largest[tuple(distance_transform_edt(largest < 0, return_distances=False, return_indices=True))]
-    return np.maximum(largest, percentile_filter(largest, SHARP, size=3, mode="nearest")).reshape(-1)
+    return np.maximum(largest, percentile_filter(largest, SHARP, size=3, mode="nearest"))

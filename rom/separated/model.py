@@ -1,8 +1,6 @@
 """A separated model: tensions and the object's distance in; tip, contact force and touch distance with errors out.
 
-    u(F, d) = u_0(F) + p v(F, s),   p = D(F) - d,   s = p / (D(F) - d_min),
-
-u_0, D and v each a sum of products (`rom.separated.form`); `rom.separated.tabulated` makes them of samples.
+`rom.separated.tabulated` has its formula, and makes it of samples.
 """
 
 from __future__ import annotations
@@ -88,7 +86,7 @@ class SeparatedModel(ParametricModel, PickledByFields):
             tables=tables([self.free, self.contact]),
             parameters=len(lower),
             has_pad=self.has_pad,
-            cells=self.errors.cells(len(lower)),
+            cells=len(self.errors.contact),
             lower=lower,
             upper=upper,
             answered=self.errors.answered.astype(np.uint8),
@@ -98,7 +96,7 @@ class SeparatedModel(ParametricModel, PickledByFields):
     def native(self) -> dict[str, Any]:
         """The fields that compiled controllers read: the arrays, and the rates of errors in contact."""
         contact = self.errors.contact
-        return {"kernel": self.kernel, "rates": contact, "columns": contact.shape[1], "margin": self.errors.margin}
+        return {"kernel": self.kernel, "rates": contact, "columns": contact.shape[-1], "margin": self.errors.margin}
 
     def outputs(self, points: np.ndarray) -> np.ndarray:
         """Tip [m], contact force [N], touch distance [m], pad pressure [Pa] if the model has it, shape (n, 5 or 6)."""

@@ -29,15 +29,13 @@ LEAST, MOST_TERMS = 4, 1 << 16  # components of a form; its terms: positions in 
 def contents(model: SeparatedModel) -> dict[str, Any]:
     """The tree of a file, for `rom.checked_file.write_tree`."""
     axes = {parameter.name: parameter.unit for parameter in model.parameters[:-1]}
-    p, errors = len(model.parameters), model.errors
-    cells = (errors.cells(p),) * p
     tree: dict[str, Any] = {name: getattr(model, name) for name in PLAIN} | {
         "lead": model.lead,
         "parameters": [one.as_json() for one in model.parameters],
         "free": _tree(model.free, axes, "m", FREE),
         "contact": _tree(model.contact, axes | {"s": "-"}, "-, -, -, N/m, Pa/m", CONTACT),
-        "answered": (errors.answered.astype(np.uint8).reshape(cells), "-"),
-        "error": asdict(errors) | {"contact": (errors.contact.reshape(*cells, -1), PER_PATH)},
+        "answered": (model.errors.answered.astype(np.uint8), "-"),
+        "error": asdict(model.errors) | {"contact": (model.errors.contact, PER_PATH)},
     }
     if model.nodes is not None:
         fields = {"free": (model.free.field, "m"), "contact": (model.contact.field, "-")}
@@ -67,7 +65,7 @@ def read(file: h5py.File) -> dict[str, Any]:
         shaped("nodes", nodes, (len(nodes), 3))
     free, contact = _form("free", tree, p - 1, FREE), _form("contact", tree, p, CONTACT)
     shaped("error", tree["error"]["contact"], (*cells.shape, len(contact.modes) - 1), finite=False)
-    rates = np.where(cells[..., None] != 0, tree["error"]["contact"], np.inf).reshape(cells.size, -1)
+    rates = np.where(cells[..., None] != 0, tree["error"]["contact"], np.inf)
     errors = Errors(**tree["error"] | {"contact": rates})
     least = np.min([*errors.alone, errors.touch_distance, errors.margin, rates.min()])
     require(bool(least >= 0 and np.isfinite(errors.margin)), "error must be at least 0", "others")

@@ -59,22 +59,13 @@ def rod_samples(model: TouchedSegment, nodes: int = NODES, progress: Progress = 
     rule = f"d must begin below {np.nanmax(touch):.4g} m, where the finger touches"
     require(bool(np.nanmax(touch) > nearest), rule, f"{nearest:g} m")
     progress("sampling", 1, 2)
-    return Samples(
-        parameters=model.parameters,
-        scene=model.scene,
-        axes=[*axes, s],
-        free=free,
-        contact=sampled(tensions[..., None, :], touch[..., None] - (touch[..., None] - nearest) * s),
-        determined=DETERMINED,
-    )
+    contact = sampled(tensions[..., None, :], touch[..., None] - (touch[..., None] - nearest) * s)
+    parameters, scene, axes = model.parameters, model.scene, [*axes, s]
+    return Samples(parameters=parameters, scene=scene, axes=axes, free=free, contact=contact, determined=DETERMINED)
 
 
 def specialise(
-    model: TouchedSegment,
-    nodes: int = NODES,
-    options: EnrichmentOptions | None = None,
-    *,
-    progress: Progress = quiet,
+    model: TouchedSegment, nodes: int = NODES, options: EnrichmentOptions | None = None, *, progress: Progress = quiet
 ) -> SeparatedModel:
     """The separated model of a finger before its object, for tensions and d within the finger's limits.
 

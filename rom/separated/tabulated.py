@@ -78,11 +78,12 @@ def tabulated(samples: Samples, options: EnrichmentOptions, progress: Progress =
     rows = [*range(FORCE + 1), *range(PAD, r)]
     slopes = _limited(samples.axes, added[..., rows], gradient[..., rows, :])
     pressed = Separated.of(samples.axes, added[..., rows + field], slopes, fewer)
+    unmeasured = np.zeros((*[1] * len(samples.axes), r - 2))  # in one cell
     return SeparatedModel(
         parameters=samples.parameters,
         free=alone,
         contact=pressed,
-        errors=Errors(tip=0.0, displacement=0.0, touch_distance=0.0, contact=np.zeros((1, r - 2)), margin=1.0),
+        errors=Errors(tip=0.0, displacement=0.0, touch_distance=0.0, contact=unmeasured, margin=1.0),
         nodes=samples.nodes,
         scene=samples.scene,
         accuracy={},
