@@ -20,8 +20,8 @@ from rom.file_kinds import uses_of
 from rom.held_out import Model, accuracy, before_plane, check, check_finer, differences
 from rom.rod.rod import QUANTITIES, Rod
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.separated.errors import enlarged, with_errors
-from rom.separated.grid_source import grid_source
+from rom.separated.errors import estimated
+from rom.separated.grid_source import grid_samples
 from rom.separated.model import SeparatedModel
 from rom.separated.tabulated import tabulated
 from rom.summaries import finer_origin, origin
@@ -111,7 +111,7 @@ def separate_grid(
     Its estimated errors are those of the model of every second node, at all states.
 
     Args:
-        snapshots: a training set on a grid of one or two tensions.
+        snapshots: a training set on a grid.
         options: of the separations.
         held_out: states before the same plane, which measure its accuracy.
         finer: held-out states on a finer mesh, which enlarge its estimated errors.
@@ -120,22 +120,19 @@ def separate_grid(
     Raises:
         SnapshotError: a set without such a grid; or finer states of another finger, or on no finer mesh.
     """
-    sources = [grid_source(snapshots, every) for every in (1, 2)]
+    samples = [grid_samples(snapshots, every) for every in (1, 2)]
     if finer is not None:
         check_finer(snapshots.description.scene, finer)
-    table, half = (tabulated(source, options or EnrichmentOptions(), progress) for source in sources)
+    table, half = (tabulated(one, options or EnrichmentOptions(), progress) for one in samples)
     failed = np.array([point for _, point, _ in snapshots.failures]).reshape(-1, len(table.parameters))
     failed = np.where(np.isnan(failed), table.limits[0], failed)  # without a touch distance
     points, off = snapshots.points(), differences(half, snapshots, progress)
     off = {name: np.append(errors, np.zeros(len(failed))) for name, errors in off.items()}
-    cells = min(len(axis) for axis in sources[0].axes) - 1
-    judged = with_errors(
-        half, np.vstack([points, failed]), off, np.arange(len(points) + len(failed)) < len(points), cells
-    )
-    provenance = table.provenance | origin(snapshots)
-    table = replace(table, errors=judged.errors, answered=judged.answered, provenance=provenance)
+    cells = min(len(axis) for axis in samples[0].axes) - 1
+    valid = np.arange(len(points) + len(failed)) < len(points)
+    errors = estimated(half, np.vstack([points, failed]), off, valid, cells)
+    table = replace(table, errors=errors, provenance=table.provenance | origin(snapshots))
     if finer is not None:
-        table = replace(
-            enlarged(table, covering([(table, finer)])), provenance=provenance | {"mesh_error": finer_origin(finer)}
-        )
+        provenance = table.provenance | {"mesh_error": finer_origin(finer)}
+        table = replace(table, errors=errors.scaled(covering([(table, finer)])), provenance=provenance)
     return table if held_out is None else replace(table, accuracy=accuracy(check(table, held_out, progress)))

@@ -111,8 +111,8 @@ def differences(model: Model, held_out: SnapshotSet, progress: Progress = quiet)
     found = statistics.differences(
         model.evaluate(points), {name: held_out.answered(name) for name in _shared(model, held_out)}
     )
-    if isinstance(model, SeparatedModel) and model.displacements is not None and held_out.description.has_field:
-        field, brought = held_out.answered("displacement"), _brought(model.displacements.nodes, held_out.nodes)
+    if isinstance(model, SeparatedModel) and model.nodes is not None and held_out.description.has_field:
+        field, brought = held_out.answered("displacement"), _brought(model.nodes, held_out.nodes)
         found["displacement"] = np.zeros(len(points))
         for k, point in enumerate(points):
             off = brought(model.displacement(point)).reshape(-1, 3) - field[k]

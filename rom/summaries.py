@@ -51,6 +51,6 @@ def separated_summary(model: SeparatedModel) -> dict[str, Any]:
         "terms": model.terms,
         "separation_error": {"free": float(model.free.errors[-1]), "contact": float(model.contact.errors[-1])},
         "accuracy": model.accuracy or "not measured: build with --held-out",
-        "nodes": "without the displacement field" if model.displacements is None else len(model.displacements.nodes),
+        "nodes": "without the displacement field" if model.nodes is None else len(model.nodes),
         "provenance": model.provenance,
     }

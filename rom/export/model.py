@@ -27,6 +27,6 @@ def errors_of(model: SeparatedModel) -> Any:
         tip=errors.tip,
         touch_distance=errors.touch_distance,
         margin=errors.margin,
-        columns=errors.contact.shape[1],
+        columns=errors.contact.shape[-1],
         rates=errors.contact,
     )

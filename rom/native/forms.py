@@ -80,16 +80,16 @@ def contact_errors(
 
     Args:
         kernel: a struct fingerfem_kernel.
-        rates: of the errors, shape (cells, k), see rom.separated.errors.Errors.
+        rates: of the errors, shape (cells, ..., k), see rom.separated.errors.Errors.
         margin: likewise [m].
         points: they may lie outside the box, shape (n, p).
         touch_distances: there, shape (n,) [m].
     """
-    points, found = np.ascontiguousarray(points, float), np.empty((len(points), rates.shape[1]))
+    points, found = np.ascontiguousarray(points, float), np.empty((len(points), rates.shape[-1]))
     LIBRARY.functions.fingerfem_contact_errors(
         kernel,
         pointer(np.ascontiguousarray(rates, float)),
-        rates.shape[1],
+        rates.shape[-1],
         margin,
         len(points),
         pointer(points),

@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike
 from rom.answer import Answer
 from rom.brief import brief
 from rom.checked_file import ModelError
-from rom.console.table import Table, as_html, parameters
+from rom.console.table import Table, parameters
 from rom.native import LIBRARY, PickledByFields
 from rom.parameter import Parameter, joined
+from rom.parametric_model import ParametricModel
 from rom.rod.compiled.evaluation import evaluate
 from rom.rod.compiled.reports import QUATERNION
 from rom.rod.compiled.touched import Touched, pressing, touches
@@ -53,7 +54,7 @@ class ContactForce(NamedTuple):
 
 @brief
 @dataclass(frozen=True, kw_only=True)
-class TouchedRod(PickledByFields):
+class TouchedRod(ParametricModel, PickledByFields):
     """A finger of one segment or several, and m rigid objects without friction that touch it anywhere.
 
     Attributes:
@@ -81,26 +82,12 @@ class TouchedRod(PickledByFields):
             *(Parameter(name, "m", nearest, farthest) for name, nearest, farthest in ends),
         ]
 
-    @property
-    def names(self) -> list[str]:
-        """Of the parameters."""
-        return [parameter.name for parameter in self.parameters]
-
-    @property
-    def limits(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper ends of the parameters, shapes (p,) [N, m]."""
-        ends = np.array([[parameter.lower, parameter.upper] for parameter in self.parameters])
-        return ends[:, 0], ends[:, 1]
-
     def tables(self) -> list[Table | str]:
         """For people: its segments, and where objects may be."""
         return [
             *self.rod.tables(),
             parameters(self.parameters, "with objects" if len(self.objects) > 1 else "with the object"),
         ]
-
-    def _repr_html_(self) -> str:
-        return as_html(self.tables())
 
     @cached_property
     def touching(self) -> Any:
@@ -126,12 +113,7 @@ class TouchedRod(PickledByFields):
 
     def _points(self, parameters: ArrayLike) -> np.ndarray:
         """Points as rows."""
-        found = np.atleast_2d(np.asarray(parameters, float))
-        if found.ndim > 2 or found.shape[-1] != len(self.parameters):
-            raise ModelError(
-                f"parameters must be {', '.join(self.names)} (in that order), got shape {np.shape(parameters)}"
-            )
-        return found
+        return np.atleast_2d(self._checked(parameters))
 
     def evaluate(self, parameters: ArrayLike, d: ArrayLike | None = None) -> Answer:
         """Tip, its orientation, contact forces, touch distances and tendon shortenings at tensions [N] and every d [m].
@@ -225,10 +207,6 @@ class TouchedRod(PickledByFields):
         """Tip x, y, z [m], contact forces [N], touch distances [m], shape (3 + 2 m,); and `jacobian`."""
         found = self.answers(parameters)
         return found.out[0], found.jacobians[0]
-
-    def jacobian(self, parameters: ArrayLike) -> np.ndarray:
-        """The derivatives alone, shape (3 + 2 m, p)."""
-        return self.answers(parameters).jacobians[0]
 
 
 @brief

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ from rom.answer import Answer
 from rom.brief import brief
 from rom.native import LIBRARY
 from rom.rod import compiled
-from rom.rod.compiled.touched import touches
 from rom.rod.objects.shapes import RigidObject, facing_plane
 from rom.rod.rod import Rod
 from rom.rod.touched_rod import TouchedRod
@@ -68,13 +66,6 @@ class TouchedSegment(TouchedRod):
     def scene(self) -> dict[str, Any]:
         """The scene that the finger was trained on."""
         return self.rod.scene
-
-    @cached_property
-    def lead(self) -> int:
-        """Index of the tension that pushes most towards the object, in the middle of all ranges."""
-        lower, upper = self.limits
-        middle = np.append((lower + upper)[:-1] / 2, np.inf)
-        return int(np.argmax(touches(self.touching, middle[None]).jacobians[0, 4, :-1]))
 
     @property
     def direction(self) -> np.ndarray:

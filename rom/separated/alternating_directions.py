@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-OPPOSED = 0.999  # cosine of two terms beyond which, large and opposed, they only cancel each other
-GROWN = 10.0  # size of such terms over that of the tensor
-MERGERS = 5  # after so many of them, more terms do not help
+Factors = list[np.ndarray]  # of a sum of products, shapes (n_0, terms), (n_1, terms), ...
+GROWN = 10.0  # size of a term over that of the tensor, beyond which terms grow against each other without end
 ALTERNATIONS = 30  # most rounds over the directions for one new term
 ROUNDS = 20  # in which missing derivatives follow the others; two make the damping vanish
+TINY = np.finfo(float).tiny
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,47 +35,42 @@ class EnrichmentOptions:
     sweeps: int = 4
 
 
-def separate(tensor: np.ndarray, options: EnrichmentOptions) -> tuple[list[np.ndarray], np.ndarray]:
+def separate(tensor: np.ndarray, options: EnrichmentOptions) -> tuple[Factors, np.ndarray]:
     """Approximate a tensor by a sum of products.
 
     Args:
-        tensor: shape (n_0, n_1, ..., n_k). A point (n_1, ..., n_k) of the grid may be missing: nan for all n_0.
+        tensor: shape (n_0, n_1, ..., n_k). A point (n_1, ..., n_k) of the grid counts as missing if any of its n_0
+            values is not finite.
         options: when to stop.
 
     Returns:
         factors, shapes (n_a, terms), unit columns but for the first direction's, which carry size and unit; terms in
         descending size; and the relative 2-norm error of the first 1, 2, ... terms, shape (terms,) [-].
-
-    Raises:
-        ValueError: values are infinite, or missing for some of n_0 only, or everywhere.
     """
-    known = np.isfinite(tensor[0])
-    if not np.array_equal(np.isfinite(tensor), np.broadcast_to(known, tensor.shape)) or np.isinf(tensor).any():
-        raise ValueError("tensor must be finite, or nan at whole points of its grid")
-    if not known.any():
-        raise ValueError("tensor must have values, got none")
+    known = np.isfinite(tensor).all(axis=0)
     size = float(np.linalg.norm(tensor[:, known]))
     if size == 0:
         return [np.zeros((n, 1)) for n in tensor.shape], np.zeros(1)
     nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
-    tensor = tensor[(slice(None), *nearest)]
-    factors, merged = [np.zeros((n, 0)) for n in tensor.shape], 0
-    while factors[0].shape[1] < options.terms and merged <= MERGERS:
-        left = tensor - compose(factors)
-        if np.linalg.norm(left[:, known]) <= options.tolerance * size:
-            break
-        factors = _extended(factors, _best_product(left))
+    tensor = left = tensor[(slice(None), *nearest)]
+    factors = [np.zeros((n, 0)) for n in tensor.shape]
+    while factors[0].shape[1] < options.terms and np.linalg.norm(left[:, known]) > options.tolerance * size:
+        factors = [np.hstack(pair) for pair in zip(factors, _best_product(left), strict=True)]
         for _ in range(options.sweeps):
-            factors = _swept(tensor, known, factors)
-        opposed = _without_opposed(factors, size)
-        if opposed is not None:
-            factors, merged = _swept(tensor, known, opposed), merged + 1
+            swept = _swept(tensor, known, factors)
+            if np.linalg.norm(swept[0], axis=0).max() > GROWN * size:
+                break
+            factors = swept
+        left = tensor - compose(factors)
     order = np.argsort(-np.linalg.norm(factors[0], axis=0), kind="stable")
-    factors = [factor[:, order] for factor in factors]
-    return factors, _prefix_errors(tensor, known, factors)
+    factors, errors = [factor[:, order] for factor in factors], []
+    for k in range(len(order)):
+        tensor = tensor - compose([factor[:, k : k + 1] for factor in factors])
+        errors.append(np.linalg.norm(tensor[:, known]) / size)
+    return factors, np.array(errors)
 
 
-def slopes(factors: list[np.ndarray], derivative: np.ndarray, axis: int) -> np.ndarray:
+def slopes(factors: Factors, derivative: np.ndarray, axis: int) -> np.ndarray:
     """Nodal derivatives of the one-dimensional functions of an axis, shape (n_a, terms), by least squares.
 
     Args:
@@ -91,12 +86,12 @@ def slopes(factors: list[np.ndarray], derivative: np.ndarray, axis: int) -> np.n
     return found[axis]
 
 
-def compose(factors: list[np.ndarray]) -> np.ndarray:
+def compose(factors: Factors) -> np.ndarray:
     """The tensor that factors, shapes (n_a, terms), stand for, shape (n_0, ..., n_k)."""
     return (factors[0] @ khatri_rao(factors[1:]).T).reshape([len(factor) for factor in factors])
 
 
-def khatri_rao(factors: list[np.ndarray]) -> np.ndarray:
+def khatri_rao(factors: Factors) -> np.ndarray:
     """Column-wise Kronecker product, shape (product of n_a, terms)."""
     product = factors[0]
     for factor in factors[1:]:
@@ -104,16 +99,12 @@ def khatri_rao(factors: list[np.ndarray]) -> np.ndarray:
     return product
 
 
-def _extended(factors: list[np.ndarray], term: list[np.ndarray]) -> list[np.ndarray]:
-    return [np.column_stack([factor, column]) for factor, column in zip(factors, term, strict=True)]
-
-
-def _best_product(tensor: np.ndarray) -> list[np.ndarray]:
-    """The rank-one tensor nearest to a tensor, one unit vector a direction and the size in the first."""
+def _best_product(tensor: np.ndarray) -> Factors:
+    """The rank-one tensor nearest to a tensor: unit columns, and the size in the first."""
     peak = np.unravel_index(np.argmax(np.abs(tensor)), tensor.shape)
     # Start from the fibres through the largest entry.
     term = [np.moveaxis(tensor, a, -1)[tuple(np.delete(peak, a))] for a in range(tensor.ndim)]
-    term = [vector / max(np.linalg.norm(vector), np.finfo(float).tiny) for vector in term]
+    term = [vector / max(np.linalg.norm(vector), TINY) for vector in term]
     size = 0.0
     for _ in range(ALTERNATIONS):
         before = size
@@ -122,15 +113,13 @@ def _best_product(tensor: np.ndarray) -> list[np.ndarray]:
             for b in reversed(range(tensor.ndim)):
                 vector = vector if a == b else np.tensordot(vector, term[b], axes=(b, 0))
             size = float(np.linalg.norm(vector))
-            if size == 0:
-                return [np.zeros(n) for n in tensor.shape]
-            term[a] = vector / size
+            term[a] = vector / max(size, TINY)
         if abs(size - before) <= 1e-3 * size:
             break
-    return [term[0] * size, *term[1:]]
+    return [vector[:, None] for vector in (term[0] * size, *term[1:])]
 
 
-def _swept(tensor: np.ndarray, known: np.ndarray, factors: list[np.ndarray]) -> list[np.ndarray]:
+def _swept(tensor: np.ndarray, known: np.ndarray, factors: Factors) -> Factors:
     """One round of alternating least squares over all terms; missing points of the tensor then follow them."""
     factors = list(factors)
     for a in range(tensor.ndim - 1, -1, -1):
@@ -144,39 +133,10 @@ def _swept(tensor: np.ndarray, known: np.ndarray, factors: list[np.ndarray]) -> 
     return factors
 
 
-def _solved(tensor: np.ndarray, factors: list[np.ndarray], a: int) -> np.ndarray:
+def _solved(tensor: np.ndarray, factors: Factors, a: int) -> np.ndarray:
     """A factor by least squares, damped towards the present one: a minimum-norm damping would bias every value."""
-    others = factors[:a] + factors[a + 1 :]
-    gram, terms = _gram(others), factors[a].shape[1]
+    others, terms = factors[:a] + factors[a + 1 :], factors[a].shape[1]
+    gram = np.prod([factor.T @ factor for factor in others], axis=0)
     right = np.moveaxis(tensor, a, 0).reshape(tensor.shape[a], -1) @ khatri_rao(others)
-    damping = max(1e-10 * np.trace(gram) / terms, np.finfo(float).tiny)
+    damping = max(1e-10 * np.trace(gram) / terms, TINY)
     return np.asarray(np.linalg.solve(gram + damping * np.eye(terms), (right + damping * factors[a]).T).T)
-
-
-def _gram(factors: list[np.ndarray]) -> np.ndarray:
-    """Inner products of the terms, shape (terms, terms)."""
-    return np.asarray(np.prod([factor.T @ factor for factor in factors], axis=0))
-
-
-def _without_opposed(factors: list[np.ndarray], size: float) -> list[np.ndarray] | None:
-    """The factors with the two terms merged that grow against each other; None if there are no such terms.
-
-    Where no best approximation exists, sums of products approach the tensor with terms that grow without bound (de
-    Silva, Lim, SIAM J. Matrix Anal. Appl. 30, 2008, doi:10.1137/06066518X).
-    """
-    gram = _gram(factors)
-    sizes = np.sqrt(np.diag(gram))
-    cosines = gram / np.maximum(np.outer(sizes, sizes), np.finfo(float).tiny)
-    i, j = np.unravel_index(np.argmin(cosines), cosines.shape)
-    if cosines[i, j] > -OPPOSED or min(sizes[i], sizes[j]) < GROWN * size:
-        return None
-    pair = _best_product(compose([factor[:, [i, j]] for factor in factors]))
-    return _extended([np.delete(factor, [i, j], axis=1) for factor in factors], pair)
-
-
-def _prefix_errors(tensor: np.ndarray, known: np.ndarray, factors: list[np.ndarray]) -> np.ndarray:
-    left, errors, size = tensor.copy(), [], np.linalg.norm(tensor[:, known])
-    for k in range(factors[0].shape[1]):
-        left -= compose([factor[:, k : k + 1] for factor in factors])
-        errors.append(np.linalg.norm(left[:, known]) / size)
-    return np.array(errors)

@@ -3,26 +3,66 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt, maximum_filter, percentile_filter
 
-from rom.separated.model import Errors, SeparatedModel
+from rom.brief import brief
+from rom.checked_file import require
+from rom.parametric_model import ParametricModel
 
 MARGIN = 1e-3  # share of the range of d: the least margin of contact paths
 COVERED = 0.97  # of the calibrating points [-]
-COLUMNS = "tip", "contact_force", "displacement", "pad_pressure"  # of rates
+COLUMNS = "tip", "contact_force", "displacement", "pad_pressure"  # of Errors.contact
 SHARP, FEW = 85, 0.1  # percentile, among a cell and its neighbours, of a local rate; points a cell that make it local
 
 
-def with_errors(
-    table: SeparatedModel, points: np.ndarray, off: Mapping[str, np.ndarray], valid: np.ndarray, cells: int
-) -> SeparatedModel:
-    """The model with its estimated errors: per length of contact path, by cells of the tensions and s.
+@brief
+@dataclass(frozen=True, kw_only=True)
+class Errors:
+    """Estimated errors, meant to cover 95 % of the true ones.
 
-    Cells in contact with points that are not valid, or next to one, are marked, and where an estimate exceeds all
-    forces.
+    Attributes:
+        tip: without contact [m].
+        displacement: without contact, root mean square over the nodes [m]; 0 without the field.
+        touch_distance: [m].
+        contact: of tip, contact force, displacement and, if the model has it, pad pressure, per length of contact path
+            [-, N/m, -, Pa/m], by cells of tensions and s, shape (cells, ..., 3 or 4); infinite without an answer.
+        margin: added to the contact path [m]. It is at least the error of the touch distance.
+    """
+
+    tip: float
+    displacement: float
+    touch_distance: float
+    contact: np.ndarray
+    margin: float
+
+    @property
+    def alone(self) -> np.ndarray:
+        """Errors without contact in the columns of `contact`, shape (3 or 4,)."""
+        return np.array([self.tip, 0.0, self.displacement, 0.0])[: self.contact.shape[-1]]
+
+    @property
+    def answered(self) -> np.ndarray:
+        """In which cells the samples support an answer, shape (cells, ...)."""
+        return np.isfinite(self.contact).all(axis=-1)
+
+    def scaled(self, factors: Mapping[str, float]) -> Errors:
+        """The errors times factors by quantity, 1 by default [-]."""
+        factor = {name: factors.get(name, 1.0) for name in (*COLUMNS, "touch_distance")}
+        own = {name: factor[name] * getattr(self, name) for name in ("tip", "displacement", "touch_distance")}
+        contact = self.contact * [factor[name] for name in COLUMNS[: self.contact.shape[-1]]]
+        return Errors(**own, contact=contact, margin=max(self.margin, own["touch_distance"]))
+
+
+def estimated(
+    table: ParametricModel, points: np.ndarray, off: Mapping[str, np.ndarray], valid: np.ndarray, cells: int
+) -> Errors:
+    """The errors of a separated model, in contact per length of its path and by cells of the tensions and s.
+
+    Rates are infinite in cells in contact with points that are not valid, or next to one, and where an estimate exceeds
+    all forces.
 
     Args:
         table: the model.
@@ -32,59 +72,43 @@ def with_errors(
         cells: along every parameter.
 
     Raises:
-        ValueError: no valid points.
+        ModelError: no valid points.
     """
-    if not valid.any():
-        raise ValueError("the source must have an answer at some tensions and distances, got none")
+    require(bool(valid.any()), "the source must have an answer at some tensions and distances", "none")
     answers, (lower, upper), shape = table.evaluate(points), table.limits, (cells,) * points.shape[1]
-    late = float(np.quantile(off["touch_distance"][valid], COVERED))
+    late = _covering(off["touch_distance"][valid])
     margin = max(MARGIN * float(upper[-1] - lower[-1]), late)
     path = answers.touch_distance - points[:, -1]
-    pressed = path + margin > margin
+    length, touched = path + margin, path > 0
+    free, pressed = valid & ~touched, valid & touched
     shares = (points - lower) / (upper - lower)
-    shares[:, -1] = np.where(pressed, path / np.maximum(answers.touch_distance - lower[-1], margin), 0.0)
-    own = np.ravel_multi_index(tuple(np.clip(shares * cells, 0, cells - 1).astype(int).T), shape)
-    free, pressed, length = valid & ~pressed, valid & pressed, path + margin
-    alone, rates = dict.fromkeys(COLUMNS, 0.0), np.zeros((cells ** len(shape), len(COLUMNS) - 1 + table.has_pad))
-    for column, name in enumerate(COLUMNS):
-        if name in ("tip", "displacement") and name in off and free.any():
-            alone[name] = float(np.quantile(off[name][free], COVERED))
-        if name in off:
-            grown = np.maximum(off[name] - alone[name], 0.0)[pressed] / length[pressed]
-            rates[:, column] = _local(own[pressed], grown, shape)
-    lost = pressed & (rates[own, 1] * length > np.max(answers.contact_force[pressed], initial=0.0))
+    shares[:, -1] = np.where(touched, path / np.maximum(answers.touch_distance - lower[-1], margin), 0.0)
+    own = np.clip(shares * cells, 0, cells - 1).astype(int)
+    off = dict.fromkeys(COLUMNS, np.zeros(len(points))) | dict(off)  # some have no displacement
+    alone = {name: _covering(off[name][free]) for name in ("tip", "displacement")}
+    names = COLUMNS[:-1] if answers.pad_pressure is None else COLUMNS
+    grown = [np.maximum(off[name] - alone.get(name, 0.0), 0.0)[pressed] for name in names]
+    rates = np.stack([_local(own[pressed], one / length[pressed], shape) for one in grown], axis=-1)
+    lost = pressed & (rates[(*own.T, 1)] * length > np.max(answers.contact_force[pressed], initial=0.0))
     marked = np.zeros(shape, bool)
-    marked.reshape(-1)[own[(~valid & (path > 0)) | lost]] = True
-    marked = maximum_filter(marked, size=3, mode="nearest").reshape(-1)
-    rates[marked] = np.inf
-    errors = Errors(
-        tip=alone["tip"], displacement=alone["displacement"], touch_distance=late, contact=rates, margin=margin
-    )
-    return replace(table, errors=errors, answered=~marked)
+    marked[tuple(own[(~valid & touched) | lost].T)] = True
+    rates[maximum_filter(marked, size=3, mode="nearest")] = np.inf
+    return Errors(**alone, touch_distance=late, contact=rates, margin=margin)
+
+
+def _covering(errors: np.ndarray) -> float:
+    """The bound that COVERED of the errors are below, 0 without any."""
+    return float(np.quantile(errors, COVERED)) if errors.size else 0.0
 
 
 def _local(own: np.ndarray, rates: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """By cell: the largest rate in it, or what most of its neighbours are below, if that is more.
+    """By cell, shape (cells, ...): its largest rate, or what most of its neighbours are below, if that is more.
 
-    Everywhere what COVERED of all are below, if there are too few rates: then they do not resolve the cells.
+    Too few rates do not resolve the cells: then every cell has the bound of all.
     """
     if len(rates) < FEW * np.prod(shape):
-        return np.full(np.prod(shape), np.quantile(rates, COVERED) if rates.size else 0.0)
+        return np.full(shape, _covering(rates))
     largest = np.full(shape, -1.0)
-    np.maximum.at(largest.reshape(-1), own, rates)
+    np.maximum.at(largest, tuple(own.T), rates)
     largest = largest[tuple(distance_transform_edt(largest < 0, return_distances=False, return_indices=True))]
-    return np.maximum(largest, percentile_filter(largest, SHARP, size=3, mode="nearest")).reshape(-1)
-
-
-def enlarged(table: SeparatedModel, factors: Mapping[str, float]) -> SeparatedModel:
-    """The model with its estimated errors times factors, by quantity [-]."""
-    errors, factor = table.errors, {name: factors.get(name, 1.0) for name in (*COLUMNS, "touch_distance")}
-    late, columns = factor["touch_distance"] * errors.touch_distance, COLUMNS[: errors.contact.shape[1]]
-    enlarged = Errors(
-        tip=factor["tip"] * errors.tip,
-        displacement=factor["displacement"] * errors.displacement,
-        touch_distance=late,
-        contact=errors.contact * [factor[name] for name in columns],
-        margin=max(errors.margin, late),
-    )
-    return replace(table, errors=enlarged)
+    return np.maximum(largest, percentile_filter(largest, SHARP, size=3, mode="nearest"))

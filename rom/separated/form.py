@@ -11,16 +11,15 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
 from rom.brief import brief
 from rom.native import LIBRARY, PickledByFields
-from rom.native.forms import AXES, COMPONENTS, MODES, ROW, TERMS, values_and_gradients
+from rom.native.forms import AXES, COMPONENTS, MODES, ROW, TERMS
 from rom.separated.alternating_directions import EnrichmentOptions, khatri_rao, separate, slopes
 
 FEWEST = 4  # nodes with samples
-RELIED = 1e-2  # share of the largest below which singular values of products do not count for further values [-]
+RELIED = 1e-2  # share of the largest below which singular values of products do not count for the field [-]
 
 
 @brief
@@ -32,38 +31,38 @@ class Separated(PickledByFields):
         ends: lower and upper of every axis, shape (2, axes).
         functions: nodal values of the one-dimensional functions, and their derivatives, shapes (2, n_a, terms).
         modes: F_i, shape (m, terms), in the quantity's unit.
+        field: F_i of k further quantities by the same products, shape (k, terms).
         errors: relative 2-norm error over what was separated of the first 1, 2, ... terms, shape (terms,) [-].
     """
 
     ends: np.ndarray
     functions: Sequence[np.ndarray]
     modes: np.ndarray
+    field: np.ndarray
     errors: np.ndarray
 
     @classmethod
     def of(
         cls, axes: Sequence[np.ndarray], values: np.ndarray, gradient: np.ndarray, options: EnrichmentOptions
     ) -> Separated:
-        """Separate a function that is sampled on a grid.
-
-        Its numbers are those that single precision holds, 6e-8 of every value: a model file need not store more.
+        """Separate a function that is sampled on a grid, in numbers that single precision holds.
 
         Args:
             axes: nodes of every axis, shapes (n_a,); some nodes of an even axis.
-            values: shape (n_1, ..., n_k, m), nan where missing. Those beyond the gradient's `leading` have modes of the
-                leading ones' products, by least squares.
-            gradient: of the leading values by the axes, shape (n_1, ..., n_k, leading, k), nan where missing.
+            values: shape (n_1, ..., m + k), nan where missing; the last k get the products of the others.
+            gradient: of the first m by the axes, shape (n_1, ..., m, axes), nan where missing.
             options: of the separation.
 
         Raises:
             ValueError: too few samples.
         """
-        leading, known = gradient.shape[-2], np.isfinite(values[..., 0])
+        values, field = np.split(values, [gradient.shape[-2]], axis=-1)
+        known = np.isfinite(values[..., 0])
         if known.sum() < FEWEST:
             raise ValueError(f"a grid must have samples at {FEWEST} nodes at least, got {known.sum()}")
-        sizes = np.abs(values[known][:, :leading]).max(axis=0)
+        sizes = np.abs(values[known]).max(axis=0)
         sizes[sizes == 0] = 1.0  # a finger that bends in a plane has no third displacement
-        (modes, *factors), errors = separate(np.moveaxis(values[..., :leading] / sizes, -1, 0), options)
+        (modes, *factors), errors = separate(np.moveaxis(values / sizes, -1, 0), options)
         functions = []
         for a, axis in enumerate(axes):
             derivative = np.moveaxis(gradient[..., a] / sizes, -1, 0)
@@ -72,11 +71,11 @@ class Separated(PickledByFields):
             functions.append(_single(np.array([function(even), function(even, 1)])))
         weights = np.linalg.norm(modes, axis=0)  # a small term has steep functions, and stays small
         products = (khatri_rao(factors) * weights)[known.ravel()]
-        further = weights * np.linalg.lstsq(products, values[known][:, leading:], rcond=RELIED)[0].T
         return cls(
             ends=np.array([[axis[0], axis[-1]] for axis in axes]).T,
             functions=functions,
-            modes=_single(np.vstack([sizes[:, None] * modes, further])),
+            modes=_single(sizes[:, None] * modes),
+            field=_single(weights * np.linalg.lstsq(products, field[known], rcond=RELIED)[0].T),
             errors=_single(errors),
         )
 
@@ -91,25 +90,20 @@ class Separated(PickledByFields):
         return LIBRARY.struct("fingerfem_tables", **tables([self]))
 
     def truncated(self, tolerance: float) -> tuple[Separated, np.ndarray]:
-        """The fewest leading terms whose separation error is below `tolerance` [-], all of them if none is.
+        """The fewest leading terms whose separation error is below `tolerance` [-], or all terms.
 
-        And what every component loses thereby, 95th percentile over the nodes, shape (m,).
+        The second result is what every component loses, the 95th percentile over the nodes, shape (m,).
         """
         good = np.flatnonzero(self.errors <= tolerance)
         k = int(good[0]) + 1 if good.size else self.terms
         lost = khatri_rao([function[0, :, k:] for function in self.functions]) @ self.modes[:, k:].T
         functions = [function[..., :k] for function in self.functions]
-        fewer = replace(self, functions=functions, modes=self.modes[:, :k], errors=self.errors[:k])
-        return fewer, np.percentile(np.abs(lost), 95, axis=0)
-
-    def value_and_gradient(self, x: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Value at a point, shape (m,), and gradient by the axes, shape (m, axes)."""
-        value, gradient = values_and_gradients(self.tables, 0, np.atleast_2d(np.asarray(x, float)))
-        return value[0], gradient[0]
+        arrays = {"modes": self.modes[:, :k], "field": self.field[:, :k], "errors": self.errors[:k]}
+        return replace(self, functions=functions, **arrays), np.percentile(np.abs(lost), 95, axis=0)
 
 
 def tables(forms: Sequence[Separated]) -> dict[str, Any]:
-    """What a struct fingerfem_tables of these forms holds or points to, by the names of kernel.h."""
+    """The fields of a struct fingerfem_tables of these forms, by the names of kernel.h."""
     axes = max(len(form.functions) for form in forms)
     heads, spans = np.zeros((len(forms), ROW), np.int64), np.zeros((len(forms), axes, 2), np.int64)
     scales, parts, offset = np.ones((len(forms), axes, 2)), [], 0
@@ -117,22 +111,15 @@ def tables(forms: Sequence[Separated]) -> dict[str, Any]:
         for a, ((low, high), function) in enumerate(zip(form.ends.T, form.functions, strict=True)):
             intervals = function.shape[1] - 1
             spans[f, a], scales[f, a] = (intervals, offset), (low, intervals / (high - low))
-            parts.append(cubic_pieces(function[0], function[1], (high - low) / intervals).ravel())
+            values, slopes = function
+            pieces = CubicHermiteSpline(np.arange(intervals + 1), values, slopes * (high - low) / intervals).c
+            parts.append(pieces[::-1].swapaxes(0, 1).ravel())
             offset += parts[-1].size
         heads[f, [AXES, TERMS, COMPONENTS, MODES]] = len(form.functions), form.terms, len(form.modes), offset
-        parts.append(np.ascontiguousarray(form.modes).ravel())
+        parts.append(form.modes.ravel())
         offset += form.modes.size
     most = dict(zip(("most_axes", "most_terms", "most_components"), heads.max(axis=0).tolist(), strict=False))
     return most | {"forms": heads, "axes": spans, "scales": scales, "data": np.concatenate(parts)}
-
-
-def cubic_pieces(values: np.ndarray, slopes: np.ndarray, step: float) -> np.ndarray:
-    """Coefficients c of r cubic functions on every interval between nodes a step apart, shape (n - 1, 4, r).
-
-    Each is c0 + c1 t + c2 t^2 + c3 t^3, with t from 0 to 1, of nodal values and derivatives, shapes (n, r).
-    """
-    rise, begins, ends = np.diff(values, axis=0), step * slopes[:-1], step * slopes[1:]
-    return np.stack([values[:-1], begins, 3 * rise - 2 * begins - ends, begins + ends - 2 * rise], axis=1)
 
 
 def _single(values: np.ndarray) -> np.ndarray:

@@ -7,19 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from rom.answer import Answer
+from rom.answer import FORCE, TOUCH, Answer
+from rom.checked_file import require
 from rom.console.terminal import Progress, quiet
 from rom.error_statistics import compared, differences
+from rom.parameter import joined
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import QUANTITIES
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.separated.errors import with_errors
+from rom.separated.errors import estimated
 from rom.separated.model import SeparatedModel
-from rom.separated.tabulated import Source, tabulated
+from rom.separated.tabulated import Samples, tabulated
 
 NODES = 32  # of every axis
 FIRST = 1e-4  # node of s next to touch, where contact is as good as its limit [-]
+NARROWEST = 1e-3  # range of d over the finger's length [-]
 CELLS = 20_000  # of estimated errors and marks, at most
 DETERMINED = 3.0  # values for every number of the separated form [-]
 CALIBRATING, MEASURING = 30_000, 8_000  # random points that calibrate the estimated errors; others that measure them
@@ -27,46 +30,42 @@ FEWEST = 20  # of the latter with a contact force inside
 BEYOND = 2.0  # forces over the largest trained one up to which answers support a table [-]
 
 
-def rod_source(model: TouchedSegment, nodes: int = NODES) -> Source:
+def rod_samples(model: TouchedSegment, nodes: int = NODES, progress: Progress = quiet) -> Samples:
     """A finger before its object, on a grid of so many nodes of every axis.
 
     Raises:
-        ValueError: fewer than 4 nodes.
+        ModelError: fewer than 4 nodes, too narrow a range of d, or an object that is not in the way of the finger.
     """
-    if nodes < 4:
-        raise ValueError(f"nodes must be at least 4, got {nodes}")
-    lower, upper = model.limits
-    farthest = sum(model.scene["geometry"]["segments"])  # contact begins beyond the limits, too
+    length, p = sum(model.scene["geometry"]["segments"]), len(model.parameters)
+    (nearest, farthest), least = model.obstacle.distances, NARROWEST * length
+    require(nodes >= 4, "nodes must be at least 4", nodes)
+    rule = f"d must have a range of at least {least:g} m"
+    require(farthest - nearest >= least, rule, f"{nearest:g} to {farthest:g} m")
+    wide = replace(model, obstacle=replace(model.obstacle, distances=(nearest, max(farthest, length))))
 
-    def sampled(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        asked = ~np.isnan(points[:, -1])
-        wide = replace(model.obstacle, distances=(lower[-1], max(upper[-1], farthest)))
-        answers = replace(model, obstacle=wide).answers(points[asked])
-        good = (answers.evaluations > 0) & (answers.out[:, 3] < BEYOND * model.rod.force)
-        values = np.full((len(points), answers.out.shape[1]), np.nan)
-        jacobian = np.full((*values.shape, points.shape[1]), np.nan)
-        values[asked] = np.where(good[:, None], answers.out, np.nan)
-        jacobian[asked] = np.where(good[:, None, None], answers.jacobians, np.nan)
-        return values, jacobian
+    def sampled(tensions: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        found = wide.answers(joined(tensions, d).reshape(-1, p))
+        good = (found.evaluations > 0) & (found.out[:, FORCE] < BEYOND * model.rod.force)
+        values, jacobians = np.where(good, found.out.T, np.nan).T, np.where(good, found.jacobians.T, np.nan).T
+        return values.reshape(*d.shape, -1), jacobians.reshape(*d.shape, -1, p)
 
-    ends = zip(lower[:-1], upper[:-1], strict=True)
-    return Source(
-        parameters=model.parameters,
-        scene=model.scene,
-        lead=model.lead,
-        axes=[*(np.linspace(low, high, nodes) for low, high in ends), np.linspace(FIRST, 1.0, nodes)],
-        sampled=sampled,
-        determined=DETERMINED,
-    )
+    axes = [np.linspace(one.lower, one.upper, nodes) for one in model.parameters[:-1]]
+    s, tensions = np.linspace(FIRST, 1.0, nodes), np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    progress("sampling", 0, 2)
+    free = sampled(tensions, np.full(tensions.shape[:-1], np.inf))
+    touch = free[0][..., TOUCH]
+    rule = "the object must be in the way of the finger at all tensions: narrow those of the scene, or ask the finger"
+    require(not np.isinf(touch).any(), rule, f"a finger that passes it at {tensions[np.isinf(touch)][:1].tolist()} N")
+    rule = f"d must begin below {np.nanmax(touch):.4g} m, where the finger touches"
+    require(bool(np.nanmax(touch) > nearest), rule, f"{nearest:g} m")
+    progress("sampling", 1, 2)
+    contact = sampled(tensions[..., None, :], touch[..., None] - (touch[..., None] - nearest) * s)
+    parameters, scene, axes = model.parameters, model.scene, [*axes, s]
+    return Samples(parameters=parameters, scene=scene, axes=axes, free=free, contact=contact, determined=DETERMINED)
 
 
 def specialise(
-    model: TouchedSegment,
-    nodes: int = NODES,
-    options: EnrichmentOptions | None = None,
-    *,
-    seed: int = 0,
-    progress: Progress = quiet,
+    model: TouchedSegment, nodes: int = NODES, options: EnrichmentOptions | None = None, *, progress: Progress = quiet
 ) -> SeparatedModel:
     """The separated model of a finger before its object, for tensions and d within the finger's limits.
 
@@ -77,34 +76,30 @@ def specialise(
         model: the finger and its object.
         nodes: of every axis, 4 at least; nodes^(tensions + 1) contacts are solved.
         options: of the separation.
-        seed: of the points at which errors are measured.
         progress: called with the step, how much of it is done, and how much it is.
 
     Raises:
-        ValueError: fewer than 4 nodes, or an object that is not in the way of the finger.
+        ModelError: fewer than 4 nodes, an object that is not in the way of the finger, or too few contacts.
 
     Example:
         >>> table = specialise(TouchedSegment.load(), nodes=12)  # doctest: +SKIP
     """
-    table = tabulated(rod_source(model, nodes), options or EnrichmentOptions(), progress)
+    table = tabulated(rod_samples(model, nodes, progress), options or EnrichmentOptions(), progress)
     progress("measuring the errors", 0, 2)
-    points, own = _random(model, np.random.default_rng([seed, 0]), CALIBRATING)
+    points, own = _random(model, np.random.default_rng([0, 0]), CALIBRATING)
     off = differences(table.evaluate(points), {name: getattr(own, name) for name in QUANTITIES})
     off = {name: error + own.error[name] for name, error in off.items()}
-    table = with_errors(table, points, off, np.asarray(own.inside), int(CELLS ** (1 / points.shape[1]) + 1e-9))
+    cells = int(CELLS ** (1 / points.shape[1]) + 1e-9)
+    table = replace(table, errors=estimated(table, points, off, np.asarray(own.inside), cells))
     progress("measuring the errors", 1, 2)
-    found = measured(table, model, np.random.default_rng([seed, 1]), MEASURING)
-    if found["contact_force"]["count"] < FEWEST:
-        raise ValueError(
-            f"the table must have contact forces at {FEWEST} of {MEASURING} points at least, got "
-            f"{found['contact_force']['count']}: all others are marked; take other distances or more nodes"
-        )
-    origin = {
-        "specialised_from": model.scene["name"],
-        "object": repr(model.obstacle),
-        "facing_plane": model.obstacle == facing_plane(model.scene["geometry"]["side"], model.obstacle.distances),
-    }
-    return replace(table, accuracy=found, provenance=table.provenance | origin)
+    accuracy = measured(table, model, np.random.default_rng([0, 1]), MEASURING)
+    rule = f"the table must have contact forces at {FEWEST} of {MEASURING} points at least"
+    count = accuracy["contact_force"]["count"]
+    require(count >= FEWEST, rule, f"{count}: all others are marked; take other distances or more nodes")
+    plane = facing_plane(model.scene["geometry"]["side"], model.obstacle.distances)
+    origin = {"specialised_from": model.scene["name"], "object": repr(model.obstacle)}
+    provenance = table.provenance | origin | {"facing_plane": model.obstacle == plane}
+    return replace(table, accuracy=accuracy, provenance=provenance)
 
 
 def measured(

@@ -211,7 +211,7 @@ def asked(model: SeparatedModel | TouchedSegment, random: np.random.Generator) -
         asked_of_a_rod(model, points)
     else:
         header(model)
-        if model.displacements is not None:
+        if model.nodes is not None:
             model.displacement(points[3])
     asked_of_a_finger(model, points)
 

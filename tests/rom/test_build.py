@@ -18,7 +18,6 @@ from rom.dataset.plan import Plan
 from rom.dataset.schema import QUANTITIES
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet, read_description, task_file
 from rom.held_out import check
-from rom.separated.errors import enlarged
 
 NAMES = {quantity.name for quantity in QUANTITIES}
 
@@ -95,7 +94,8 @@ def test_states_on_a_finer_mesh_enlarge_the_estimates_until_they_are_covered(gri
     own, small = grid_model.errors, 1e-3
     smaller = {name: small * getattr(own, name) for name in ("tip", "touch_distance", "contact")}
     tight = replace(grid_model, errors=replace(own, **smaller))
-    before, after = (check(one, finer) for one in (tight, enlarged(tight, covering([(tight, finer)]))))
+    larger = replace(tight, errors=tight.errors.scaled(covering([(tight, finer)])))
+    before, after = (check(one, finer) for one in (tight, larger))
     for name in ("tip", "contact_force", "touch_distance"):
         assert before[name]["coverage"] < 0.5 and after[name]["coverage"] >= 0.9, name
     with pytest.raises(SnapshotError, match="must be of a finer mesh than the model's"):

@@ -301,7 +301,6 @@ OF_TABLES = {
     "no contact force": (without_force, "contact must have 4 to 5 components, got 3"),
     "axes the other way round": (swapped, "functions_0 of free must have shape (2, "),
     "a number as a name": (number_as_name, "parameters must have text as names and units, got ["),
-    "no lead": (lambda file: file.attrs.__setitem__("lead", "2"), "lead must be from 0 to 1, got 2"),
 }
 
 

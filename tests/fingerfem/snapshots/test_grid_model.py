@@ -9,7 +9,7 @@ from farm import run
 from rom.build import separate_grid
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.separated.alternating_directions import EnrichmentOptions
-from rom.separated.grid_source import grid_source
+from rom.separated.grid_source import grid_samples
 from rom.separated.tabulated import tabulated
 
 FEWER = EnrichmentOptions(terms=60)
@@ -34,7 +34,7 @@ def relative_errors(model, snapshots: SnapshotSet) -> np.ndarray:
 
 def test_all_states_are_those_of_the_set_and_every_second_node_is_less_accurate(grid):
     """Tip and touch distance at every state, forces at most of them: few terms cannot follow every kink."""
-    whole, half = (tabulated(grid_source(grid, every), FEWER) for every in (1, 2))
+    whole, half = (tabulated(grid_samples(grid, every), FEWER) for every in (1, 2))
     free = grid.answered("contact_force") == 0
     off = whole.outputs(grid.points())[free][:, :3] - grid.answered("tip")[free]
     assert np.abs(off).max() < 2e-4
@@ -70,4 +70,4 @@ def test_sets_without_a_grid_are_refused(grid):
     free = grid.only(grid.tasks)
     free.description = replace(grid.description, parameters=grid.description.parameters[:-1])
     with pytest.raises(SnapshotError, match="must be a training set before a plane, on a grid"):
-        grid_source(free)
+        grid_samples(free)
