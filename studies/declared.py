@@ -46,7 +46,7 @@ STUDIES = {
     ),
     "rubber": Study(
         "accuracy",
-        _same("indentation", "positions", "random_objects", "robustness"),
+        _same("indentation", "random_objects", "robustness"),
     ),
     "several": Study("accuracy", _same("several", "histories")),
     "assembled": Study("accuracy", _same("four", "fingers")),

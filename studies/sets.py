@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -18,26 +19,22 @@ HELD_OUT = 100  # random states
 SEED = 11
 
 
+def draft_table(mesh: tuple[int, int, int] | None = None) -> dict[str, Any]:
+    """The draft finger before its plane, without sampling, perhaps on another mesh: cells along and across, order."""
+    table = tomllib.loads((ROOT / "scenes" / "draft.toml").read_text())
+    del table["sampling"]
+    return table if mesh is None else table | {"mesh": {"cells": list(mesh[:2]), "order": mesh[2]}}
+
+
 def draft(folder: Path) -> Path:
     """The file of the draft finger before its plane, of which held-out states are drawn."""
-    return written(folder, "draft", without_sampling("draft"))
-
-
-def without_sampling(name: str) -> str:
-    """The text of a scene up to its sampling."""
-    return (ROOT / "scenes" / f"{name}.toml").read_text().split("[sampling]")[0]
-
-
-def on_mesh(text: str, along: int, across: int, order: int) -> str:
-    """The draft scene's text with another mesh."""
-    return text.replace("cells = [20, 5]", f"cells = [{along}, {across}]").replace("order = 1", f"order = {order}")
+    return written(folder, "draft", as_toml(draft_table()))
 
 
 def grid_scene(folder: Path, tension_nodes: int, contact_nodes: int) -> Path:
     """The draft finger on another grid."""
-    text = without_sampling("draft")
-    text += f"\n[sampling]\ntension_nodes = {tension_nodes}\ncontact_nodes = {contact_nodes}\n"
-    return written(folder, f"draft {tension_nodes} {contact_nodes}", text)
+    table = draft_table() | {"sampling": {"tension_nodes": tension_nodes, "contact_nodes": contact_nodes}}
+    return written(folder, f"draft {tension_nodes} {contact_nodes}", as_toml(table))
 
 
 def written(folder: Path, name: str, text: str) -> Path:
