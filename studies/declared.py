@@ -36,7 +36,6 @@ STUDIES = {
         "accuracy",
         {
             "rod": "separated:of_the_rod",
-            "plain": "separated:without_alignment",
             "grid": "separated:of_states",
         },
     ),
@@ -59,7 +58,7 @@ STUDIES = {
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes")),
     "required": Study("appendix", _same("required")),
-    "figures": Study("appendix", _same("figures", "held")),
+    "figures": Study("appendix", _same("figures")),
     "peers": Study(
         "peers",
         _same("beams") | {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"},

@@ -1,28 +1,60 @@
-"""Fingers at the ends of ranges: the draft scene changed, solved, compared with a finer mesh."""
+"""Fingers at the ends of ranges: the draft scene changed, solved, compared, and the verdicts on them."""
 
 from __future__ import annotations
 
 import copy
-import tomllib
-from pathlib import Path
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
 
 from fingerfem import FingerModel
+from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.equilibrium.state import State
 from fingerfem.scene.scene import Scene
 from fingerfem.scene.toml_file import one_line
-from studies.extremes.verdicts import Refused
 
-ROOT = Path(__file__).resolve().parents[2]
 Table = dict[str, Any]
+ACCURATE, REFUSED, INACCURATE = "accurate", "refused", "INACCURATE"
 
 
-def draft() -> Table:
-    """The draft scene as plain data."""
-    return tomllib.loads((ROOT / "scenes" / "draft.toml").read_text())
+class Refused(Exception):
+    """A result that reports why it is none."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """The verdict on one extreme.
+
+    Attributes:
+        extreme: which range is at its end.
+        case: how far.
+        outcome: accurate, refused or INACCURATE.
+        error: against the reference, relative [-]; None if it was refused.
+        bound: that the error must keep [-].
+        reference: what the answer is compared with; or the reason of a refusal.
+    """
+
+    extreme: str
+    case: str
+    outcome: str
+    error: float | None
+    bound: float
+    reference: str
+
+
+def judged(extreme: str, case: str, reference: str, bound: float, error: Callable[[], float]) -> Row:
+    """One row: `error` computes the relative error, or raises what refuses with a reason."""
+    try:
+        found = float(error())
+    except (ValueError, LoadNotReached, Refused) as refusal:
+        reason = str(refusal).strip()
+        outcome = REFUSED if reason and "\n" not in reason else INACCURATE
+        return Row(extreme=extreme, case=case, outcome=outcome, error=None, bound=bound, reference=reason)
+    outcome = ACCURATE if found <= bound else INACCURATE
+    return Row(extreme=extreme, case=case, outcome=outcome, error=found, bound=bound, reference=reference)
 
 
 def changed(table: Table, **parts: Any) -> Table:
@@ -38,11 +70,6 @@ def changed(table: Table, **parts: Any) -> Table:
     return table
 
 
-def planar(table: Table) -> Table:
-    """The same with the first tendon alone, so that half the finger is modelled."""
-    return changed(table, tendons=table["tendons"][:1])
-
-
 def model(table: Table) -> FingerModel:
     """A model, or the one line that refuses its scene."""
     try:
@@ -51,9 +78,9 @@ def model(table: Table) -> FingerModel:
         raise Refused(one_line(error)) from None
 
 
-def solved(of: FingerModel, tensions: list[float], distance: float | None = None) -> State:
-    """A state that says nothing against itself."""
-    state = of.solve(tensions, distance)
+def solved(finger: FingerModel, tensions: list[float], distance: float | None = None) -> State:
+    """A state that is stable and does not intersect itself."""
+    state = finger.solve(tensions, distance)
     if state.self_intersecting:
         raise Refused("marked: the finger passes through itself")
     if not state.stable:
@@ -72,19 +99,12 @@ def apart(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.linalg.norm(np.subtract(one, other)) / np.linalg.norm(other))
 
 
-def finer(table: Table) -> Table:
-    """The scene on a finer mesh of order 2."""
-    along, across = table["mesh"]["cells"]
-    geometry = table["geometry"]
-    slender = int(1.2 * max(geometry["segments"]) / geometry["side"])  # cells are not longer than the side
-    cells = [max(min(max(along, 20), 40), slender), max(across, 5) if across < 8 else 8]
-    return changed(table, mesh={"cells": cells, "order": 2})
-
-
 def against_finer(table: Table, tensions: list[float], distance: float | None = None) -> float:
-    """Error of tip and contact force, the larger, against a finer mesh."""
-    ours, fine = (solved(model(one), tensions, distance) for one in (table, finer(table)))
-    error = apart(ours.tip, fine.tip)
-    if distance is None:
-        return error
-    return max(error, abs(force(ours) / force(fine) - 1))
+    """Error of tip and contact force, the larger, against a finer mesh of order 2."""
+    along, across = table["mesh"]["cells"]
+    slender = int(1.2 * max(table["geometry"]["segments"]) / table["geometry"]["side"])  # cells no longer than the side
+    cells = [max(min(max(along, 16), 30), slender), max(across, 5) if across < 8 else 8]
+    fine = changed(table, mesh={"cells": cells, "order": 2})
+    own, true = (solved(model(one), tensions, distance) for one in (table, fine))
+    error = apart(own.tip, true.tip)
+    return error if distance is None else max(error, abs(force(own) / force(true) - 1))

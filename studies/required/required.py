@@ -2,31 +2,50 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
-from fingerfem import FingerModel
+from dolfinx import fem
+
+from fingerfem import FingerModel, load_scene
 from fingerfem.scene.scene import Scene
 from rom.dataset.snapshot_set import read_task
 from studies import sets
-from studies.kinds import forms_of, kinds
-from studies.parts import Run
+from studies.parts import ROOT, Run
 
-NOT_HERE = ("straight", "incompressible", "Nitsche")  # other physics, not other requirements
-CELLS = [12, 9]  # of each segment; four channels need nine across
+MESH = {"cells": [12, 9], "order": 1}  # of each segment; four channels need nine cells across
 STATES = 12  # random ones of every scene
 
 
+def forms_of(model: Any) -> int:
+    """Compiled forms in what a model holds."""
+    if isinstance(model, fem.Form):
+        return 1
+    if isinstance(model, list):
+        return sum(map(forms_of, model))
+    if dataclasses.is_dataclass(model):
+        return sum(forms_of(getattr(model, field.name)) for field in dataclasses.fields(model))
+    return 0
+
+
 def scenes() -> dict[str, dict[str, Any]]:
-    """Scenes by what they name, all of one mesh."""
-    found = {name: table for name, table in kinds().items() if not any(word in name for word in NOT_HERE)}
-    spatial = found["contact, spatial"]
-    pad = spatial["obstacle"] | {"pad": {"name": "fingertip", "x": [0.049, 0.050]}}
-    found |= {
-        "contact, spatial, tip and contact force only": spatial | {"sampling": {"store": []}},
-        "contact, spatial, with pad pressure": spatial
+    """Scenes by name, all of one mesh."""
+    names = ("one_segment", "two_segments", "four_tendons")
+    one, two, four = (load_scene(ROOT / "scenes" / f"{name}.toml").model_dump() for name in names)
+    planar, free = {"tendons": one["tendons"][:1]}, {"obstacle": None}
+    pad = one["obstacle"] | {"pad": {"name": "fingertip", "x": [0.049, 0.050]}}
+    found = {
+        "free, planar": one | planar | free,
+        "free, spatial": one | free,
+        "contact, planar": one | planar,
+        "contact, spatial": one,
+        "two segments, contact, planar": two,
+        "two segments, four tensions, contact": four,
+        "contact, spatial, tip and contact force only": one | {"sampling": {"store": []}},
+        "contact, spatial, with pad pressure": one
         | {"obstacle": pad, "sampling": {"store": ["displacement", "pad_pressure"]}},
     }
-    return {name: table | {"mesh": {"cells": CELLS, "order": 1}} for name, table in found.items()}
+    return {name: table | {"mesh": MESH} for name, table in found.items()}
 
 
 def row(name: str, table: dict[str, Any], run: Run) -> dict:

@@ -1,7 +1,4 @@
-"""Training, measured: two ranks against one, what the farm costs, restart, memory, claims of 64 ranks at once.
-
-Two cores.
-"""
+"""Training, measured: two ranks against one, what the farm costs, restart, memory, claims of 64 ranks at once."""
 
 from __future__ import annotations
 
@@ -15,16 +12,17 @@ from pathlib import Path
 import numpy as np
 
 from rom.dataset.folder import create
-from rom.dataset.snapshot_set import read_description, read_task
+from rom.dataset.snapshot_set import read_description
 from studies.parts import ROOT, Run
 from studies.sets import farm, grid_scene
 
-LINES = 4000  # for the contention of claims
+LINES, PROCESSES = 2000, (1, 8, 64)  # lines that are claimed; processes that claim at once
+SHORT, LONG = (5, 6), (8, 8)  # nodes of tensions and of contact
 
 
 def scaling(folder: Path) -> dict:
     """One rank and two on the same set, one after the other."""
-    file, rates = grid_scene(folder, 5, 6), {}
+    file, rates = grid_scene(folder, *SHORT), {}
     for ranks in (1, 2):
         shutil.rmtree(folder / "set", ignore_errors=True)
         report = farm(ranks, file, folder / "set")
@@ -45,70 +43,43 @@ def scaling(folder: Path) -> dict:
 
 def long_run(folder: Path) -> dict:
     """Memory while a set is solved, and its restart once it is whole."""
-    nodes = 9, 9
-    file, path = grid_scene(folder, *nodes), folder / "uniform-{}-{}".format(*nodes)
+    file, path = grid_scene(folder, *LONG), folder / "long"
     shutil.rmtree(path, ignore_errors=True)
     report = farm(2, file, path)
     memory = [max(sizes.values()) for sizes in report["memory"] if sizes]
     part = len(memory) // 4
-    restart = min(farm(1, file, path)["wall_seconds"] for _ in range(3))
     return {
         "states": report["states"],
         "states_per_rank": report["states"] // 2,
         "memory_after_a_quarter": float(np.median(memory[part : part + max(part // 4, 1)])),
         "memory_at_the_end": float(np.median(memory[-max(part // 4, 2) : -1])),
-        "restart_seconds": restart,
+        "restart_seconds": farm(1, file, path)["wall_seconds"],
     }
 
 
-CLAIMING = """
-import sys, time
-from pathlib import Path
-from fingerfem.snapshots.task_queue import Queue
-from rom.dataset.snapshot_set import read_description, read_task
-ours, theirs = map(Path, sys.argv[1:])
-description = read_description(ours)
-arrays = read_task(theirs, "contact-0-0")
-spent, claims = 0.0, 0
-while not (ours / "go").exists():
-    time.sleep(0.01)
-with Queue(description, ours, lambda task: True, lambda: None) as queue:
-    while True:
-        begun = time.perf_counter()
-        if queue.claim() is None:
-            break
-        queue.finish(arrays)
-        spent, claims = spent + time.perf_counter() - begun, claims + 1
-print(claims, spent)
-"""
-
-
 def contention(folder: Path, processes: int) -> dict:
-    """Processes that claim and write lines as fast as they can, the solving left out: the farm's own limit."""
+    """Processes that claim and write lines without solving any: the farm's own limit."""
     ours, theirs = folder / "claims", folder / "set"
     shutil.rmtree(ours, ignore_errors=True)
     others = [0.0] * (len(read_description(theirs).parameters) - 1)
     points = [[1e-3 * k, *others] for k in range(LINES)]  # states of equal tensions would be one line
-    description = replace(read_description(theirs), random=points)
-    create(ours, description)
+    create(ours, replace(read_description(theirs), random=points))
     shutil.copy(theirs / "body.npz", ours)
-    command = [sys.executable, "-c", CLAIMING, str(ours), str(theirs)]
+    command = [sys.executable, "-m", "studies.training.claiming", str(ours), str(theirs)]
     jobs = [subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) for _ in range(processes)]
     time.sleep(2 + 0.6 * processes)  # all have started and wait
     begun = time.perf_counter()
     (ours / "go").touch()
-    said = [job.communicate()[0].split() for job in jobs]
+    claims = sum(int(job.communicate()[0]) for job in jobs)
     seconds = time.perf_counter() - begun
-    lines = sum(int(claims) for claims, _ in said)
-    assert lines == len(description.tasks) == LINES, "a line was written twice, or not at all"
-    assert all(read_task(ours, task) for task in description.tasks)
-    return {"processes": processes, "lines": lines, "seconds": seconds, "lines_per_second": lines / seconds}
+    assert claims == LINES, "a line was written twice, or not at all"
+    return {"processes": processes, "lines_per_second": claims / seconds}
 
 
 def measure(run: Run) -> dict:
     """All of it."""
     return {
         "scaling": run.once("two ranks against one", scaling, run.folder),
-        "contention": [run.once(f"claims of {count} processes", contention, run.folder, count) for count in (1, 8, 64)],
+        "contention": [run.once(f"claims of {n} processes", contention, run.folder, n) for n in PROCESSES],
         "long_run": run.once("a long run and its restart", long_run, run.folder),
     }

@@ -9,7 +9,7 @@ from farm import run
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
 from rom.dataset.snapshot_set import SnapshotSet, read_task
-from studies.kinds import forms_of
+from studies.required.required import forms_of
 from studies.sets import as_toml
 
 SMALL = {"mesh": {"cells": [10, 5], "order": 1}}
