@@ -254,7 +254,7 @@ def main(out: Path, quick: bool = False) -> None:
     numbers["seconds"] = time.perf_counter() - begun
     (out / "report.json").write_text(json.dumps(numbers, indent=1))
     write_page(model, out / "finger.html")
-    report.write(numbers, out / "report.html")
+    (out / "report.html").write_text(report.render("demo.html.j2", numbers))
     held = [*numbers["grasp"]["force_errors"], *[hold["force_error"] for hold in numbers["holds"]]]
     forces, touch = (numbers["errors"][name] for name in ("contact_force", "touch"))
     say(

@@ -1,6 +1,6 @@
-"""One process that claims and writes lines of states without solving any: python3 -m studies.training.claiming OURS THEIRS.
+"""A process that claims and writes lines of states: python3 -m studies.training.claiming OURS THEIRS.
 
-It waits for a file OURS/go, and prints the number of its claims.
+It solves none. It waits for a file OURS/go, and prints the number of its claims.
 """
 
 from __future__ import annotations
