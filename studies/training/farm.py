@@ -1,22 +1,15 @@
-"""Training, measured: two ranks against one, what the farm costs, restart, memory, claims of 64 ranks at once."""
+"""Training, measured: two ranks against one, what the farm costs, restart and memory."""
 
 from __future__ import annotations
 
 import shutil
-import subprocess
-import sys
-import time
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from rom.dataset.folder import create
-from rom.dataset.snapshot_set import read_description
-from studies.parts import ROOT, Run
+from studies.parts import Run
 from studies.sets import farm, grid_scene
 
-LINES, PROCESSES = 2000, (1, 8, 64)  # lines that are claimed; processes that claim at once
 SHORT, LONG = (5, 6), (8, 8)  # nodes of tensions and of contact
 
 
@@ -57,29 +50,9 @@ def long_run(folder: Path) -> dict:
     }
 
 
-def contention(folder: Path, processes: int) -> dict:
-    """Processes that claim and write lines without solving any: the farm's own limit."""
-    ours, theirs = folder / "claims", folder / "set"
-    shutil.rmtree(ours, ignore_errors=True)
-    others = [0.0] * (len(read_description(theirs).parameters) - 1)
-    points = [[1e-3 * k, *others] for k in range(LINES)]  # states of equal tensions would be one line
-    create(ours, replace(read_description(theirs), random=points))
-    shutil.copy(theirs / "body.npz", ours)
-    command = [sys.executable, "-m", "studies.training.claiming", str(ours), str(theirs)]
-    jobs = [subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) for _ in range(processes)]
-    time.sleep(2 + 0.6 * processes)  # all have started and wait
-    begun = time.perf_counter()
-    (ours / "go").touch()
-    claims = sum(int(job.communicate()[0]) for job in jobs)
-    seconds = time.perf_counter() - begun
-    assert claims == LINES, "a line was written twice, or not at all"
-    return {"processes": processes, "lines_per_second": claims / seconds}
-
-
 def measure(run: Run) -> dict:
-    """All of it."""
+    """Both sets."""
     return {
         "scaling": run.once("two ranks against one", scaling, run.folder),
-        "contention": [run.once(f"claims of {n} processes", contention, run.folder, n) for n in PROCESSES],
         "long_run": run.once("a long run and its restart", long_run, run.folder),
     }
