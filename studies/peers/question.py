@@ -72,19 +72,17 @@ def finger() -> Finger:
 
 @dataclass(frozen=True, kw_only=True)
 class Answers:
-    """What one alternative answers to all of it.
+    """The answers of one alternative; None where it has none.
 
     Attributes:
         name: for the picture and the table, two or three words.
         kind: "finite elements", "beam" or "reduced model".
-        free_tips: displacement of the tip plate's centre, of every state of FREE, shape (5, 3) [m]; None where it has
-            no answer.
+        free_tips: displacement of the tip plate's centre, of every state of FREE, shape (5, 3) [m].
         contact_tips: the same of CONTACT, shape (9, 3) [m].
-        contact_forces: on the plane, of CONTACT, shape (9,) [N]; None where it has no answer, such as a model
-            without contact.
-        seconds: core-seconds per answer, what is done once (import, compilation, training) left out.
-        settings: what it was asked with: what a reader needs to do it again.
-        limits: what it cannot represent, fairly, one sentence.
+        contact_forces: on the plane, of CONTACT, shape (9,) [N].
+        seconds: core-seconds per answer, without import, compilation and training.
+        settings: what a reader needs to repeat it.
+        limits: what it cannot represent, one sentence.
     """
 
     name: str
