@@ -24,43 +24,25 @@ class Study:
 
 
 def _same(*names: str) -> dict[str, str]:
-    return {name.split(".")[-1]: name for name in names}
+    return {name: name for name in names}
 
 
+OTHER_NAMES = {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"}
 # In this order: later studies use the snapshot sets of earlier ones.
 STUDIES = {
     "training": Study("appendix", _same("farm")),
     "control": Study("speed", _same("campaigns", "loop")),
     "tradeoff": Study("speed", _same("fingers")),
-    "separated": Study(
-        "accuracy",
-        {
-            "rod": "separated:of_the_rod",
-            "grid": "separated:of_states",
-        },
-    ),
-    "rods": Study(
-        "accuracy",
-        _same("accuracy", "objects", "speed"),
-    ),
-    "rubber": Study(
-        "accuracy",
-        _same("indentation", "random_objects", "robustness"),
-    ),
+    "separated": Study("accuracy", {"rod": "separated:of_the_rod", "grid": "separated:of_states"}),
+    "rods": Study("accuracy", _same("accuracy", "objects", "speed")),
+    "rubber": Study("accuracy", _same("indentation", "random_objects")),
     "several": Study("accuracy", _same("several", "histories")),
     "assembled": Study("accuracy", _same("four", "fingers")),
     "tapered": Study("accuracy", _same("tapered")),
-    "grasping": Study(
-        "grasping",
-        _same("grasps", "pictures"),
-        elsewhere=("grasps", "pictures"),
-    ),
+    "grasping": Study("grasping", _same("grasps", "pictures"), elsewhere=("grasps", "pictures")),
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes")),
     "required": Study("appendix", _same("required")),
     "figures": Study("appendix", _same("figures")),
-    "peers": Study(
-        "peers",
-        _same("beams") | {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"},
-    ),
+    "peers": Study("peers", _same("beams") | OTHER_NAMES),
 }

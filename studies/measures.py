@@ -11,16 +11,6 @@ import numpy as np
 from control.model import Model
 
 
-def shortest(call: Callable[[], Any], repeats: int = 3) -> float:
-    """Shortest of some calls [s]."""
-    seconds = []
-    for _ in range(repeats):
-        begun = time.perf_counter()
-        call()
-        seconds.append(time.perf_counter() - begun)
-    return min(seconds)
-
-
 def call_times(call: Callable[[np.ndarray], Any], points: np.ndarray) -> dict[str, float]:
     """Median and 99th percentile of a call's time [us], at each of `points`, shape (points, parameters)."""
     call(points[0])

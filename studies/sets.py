@@ -80,28 +80,10 @@ def held_out(file: Path, count: int) -> SnapshotSet:
 
 
 def farm(ranks: int, file: Path, folder: Path, *options: str) -> dict:
-    """Run the farm on a set until it is whole; what it reports, its wall time, and the resident memory of its ranks."""
+    """Run the farm on a set until it is complete; its report, and its wall time [s]."""
     command = [sys.executable, "-m", "fingerfem", "snapshots", str(file), str(folder), "--json", *options]
     begun = time.perf_counter()
-    job = subprocess.Popen(["mpirun", "-n", str(ranks), *command], cwd=ROOT, stdout=subprocess.PIPE, text=True)
-    memory: list[dict[int, float]] = []
-    while job.poll() is None:
-        time.sleep(0.2)
-        memory.append(resident(job.pid))
+    job = subprocess.run(["mpirun", "-n", str(ranks), *command], cwd=ROOT, stdout=subprocess.PIPE, text=True)
     if job.returncode:
         raise SystemExit(f"the farm ended with {job.returncode}")
-    report = json.loads(job.stdout.read().splitlines()[-1])  # type: ignore[union-attr]
-    return report | {"wall_seconds": time.perf_counter() - begun, "memory": memory}
-
-
-def resident(job: int) -> dict[int, float]:
-    """Resident memory of a job's ranks [MB]."""
-    found: dict[int, float] = {}
-    for pid in subprocess.run(["pgrep", "-P", str(job)], capture_output=True, text=True).stdout.split():
-        try:
-            lines = Path(f"/proc/{pid}/status").read_text().splitlines()
-        except OSError:
-            continue
-        sizes = [int(line.split()[1]) / 1024 for line in lines if line.startswith("VmRSS")]
-        found |= {int(pid): size for size in sizes}
-    return found
+    return json.loads(job.stdout.splitlines()[-1]) | {"wall_seconds": time.perf_counter() - begun}

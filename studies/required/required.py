@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
-
-from dolfinx import fem
 
 from fingerfem import FingerModel, load_scene
 from fingerfem.scene.scene import Scene
@@ -15,17 +12,6 @@ from studies.parts import ROOT, Run
 
 MESH = {"cells": [12, 9], "order": 1}  # of each segment; four channels need nine cells across
 STATES = 12  # random ones of every scene
-
-
-def forms_of(model: Any) -> int:
-    """Compiled forms in what a model holds."""
-    if isinstance(model, fem.Form):
-        return 1
-    if isinstance(model, list):
-        return sum(map(forms_of, model))
-    if dataclasses.is_dataclass(model):
-        return sum(forms_of(getattr(model, field.name)) for field in dataclasses.fields(model))
-    return 0
 
 
 def scenes() -> dict[str, dict[str, Any]]:
@@ -58,7 +44,6 @@ def row(name: str, table: dict[str, Any], run: Run) -> dict:
         "scene": name,
         "parameters": len(scene.parameters),
         "unknowns": model.problem.unknowns,
-        "forms": forms_of(model.problem.forms),
         "quantities": len(read_task(states.path, next(iter(states.description.tasks)))),
         "core_seconds": states.core_seconds / states.states,
         "bytes": round(sum(part.stat().st_size for part in (states.path / "tasks").glob("*.npz")) / states.states),

@@ -19,15 +19,7 @@ Draw = Callable[[Rod, np.random.Generator], Pressed | None]
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
-    """Random draws of a finger and its objects.
-
-    Attributes:
-        draw: makes one; None is drawn again.
-        seed: of the random numbers.
-        count: number of draws that are compared.
-        most: largest contact force that is compared [N].
-        surface: what must be touched: "plate", "rubber" or "any".
-    """
+    """Random draws that are compared, `count`; forces up to `most` [N], on "plate", "rubber" or "any" surface."""
 
     draw: Draw
     seed: tuple[int, ...]
@@ -54,13 +46,7 @@ def answered(finger: Rod, drawn: Pressed, question: Question) -> tuple[str, np.n
 
 
 def compared(finger: Rod, table: Table, question: Question) -> dict:
-    """Errors, estimates and full-order forces of every object [N], and counts of draws that are not compared.
-
-    Args:
-        finger: assembled from elements.
-        table: its full-order scene, with a load.
-        question: what is drawn.
-    """
+    """Errors, estimates and full-order forces of every object [N], and counts of draws that are not compared."""
     full, random = FullOrder(table), np.random.default_rng(question.seed)
     rows: list[tuple[float, float, float]] = []
     counts = dict.fromkeys(("states", *REASONS), 0)

@@ -33,16 +33,7 @@ def logarithmic(random: np.random.Generator, ends: tuple[float, float]) -> float
 def touching(
     finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape: str, point: np.ndarray, outward: np.ndarray
 ) -> Table:
-    """A random obstacle that touches the free finger where d is DISTANCE.
-
-    Args:
-        finger: assembled from elements.
-        pulled: tensions, shape (t,) [N].
-        random: of its size and orientation.
-        shape: of SHAPES.
-        point: of the finger, which the object approaches, shape (3,) [m].
-        outward: the surface's normal there, or one that is tilted, shape (3,) [-].
-    """
+    """A random obstacle of a shape that approaches a point, and touches the free finger where d is DISTANCE."""
     radius = logarithmic(random, RADII)
     own: dict[str, Table] = {
         "plane": {"normal": (-outward).tolist()},

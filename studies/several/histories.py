@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,18 +14,17 @@ from studies.cores import on_cores
 from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import Table, rigid
-from studies.rods.random_objects import DEPTHS, DISTANCE, anywhere, clear_of_clamp
+from studies.rods.random_objects import DEPTHS, DISTANCE, anywhere, at_plate, clear_of_clamp
 
 COUNT, INCREMENTS = 16, 4  # histories of every kind; increments between two points
 PULLED, FORCES = ((15.0, 80.0), (0.0, 40.0)), (0.3, 6.0)  # tensions, and force without friction at first [N]
 FRICTION, ASIDE, CHANGED = (0.2, 0.8), 1.5e-3, 8.0  # coefficients [-]; motions of the plane [m] and of tensions [N]
-NEARER, DRAGGED = 2e-4, 5e-4  # motion of a plane, and of a round object, along its direction [m]
-PLATE, RUBBER, ROUND = "plate", "rubber", "rubber, by a ball, a cylinder or a box"  # what is touched first
+ALONG = {"plate": 2e-4, "rubber": 5e-4}  # what is touched first; motion of the object along its direction [m]
+SHAPES = {"plate": ("plane",), "rubber": ("sphere", "cylinder", "box")}
 HALF = 0.5  # of the normal force [-]: a finger slides if more of it is at points that slide
 
 
-@dataclass(frozen=True)
-class History:
+class History(NamedTuple):
     """An obstacle, points (tensions, d), additional motions of the object [m], coefficient of friction [-]."""
 
     table: Table
@@ -35,44 +33,28 @@ class History:
     friction: float
 
 
-def pressing(rod: Rod, touched: str, pulled: np.ndarray, random: np.random.Generator) -> tuple[Table, float]:
-    """The paper's plane, or an obstacle that touches the finger anywhere; d at which it presses [m]."""
-    if touched != PLATE:
-        shape = "plane" if touched == RUBBER else str(random.choice(["sphere", "cylinder", "box"]))
-        return anywhere(rod, pulled, random, shape), DISTANCE - random.uniform(*DEPTHS)
-    table: Table = {"shape": "plane", "centre": [0.0, rod.half_lengths[1], 0.0], "normal": [0.0, -1.0, 0.0]}
-    table |= {"direction": [0.0, 1.0, 0.0], "distance": [1e-4, rod.rest[0]], "method": "penalty"}
-    touch = TouchedSegment(rod=rod, obstacle=rigid(table)).outputs(np.array([[*pulled, np.inf]]))[0, 4]
-    return table, float(touch) - random.uniform(*DEPTHS)
-
-
 def first_contact(rod: Rod, touched: str, random: np.random.Generator) -> tuple[Table, np.ndarray]:
     """An obstacle, and tensions and d at which it presses on the plate alone, or on rubber too."""
     while True:
         pulled = np.array([random.uniform(*ends) for ends in PULLED])
-        table, d = pressing(rod, touched, pulled, random)
-        if not clear_of_clamp(rod, table, d):
-            continue
-        model, point = TouchedSegment(rod=rod, obstacle=rigid(table)), np.array([*pulled, d])
-        answer = model.evaluate(point)
-        if not (answer.inside and FORCES[0] < answer.contact_force < FORCES[1]):
-            continue
-        if any(one.rubber for one in model.contact_forces(point)) == (touched != PLATE):
+        made = at_plate if touched == "plate" else anywhere
+        table = made(rod, pulled, random, str(random.choice(SHAPES[touched])))
+        point = np.append(pulled, DISTANCE - random.uniform(*DEPTHS))
+        model = TouchedSegment(rod=rod, obstacle=rigid(table))
+        answer, contacts = model.evaluate(point), model.contact_forces(point)
+        is_pressed = answer.inside and FORCES[0] < answer.contact_force < FORCES[1]
+        is_rubber = any(one.rubber for one in contacts)
+        if is_pressed and is_rubber == (touched == "rubber") and clear_of_clamp(rod, table, point[-1]):
             return table, point
 
 
 def draw(rod: Rod, touched: str, random: np.random.Generator) -> History:
-    """A random history.
-
-    A plane presses, is dragged, the finger is pulled, and the plane is dragged back. A round object moves along its
-    direction alone, which is oblique to the surface, there and back.
-    """
+    """A random history: a plane moves aside as the tensions change, a round object along its direction, and back."""
     table, first = first_contact(rod, touched, random)
-    along = DRAGGED if touched == ROUND else NEARER
-    change = np.array([*random.uniform(-CHANGED, CHANGED, 2), random.uniform(-along, along)])
-    second = np.append(np.clip((first + change)[:-1], 0.0, None), first[-1] + change[-1])
+    change = np.append(random.uniform(-CHANGED, CHANGED, 2), random.uniform(-ALONG[touched], ALONG[touched]))
+    second = np.append(np.clip((first + change)[:-1], 0.0, None), (first + change)[-1])
     friction = float(random.uniform(*FRICTION))
-    if touched == ROUND:
+    if touched == "rubber":
         return History(table, np.array([first, second, first]), np.zeros((3, 3)), friction)
     normal, aside = np.array(table["normal"]), random.uniform(-ASIDE, ASIDE, 3)
     aside -= (aside @ normal) * normal
@@ -138,4 +120,4 @@ def kind(run: Run, touched: str) -> dict[str, Any]:
 
 def measure(run: Run) -> list[dict[str, Any]]:
     """Histories that begin on the plate, and on the rubber."""
-    return [run.once(touched, kind, run, touched) for touched in (PLATE, RUBBER, ROUND)]
+    return [run.once(touched, kind, run, touched) for touched in ALONG]

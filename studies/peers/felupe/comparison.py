@@ -37,7 +37,6 @@ NEO_HOOKEAN = {"law": "neo-hookean", "C1": 1.9e6, "D1": 2.43e-7}
 MOONEY_RIVLIN = {"law": "mooney-rivlin", "C10": 1.52e6, "C01": 0.38e6, "D1": 3.22e-7}
 # Tensions [N] and distances [m], None without a plane.
 USUAL = (([100.0, 0.0], None), ([60.0, 20.0], None), ([60.0, 20.0], 0.005))
-TWO_SEGMENTS = (([40.0, 20.0], None), ([20.0, 15.0], None), ([20.0, 15.0], 0.030))
 DRAFT, COARSE_QUADRATIC = ([20, 5], 1), ([10, 5], 2)
 
 State = tuple[list[float], float | None]
@@ -61,7 +60,6 @@ def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]
     }
     return arrays, {
         "order": scene.mesh.order,
-        "half": scene.is_half,
         "side": scene.geometry.side,
         "length": scene.geometry.length,
         "channel_area": scene.geometry.channel_width**2,
@@ -73,13 +71,7 @@ def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]
 
 
 def ask_felupe(arrays: dict[str, np.ndarray], scene: dict[str, Any], folder: Path) -> tuple[np.ndarray, np.ndarray]:
-    """What FElupe's process answers: displacements, shape (states, nodes, 3) [m], and contact forces [N].
-
-    Args:
-        arrays: of `described`, and `starts`, shape (states, nodes, 3) [m].
-        scene: of `described`, and `states`.
-        folder: for the two files.
-    """
+    """Answers of FElupe's process: displacements, shape (states, nodes, 3) [m], and contact forces [N]."""
     if not (FELUPE / "felupe").exists():
         raise FileNotFoundError(f"{FELUPE} must hold FElupe, got nothing there: make out/peers/felupe/ready")
     folder.mkdir(parents=True, exist_ok=True)
@@ -118,8 +110,7 @@ def compare(scene: Scene, states: tuple[State, ...], folder: Path, changed: dict
 
 
 def measure(run: Run) -> list[dict]:
-    """Both laws and orders, and two segments."""
+    """Both laws and orders."""
     laws, meshes = (NEO_HOOKEAN, MOONEY_RIVLIN), (DRAFT, COARSE_QUADRATIC)
     asked = [(scene_of("one_segment", law, mesh), USUAL) for mesh in meshes for law in laws]
-    asked.append((scene_of("two_segments", NEO_HOOKEAN, ([12, 8], 1)), TWO_SEGMENTS))
     return [run.once(f"{k}", compare, *one, run.folder / "felupe") for k, one in enumerate(asked)]

@@ -16,15 +16,7 @@ TOUCHING = 1e-9  # [m]: coordinates that differ by less are the same
 
 
 def nodal_areas(points: np.ndarray, cells: np.ndarray, order: int, axis: int, value: float) -> np.ndarray:
-    """Weights of the trapezoidal (order 1) or Simpson's rule (2) on a face of a finger, shape (nodes,) [m^2].
-
-    Args:
-        points: nodes, shape (nodes, 3) [m].
-        cells: boxes that are parallel to the axes, shape (cells, nodes of a cell).
-        order: of the elements.
-        axis: normal to the face.
-        value: coordinate of the face along this axis [m].
-    """
+    """Weights of the trapezoidal or Simpson's rule on the face where a coordinate has a value, shape (nodes,) [m^2]."""
     corners = points[cells]
     low, high = corners.min(axis=1, keepdims=True), corners.max(axis=1, keepdims=True)
     is_middle = np.abs(2 * corners - low - high) < TOUCHING
@@ -35,15 +27,7 @@ def nodal_areas(points: np.ndarray, cells: np.ndarray, order: int, axis: int, va
 
 
 class NodalSprings:
-    """Springs between nodes and the plane, an item for `felupe.newtonraphson`.
-
-    Args:
-        field: the displacement.
-        stiffness: gamma times area, by node, shape (nodes,) [N/m].
-
-    Attributes:
-        height: of the plane, y [m].
-    """
+    """Springs [N/m] between nodes and the plane y = height [m], an item for `felupe.newtonraphson`."""
 
     def __init__(self, field: Any, stiffness: np.ndarray):
         self.field, self._stiffness, self.height = field, stiffness, np.inf

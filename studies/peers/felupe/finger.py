@@ -46,10 +46,8 @@ class Finger:
         for fibre, channel in zip(self._fibres, arrays["channels"], strict=True):
             self._bodies.append(felupe.SolidBody(fibre, self._field_on(channel)))
         self._springs = NodalSprings(self.field, scene["stiffness"] * self._areas())
-        supports = {"clamp": felupe.Boundary(self.field[0], fx=0.0)}
-        if scene["half"]:
-            supports["cut"] = felupe.Boundary(self.field[0], fz=0.0, skip=(True, True, False))
-        self._held, self._free = felupe.dof.partition(self.field, supports)
+        clamp = {"clamp": felupe.Boundary(self.field[0], fx=0.0)}
+        self._held, self._free = felupe.dof.partition(self.field, clamp)
 
     def _field_on(self, chosen: np.ndarray) -> Any:
         """The displacement on some cells, integrated by Gauss's rule."""
@@ -61,22 +59,13 @@ class Finger:
         return felupe.Mesh(self._points, self._cells[chosen], {1: "hexahedron", 2: "hexahedron27"}[self._order])
 
     def _areas(self) -> np.ndarray:
-        """Area that each node stands for, of every face but clamp and cut, shape (nodes,) [m^2]."""
+        """Area that each node stands for, of every face but the clamp, shape (nodes,) [m^2]."""
         half = self.scene["side"] / 2
         faces = [(axis, side * half) for axis in (1, 2) for side in (-1, 1)] + [(0, self.scene["length"])]
         return np.sum([nodal_areas(self._points, self._cells, self._order, *face) for face in faces], axis=0)
 
     def solve(self, start: np.ndarray, tensions: np.ndarray, distance: float | None) -> tuple[np.ndarray, float]:
-        """Equilibrium by FElupe's Newton method, full steps: displacement, shape (nodes, 3) [m], and contact force [N].
-
-        Args:
-            start: displacement that the iterations begin at, shape (nodes, 3) [m].
-            tensions: shape (tendons,) [N].
-            distance: of the plane [m]; None: it is away.
-
-        Raises:
-            felupe.tools.NewtonConvergenceError: it did not converge.
-        """
+        """Equilibrium by FElupe's Newton method from a start: displacement, shape (nodes, 3) [m], contact force [N]."""
         for fibre, tension in zip(self._fibres, tensions, strict=True):
             fibre.density = tension / self.scene["channel_area"]
         self._springs.height = self.scene["side"] / 2 + (np.inf if distance is None else distance)
@@ -91,7 +80,7 @@ class Finger:
             check=self._check,
             verbose=0,
         )
-        return found.x[0].values.copy(), (2 if self.scene["half"] else 1) * self._springs.force()
+        return found.x[0].values.copy(), self._springs.force()
 
     def _check(self, dx: Any, x: Any, f: np.ndarray, **given: Any) -> tuple[float, float, bool]:
         """Of FElupe's Newton method: change over the length, residual over the force scale, whether that is enough."""
