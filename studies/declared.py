@@ -10,13 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Study:
-    """A section of a page of docs/.
-
-    Attributes:
-        page: without its suffix.
-        parts: by part, the module of `studies/NAME/`, or MODULE:FUNCTION.
-        elsewhere: parts for another Python, which has MuJoCo; see the Makefile.
-    """
+    """A section of a page: modules, or MODULE:FUNCTION, by part; parts `elsewhere` need MuJoCo, see the Makefile."""
 
     page: str
     parts: dict[str, str]

@@ -33,13 +33,7 @@ class Unmeasured(Exception):
 
 @dataclass(frozen=True)
 class Run:
-    """What a part measures with.
-
-    Attributes:
-        name: NAME/PART.
-        folder: where the study keeps what it needs again; OUT/VERSION/NAME.
-        sets: where all studies keep scenes and snapshot sets; OUT/VERSION/sets.
-    """
+    """A part, NAME/PART; the folder of its study, and that of the scenes and snapshot sets of all studies."""
 
     name: str
     folder: Path

@@ -15,7 +15,6 @@ from rom.dataset.snapshot_set import SnapshotSet
 
 ROOT = Path(__file__).resolve().parents[1]
 STANDARD, REFERENCE = (10, 5, 2), (32, 7, 2)  # cells along and across, Lagrange order
-HELD_OUT = 100  # random states
 SEED = 11
 
 

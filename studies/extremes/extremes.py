@@ -89,7 +89,9 @@ def apart(one: np.ndarray, other: np.ndarray) -> float:
 def same(own: State, true: State, length: float = 1.0, force: float = 1.0) -> float:
     """Error of tip and contact force, the larger, in these units of length and force [-]."""
     error = apart(own.tip / length, true.tip)
-    return max(error, abs(own.contact_force / force / true.contact_force - 1)) if true.contact_force else error
+    if not own.contact_force or not true.contact_force:
+        return error
+    return max(error, abs(own.contact_force / force / true.contact_force - 1))
 
 
 def against_finer(table: Table, tension: float, distance: float | None = None) -> float:
@@ -105,7 +107,7 @@ def rubbers() -> Iterator[dict]:
     """Poisson's ratio, stiffness, plates against rubber."""
     for poisson in (-0.1, 0.49, 0.4999):
         table = planar(material=rubber(YOUNG, poisson))
-        yield judged("Poisson's ratio", f"{poisson:g}", FINER, MESH, partial(against_finer, table, *PULL, DISTANCE))
+        yield judged("Poisson's ratio", f"{poisson:g}", FINER, MESH, partial(against_finer, table, PULL[0], DISTANCE))
 
     for ratio in (1.0, 1e6):
         young = STEEL.young_modulus / ratio
@@ -142,7 +144,8 @@ def meshes() -> Iterator[dict]:
 
     def stiffness(method: str, factor: float) -> float:
         own, true = ({"method": method, "stiffness": factor}, {"method": "nitsche"})
-        return same(*(solved(model(planar(obstacle=one)), PULL, DISTANCE) for one in (own, true)))
+        first, second = (solved(model(planar(obstacle=one)), PULL, DISTANCE) for one in (own, true))
+        return same(first, second)
 
     for method in ("penalty", "nitsche"):
         for factor in (1.0, 1e6):

@@ -6,6 +6,7 @@ MuJoCo has only the plate of a finger; its rubber is drawn as thin boxes.
 from __future__ import annotations
 
 import os
+from typing import Any
 
 os.environ.setdefault("MUJOCO_GL", "egl")  # without a display; MuJoCo reads it when it is first imported
 
@@ -39,7 +40,7 @@ class Film:
 
     def __init__(self, kind: str):
         self.kind, self.pictures, self._looks = kind, list[Image.Image](), 0
-        self._camera, self._renderer = mujoco.MjvCamera(), None
+        self._camera, self._renderer = mujoco.MjvCamera(), list[mujoco.Renderer]()
         self._camera.lookat[:], self._camera.distance, self._camera.azimuth, self._camera.elevation = EYES[kind]
 
     def look(self, simulation: Simulation) -> None:
@@ -52,19 +53,20 @@ class Film:
     def draw(self, simulation: Simulation) -> Image.Image:
         """A picture of the current state."""
         width, height = (FINER * length for length in SIZES[self.kind])
-        if self._renderer is None:
+        if not self._renderer:
             view = simulation.model.vis
             view.global_.offwidth, view.global_.offheight, view.global_.fovy = width, height, FIELD
             view.quality.shadowsize, view.map.znear = 4096, 0.02
-            self._renderer = mujoco.Renderer(simulation.model, height, width)
-        self._renderer.update_scene(simulation.data, self._camera)
-        scene = self._renderer.scene
+            self._renderer.append(mujoco.Renderer(simulation.model, height, width))
+        (renderer,) = self._renderer
+        renderer.update_scene(simulation.data, self._camera)
+        scene = renderer.scene
         for middle, half, axes in rubber(simulation):
             geom = scene.geoms[scene.ngeom]
             mujoco.mjv_initGeom(geom, mujoco.mjtGeom.mjGEOM_BOX.value, half, middle, axes.ravel(), RUBBER)
             geom.category = mujoco.mjtCatBit.mjCAT_DYNAMIC  # otherwise it casts no shadow
             scene.ngeom += 1
-        return Image.fromarray(self._renderer.render()).resize(SIZES[self.kind], Image.Resampling.LANCZOS)
+        return Image.fromarray(renderer.render()).resize(SIZES[self.kind], Image.Resampling.LANCZOS)
 
 
 def rubber(simulation: Simulation) -> list[tuple[np.ndarray, ...]]:
@@ -95,7 +97,7 @@ def measure(run: Run) -> dict[str, int]:
     model = TouchedSegment.load()
     _, (first, *frames) = filmed(model, MOVING, "moving")
     duration = round(1000 * EVERY * PERIOD)
-    options = {"duration": duration, "loop": 0, "quality": 65, "method": 6}
+    options: dict[str, Any] = {"duration": duration, "loop": 0, "quality": 65, "method": 6}
     first.save(run.folder / "grasping.webp", save_all=True, append_images=frames, **options)
     shapes = {shape: filmed(model, shape, "still") for shape in SHAPES}
     row = np.hstack([np.asarray(pictures[0]) for _, pictures in shapes.values()])

@@ -30,7 +30,7 @@ CONTACT = (
 
 @dataclass(frozen=True, kw_only=True)
 class Finger:
-    """Its numbers in SI units: lengths [m] (`length` from clamp to tip, plate included), moduli [Pa], ratio [-]."""
+    """Its lengths [m] (`length` from clamp to tip, plate included) and constants C1 [Pa], D1 [1/Pa]."""
 
     length: float
     side: float
@@ -72,18 +72,7 @@ def finger() -> Finger:
 
 @dataclass(frozen=True, kw_only=True)
 class Answers:
-    """The answers of one alternative; None where it has none.
-
-    Attributes:
-        name: for the picture and the table, two or three words.
-        kind: "finite elements", "beam" or "reduced model".
-        free_tips: displacement of the tip plate's centre, of every state of FREE, shape (5, 3) [m].
-        contact_tips: the same of CONTACT, shape (9, 3) [m].
-        contact_forces: on the plane, of CONTACT, shape (9,) [N].
-        seconds: core-seconds per answer, without import, compilation and training.
-        settings: what a reader needs to repeat it.
-        limits: what it cannot represent, one sentence.
-    """
+    """Answers of one alternative, None where it has none: tips, shape (states, 3) [m], forces [N], core-seconds."""
 
     name: str
     kind: str

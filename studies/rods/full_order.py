@@ -14,14 +14,10 @@ NOT_OF_A_SHAPE = "shape", "distance", "method"
 
 
 class Pressed(NamedTuple):
-    """A finger under tensions, and the objects that press on it.
+    """Tensions [N], obstacles of a scene, all at d [m], and the path of the full-order model.
 
-    Attributes:
-        tensions: shape (t,) [N].
-        objects: obstacles of a scene; d moves all of them.
-        d: their distance [m].
-        path: how the full-order model gets there. "approach": objects come from afar. "pull": the finger is pulled
-            against standing objects. "wrenches": the solve begins at the state under the rod's contact wrenches.
+    "approach": objects come from afar. "pull": the finger is pulled against standing objects. "wrenches": the solve
+    begins at the state under the rod's contact wrenches.
     """
 
     tensions: np.ndarray
@@ -33,7 +29,7 @@ class Pressed(NamedTuple):
 def rigid(table: Table) -> RigidObject:
     """An obstacle of a scene as an object of the assembled finger."""
     given = {name: value for name, value in table.items() if name not in NOT_OF_A_SHAPE}
-    return MADE[table["shape"]](**given, distances=tuple(table["distance"]))  # type: ignore[operator, no-any-return]
+    return MADE[table["shape"]](**given, distances=tuple(table["distance"]))  # type: ignore[operator]
 
 
 def together(tables: list[Table]) -> Table:
@@ -61,13 +57,8 @@ class FullOrder:
         except LoadNotReached:
             return None
 
-    def contact_forces(self, one: Pressed, wrenches: np.ndarray | None = None) -> np.ndarray | None:
-        """Contact forces of all objects, shape (objects,) [N]; None if the full-order model did not converge.
-
-        Args:
-            one: the finger and its objects.
-            wrenches: of the rod's contact on all plates, shape (6 plates,) [N, N m]; for the path "wrenches".
-        """
+    def contact_forces(self, one: Pressed, wrenches: np.ndarray) -> np.ndarray | None:
+        """Contact forces of all objects, shape (objects,) [N]; None if the full-order model did not converge."""
         from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 
         table = {key: value for key, value in self._table.items() if key != "load"}
@@ -75,7 +66,7 @@ class FullOrder:
         continuation = model.continuation
         try:
             if one.path == "wrenches":
-                begun = self._pressed.solve(one.tensions, wrenches=np.reshape(wrenches, (-1, 6)), sensitivities=False)
+                begun = self._pressed.solve(one.tensions, wrenches=wrenches.reshape(-1, 6), sensitivities=False)
                 continuation.start(one.tensions, one.d, begun.displacement)
                 continuation.newton.solve("line search")
             elif one.path == "pull":

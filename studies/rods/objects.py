@@ -1,4 +1,4 @@
-"""Contact of an assembled finger against the full-order model: random objects at its plate, and the paper's plane."""
+"""Contact of an assembled finger against the full-order model: random objects at its plate."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import tomllib
 from functools import partial
 
 from rom import Rod
-from rom.held_out import check
-from studies import sets
 from studies.parts import Run
 from studies.rods import plans
 from studies.rods.compared import Question, by_name, compared, summary
@@ -33,15 +31,6 @@ def by_shape(run: Run, plan: plans.Plan) -> list[dict]:
     return by_name(plans.rod(run, plan), tomllib.loads(plans.scene(run, plan).read_text()), questions)
 
 
-def papers_plane(run: Run, plan: plans.Plan) -> dict:
-    """The paper's plane: held-out states of the draft scene."""
-    held_out = sets.held_out(sets.draft(run.sets), sets.HELD_OUT)
-    return {"force": plan.force} | check(plans.rod(run, plan), held_out)
-
-
-def measure(run: Run) -> dict:
-    """Random objects, and the paper's plane before fingers of two trained forces."""
-    return {
-        "scattered": run.once("random objects", by_shape, run, plans.SMALL),
-        "paper": [run.once(f"plane, {plan.name}", papers_plane, run, plan) for plan in (plans.SMALL, plans.LARGE)],
-    }
+def measure(run: Run) -> list[dict]:
+    """A row a shape."""
+    return list(run.once("random objects", by_shape, run, plans.SMALL))

@@ -54,7 +54,7 @@ def hertz(radius: float, material: dict[str, float]) -> float:
 
 def full_order_force(full: FullOrder, tables: list[Table], d: float) -> float | None:
     """Force of the first object at d [m] on the relaxed finger [N]; None if it did not converge."""
-    forces = full.contact_forces(Pressed(np.zeros(2), tables, d))
+    forces = full.contact_forces(Pressed(np.zeros(2), tables, d), np.zeros(6))
     return None if forces is None else float(forces[0])
 
 

@@ -1,8 +1,7 @@
 """Fingers of rod elements: training cost against error, by mesh and number of lines.
 
-The elements are trained on wrenches. Their fingers are compared with the full-order model on a finer mesh, in states
-before the draft scene's plane. On meshes finer than the draft one, every state begins at the same state on that mesh,
-whose cost counts, too.
+The elements are trained on wrenches; the reference is a finer mesh, in states before the draft scene's plane. On finer
+meshes every state begins at the same state on the draft mesh, whose cost counts, too.
 """
 
 from __future__ import annotations

@@ -27,13 +27,7 @@ NOISE, SETTLED = 1e-8, 1e-9
 
 
 class Finger:
-    """The finger of a file.
-
-    Args:
-        arrays: `points` (nodes, 3) [m], `cells` (cells, 8 or 27) in any order of their nodes, `rubber` (cells,) and
-            `channels` (tendons, cells), which cells are rubber and which carry a tendon.
-        scene: numbers, as `comparison.described` writes them.
-    """
+    """The finger of a file, see `comparison.described`."""
 
     def __init__(self, arrays: dict[str, np.ndarray], scene: dict[str, Any]):
         self.scene, self._points, self._order = scene, arrays["points"], scene["order"]
