@@ -19,7 +19,13 @@ def call_times(call: Callable[[np.ndarray], Any], points: np.ndarray) -> dict[st
         begun = time.perf_counter_ns()
         call(point)
         taken[k] = time.perf_counter_ns() - begun
-    return {"p50_us": float(np.percentile(taken, 50)) / 1e3, "p99_us": float(np.percentile(taken, 99)) / 1e3}
+    return percentiles(taken)
+
+
+def percentiles(nanoseconds: np.ndarray) -> dict[str, float]:
+    """Median and 99th percentile [us]."""
+    half, most = np.percentile(nanoseconds, [50, 99]) / 1e3
+    return {"p50_us": float(half), "p99_us": float(most)}
 
 
 def random_points(model: Model, count: int) -> np.ndarray:

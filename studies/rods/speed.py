@@ -7,17 +7,11 @@ import numpy as np
 from control import Finger, problems
 from rom.rod.compiled import touched as native
 from studies.control.models import finger as bundled
-from studies.measures import random_points
+from studies.measures import percentiles, random_points
 from studies.parts import Run
 
 POINTS, MOVED = 6000, 1e-4  # random points; motion of the plane for warm starts [m]
 FORCE = 0.5  # to hold [N]
-
-
-def times(nanoseconds: np.ndarray) -> dict[str, float]:
-    """Median and 99th percentile [us]."""
-    half, most = np.percentile(nanoseconds, [50, 99]) / 1e3
-    return {"p50_us": float(half), "p99_us": float(most)}
 
 
 def row() -> dict:
@@ -34,9 +28,9 @@ def row() -> dict:
         "points": len(points),
         "elements": len(model.rod.segments[0].elements),
         "terms": sum(len(law.polynomial.powers) for law in model.rod.elements.laws.values()),
-        "contact, warm (plane moved 0.1 mm)": times(native.touches(model.touching, moved, wrenches).nanoseconds),
-        "contact, cold": times(native.touches(model.touching, points).nanoseconds),
-        "hold": times(taken),
+        "contact, warm (plane moved 0.1 mm)": percentiles(native.touches(model.touching, moved, wrenches).nanoseconds),
+        "contact, cold": percentiles(native.touches(model.touching, points).nanoseconds),
+        "hold": percentiles(taken),
     }
 
 

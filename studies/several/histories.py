@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections import Counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -96,26 +97,20 @@ def compared(rod: Rod, table: Table, touched: str, seed: int) -> dict[str, Any]:
     }
 
 
-def table_row(rows: list[dict[str, Any]], touched: str) -> dict[str, Any]:
-    """Errors of forces over the largest of a history, and how often both slide or neither does."""
+def kind(run: Run, touched: str) -> dict[str, Any]:
+    """Errors of forces over the largest of a history, and the share of points where both slide or neither does."""
+    rod, table = plans.rod(run, plans.LARGE), tomllib.loads(plans.scene(run, plans.LARGE).read_text())
+    rows = on_cores(compared, [(rod, table, touched, seed) for seed in range(COUNT)])
     good = [row for row in rows if "errors" in row]
     decided = np.array([pair for row in good for pair in row["slides"]])
+    statuses = Counter(row["status"] for row in rows)
     return {
         "touched": touched,
         "compared": len(good),
         "force": quantiles(np.concatenate([row["errors"] for row in good])),
         "alike": float(np.mean(decided[:, 0] == decided[:, 1])),
-        **{
-            name: sum(row["status"] == name for row in rows)
-            for name in ("out_of_domain", "no_equilibrium", "not_converged")
-        },
+        **{name: statuses[name] for name in ("out_of_domain", "no_equilibrium", "not_converged")},
     }
-
-
-def kind(run: Run, touched: str) -> dict[str, Any]:
-    """All histories of a kind."""
-    rod, table = plans.rod(run, plans.LARGE), tomllib.loads(plans.scene(run, plans.LARGE).read_text())
-    return table_row(on_cores(compared, [(rod, table, touched, seed) for seed in range(COUNT)]), touched)
 
 
 def measure(run: Run) -> list[dict[str, Any]]:

@@ -61,13 +61,13 @@ def held_out(run: Run, mesh: Mesh) -> SnapshotSet:
     return SnapshotSet(place)
 
 
-def errors(force: np.ndarray, tip: np.ndarray, truth: SnapshotSet, counted: np.ndarray) -> dict[str, Any]:
+def errors(force: np.ndarray, tip: np.ndarray, truth: SnapshotSet, counted: np.ndarray | bool = True) -> dict[str, Any]:
     """Errors of contact forces, shape (states,) [N], and tip displacements, (states, 3) [m], in counted states."""
     true, moved = truth.random("contact_force"), truth.random("tip")
     felt = counted & (true > FELT)
     apart = np.linalg.norm(tip - moved, axis=1) / np.linalg.norm(moved, axis=1)
     return {
-        "displacement": quantiles(apart[counted]),
+        "displacement": quantiles(np.where(counted, apart, np.nan)),
         "contact_force": quantiles(np.abs(force - true)[felt] / true[felt]),
     }
 
@@ -80,7 +80,7 @@ def mesh_row(run: Run, mesh: Mesh) -> dict[str, Any]:
         "unknowns": 3 * len(own.nodes),
         "core_seconds": own.core_seconds / own.states,
         "iterations": own.iterations / own.states,
-        **errors(own.random("contact_force"), own.random("tip"), truth, np.ones(own.states, bool)),
+        **errors(own.random("contact_force"), own.random("tip"), truth),
     }
 
 

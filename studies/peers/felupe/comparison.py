@@ -1,11 +1,7 @@
 """Part `finite_elements`: the same states of the same meshes by another finite element code, FElupe.
 
-FElupe runs in a process of its own, of which nothing is imported here. It gets nodes, cells and the scene's numbers.
-Its kinematics, quadrature, assembly, laws and Newton's method are its own; contact, tendons and the second invariant
-are written once more as its items. Newton's method begins at a displacement that is 0.1 ppm too small, and ends at the
-equilibrium of FElupe's equations: the same displacement but for round-off.
-
-make out/peers/felupe/ready     installs FElupe into a folder, for that process alone
+FElupe runs in a process of its own, of which nothing is imported here: make out/peers/felupe/ready. It gets nodes,
+cells and the scene's numbers. Its Newton's method begins at a displacement that is 0.1 ppm too small.
 """
 
 from __future__ import annotations
