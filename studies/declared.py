@@ -28,7 +28,7 @@ STUDIES = {
     "control": Study("speed", _same("campaigns", "loop")),
     "tradeoff": Study("speed", _same("fingers")),
     "separated": Study("accuracy", {"rod": "separated:of_the_rod", "grid": "separated:of_states"}),
-    "rods": Study("accuracy", _same("accuracy", "objects", "speed")),
+    "rods": Study("accuracy", _same("accuracy", "objects")),
     "rubber": Study("accuracy", _same("indentation", "random_objects")),
     "several": Study("accuracy", _same("several", "histories")),
     "assembled": Study("accuracy", _same("four", "fingers")),

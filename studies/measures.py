@@ -11,21 +11,15 @@ import numpy as np
 from control.model import Model
 
 
-def call_times(call: Callable[[np.ndarray], Any], points: np.ndarray) -> dict[str, float]:
-    """Median and 99th percentile of a call's time [us], at each of `points`, shape (points, parameters)."""
+def call_time(call: Callable[[np.ndarray], Any], points: np.ndarray) -> float:
+    """Median of a call's time [us], at each of `points`, shape (points, parameters)."""
     call(points[0])
     taken = np.empty(len(points))
     for k, point in enumerate(points):
         begun = time.perf_counter_ns()
         call(point)
         taken[k] = time.perf_counter_ns() - begun
-    return percentiles(taken)
-
-
-def percentiles(nanoseconds: np.ndarray) -> dict[str, float]:
-    """Median and 99th percentile [us]."""
-    half, most = np.percentile(nanoseconds, [50, 99]) / 1e3
-    return {"p50_us": float(half), "p99_us": float(most)}
+    return float(np.median(taken)) / 1e3
 
 
 def random_points(model: Model, count: int) -> np.ndarray:

@@ -13,7 +13,7 @@ from rom import SeparatedModel, load, specialise
 from rom.separated.alternating_directions import EnrichmentOptions
 from studies import sets
 from studies.control.models import finger
-from studies.measures import call_times, random_points
+from studies.measures import call_time, random_points
 from studies.parts import ROOT, Run
 
 TABLES = (8, 25), (16, 25), (16, 200), (32, 200)  # nodes of every axis, and terms at most
@@ -34,7 +34,7 @@ def row(table: SeparatedModel, **named: Any) -> dict[str, Any]:
         "accuracy": table.accuracy,
         "bytes": table.bytes,
         "marked": float(np.mean(~table.evaluate(points[:MARKED]).inside)),
-        "query_us": call_times(table.value_and_jacobian, points[:5000])["p50_us"],
+        "query_us": call_time(table.value_and_jacobian, points[:5000]),
         "values_us": 1e6 * batch / BATCH,
     }
 

@@ -17,7 +17,7 @@ from rom.error_statistics import quantiles
 from rom.rod.objects.shapes import facing_plane
 from studies import sets
 from studies.control.models import DISTANCES
-from studies.measures import call_times, random_points
+from studies.measures import call_time, random_points
 from studies.parts import ROOT, Run
 from studies.rods.plans import trained
 
@@ -113,7 +113,7 @@ def row(run: Run, one: Training) -> dict[str, Any]:
         "preset": one.preset,
         "states": sum(part.states for part in used),
         "core_seconds": sum(part.core_seconds for part in used),
-        "query_us": call_times(model.value_and_jacobian, random_points(model, 3000))["p50_us"],
+        "query_us": call_time(model.value_and_jacobian, random_points(model, 3000)),
         "marked": int(np.sum(~answers.inside)),
         "expected": finger.errors.contact_force,
         **errors(answers.contact_force, answers.tip, truth, answers.inside),

@@ -115,8 +115,8 @@ def test_a_part_is_measured_by_its_module_and_what_that_imports_of_its_study():
     folder = parts.ROOT / "studies" / "rods"
     names = {file.name for file in parts.imported(folder / "objects.py", folder)}
     assert {"objects.py", "compared.py", "random_objects.py", "full_order.py"} <= names
-    assert not names & {"speed.py", "page.py"}
-    assert parts.measuring_hash("rods/objects") != parts.measuring_hash("rods/speed")
+    assert not names & {"accuracy.py", "page.py"}
+    assert parts.measuring_hash("rods/objects") != parts.measuring_hash("rods/accuracy")
 
 
 def test_every_declared_part_has_its_function_and_its_template():
