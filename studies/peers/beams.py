@@ -7,8 +7,6 @@ clamp, at an angle to the x axis; the plate goes straight on from there, and its
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,15 +14,13 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, root
 
 from studies.parts import Run
-from studies.peers.question import CONTACT, FREE, Answers, Finger, finger
+from studies.peers.question import Finger, answers, finger
 
 SCAN = 200  # steps from the free curvature to a straight finger, in which touch is looked for
 STEP = 1e-6  # of a curvature, over the free one, for the arc's Jacobian [-]
 SHEAR_FACTOR = 5 / 6  # of a rectangle
 TOLERANCE = 1e-10  # of the rod's integration, and of its tendon's direction
 
-# Of a tension [N] and a distance of the plane [m], None for free space: tip [m], shape (3,), and contact force [N].
-Solve = Callable[[float, float | None], tuple[list[float] | None, float | None]]
 End = tuple[float, float, float]  # of the rubber: x, y [m] and its angle
 
 
@@ -147,20 +143,6 @@ class CosseratRod:
             return None, None
         force, arm = (found.x * [stiffness * length, length]).tolist()
         return tip(self.finger, self.end(tension, force, arm)), force
-
-
-def answers(solve: Solve, **words: str) -> Answers:
-    """Every state of the question, timed; `words` are name, settings and limits."""
-    begun = time.process_time()
-    found = [solve(tension, distance) for tension, distance in (*((tension, None) for tension in FREE), *CONTACT)]
-    return Answers(
-        **words,
-        kind="beam",
-        free_tips=[tip for tip, _ in found[: len(FREE)]],
-        contact_tips=[tip for tip, _ in found[len(FREE) :]],
-        contact_forces=[force for _, force in found[len(FREE) :]],
-        seconds=(time.process_time() - begun) / len(found),
-    )
 
 
 def measure(run: Run) -> list[dict]:

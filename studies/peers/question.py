@@ -6,8 +6,9 @@ at x = 0, its section is a square centred on the axis, the tendon runs at y = of
 
 from __future__ import annotations
 
+import time
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,10 @@ CONTACT = (
     (80.0, 0.025),
     (100.0, 0.027),
 )
+
+
+# Of a tension [N] and a distance of the plane [m], None for free space: tip [m], shape (3,), and contact force [N].
+Ask = Callable[[float, float | None], tuple[list[float] | None, float | None]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,3 +91,19 @@ class Answers:
     def as_json(self) -> dict[str, Any]:
         """For a part's file."""
         return asdict(self)
+
+
+def answers(ask: Ask, kind: str = "beam", repeats: int = 1, **words: str) -> Answers:
+    """Answers to every state of the question, timed; `words` are name, settings and limits."""
+    states = [*((tension, None) for tension in FREE), *CONTACT]
+    begun = time.process_time()
+    for _ in range(repeats):
+        found = [ask(tension, distance) for tension, distance in states]
+    return Answers(
+        **words,
+        kind=kind,
+        free_tips=[tip for tip, _ in found[: len(FREE)]],
+        contact_tips=[tip for tip, _ in found[len(FREE) :]],
+        contact_forces=[force for _, force in found[len(FREE) :]],
+        seconds=(time.process_time() - begun) / len(found) / repeats,
+    )

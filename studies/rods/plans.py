@@ -18,12 +18,7 @@ SEED = 5
 
 @dataclass(frozen=True)
 class Plan:
-    """A set: the largest force [N], lines of 5 states, held-out states.
-
-    Attributes:
-        mesh: if not the draft scene's.
-        offsets: (y, z) of tendons of up to 100 N each [m], if not the draft scene's two.
-    """
+    """A set: the largest force [N], lines of 5 states, held-out states; mesh, and offsets (y, z) of tendons [m]."""
 
     force: float
     lines: int
