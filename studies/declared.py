@@ -10,13 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Study:
-    """A section of a page of docs/.
-
-    Attributes:
-        page: without its suffix.
-        parts: by part, the module of `studies/NAME/`, or MODULE:FUNCTION.
-        elsewhere: parts for another Python, which has MuJoCo; see the Makefile.
-    """
+    """A section of a page: modules, or MODULE:FUNCTION, by part; parts `elsewhere` need MuJoCo, see the Makefile."""
 
     page: str
     parts: dict[str, str]
@@ -24,44 +18,25 @@ class Study:
 
 
 def _same(*names: str) -> dict[str, str]:
-    return {name.split(".")[-1]: name for name in names}
+    return {name: name for name in names}
 
 
+OTHER_NAMES = {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"}
 # In this order: later studies use the snapshot sets of earlier ones.
 STUDIES = {
     "training": Study("appendix", _same("farm")),
     "control": Study("speed", _same("campaigns", "loop")),
     "tradeoff": Study("speed", _same("fingers")),
-    "separated": Study(
-        "accuracy",
-        {
-            "rod": "separated:of_the_rod",
-            "plain": "separated:without_alignment",
-            "grid": "separated:of_states",
-        },
-    ),
-    "rods": Study(
-        "accuracy",
-        _same("accuracy", "objects", "speed"),
-    ),
-    "rubber": Study(
-        "accuracy",
-        _same("indentation", "positions", "random_objects", "robustness"),
-    ),
+    "separated": Study("accuracy", {"rod": "separated:of_the_rod", "grid": "separated:of_states"}),
+    "rods": Study("accuracy", _same("accuracy", "objects")),
+    "rubber": Study("accuracy", _same("indentation", "random_objects")),
     "several": Study("accuracy", _same("several", "histories")),
     "assembled": Study("accuracy", _same("four", "fingers")),
     "tapered": Study("accuracy", _same("tapered")),
-    "grasping": Study(
-        "grasping",
-        _same("grasps", "pictures"),
-        elsewhere=("grasps", "pictures"),
-    ),
+    "grasping": Study("grasping", _same("grasps", "pictures"), elsewhere=("grasps", "pictures")),
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes")),
     "required": Study("appendix", _same("required")),
-    "figures": Study("appendix", _same("figures", "held")),
-    "peers": Study(
-        "peers",
-        _same("beams") | {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"},
-    ),
+    "figures": Study("appendix", _same("figures")),
+    "peers": Study("peers", _same("beams") | OTHER_NAMES),
 }

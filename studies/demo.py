@@ -35,7 +35,7 @@ from control import Finger, Gripper, campaign
 from control.export.page import write as write_page
 from control.grasping.gripper import Grasp
 from control.model import Model
-from fingerfem import FingerModel, State, load_scene
+from fingerfem import FingerModel, load_scene
 from fingerfem.full_order_plant import FullOrderPlant
 from fingerfem.output.pictures import Deformed, draw
 from rom.console.terminal import Progress, steps
@@ -65,6 +65,7 @@ CASES = [([50.0, 0.0], None), ([100.0, 0.0], None), ([50.0, 0.0], 0.005), ([60.0
 TARGET = 1.0  # [N]
 OBJECT_CENTRE, OBJECT_RADIUS = (0.002, -0.0015), 0.012  # [m]; the controller has neither
 HOLDS = 10_000  # of the sweep
+GOAL, FAR = [35.0, 25.0], [0.0, 0.2, 0.0]  # tensions of a state to reach [N]; a point out of reach [m]
 HOLD_DISTANCES = [0.003, 0.006, 0.010, 0.014, 0.018]  # [m]
 
 
@@ -129,11 +130,9 @@ def trained(out: Path, quick: bool) -> tuple[TouchedSegment, dict]:
     near = "--near", str(out / "heldout-coarse")
     fresh, held_out = farm(scene_file("plane", out, quick), out / "heldout", *drawn, *near)
     say("the finger: fit its elements to the fine states, assemble it, compare it with the held-out ones")
-    begun = time.perf_counter()
     with steps() as progress:
         states = read_section_states(fine)
         rod = Rod(elements=train(states, origin(fine), progress), scene=states.scene)
-        fitting = time.perf_counter() - begun
         rod = rod.with_accuracy(check(rod, fresh, progress))
     rod.save(out / "finger.h5")
     touched = before_plane(Rod.load(out / "finger.h5"), fresh)
@@ -147,7 +146,6 @@ def trained(out: Path, quick: bool) -> tuple[TouchedSegment, dict]:
         "elements": [piece.kind for piece in reversed(rod.pieces[0])],
         "terms": sum(len(law.polynomial.powers) for law in rod.elements.laws.values()),
         "bytes": (out / "finger.h5").stat().st_size,
-        "fitting_seconds": fitting,
         "left_out": rod.elements.provenance["left_out"],
         "errors": rod.accuracy,
         "parity": report.parity(touched, fresh, out / "parity.png"),
@@ -195,46 +193,33 @@ class Shown(FullOrderPlant):
 
 
 def single_finger(model: Model, full_order: FingerModel, progress: Progress) -> dict:
-    """Hold without feedback at known distances, reach a point: each answer fed to the full-order model."""
-    finger, total = Finger(model), len(HOLD_DISTANCES) + 1
-    holds = []
+    """Hold without feedback at known distances, reach a point: each answer evaluated by the full-order model."""
+    finger, holds = Finger(model), []
     for k, distance in enumerate(HOLD_DISTANCES):
-        progress("hold and reach", k, total)
+        progress("hold and reach", k, len(HOLD_DISTANCES) + 1)
         motion = finger.hold(TARGET, distance)
         force = FullOrderPlant(full_order, distance).pull(motion.tensions)
-        holds.append(
-            {
-                "distance": distance,
-                "tensions": motion.tensions.tolist(),
-                "status": motion.status,
-                "verified_force": force,
-                "force_error": abs(force / TARGET - 1),
-                "estimated_error": motion.error,
-            }
-        )
-    progress("hold and reach", total - 1, total)
-    goal = finger.rest + full_order.solve([35.0, 25.0], sensitivities=False).tip
-    motion = finger.reach(goal.tolist())
+        holds.append(motion.as_json() | {"distance": distance, "verified_force": force})
+        holds[-1]["force_error"] = abs(force / TARGET - 1)
+    goal = finger.rest + full_order.solve(GOAL, sensitivities=False).tip
+    motion, far = finger.reach(goal.tolist()), finger.reach(FAR)
     arrived = finger.rest + full_order.solve(motion.tensions, sensitivities=False).tip
-    far = finger.reach([0.0, 0.2, 0.0])
-    progress("hold and reach", total, total)
+    progress("hold and reach", len(HOLD_DISTANCES) + 1, len(HOLD_DISTANCES) + 1)
     return {
         "holds": holds,
         "reach": motion.as_json() | {"goal": goal.tolist(), "verified_miss": float(np.linalg.norm(arrived - goal))},
-        "unreachable": {"goal": [0.0, 0.2, 0.0], "status": far.status, "tensions": far.tensions.tolist()},
+        "unreachable": far.as_json() | {"goal": FAR},
     }
 
 
-def pictures(full_order: FingerModel, picture: Path, progress: Progress) -> list[dict]:
+def pictures(full_order: FingerModel, picture: Path, progress: Progress) -> None:
     """Solve and draw the cases."""
-    states: list[State] = []
-    for tensions, distance in CASES:
-        progress("pictures", len(states), len(CASES) + 1)
+    states = []
+    for k, (tensions, distance) in enumerate(CASES):
+        progress("pictures", k, len(CASES))
         states.append(full_order.solve(tensions, distance, sensitivities=False))
-    progress("pictures", len(CASES), len(CASES) + 1)
     draw([Deformed.of(full_order, state) for state in states], picture)
-    progress("pictures", len(CASES) + 1, len(CASES) + 1)
-    return [state.as_json() for state in states]
+    progress("pictures", len(CASES), len(CASES))
 
 
 def main(out: Path, quick: bool = False) -> None:
@@ -249,12 +234,12 @@ def main(out: Path, quick: bool = False) -> None:
     with steps() as progress:
         numbers |= single_finger(model, full_order, progress)
         numbers["campaign"] = campaign.run(model, HOLDS, TARGET, sweep=True, progress=progress).as_json()
-        numbers["cases"] = pictures(full_order, out / "s11.png", progress)
+        pictures(full_order, out / "s11.png", progress)
     numbers["scene"] = scene.model_dump(mode="json")
     numbers["seconds"] = time.perf_counter() - begun
     (out / "report.json").write_text(json.dumps(numbers, indent=1))
     write_page(model, out / "finger.html")
-    report.write(numbers, out / "report.html")
+    (out / "report.html").write_text(report.render("demo.html.j2", numbers))
     held = [*numbers["grasp"]["force_errors"], *[hold["force_error"] for hold in numbers["holds"]]]
     forces, touch = (numbers["errors"][name] for name in ("contact_force", "touch"))
     say(

@@ -11,25 +11,15 @@ import numpy as np
 from control.model import Model
 
 
-def shortest(call: Callable[[], Any], repeats: int = 3) -> float:
-    """Shortest of some calls [s]."""
-    seconds = []
-    for _ in range(repeats):
-        begun = time.perf_counter()
-        call()
-        seconds.append(time.perf_counter() - begun)
-    return min(seconds)
-
-
-def call_times(call: Callable[[np.ndarray], Any], points: np.ndarray) -> dict[str, float]:
-    """Median and 99th percentile of a call's time [us], at each of `points`, shape (points, parameters)."""
+def call_time(call: Callable[[np.ndarray], Any], points: np.ndarray) -> float:
+    """Median of a call's time [us], at each of `points`, shape (points, parameters)."""
     call(points[0])
     taken = np.empty(len(points))
     for k, point in enumerate(points):
         begun = time.perf_counter_ns()
         call(point)
         taken[k] = time.perf_counter_ns() - begun
-    return {"p50_us": float(np.percentile(taken, 50)) / 1e3, "p99_us": float(np.percentile(taken, 99)) / 1e3}
+    return float(np.median(taken)) / 1e3
 
 
 def random_points(model: Model, count: int) -> np.ndarray:

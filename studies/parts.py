@@ -33,13 +33,7 @@ class Unmeasured(Exception):
 
 @dataclass(frozen=True)
 class Run:
-    """What a part measures with.
-
-    Attributes:
-        name: NAME/PART.
-        folder: where the study keeps what it needs again; OUT/VERSION/NAME.
-        sets: where all studies keep scenes and snapshot sets; OUT/VERSION/sets.
-    """
+    """A part, NAME/PART; the folder of its study, and that of the scenes and snapshot sets of all studies."""
 
     name: str
     folder: Path
@@ -60,19 +54,7 @@ class Run:
             own[key] = {"row": measure(*given), "seconds": time.perf_counter() - begun}
             write_json(file, {"hash": measuring_hash(self.name), "rows": own})
             print(f"  {key}: {own[key]['seconds']:.0f} s", flush=True)
-            if isinstance(own[key]["row"], dict):
-                say(own[key]["row"])
         return own[key]["row"]
-
-
-def say(row: dict) -> None:
-    """Print a row of a table; lists and tables within it are left to the file."""
-    shown = {name: value for name, value in row.items() if not isinstance(value, list | dict)}
-    print("    " + "  ".join(f"{name} {_short(value)}" for name, value in shown.items()), flush=True)
-
-
-def _short(value: Any) -> str:
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
 def write_json(file: Path, value: Any) -> None:
@@ -169,17 +151,10 @@ def parts(study: str) -> list[str]:
 
 
 def function_of(name: str) -> Callable[[Run], Any]:
-    """The function that measures NAME/PART.
-
-    Raises:
-        SystemExit: this Python has not what it needs.
-    """
+    """The function that measures NAME/PART."""
     study, _, part = name.partition("/")
     module, _, function = STUDIES[study].parts[part].partition(":")
-    try:
-        return getattr(importlib.import_module(f"studies.{study}.{module}"), function or "measure")
-    except ModuleNotFoundError as missing:
-        raise SystemExit(f"{name} needs {missing.name}, which this Python does not have: see the Makefile") from None
+    return getattr(importlib.import_module(f"studies.{study}.{module}"), function or "measure")
 
 
 def complete(study: str, out: Path) -> None:

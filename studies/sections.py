@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import importlib
 import re
+import shutil
 from pathlib import Path
 
 import jinja2
@@ -52,10 +53,12 @@ def page_hash(study: str) -> str:
 def write_page(study: str, out: Path) -> None:
     """Write a study's pictures and its section of a page from what its parts measured."""
     found, origin = results(study, out)
-    folder = ROOT / "studies" / study
-    if (folder / "page.py").exists():
+    measured = place(f"{study}/", out).folder
+    for picture in (*measured.glob("*.png"), *measured.glob("*.webp")):
+        shutil.copy(picture, DOCS)
+    if (ROOT / "studies" / study / "page.py").exists():
         page = importlib.import_module(f"studies.{study}.page")
-        found |= page.prepare(found, place(f"{study}/", out).folder)
+        found |= page.prepare(found, measured)
     text = templates().get_template(f"{study}/page.md.j2").render(found)
     section = f"<!-- begin {study} -->\n{text.rstrip()}\n\n{provenance(study, origin)}"
     file, old = page_of(study), section_of(study)
@@ -96,7 +99,7 @@ def templates() -> jinja2.Environment:
         keep_trailing_newline=True,
         autoescape=False,
     )
-    found.filters |= {"percent": percent, "number": number, "over": over}
+    found.filters |= {"percent": percent, "number": number, "spread": spread}
     return found
 
 
@@ -112,6 +115,10 @@ def number(value: float | None, digits: int = 3) -> str:
     return f"{value:,.0f}" if isinstance(value, int) or 10**digits <= value < 1e6 else f"{value:.{digits}g}"
 
 
-def over(row: dict, key: str, reference: dict) -> str:
-    """One row's number as a multiple of another's: seconds depend on the machine, ratios less."""
-    return f"{row[key] / reference[key]:.2f}" if row.get(key) is not None else "-"
+def spread(row: dict, unit: str = "%") -> str:
+    """Median, 95th percentile and largest in one cell, `0.033, 0.29, 7 %`: shares, or values in another unit."""
+    if not row.get("count", 1):
+        return "-"
+    values = [row[name] for name in ("median", "p95", "max")]
+    words = [percent(value).removesuffix(" %") if unit == "%" else number(value, 2) for value in values]
+    return f"{', '.join(words)} {unit}"

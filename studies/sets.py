@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -14,30 +15,25 @@ from rom.dataset.snapshot_set import SnapshotSet
 
 ROOT = Path(__file__).resolve().parents[1]
 STANDARD, REFERENCE = (10, 5, 2), (32, 7, 2)  # cells along and across, Lagrange order
-HELD_OUT = 100  # random states
 SEED = 11
+
+
+def draft_table(mesh: tuple[int, int, int] | None = None) -> dict[str, Any]:
+    """The draft finger before its plane, without sampling, perhaps on another mesh: cells along and across, order."""
+    table = tomllib.loads((ROOT / "scenes" / "draft.toml").read_text())
+    del table["sampling"]
+    return table if mesh is None else table | {"mesh": {"cells": list(mesh[:2]), "order": mesh[2]}}
 
 
 def draft(folder: Path) -> Path:
     """The file of the draft finger before its plane, of which held-out states are drawn."""
-    return written(folder, "draft", without_sampling("draft"))
-
-
-def without_sampling(name: str) -> str:
-    """The text of a scene up to its sampling."""
-    return (ROOT / "scenes" / f"{name}.toml").read_text().split("[sampling]")[0]
-
-
-def on_mesh(text: str, along: int, across: int, order: int) -> str:
-    """The draft scene's text with another mesh."""
-    return text.replace("cells = [20, 5]", f"cells = [{along}, {across}]").replace("order = 1", f"order = {order}")
+    return written(folder, "draft", as_toml(draft_table()))
 
 
 def grid_scene(folder: Path, tension_nodes: int, contact_nodes: int) -> Path:
     """The draft finger on another grid."""
-    text = without_sampling("draft")
-    text += f"\n[sampling]\ntension_nodes = {tension_nodes}\ncontact_nodes = {contact_nodes}\n"
-    return written(folder, f"draft {tension_nodes} {contact_nodes}", text)
+    table = draft_table() | {"sampling": {"tension_nodes": tension_nodes, "contact_nodes": contact_nodes}}
+    return written(folder, f"draft {tension_nodes} {contact_nodes}", as_toml(table))
 
 
 def written(folder: Path, name: str, text: str) -> Path:
@@ -83,28 +79,10 @@ def held_out(file: Path, count: int) -> SnapshotSet:
 
 
 def farm(ranks: int, file: Path, folder: Path, *options: str) -> dict:
-    """Run the farm on a set until it is whole; what it reports, its wall time, and the resident memory of its ranks."""
+    """Run the farm on a set until it is complete; its report, and its wall time [s]."""
     command = [sys.executable, "-m", "fingerfem", "snapshots", str(file), str(folder), "--json", *options]
     begun = time.perf_counter()
-    job = subprocess.Popen(["mpirun", "-n", str(ranks), *command], cwd=ROOT, stdout=subprocess.PIPE, text=True)
-    memory: list[dict[int, float]] = []
-    while job.poll() is None:
-        time.sleep(0.2)
-        memory.append(resident(job.pid))
+    job = subprocess.run(["mpirun", "-n", str(ranks), *command], cwd=ROOT, stdout=subprocess.PIPE, text=True)
     if job.returncode:
         raise SystemExit(f"the farm ended with {job.returncode}")
-    report = json.loads(job.stdout.read().splitlines()[-1])  # type: ignore[union-attr]
-    return report | {"wall_seconds": time.perf_counter() - begun, "memory": memory}
-
-
-def resident(job: int) -> dict[int, float]:
-    """Resident memory of a job's ranks [MB]."""
-    found: dict[int, float] = {}
-    for pid in subprocess.run(["pgrep", "-P", str(job)], capture_output=True, text=True).stdout.split():
-        try:
-            lines = Path(f"/proc/{pid}/status").read_text().splitlines()
-        except OSError:
-            continue
-        sizes = [int(line.split()[1]) / 1024 for line in lines if line.startswith("VmRSS")]
-        found |= {int(pid): size for size in sizes}
-    return found
+    return json.loads(job.stdout.splitlines()[-1]) | {"wall_seconds": time.perf_counter() - begun}

@@ -18,14 +18,10 @@ class Closing:
     """Targets of contact forces, from touch to hold.
 
     Attributes:
-        gripper: whose fingers.
-        grips: their controllers.
-        wanted: contact forces in the end, shape (fingers,) [N].
-        radius: half-width of what is grasped [m]; unknown if it is nan.
-        uncertain: how far from where they should be its faces may be found [m].
-        share: of the contact forces that are the targets now [-].
-        squeezing: whether all have touched.
-        doubt: why not to squeeze or to lift; empty if nothing speaks against it.
+        wanted: contact forces in the end, shape (fingers,) [N]; `share` of them are the targets now [-].
+        radius: half-width of what is grasped [m]; nan if it is unknown.
+        uncertain: largest error of the position of its faces [m].
+        doubt: why not to squeeze or to lift; empty if there is no reason.
     """
 
     gripper: Gripper

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from typing import Any
 
 from control.mujoco.solids import SHAPES
 from rom import TouchedSegment
+from studies.cores import on_cores
 from studies.grasping.task import attempt, trial
 from studies.parts import Run
 
-GRASPS = 500
-CORES = 2
-CHUNK = 20  # grasps that are kept together
+GRASPS, CHUNK = 300, 20  # in all, and kept together
 
 
 def grasped(number: int) -> dict[str, Any]:
@@ -22,17 +18,7 @@ def grasped(number: int) -> dict[str, Any]:
     return attempt(TouchedSegment.load(), trial(number, SHAPES[number % len(SHAPES)]))
 
 
-def chunk(numbers: list[int]) -> list[dict[str, Any]]:
-    """Some grasps, on all cores."""
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    with ProcessPoolExecutor(CORES, mp_context=get_context("spawn")) as pool:
-        return list(pool.map(grasped, numbers))
-
-
-def measure(run: Run) -> dict[str, Any]:
+def measure(run: Run) -> list[dict[str, Any]]:
     """All grasps."""
-    rows = []
-    for first in range(0, GRASPS, CHUNK):
-        last = min(first + CHUNK, GRASPS)
-        rows += run.once(f"grasps {first} to {last - 1}", chunk, list(range(first, last)))
-    return {"rows": rows}
+    chunks = [[(number,) for number in range(first, first + CHUNK)] for first in range(0, GRASPS, CHUNK)]
+    return [row for k, calls in enumerate(chunks) for row in run.once(f"chunk {k}", on_cores, grasped, calls)]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from control import Flaws, Gripper, Limits, Object
+from control import Flaws, Gripper, Limits
 from control.grasping.grasp_controller import DISTINCT, GraspOptions, Grip
 from control.loop import run
 from control.mujoco import MujocoPlant, Simulation, plants
@@ -43,14 +43,7 @@ Look = Callable[[Simulation], None]
 
 @dataclass(frozen=True, kw_only=True)
 class Trial:
-    """A random solid, how a gripper stands above it, and its sensors' flaws.
-
-    Attributes:
-        number: the same trial has the same.
-        solid: what stands there.
-        error: of the gripper's place, shape (3,) [m].
-        flaws: of every finger's sensor.
-    """
+    """A random solid, the error of the gripper's position, shape (3,) [m], and the flaws of every finger's sensor."""
 
     number: int
     solid: Solid
@@ -69,61 +62,35 @@ def trial(number: int, shape: str) -> Trial:
 
 @dataclass
 class Watch:
-    """What is seen of a simulation, period by period.
-
-    Attributes:
-        hardest: contact force so far, averaged over CRUSHING [N].
-        peak: contact force so far, of a single step [N].
-        forces: of the fingers in every period, shapes (fingers,) [N].
-        looks: called after every period.
-    """
+    """Contact forces of a simulation, shapes (fingers,) [N], and the largest, averaged over CRUSHING; calls `looks`."""
 
     simulation: Simulation
     looks: list[Look]
     hardest: float = 0.0
-    peak: float = 0.0
     forces: list[np.ndarray] = field(default_factory=list)
 
     def look(self) -> None:
         """At what is pressed now."""
         self.forces.append(self.simulation.contact_forces())
-        self.peak = max(self.peak, float(self.forces[-1].max()))
         lately = self.forces[-round(CRUSHING / PERIOD) :]
         self.hardest = max(self.hardest, float(np.mean(lately, axis=0).max()))
         for one in self.looks:
             one(self.simulation)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Prepared:
-    """A trial that has not begun: the gripper, the object that it is to hold, and the simulation."""
+def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) -> dict[str, Any]:
+    """The outcome of a trial, `fate`, and its reason; a row of plain numbers.
 
-    gripper: Gripper
-    held: Object
-    simulation: Simulation
-
-
-def prepare(model: TouchedSegment, one: Trial, step: float = STEP) -> Prepared:
-    """The gripper above the solid, turned so that the faces which its fingers meet lean least."""
+    It is refused (before anything moves: no contact force would neither drop nor crush the solid), let go (before the
+    solid is lifted), held, dropped, or crushed.
+    """
     gripper, solid = Gripper(model, limits=Limits(rate=MOTOR)), one.solid
     turn = solid.best_turn(gripper.directions)
     held = solid.turned(turn).held(gripper.directions)
-    simulation = table(gripper, model.rod, solid, one.error, turn, step)
-    return Prepared(gripper=gripper, held=held, simulation=simulation)
-
-
-def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) -> dict[str, Any]:
-    """What becomes of a trial, and why; a row of plain numbers.
-
-    Its `fate` is: refused (before anything moves: no contact force would neither drop nor crush it), let go (before it
-    is lifted: a finger has not found what it should), held, dropped, or crushed.
-    """
-    begun = prepare(model, one)
-    gripper, simulation, solid = begun.gripper, begun.simulation, one.solid
-    row: dict[str, Any] = {"number": one.number, "lean": begun.held.lean}
-    row |= {"pose_error": float(np.linalg.norm(one.error))}
-    row |= {name: getattr(solid, name) for name in ("shape", "mass", "friction", "admissible_force")}
-    wanted = gripper.targets(begun.held, margin=MARGIN)
+    simulation = table(gripper, model.rod, solid, one.error, turn, STEP)
+    row: dict[str, Any] = {name: getattr(solid, name) for name in ("shape", "mass", "friction", "admissible_force")}
+    row["number"] = one.number
+    wanted = gripper.targets(held, margin=MARGIN)
     if not wanted.exist:
         return row | {"fate": "refused", "reason": wanted.reason, "impossible": wanted.least > wanted.most}
     if wanted.contact_forces.min() < least_felt(one):
@@ -134,7 +101,7 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     if watch.hardest > solid.admissible_force:
         row |= {"fate": "crushed", "reason": f"{watch.hardest:.3g} N on {solid.admissible_force:.3g} N"}
     marks = {name: bool(getattr(simulation, name).any()) for name in ("left", "lost", "rubbed")}
-    return row | marks | {"hardest": watch.hardest, "peak": watch.peak, "target": float(wanted.contact_forces.max())}
+    return row | marks | {"hardest": watch.hardest}
 
 
 def least_felt(one: Trial) -> float:

@@ -7,8 +7,6 @@ clamp, at an angle to the x axis; the plate goes straight on from there, and its
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,43 +14,24 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, root
 
 from studies.parts import Run
-from studies.peers.question import CONTACT, FREE, Answers, Finger, finger
+from studies.peers.question import Finger, answers, finger
 
 SCAN = 200  # steps from the free curvature to a straight finger, in which touch is looked for
 STEP = 1e-6  # of a curvature, over the free one, for the arc's Jacobian [-]
 SHEAR_FACTOR = 5 / 6  # of a rectangle
 TOLERANCE = 1e-10  # of the rod's integration, and of its tendon's direction
 
-# Of a tension [N] and a distance of the plane [m], None for free space: tip [m], shape (3,), and contact force [N].
-Solve = Callable[[float, float | None], tuple[list[float] | None, float | None]]
 End = tuple[float, float, float]  # of the rubber: x, y [m] and its angle
 
 
-@dataclass(frozen=True)
 class Rubber:
-    """The finger as a beam: E A and k G A [N], E I [N m^2], and the length of its rubber [m]."""
+    """The finger as a beam: stiffnesses E A, k G A [N] and E I [N m^2], and the length of its rubber [m]."""
 
-    finger: Finger
-
-    @property
-    def length(self) -> float:
-        """From the clamp to the plate [m]."""
-        return self.finger.length - self.finger.plate
-
-    @property
-    def axial(self) -> float:
-        """Axial stiffness E A [N]."""
-        return self.finger.young * self.finger.side**2
-
-    @property
-    def shear(self) -> float:
-        """Shear stiffness k G A [N]."""
-        return SHEAR_FACTOR * self.finger.shear * self.finger.side**2
-
-    @property
-    def bending(self) -> float:
-        """Bending stiffness E I of the square section [N m^2]."""
-        return self.finger.young * self.finger.side**4 / 12
+    def __init__(self, finger: Finger):
+        self.length = finger.length - finger.plate
+        self.axial = finger.young * finger.side**2
+        self.shear = SHEAR_FACTOR * finger.shear * finger.side**2
+        self.bending = finger.young * finger.side**4 / 12
 
 
 def tip(finger: Finger, end: End) -> list[float]:
@@ -76,10 +55,7 @@ def plane_of(finger: Finger, distance: float | None) -> float:
 
 @dataclass(frozen=True)
 class Arc:
-    """A finger with one unknown, its curvature.
-
-    A tendon of tension F at y = e bends the arc by the couple F e and compresses it by F.
-    """
+    """A finger with one unknown, its curvature; a tendon bends it by the couple F e, and compresses it by F."""
 
     finger: Finger
 
@@ -169,26 +145,10 @@ class CosseratRod:
         return tip(self.finger, self.end(tension, force, arm)), force
 
 
-def answers(solve: Solve, **words: str) -> Answers:
-    """Every state of the question, timed; `words` are name, settings and limits."""
-    begun = time.process_time()
-    free = [solve(tension, None)[0] for tension in FREE]
-    pressed = [solve(tension, distance) for tension, distance in CONTACT]
-    return Answers(
-        **words,
-        kind="beam",
-        free_tips=free,
-        contact_tips=[displacement for displacement, _ in pressed],
-        contact_forces=[force for _, force in pressed],
-        seconds=(time.process_time() - begun) / (len(FREE) + len(CONTACT)),
-    )
-
-
 def measure(run: Run) -> list[dict]:
     """The answers of both."""
     asked = finger()
-    rubber = Rubber(asked)
-    moduli = f"E I = {rubber.bending:.4g} N m², E A = {rubber.axial:.4g} N"
+    moduli = f"E I = {Rubber(asked).bending:.4g} N m², E A = {Rubber(asked).axial:.4g} N"
     arc = answers(
         Arc(asked).solve,
         name="constant curvature",

@@ -11,7 +11,6 @@ import numpy as np
 
 from studies.axes import large_letters, logarithmic
 from studies.peers.question import CONTACT, FREE, finger
-from studies.peers.reduced import trained, within
 from studies.sections import DOCS
 
 COLOURS = {"finite elements": "tab:blue", "beam": "tab:green", "reduced model": "tab:orange"}
@@ -27,14 +26,14 @@ def prepare(found: dict, folder: Path) -> dict:
     every = [*reference["ours"], *found["ours"], *found["beams"]]
     rows = [row | {"errors": errors(row, reference["finest"])} for row in every]
     draw(rows, DOCS / "peers.png")
+    rows.sort(key=lambda row: row["errors"]["contact_forces"]["median"])
     return {
-        "kinds": {kind: sorted((row for row in rows if row["kind"] == kind), key=_force_error) for kind in COLOURS},
+        "kinds": {kind: [row for row in rows if row["kind"] == kind] for kind in COLOURS},
         "apart": errors(reference["finer"], reference["finest"]),
         "unanswered": unanswered,
         "free": [int(tension) for tension in FREE],
         "contact": CONTACT,
         "finger": finger(),
-        "within": [{"name": name} | within(model, reference["finest"]) for name, model in trained().items()],
     }
 
 
@@ -46,31 +45,21 @@ def unanswered(row: dict[str, Any]) -> str:
 
 
 def errors(answers: dict[str, Any], reference: dict[str, Any]) -> dict[str, Any]:
-    """Median and largest relative errors of one alternative [-], and the states that it has no answer for.
-
-    Tips over the displacement of the reference's tip, contact forces over the reference's. States without an answer are
-    not in the numbers; `missing_free` and `missing_contact` are their places.
-    """
+    """Median and largest relative errors of one alternative [-], and the numbers of states without an answer."""
     found: dict[str, Any] = {}
-    missing: dict[str, list[int]] = {}
+    missing: dict[str, set[int]] = {}
     for quantity in (FREE_TIPS, *PRESSED):
-        answered, truth = answers[quantity], reference[quantity]
-        off = [relative(one, true) for one, true in zip(answered, truth, strict=True) if one is not None]
+        pairs = list(zip(answers[quantity], reference[quantity], strict=True))
+        off = [relative(one, true) for one, true in pairs if one is not None]
         found[quantity] = {"median": float(np.median(off)), "max": max(off)} if off else None
-        missing[quantity] = [k for k, one in enumerate(answered) if one is None] if off else []
-    pressed = sorted({k for quantity in PRESSED for k in missing[quantity]})
-    return found | {"missing_free": missing[FREE_TIPS], "missing_contact": pressed}
+        missing[quantity] = {k for k, (one, _) in enumerate(pairs) if one is None} if off else set()
+    pressed = set.union(*(missing[quantity] for quantity in PRESSED))
+    return found | {"missing_free": sorted(missing[FREE_TIPS]), "missing_contact": sorted(pressed)}
 
 
 def relative(answered: float | Sequence[float], truth: float | Sequence[float]) -> float:
     """Distance over the true one's length [-]."""
     return float(np.linalg.norm(np.subtract(answered, truth)) / np.linalg.norm(truth))
-
-
-def _force_error(row: dict[str, Any]) -> tuple[float, float]:
-    """What a table is sorted by: contact force, then tip; who has no contact force comes last."""
-    force, tip = row["errors"]["contact_forces"], row["errors"]["free_tips"]
-    return force["median"] if force else float("inf"), tip["median"] if tip else float("inf")
 
 
 def draw(rows: list[dict[str, Any]], file: Path) -> None:

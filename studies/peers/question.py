@@ -6,8 +6,9 @@ at x = 0, its section is a square centred on the axis, the tendon runs at y = of
 
 from __future__ import annotations
 
+import time
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -28,9 +29,13 @@ CONTACT = (
 )
 
 
+# Of a tension [N] and a distance of the plane [m], None for free space: tip [m], shape (3,), and contact force [N].
+Ask = Callable[[float, float | None], tuple[list[float] | None, float | None]]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Finger:
-    """Its numbers in SI units: lengths [m] (`length` from clamp to tip, plate included), moduli [Pa], ratio [-]."""
+    """Its lengths [m] (`length` from clamp to tip, plate included) and constants C1 [Pa], D1 [1/Pa]."""
 
     length: float
     side: float
@@ -72,20 +77,7 @@ def finger() -> Finger:
 
 @dataclass(frozen=True, kw_only=True)
 class Answers:
-    """What one alternative answers to all of it.
-
-    Attributes:
-        name: for the picture and the table, two or three words.
-        kind: "finite elements", "beam" or "reduced model".
-        free_tips: displacement of the tip plate's centre, of every state of FREE, shape (5, 3) [m]; None where it has
-            no answer.
-        contact_tips: the same of CONTACT, shape (9, 3) [m].
-        contact_forces: on the plane, of CONTACT, shape (9,) [N]; None where it has no answer, such as a model
-            without contact.
-        seconds: core-seconds per answer, what is done once (import, compilation, training) left out.
-        settings: what it was asked with: what a reader needs to do it again.
-        limits: what it cannot represent, fairly, one sentence.
-    """
+    """Answers of one alternative, None where it has none: tips, shape (states, 3) [m], forces [N], core-seconds."""
 
     name: str
     kind: str
@@ -99,3 +91,19 @@ class Answers:
     def as_json(self) -> dict[str, Any]:
         """For a part's file."""
         return asdict(self)
+
+
+def answers(ask: Ask, kind: str = "beam", repeats: int = 1, **words: str) -> Answers:
+    """Answers to every state of the question, timed; `words` are name, settings and limits."""
+    states = [*((tension, None) for tension in FREE), *CONTACT]
+    begun = time.process_time()
+    for _ in range(repeats):
+        found = [ask(tension, distance) for tension, distance in states]
+    return Answers(
+        **words,
+        kind=kind,
+        free_tips=[tip for tip, _ in found[: len(FREE)]],
+        contact_tips=[tip for tip, _ in found[len(FREE) :]],
+        contact_forces=[force for _, force in found[len(FREE) :]],
+        seconds=(time.process_time() - begun) / len(found) / repeats,
+    )

@@ -4,29 +4,34 @@ from __future__ import annotations
 
 from typing import Any
 
-from fingerfem import FingerModel
+from fingerfem import FingerModel, load_scene
 from fingerfem.scene.scene import Scene
 from rom.dataset.snapshot_set import read_task
 from studies import sets
-from studies.kinds import forms_of, kinds
-from studies.parts import Run
+from studies.parts import ROOT, Run
 
-NOT_HERE = ("straight", "incompressible", "Nitsche")  # other physics, not other requirements
-CELLS = [12, 9]  # of each segment; four channels need nine across
+MESH = {"cells": [12, 9], "order": 1}  # of each segment; four channels need nine cells across
 STATES = 12  # random ones of every scene
 
 
 def scenes() -> dict[str, dict[str, Any]]:
-    """Scenes by what they name, all of one mesh."""
-    found = {name: table for name, table in kinds().items() if not any(word in name for word in NOT_HERE)}
-    spatial = found["contact, spatial"]
-    pad = spatial["obstacle"] | {"pad": {"name": "fingertip", "x": [0.049, 0.050]}}
-    found |= {
-        "contact, spatial, tip and contact force only": spatial | {"sampling": {"store": []}},
-        "contact, spatial, with pad pressure": spatial
+    """Scenes by name, all of one mesh."""
+    names = ("one_segment", "two_segments", "four_tendons")
+    one, two, four = (load_scene(ROOT / "scenes" / f"{name}.toml").model_dump() for name in names)
+    planar, free = {"tendons": one["tendons"][:1]}, {"obstacle": None}
+    pad = one["obstacle"] | {"pad": {"name": "fingertip", "x": [0.049, 0.050]}}
+    found = {
+        "free, planar": one | planar | free,
+        "free, spatial": one | free,
+        "contact, planar": one | planar,
+        "contact, spatial": one,
+        "two segments, contact, planar": two,
+        "two segments, four tensions, contact": four,
+        "contact, spatial, tip and contact force only": one | {"sampling": {"store": []}},
+        "contact, spatial, with pad pressure": one
         | {"obstacle": pad, "sampling": {"store": ["displacement", "pad_pressure"]}},
     }
-    return {name: table | {"mesh": {"cells": CELLS, "order": 1}} for name, table in found.items()}
+    return {name: table | {"mesh": MESH} for name, table in found.items()}
 
 
 def row(name: str, table: dict[str, Any], run: Run) -> dict:
@@ -39,7 +44,6 @@ def row(name: str, table: dict[str, Any], run: Run) -> dict:
         "scene": name,
         "parameters": len(scene.parameters),
         "unknowns": model.problem.unknowns,
-        "forms": forms_of(model.problem.forms),
         "quantities": len(read_task(states.path, next(iter(states.description.tasks)))),
         "core_seconds": states.core_seconds / states.states,
         "bytes": round(sum(part.stat().st_size for part in (states.path / "tasks").glob("*.npz")) / states.states),

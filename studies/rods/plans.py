@@ -18,12 +18,7 @@ SEED = 5
 
 @dataclass(frozen=True)
 class Plan:
-    """A set: the largest force [N], lines of 5 states, held-out states.
-
-    Attributes:
-        mesh: if not the draft scene's.
-        offsets: (y, z) of tendons of up to 100 N each [m], if not the draft scene's two.
-    """
+    """A set: the largest force [N], lines of 5 states, held-out states; mesh, and offsets (y, z) of tendons [m]."""
 
     force: float
     lines: int
@@ -44,17 +39,14 @@ FINE = Plan(15.0, 12, 20, sets.STANDARD)
 
 def scene(run: Run, plan: Plan) -> Path:
     """The draft finger with a load in place of the plane."""
-    head, rest = sets.without_sampling("draft").split("[obstacle]")
+    table = sets.draft_table(plan.mesh) | {"load": {"force": plan.force}, "sampling": {"lines": plan.lines}}
+    del table["obstacle"]
     if plan.offsets is not None:
-        tendons = [
+        table["tendons"] = [
             {"name": f"F{k}", "offset": list(offset), "segment": 1, "tension": [0.0, 100.0]}
             for k, offset in enumerate(plan.offsets, 1)
         ]
-        head = head.split("[[tendons]]")[0] + sets.as_toml({"tendons": tendons}) + "\n"
-    text = f"{head}[load]\nforce = {plan.force}\n\n{rest[rest.index('[mesh]') :]}"
-    if plan.mesh is not None:
-        text = sets.on_mesh(text, *plan.mesh)
-    return sets.written(run.folder, f"pressed {plan.name}", f"{text}\n[sampling]\nlines = {plan.lines}\n")
+    return sets.written(run.sets, f"pressed {plan.name} {plan.lines} lines", sets.as_toml(table))
 
 
 def snapshots(run: Run, plan: Plan, lines: int | None = None) -> SnapshotSet:
@@ -79,7 +71,7 @@ def trained(training: SnapshotSet) -> Rod:
 
 def rod(run: Run, plan: Plan) -> Rod:
     """The finger of all lines, from its file if it has one."""
-    file = run.folder / f"{plan.name.replace(' ', '-')}.h5"
+    file = scene(run, plan).with_suffix(".h5")
     if not file.exists():
         trained(snapshots(run, plan)).save(file)
     return Rod.load(file)

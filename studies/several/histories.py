@@ -2,89 +2,65 @@
 
 from __future__ import annotations
 
-import os
 import tomllib
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
-from multiprocessing import get_context
-from typing import Any
+from collections import Counter
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from rom import Rod, TouchedSegment, friction_history
 from rom.error_statistics import quantiles
-from rom.rod.objects.shapes import facing_plane
 from rom.rod.touched_rod import ContactForce
+from studies.cores import on_cores
 from studies.parts import Run
 from studies.rods import plans
-from studies.rods.full_order import Table, obstacle
-from studies.rods.scattered_objects import DISTANCE
-from studies.rubber.random_objects import anywhere, clear_of_clamp
+from studies.rods.full_order import Table, rigid
+from studies.rods.random_objects import DEPTHS, DISTANCE, anywhere, at_plate, clear_of_clamp
 
-CORES, INCREMENTS = 2, 4
+COUNT, INCREMENTS = 16, 4  # histories of every kind; increments between two points
 PULLED, FORCES = ((15.0, 80.0), (0.0, 40.0)), (0.3, 6.0)  # tensions, and force without friction at first [N]
 FRICTION, ASIDE, CHANGED = (0.2, 0.8), 1.5e-3, 8.0  # coefficients [-]; motions of the plane [m] and of tensions [N]
-NEARER, DRAGGED = 2e-4, 5e-4  # and of a plane, and of a round object, along its direction [m]
-PLATE, RUBBER, ROUND = "plate", "rubber", "rubber, by a ball, a cylinder or a box"  # what is touched first
-DEPTHS = 2e-4, 4e-3  # beyond touch [m]
+ALONG = {"plate": 2e-4, "rubber": 5e-4}  # what is touched first; motion of the object along its direction [m]
+SHAPES = {"plate": ("plane",), "rubber": ("sphere", "cylinder", "box")}
 HALF = 0.5  # of the normal force [-]: a finger slides if more of it is at points that slide
-MOST = 1000  # draws for one history
 
 
-@dataclass(frozen=True)
-class History:
-    """Points, motions of a plane besides, and coefficient of friction.
+class History(NamedTuple):
+    """An obstacle, points (tensions, d), additional motions of the object [m], coefficient of friction [-]."""
 
-    A plane presses, is dragged, the finger is pulled, and the plane is dragged back. A round object moves along its
-    direction alone, which is oblique to the surface, there and back.
-    """
-
-    model: TouchedSegment
     table: Table
     points: np.ndarray
     moved: np.ndarray
     friction: float
 
 
-def pressing(
-    rod: Rod, touched: str, pulled: np.ndarray, random: np.random.Generator
-) -> tuple[TouchedSegment, Table, float]:
-    """The paper's plane, or an object that touches the finger anywhere; its table, and d that has it pressed."""
-    if touched != PLATE:
-        shape = "plane" if touched == RUBBER else str(random.choice(["sphere", "cylinder", "box"]))
-        found, table = anywhere(rod, pulled, random, shape)
-        return TouchedSegment(rod=rod, obstacle=found), table, DISTANCE - random.uniform(*DEPTHS)
-    plane = facing_plane(2 * rod.half_lengths[1], (1e-4, rod.rest[0]))
-    model = TouchedSegment(rod=rod, obstacle=plane)
-    touch = float(model.outputs(np.array([[*pulled, np.inf]]))[0, 4])
-    return model, obstacle(plane), touch - random.uniform(*DEPTHS)
+def first_contact(rod: Rod, touched: str, random: np.random.Generator) -> tuple[Table, np.ndarray]:
+    """An obstacle, and tensions and d at which it presses on the plate alone, or on rubber too."""
+    while True:
+        pulled = np.array([random.uniform(*ends) for ends in PULLED])
+        made = at_plate if touched == "plate" else anywhere
+        table = made(rod, pulled, random, str(random.choice(SHAPES[touched])))
+        point = np.append(pulled, DISTANCE - random.uniform(*DEPTHS))
+        model = TouchedSegment(rod=rod, obstacle=rigid(table))
+        answer, contacts = model.evaluate(point), model.contact_forces(point)
+        is_pressed = answer.inside and FORCES[0] < answer.contact_force < FORCES[1]
+        is_rubber = any(one.rubber for one in contacts)
+        if is_pressed and is_rubber == (touched == "rubber") and clear_of_clamp(rod, table, point[-1]):
+            return table, point
 
 
 def draw(rod: Rod, touched: str, random: np.random.Generator) -> History:
-    """A random one, that begins with contact on the rubber, or on the plate alone."""
-    for _ in range(MOST):
-        pulled = np.array([random.uniform(*ends) for ends in PULLED])
-        model, table, d = pressing(rod, touched, pulled, random)
-        first = np.array([*pulled, d])
-        if not clear_of_clamp(rod, table, d):
-            continue
-        answer = model.evaluate(first)
-        if not (answer.inside and FORCES[0] < answer.contact_force < FORCES[1]):
-            continue
-        if any(one.rubber for one in model.contact_forces(first)) == (touched != PLATE):
-            break
-    along = DRAGGED if touched == ROUND else NEARER
-    change = np.array([*random.uniform(-CHANGED, CHANGED, 2), random.uniform(-along, along)])
-    second = np.append(np.clip((first + change)[:-1], 0.0, None), first[-1] + change[-1])
-    way = np.zeros(3)
-    if touched != ROUND:
-        normal = np.array(model.obstacle.numbers()["axis"])
-        way = random.uniform(-ASIDE, ASIDE, 3)
-        way -= (way @ normal) * normal
-    points, moved = np.array([first, first, second, second]), np.array([0 * way, way, way, 0 * way])
-    if touched == ROUND:
-        points, moved = np.array([first, second, first]), np.zeros((3, 3))
-    return History(model, table, points, moved, float(random.uniform(*FRICTION)))
+    """A random history: a plane moves aside as the tensions change, a round object along its direction, and back."""
+    table, first = first_contact(rod, touched, random)
+    change = np.append(random.uniform(-CHANGED, CHANGED, 2), random.uniform(-ALONG[touched], ALONG[touched]))
+    second = np.append(np.clip((first + change)[:-1], 0.0, None), (first + change)[-1])
+    friction = float(random.uniform(*FRICTION))
+    if touched == "rubber":
+        return History(table, np.array([first, second, first]), np.zeros((3, 3)), friction)
+    normal, aside = np.array(table["normal"]), random.uniform(-ASIDE, ASIDE, 3)
+    aside -= (aside @ normal) * normal
+    moved = np.array([0 * aside, aside, aside, 0 * aside])
+    return History(table, np.array([first, first, second, second]), moved, friction)
 
 
 def sliding(contacts: list[ContactForce]) -> float:
@@ -94,58 +70,49 @@ def sliding(contacts: list[ContactForce]) -> float:
     return float(pressed[slides].sum() / pressed.sum()) if len(contacts) else np.nan
 
 
-def compared(rod: Rod, table: Table, touched: str, seeds: list[int]) -> list[dict[str, Any]]:
-    """Histories of some seeds, of both models."""
+def compared(rod: Rod, table: Table, touched: str, seed: int) -> dict[str, Any]:
+    """One history of both models: its status, and the errors and decisions of every point."""
     from fingerfem import FingerModel, LoadNotReached
     from fingerfem.friction_history import friction_history as full_order
     from fingerfem.scene.scene import Scene
 
-    rows = []
-    for seed in seeds:
-        one = draw(rod, touched, np.random.default_rng([21, seed]))
-        ours = friction_history(one.model, one.points, one.friction, one.moved, INCREMENTS)
-        row: dict[str, Any] = {"status": next((one.status for one in ours if one.status != "converged"), "converged")}
-        if row["status"] == "converged":
-            scene = {key: value for key, value in table.items() if key != "load"}
-            scene |= {"obstacle": one.table}
-            try:
-                full = FingerModel(Scene.model_validate(scene))
-                theirs = full_order(full, one.points, one.friction, one.moved, INCREMENTS)
-            except LoadNotReached:
-                row["status"] = "full-order not converged"
-        if row["status"] == "converged":
-            largest = max(float(np.linalg.norm(one.force)) for one in theirs)
-            pairs = list(zip(ours, theirs, strict=True))
-            row["errors"] = [float(np.linalg.norm(one.force - other.force)) / largest for one, other in pairs]
-            row["slides"] = [[sliding(one.contacts) > HALF, bool(1 - other.sticks > HALF)] for one, other in pairs]
-        rows.append(row)
-    return rows
+    one = draw(rod, touched, np.random.default_rng([21, seed]))
+    model = TouchedSegment(rod=rod, obstacle=rigid(one.table))
+    ours = friction_history(model, one.points, one.friction, one.moved, INCREMENTS)
+    status = next((state.status for state in ours if state.status != "converged"), "converged")
+    if status != "converged":
+        return {"status": status}
+    scene = {key: value for key, value in table.items() if key != "load"} | {"obstacle": one.table}
+    try:
+        full = FingerModel(Scene.model_validate(scene))
+        theirs = full_order(full, one.points, one.friction, one.moved, INCREMENTS)
+    except LoadNotReached:
+        return {"status": "not_converged"}
+    largest = max(float(np.linalg.norm(state.force)) for state in theirs)
+    pairs = list(zip(ours, theirs, strict=True))
+    return {
+        "status": status,
+        "errors": [float(np.linalg.norm(own.force - true.force)) / largest for own, true in pairs],
+        "slides": [[sliding(own.contacts) > HALF, bool(1 - true.sticks > HALF)] for own, true in pairs],
+    }
 
 
-def table_row(rows: list[dict[str, Any]], touched: str) -> dict[str, Any]:
-    """Errors of forces over the largest of a history, and how often most of both slides, or of neither."""
+def kind(run: Run, touched: str) -> dict[str, Any]:
+    """Errors of forces over the largest of a history, and the share of points where both slide or neither does."""
+    rod, table = plans.rod(run, plans.LARGE), tomllib.loads(plans.scene(run, plans.LARGE).read_text())
+    rows = on_cores(compared, [(rod, table, touched, seed) for seed in range(COUNT)])
     good = [row for row in rows if "errors" in row]
     decided = np.array([pair for row in good for pair in row["slides"]])
-    names = ("out_of_domain", "no_equilibrium", "full-order not converged")
+    statuses = Counter(row["status"] for row in rows)
     return {
         "touched": touched,
-        "histories": len(rows),
         "compared": len(good),
-        "points": sum(len(row["errors"]) for row in good),
         "force": quantiles(np.concatenate([row["errors"] for row in good])),
         "alike": float(np.mean(decided[:, 0] == decided[:, 1])),
-        **{name.replace(" ", "_").replace("-", "_"): sum(row["status"] == name for row in rows) for name in names},
+        **{name: statuses[name] for name in ("out_of_domain", "no_equilibrium", "not_converged")},
     }
 
 
 def measure(run: Run) -> list[dict[str, Any]]:
     """Histories that begin on the plate, and on the rubber."""
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    plan, count = plans.LARGE, 20
-    rod, table = plans.rod(run, plan), tomllib.loads(plans.scene(run, plan).read_text())
-    parts, found = [list(range(k, count, CORES)) for k in range(CORES)], []
-    with ProcessPoolExecutor(CORES, mp_context=get_context("spawn")) as pool:
-        for touched in (PLATE, RUBBER, ROUND):
-            given = [rod] * CORES, [table] * CORES, [touched] * CORES, parts
-            found.append(table_row([row for part in pool.map(compared, *given) for row in part], touched))
-    return found
+    return [run.once(touched, kind, run, touched) for touched in ALONG]

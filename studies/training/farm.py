@@ -1,114 +1,37 @@
-"""Training, measured: two ranks against one, what the farm costs, restart, memory, claims of 64 ranks at once.
-
-Two cores.
-"""
+"""Training, measured: two ranks against one, what the farm costs, and its restart."""
 
 from __future__ import annotations
 
 import shutil
-import subprocess
-import sys
-import time
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from rom.dataset.folder import create
-from rom.dataset.snapshot_set import read_description, read_task
-from studies.parts import ROOT, Run
+from studies.parts import Run
 from studies.sets import farm, grid_scene
 
-LINES = 4000  # for the contention of claims
+NODES = (6, 6)  # of tensions and of contact
 
 
 def scaling(folder: Path) -> dict:
-    """One rank and two on the same set, one after the other."""
-    file, rates = grid_scene(folder, 5, 6), {}
+    """One rank and two on the same set, one after the other, and a job that finds it complete."""
+    file, reports = grid_scene(folder, *NODES), []
     for ranks in (1, 2):
         shutil.rmtree(folder / "set", ignore_errors=True)
-        report = farm(ranks, file, folder / "set")
-        # From the first claim to the last: a job's start is counted apart.
-        rates[ranks] = report["states"] / report["this_rank"]["seconds"]
-        if ranks == 1:
-            overhead = 1 - report["this_rank"]["solve_seconds"] / report["this_rank"]["seconds"]
+        reports.append(farm(ranks, file, folder / "set"))
+    restart = farm(1, file, folder / "set")
+    # From the first claim to the last: a job's start is counted apart.
+    one, two = (report["states"] / report["this_rank"]["seconds"] for report in reports)
+    alone = reports[0]
     return {
-        "states": report["states"],
-        "states_per_second": rates,
-        "two_over_one": rates[2] / rates[1],
-        "farm_overhead": overhead,
-        "start_seconds": report["wall_seconds"] - report["this_rank"]["seconds"],
-        "bytes_per_state": report["bytes_per_state"],
-        "newton_iterations_per_state": report["newton_iterations"] / report["states"],
+        "states": alone["states"],
+        "two_over_one": two / one,
+        "farm_overhead": 1 - alone["this_rank"]["solve_seconds"] / alone["this_rank"]["seconds"],
+        "start_seconds": alone["wall_seconds"] - alone["this_rank"]["seconds"],
+        "restart_seconds": restart["wall_seconds"],
+        "bytes_per_state": alone["bytes_per_state"],
+        "iterations_per_state": alone["newton_iterations"] / alone["states"],
     }
-
-
-def long_run(folder: Path) -> dict:
-    """Memory while a set is solved, and its restart once it is whole."""
-    nodes = 9, 9
-    file, path = grid_scene(folder, *nodes), folder / "uniform-{}-{}".format(*nodes)
-    shutil.rmtree(path, ignore_errors=True)
-    report = farm(2, file, path)
-    memory = [max(sizes.values()) for sizes in report["memory"] if sizes]
-    part = len(memory) // 4
-    restart = min(farm(1, file, path)["wall_seconds"] for _ in range(3))
-    return {
-        "states": report["states"],
-        "states_per_rank": report["states"] // 2,
-        "memory_after_a_quarter": float(np.median(memory[part : part + max(part // 4, 1)])),
-        "memory_at_the_end": float(np.median(memory[-max(part // 4, 2) : -1])),
-        "restart_seconds": restart,
-    }
-
-
-CLAIMING = """
-import sys, time
-from pathlib import Path
-from fingerfem.snapshots.task_queue import Queue
-from rom.dataset.snapshot_set import read_description, read_task
-ours, theirs = map(Path, sys.argv[1:])
-description = read_description(ours)
-arrays = read_task(theirs, "contact-0-0")
-spent, claims = 0.0, 0
-while not (ours / "go").exists():
-    time.sleep(0.01)
-with Queue(description, ours, lambda task: True, lambda: None) as queue:
-    while True:
-        begun = time.perf_counter()
-        if queue.claim() is None:
-            break
-        queue.finish(arrays)
-        spent, claims = spent + time.perf_counter() - begun, claims + 1
-print(claims, spent)
-"""
-
-
-def contention(folder: Path, processes: int) -> dict:
-    """Processes that claim and write lines as fast as they can, the solving left out: the farm's own limit."""
-    ours, theirs = folder / "claims", folder / "set"
-    shutil.rmtree(ours, ignore_errors=True)
-    others = [0.0] * (len(read_description(theirs).parameters) - 1)
-    points = [[1e-3 * k, *others] for k in range(LINES)]  # states of equal tensions would be one line
-    description = replace(read_description(theirs), random=points)
-    create(ours, description)
-    shutil.copy(theirs / "body.npz", ours)
-    command = [sys.executable, "-c", CLAIMING, str(ours), str(theirs)]
-    jobs = [subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) for _ in range(processes)]
-    time.sleep(2 + 0.6 * processes)  # all have started and wait
-    begun = time.perf_counter()
-    (ours / "go").touch()
-    said = [job.communicate()[0].split() for job in jobs]
-    seconds = time.perf_counter() - begun
-    lines = sum(int(claims) for claims, _ in said)
-    assert lines == len(description.tasks) == LINES, "a line was written twice, or not at all"
-    assert all(read_task(ours, task) for task in description.tasks)
-    return {"processes": processes, "lines": lines, "seconds": seconds, "lines_per_second": lines / seconds}
 
 
 def measure(run: Run) -> dict:
-    """All of it."""
-    return {
-        "scaling": run.once("two ranks against one", scaling, run.folder),
-        "contention": [run.once(f"claims of {count} processes", contention, run.folder, count) for count in (1, 8, 64)],
-        "long_run": run.once("a long run and its restart", long_run, run.folder),
-    }
+    """One row."""
+    return run.once("two ranks against one", scaling, run.folder)

@@ -112,11 +112,11 @@ def test_a_template_that_names_what_was_not_measured_is_an_error(study):
 
 
 def test_a_part_is_measured_by_its_module_and_what_that_imports_of_its_study():
-    folder = parts.ROOT / "studies" / "rubber"
-    names = {file.name for file in parts.imported(folder / "random_objects.py", folder)}
-    assert {"random_objects.py", "pressed_objects.py"} <= names
-    assert not names & {"robustness.py", "page.py"}
-    assert parts.measuring_hash("rubber/robustness") != parts.measuring_hash("rubber/positions")
+    folder = parts.ROOT / "studies" / "rods"
+    names = {file.name for file in parts.imported(folder / "objects.py", folder)}
+    assert {"objects.py", "compared.py", "random_objects.py", "full_order.py"} <= names
+    assert not names & {"accuracy.py", "page.py"}
+    assert parts.measuring_hash("rods/objects") != parts.measuring_hash("rods/accuracy")
 
 
 def test_every_declared_part_has_its_function_and_its_template():
@@ -142,7 +142,9 @@ def test_numbers_are_written_for_people():
     assert [sections.percent(share) for share in (0.5, 0.0123, 1.0)] == ["50 %", "1.2 %", "100 %"]
     assert [sections.number(value) for value in (12345, 0.0123456, None)] == ["12,345", "0.0123", "-"]
     assert [sections.number(value, 2) for value in (1413.0, 14.13, 0.1413, 1e6)] == ["1,413", "14", "0.14", "1e+06"]
-    assert sections.over({"seconds": 3.0}, "seconds", {"seconds": 2.0}) == "1.50"
+    errors = {"median": 0.00033, "p95": 0.0029, "max": 0.07, "count": 3}
+    assert sections.spread(errors) == "0.033, 0.29, 7 %" and sections.spread({"count": 0}) == "-"
+    assert sections.spread({"median": 2.9, "p95": 117.0, "max": 1200.0}, "µm") == "2.9, 117, 1,200 µm"
 
 
 def test_a_page_of_an_older_study_is_stale_unless_it_says_so(study, tmp_path):

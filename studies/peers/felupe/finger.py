@@ -3,8 +3,8 @@
 PYTHONPATH=.:out/peers/felupe python3 -m studies.peers.felupe.finger FILE_IN FILE_OUT
 
 FElupe is under the GPL and no part of this project. This process alone imports it; two files are its only link with the
-rest. FILE_IN (comparison.py writes it) holds nodes, cells, which cells are what, and numbers of the scene. FElupe
-integrates everything. FILE_OUT has the displacements, in the order of the given nodes, and the contact forces.
+rest. FILE_IN (comparison.py writes it) holds nodes, cells, which cells are what, and numbers of the scene. FILE_OUT has
+the displacements, in the order of the given nodes, and the contact forces.
 """
 
 from __future__ import annotations
@@ -19,77 +19,47 @@ import numpy as np
 from scipy.sparse.linalg import spsolve
 
 from studies.peers.felupe.contact import NodalSprings, nodal_areas
-from studies.peers.felupe.laws import Fibre, parts, whole
+from studies.peers.felupe.laws import Fibre, material
 
-TOUCHING = 1e-9  # [m]: coordinates that differ by less are the same
 # Round-off of steel keeps the residual at some 1e-12 of E a^2. Newton's method converges quadratically: after an
 # iteration that moves no node by a billionth of the length, nothing but round-off is left.
 NOISE, SETTLED = 1e-8, 1e-9
 
 
 class Finger:
-    """The finger of a file.
-
-    Args:
-        arrays: `points` (nodes, 3) [m], `cells` (cells, 8 or 27) in any order of their nodes, `rubber` (cells,) and
-            `channels` (tendons, cells), which cells are rubber and which carry a tendon.
-        scene: numbers, as `comparison.described` writes them.
-    """
+    """The finger of a file, see `comparison.described`."""
 
     def __init__(self, arrays: dict[str, np.ndarray], scene: dict[str, Any]):
         self.scene, self._points, self._order = scene, arrays["points"], scene["order"]
         self._cells = in_felupes_order(self._points, arrays["cells"], self._order)
-        every = np.ones(len(self._cells), bool)
-        self.field = self._field_on(every, self._order + 1)
-        self._bodies = self._solids(arrays["rubber"])
-        self._fibres = []
-        for channel in arrays["channels"]:
-            self._fibres.append(Fibre())
-            self._bodies.append(felupe.SolidBody(self._fibres[-1], self._field_on(channel, self._order + 1)))
-        self._springs = NodalSprings(self.field, scene["stiffness"] * self._areas(self._mesh(every)))
-        supports = {"clamp": felupe.Boundary(self.field[0], fx=0.0)}
-        if scene["half"]:
-            supports["cut"] = felupe.Boundary(self.field[0], fz=0.0, skip=(True, True, False))
-        self._held, self._free = felupe.dof.partition(self.field, supports)
+        every, rubber = np.ones(len(self._cells), bool), arrays["rubber"]
+        self.field = self._field_on(every)
+        laws = ((scene["law"], rubber), (scene["plate_law"], ~rubber))
+        self._bodies = [felupe.SolidBody(material(law), self._field_on(own)) for law, own in laws]
+        self._fibres = [Fibre() for _ in arrays["channels"]]
+        for fibre, channel in zip(self._fibres, arrays["channels"], strict=True):
+            self._bodies.append(felupe.SolidBody(fibre, self._field_on(channel)))
+        self._springs = NodalSprings(self.field, scene["stiffness"] * self._areas())
+        clamp = {"clamp": felupe.Boundary(self.field[0], fx=0.0)}
+        self._held, self._free = felupe.dof.partition(self.field, clamp)
 
-    def _field_on(self, chosen: np.ndarray, along: int) -> Any:
-        """The displacement on some cells, integrated by Gauss's rule with so many points along an edge."""
+    def _field_on(self, chosen: np.ndarray) -> Any:
+        """The displacement on some cells, integrated by Gauss's rule."""
         kinds = {1: felupe.RegionHexahedron, 2: felupe.RegionTriQuadraticHexahedron}
-        rule = felupe.GaussLegendre(order=along - 1, dim=3)
+        rule = felupe.GaussLegendre(order=self._order, dim=3)
         return felupe.FieldContainer([felupe.Field(kinds[self._order](self._mesh(chosen), quadrature=rule), dim=3)])
 
     def _mesh(self, chosen: np.ndarray) -> Any:
         return felupe.Mesh(self._points, self._cells[chosen], {1: "hexahedron", 2: "hexahedron27"}[self._order])
 
-    def _solids(self, rubber: np.ndarray) -> list[Any]:
-        """Rubber and plates; the volumetric part of nearly incompressible rubber by the reduced rule."""
-        scene, along = self.scene, self._order + 1
-        found = [felupe.SolidBody(whole(scene["plate_law"]), self._field_on(~rubber, along))]
-        if not scene["mixed"]:
-            return [*found, felupe.SolidBody(whole(scene["law"]), self._field_on(rubber, along))]
-        for material, points in zip(parts(scene["law"]), (along, along - 1), strict=True):
-            found.append(felupe.SolidBody(material, self._field_on(rubber, points)))
-        return found
-
-    def _areas(self, mesh: Any) -> np.ndarray:
-        """Area that each node stands for, of every face but clamp and cut, shape (nodes,) [m^2]."""
-        half, x = self.scene["side"] / 2, self._points[:, 0]
-        sides = [((axis, side), abs(self._points[:, axis] - side * half)) for axis in (1, 2) for side in (-1, 1)]
-        faces = [*sides, ((0, 1), abs(x - self.scene["length"]))]
-        on = [(face, away < TOUCHING) for face, away in faces]
-        return np.sum([nodal_areas(mesh, self._order, face, nodes) for face, nodes in on if nodes.any()], axis=0)
+    def _areas(self) -> np.ndarray:
+        """Area that each node stands for, of every face but the clamp, shape (nodes,) [m^2]."""
+        half = self.scene["side"] / 2
+        faces = [(axis, side * half) for axis in (1, 2) for side in (-1, 1)] + [(0, self.scene["length"])]
+        return np.sum([nodal_areas(self._points, self._cells, self._order, *face) for face in faces], axis=0)
 
     def solve(self, start: np.ndarray, tensions: np.ndarray, distance: float | None) -> tuple[np.ndarray, float]:
-        """Equilibrium by FElupe's Newton method, full steps: displacement, shape (nodes, 3) [m], and contact force [N].
-
-        Args:
-            start: displacement that the iterations begin at, shape (nodes, 3) [m].
-            tensions: shape (tendons,) [N].
-            distance: of the plane [m]; None: it is away.
-
-        Raises:
-            felupe.tools.NewtonConvergenceError: it did not converge.
-        """
+        """Equilibrium by FElupe's Newton method from a start: displacement, shape (nodes, 3) [m], contact force [N]."""
         for fibre, tension in zip(self._fibres, tensions, strict=True):
             fibre.density = tension / self.scene["channel_area"]
         self._springs.height = self.scene["side"] / 2 + (np.inf if distance is None else distance)
@@ -104,7 +74,7 @@ class Finger:
             check=self._check,
             verbose=0,
         )
-        return found.x[0].values.copy(), (2 if self.scene["half"] else 1) * self._springs.force()
+        return found.x[0].values.copy(), self._springs.force()
 
     def _check(self, dx: Any, x: Any, f: np.ndarray, **given: Any) -> tuple[float, float, bool]:
         """Of FElupe's Newton method: change over the length, residual over the force scale, whether that is enough."""

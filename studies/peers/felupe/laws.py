@@ -1,7 +1,7 @@
 """The scene's energies as materials of FElupe; imported in FElupe's own process alone.
 
-Neo-Hookean rubber and steel are FElupe's own class. Of the other laws FElupe is given nothing but the energy, and
-differentiates it itself (tensortrax). The tendon's fibre is written out.
+Neo-Hookean rubber and steel are FElupe's own class. Of Mooney's and Rivlin's law it gets the second invariant as an
+energy, which it differentiates itself (tensortrax). The tendon's fibre is written out.
 """
 
 from __future__ import annotations
@@ -15,32 +15,12 @@ from tensortrax.math import log, trace
 from tensortrax.math.linalg import det
 
 
-def parts(law: dict[str, Any]) -> tuple[Any, Any]:
-    """A law of the rubber as W(F) + U(J), two materials of FElupe; U is None for a law that has no such part.
-
-    Args:
-        law: the scene's table [Pa, 1/Pa].
-    """
-    if law["law"] == "saint-venant-kirchhoff":
-        shear = law["E"] / (2 + 2 * law["nu"])
-        lame = law["E"] * law["nu"] / ((1 + law["nu"]) * (1 - 2 * law["nu"]))
-        energy = differentiated.models.hyperelastic.saint_venant_kirchhoff
-        return differentiated.Hyperelastic(energy, mu=shear, lmbda=lame), None
-    dilatation = felupe.NeoHooke(bulk=2 / law["D1"])
-    if law["law"] == "neo-hookean":
-        return felupe.NeoHooke(mu=2 * law["C1"]), dilatation
-    if law["law"] == "mooney-rivlin":
-        second = differentiated.Hyperelastic(second_invariant, C01=law["C01"])
-        return felupe.NeoHooke(mu=2 * law["C10"]) & second, dilatation
-    raise ValueError(f"law must be one of three, got {law['law']}")
-
-
-def whole(law: dict[str, Any]) -> Any:
-    """The whole law as one material of FElupe."""
+def material(law: dict[str, Any]) -> Any:
+    """A law, the scene's table [Pa, 1/Pa], as a material of FElupe."""
     if law["law"] == "neo-hookean":
         return felupe.NeoHooke(mu=2 * law["C1"], bulk=2 / law["D1"])
-    distortional, dilatation = parts(law)
-    return distortional if dilatation is None else distortional & dilatation
+    second = differentiated.Hyperelastic(second_invariant, C01=law["C01"])
+    return felupe.NeoHooke(mu=2 * law["C10"]) & second & felupe.NeoHooke(bulk=2 / law["D1"])
 
 
 def second_invariant(C: Any, C01: float) -> Any:
@@ -59,7 +39,7 @@ class Fibre(felupe.ConstitutiveMaterial):
 
     def __init__(self) -> None:
         self.density = 0.0
-        self.kwargs: dict[str, float] = {}  # FElupe asks for them
+        self.kwargs: dict[str, float] = {}  # FElupe requires them
         self.x = [np.eye(3), np.zeros(0)]
 
     def gradient(self, x: list[np.ndarray]) -> list[np.ndarray]:

@@ -1,15 +1,17 @@
 """A scene pays only for what it names: counted in forms, unknowns, axes and quantities."""
 
 import copy
+import dataclasses
 from collections.abc import Callable
+from typing import Any
 
 import pytest
+from dolfinx import fem
 from farm import run
 
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
 from rom.dataset.snapshot_set import SnapshotSet, read_task
-from studies.kinds import forms_of
 from studies.sets import as_toml
 
 SMALL = {"mesh": {"cells": [10, 5], "order": 1}}
@@ -40,6 +42,17 @@ def scene(table: dict, **parts) -> dict:
 
 def quantities(found: SnapshotSet) -> set[str]:
     return set(read_task(found.path, "random-0"))
+
+
+def forms_of(model: Any) -> int:
+    """Compiled forms in what a model holds."""
+    if isinstance(model, fem.Form):
+        return 1
+    if isinstance(model, list):
+        return sum(map(forms_of, model))
+    if dataclasses.is_dataclass(model):
+        return sum(forms_of(getattr(model, field.name)) for field in dataclasses.fields(model))
+    return 0
 
 
 def forms(table: dict) -> int:
