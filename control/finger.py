@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control import problems
-from control.answers import answered, beyond, listed, no_point, not_finite, not_positive, refused
 from control.least_squares import CONVERGED, STATIONARY
 from control.model import Model
 from control.motion import Limits, Motion
+from control.outcomes import answered, beyond, listed, no_point, not_finite, not_positive, refused
 from control.problems import compiled_finger, rules
 from rom.answer import FORCE, PAD
 from rom.dataset.geometry import tip_at_rest

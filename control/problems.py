@@ -1,6 +1,6 @@
 """A finger for compiled controllers: its model and an atlas of the model's answers; and the calls.
 
-Solved in compiled code (control/native/problems.h).
+Solved in compiled code (control/native/control.h).
 """
 
 from __future__ import annotations

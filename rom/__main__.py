@@ -137,7 +137,7 @@ def held_out_of(folder: Path) -> SnapshotSet:
 def check_rod(finger: Rod, held_out: SnapshotSet) -> dict:
     """Errors of a finger in held-out states: pressed ones, or those before the plane, of any mesh."""
     if held_out.description.has_load:
-        from rom.rod.check import check_pressed
+        from rom.rod.pressed_check import check_pressed
 
         return check_pressed(finger, held_out)
     return check_before_plane(finger, held_out)
@@ -145,7 +145,7 @@ def check_rod(finger: Rod, held_out: SnapshotSet) -> dict:
 
 def check_before_plane(model: Rod | SeparatedModel, held_out: SnapshotSet) -> dict:
     """Errors of a model in states before the plane."""
-    from rom.held_out import check
+    from rom.plane_check import check
 
     with steps() as progress:
         return check(model, held_out, progress)

@@ -17,7 +17,7 @@ from rom.elements.fitting import training
 from rom.elements.fitting.calibration import conformal
 from rom.elements.samples.section_states import read_section_states
 from rom.file_kinds import uses_of
-from rom.held_out import Model, accuracy, before_plane, check, check_finer, differences
+from rom.plane_check import Model, accuracy, before_plane, check, check_finer, differences
 from rom.rod.rod import QUANTITIES, Rod
 from rom.separated.alternating_directions import EnrichmentOptions
 from rom.separated.errors import estimated

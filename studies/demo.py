@@ -42,7 +42,7 @@ from rom.console.terminal import Progress, steps
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.fitting.training import train
 from rom.elements.samples.section_states import read_section_states
-from rom.held_out import before_plane, check
+from rom.plane_check import before_plane, check
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.summaries import origin

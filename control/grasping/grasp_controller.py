@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from control.answers import listed
 from control.finger import Finger
 from control.least_squares import CONVERGED, STATIONARY
+from control.outcomes import listed
 from control.problems import grip, rules
 from rom.brief import brief
 

@@ -72,7 +72,7 @@ def united(lumps: Sequence[Lump]) -> Lump:
 
 
 class Coupling:
-    """The block between both ends of one segment's rubber in a compiled model (control/native/rod.c).
+    """The block between both ends of one segment's rubber in a compiled model (control/native/rod_inertia.c).
 
     With the velocities p of both ends as points of the clamp's body, and q as points of the plate's, shape (6,), the
     kinetic energy is m p . C (q - p), C = [[10, 31], [3, 10]] / 420: none where the rubber does not bend.

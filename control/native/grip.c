@@ -1,5 +1,5 @@
 /* One period of a finger that grips: correct the distance by the measured force, then hold the force there. */
-#include "problem.h"
+#include "workspace.h"
 
 void control_grip(const control_finger *finger, const double *then, double felt, const double *present, double aim,
                   double distance, double gain, const control_rules *rules, double *memory, double *tensions,

@@ -5,7 +5,7 @@
  */
 #define _POSIX_C_SOURCE 199309L
 #include <time.h>
-#include "problem.h"
+#include "workspace.h"
 
 #define EVALUATIONS 12 /* most from one start: an answer is near, or the start is a bad one */
 #define CROSSING 12 /* bisections of a line of tensions */

@@ -1,5 +1,5 @@
 /* The distance of the plane on which tensions press with measured forces: one unknown, a residual for every reading. */
-#include "problem.h"
+#include "workspace.h"
 
 /* One reading at a plane's distance: residual, the model's minus the measured force [N], and its slope [N/m]. */
 static void compare(control_problem *problem, const double *tensions, double felt, double distance, double *residual,

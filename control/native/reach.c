@@ -4,7 +4,7 @@
  * It starts at the present tensions. If that does not reach the target, it starts once more at the nearest node of
  * the atlas.
  */
-#include "problem.h"
+#include "workspace.h"
 
 #define PASSED 10.0 /* first weight of the depth past the plane [-] */
 #define HEAVIER 4.0 /* factor of that weight after every try that passes the plane [-] */

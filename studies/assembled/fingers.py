@@ -9,7 +9,7 @@ import numpy as np
 
 from rom import Rod, TouchedSegment
 from rom.error_statistics import quantiles
-from studies.assembled.four import FOUR
+from studies.assembled.four import HIGHER_FOUR
 from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import FullOrder, Table
@@ -130,7 +130,7 @@ def measure(run: Run) -> dict:
     """A row a finger, then similarity."""
     rows = [
         run.once(f"{made.cells} cells, {made.plates}", row, plans.rod(run, plan), made, plan.force)
-        for plan, fingers in ((plans.LARGE, OF_TWO_TENDONS), (FOUR, OF_FOUR_TENDONS))
+        for plan, fingers in ((plans.HIGHER, OF_TWO_TENDONS), (HIGHER_FOUR, OF_FOUR_TENDONS))
         for made in fingers
     ]
     return {"fingers": rows, "similar": run.once("similar", similar, TouchedSegment.load().rod)}

@@ -11,7 +11,7 @@ from rom import TouchedSegment
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.fitting.training import train
 from rom.elements.samples.section_states import read_section_states
-from rom.held_out import differences
+from rom.plane_check import differences
 from rom.rod.rod import Rod
 from studies import sets
 from studies.control.models import finger
@@ -19,7 +19,7 @@ from studies.coverage import points
 from studies.parts import ROOT, Run
 
 SCENES = ROOT / "scenes" / "demo"
-KINDS = {"random": 40, "on the walls": 16, "chosen": 15, "sought": 16}  # numbers of points
+KINDS = {"random": 40, "on the walls": 24, "chosen": 45, "sought": 16}  # numbers of points
 SEED = 2021
 OTHER_LINES = 8  # of states, that the finger is trained on by which points are sought
 QUANTITIES = "tip", "touch_distance", "contact_force"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import tomllib
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rom.dataset.snapshot_set import SnapshotSet
+from rom.elements.fitting.degrees import HIGHEST
 from rom.elements.fitting.training import train
 from rom.elements.samples.section_states import read_section_states
 from rom.rod.rod import Rod
@@ -14,17 +16,20 @@ from studies import sets
 from studies.parts import Run
 
 SEED = 5
+WALL = 1e-6  # range of a tension at a wall [N]
+ON_A_WALL = 25  # states
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A set: the largest force [N], lines of 5 states, held-out states; mesh, and offsets (y, z) of tendons [m]."""
+    """A set: the largest force [N], lines of 5 states, held-out states; mesh, offsets (y, z) of tendons [m], degree."""
 
     force: float
     lines: int
     held_out: int
     mesh: tuple[int, int, int] | None = None
     offsets: tuple[tuple[float, float], ...] | None = None
+    degree: float = HIGHEST
 
     @property
     def name(self) -> str:
@@ -34,6 +39,7 @@ class Plan:
 
 
 SMALL, LARGE = Plan(5.0, 24, 100), Plan(15.0, 24, 100)
+HIGHER = replace(LARGE, degree=6.0)
 FINE = Plan(15.0, 12, 20, sets.STANDARD)
 
 
@@ -63,15 +69,29 @@ def held_out(run: Run, plan: Plan) -> SnapshotSet:
     return SnapshotSet(place)
 
 
-def trained(training: SnapshotSet) -> Rod:
+def on_walls(run: Run, plan: Plan) -> list[SnapshotSet]:
+    """Held-out pressed states with one tension at its lowest or highest, a set for each."""
+    found, table = [], tomllib.loads(scene(run, plan).read_text())
+    for k, tendon in enumerate(table["tendons"]):
+        lower, upper = tendon["tension"]
+        for name, wall in (("lowest", [lower, lower + WALL]), ("highest", [upper - WALL, upper])):
+            tendons = [one | ({"tension": wall} if one is tendon else {}) for one in table["tendons"]]
+            text = sets.as_toml(table | {"tendons": tendons})
+            file = sets.written(run.sets, f"pressed {plan.name} F{k + 1} {name}", text)
+            sets.farm(2, file, file.with_suffix(""), "--random", str(ON_A_WALL), "--seed", str(SEED))
+            found.append(SnapshotSet(file.with_suffix("")))
+    return found
+
+
+def trained(training: SnapshotSet, degree: float = HIGHEST) -> Rod:
     """The finger of a set's own elements."""
     states = read_section_states(training)
-    return Rod(elements=train(states, origin(training)), scene=states.scene)
+    return Rod(elements=train(states, origin(training), highest=degree), scene=states.scene)
 
 
 def rod(run: Run, plan: Plan) -> Rod:
     """The finger of all lines, from its file if it has one."""
-    file = scene(run, plan).with_suffix(".h5")
+    file = scene(run, plan).with_suffix(f".{plan.degree:g}.h5")
     if not file.exists():
-        trained(snapshots(run, plan)).save(file)
+        trained(snapshots(run, plan), plan.degree).save(file)
     return Rod.load(file)

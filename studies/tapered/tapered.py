@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from rom.dataset.snapshot_set import SnapshotSet
-from rom.held_out import check
-from rom.rod.check import check_pressed
+from rom.plane_check import check
+from rom.rod.pressed_check import check_pressed
 from rom.rod.rod import Rod
 from studies import sets
 from studies.parts import Run

@@ -17,7 +17,7 @@ from rom.build import covering, separate_grid
 from rom.dataset.plan import Plan
 from rom.dataset.schema import QUANTITIES
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet, read_description, task_file
-from rom.held_out import check
+from rom.plane_check import check
 
 NAMES = {quantity.name for quantity in QUANTITIES}
 

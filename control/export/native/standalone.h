@@ -2,7 +2,7 @@
 #ifndef CONTROL_STANDALONE_H
 #define CONTROL_STANDALONE_H
 #include "../../../rom/native/model.h"
-#include "../../native/problems.h"
+#include "../../native/control.h"
 
 /* Nodes of the atlas by tension, and by distance; and numbers of memory that a finger with it needs. */
 int control_standalone_nodes(const fingerfem_model *model);

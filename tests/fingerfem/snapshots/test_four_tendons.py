@@ -13,7 +13,7 @@ from control import Finger
 from fingerfem import load_scene
 from rom import TouchedSegment
 from rom.dataset.snapshot_set import SnapshotSet
-from rom.rod.check import check_pressed
+from rom.rod.pressed_check import check_pressed
 from rom.rod.rod import Rod
 from studies.sets import as_toml
 

@@ -16,7 +16,7 @@ from farm import PATIENCE, ROOT, assert_same_task, command, run
 from rom.dataset.plan import Plan
 from rom.dataset.snapshot_set import SnapshotSet, read_description, read_task, write_task
 from rom.elements.fitting import growth
-from rom.rod.check import check_pressed
+from rom.rod.pressed_check import check_pressed
 from rom.rod.rod import Rod
 
 pytestmark = pytest.mark.long

@@ -1,6 +1,6 @@
 /* What one finger is asked: reach a point, hold a force, locate the plane. Python sees what stands here. */
-#ifndef CONTROL_PROBLEMS_H
-#define CONTROL_PROBLEMS_H
+#ifndef CONTROL_CONTROL_H
+#define CONTROL_CONTROL_H
 #include "../../rom/native/separated/kernel.h"
 #include "../../rom/native/segment.h"
 #include "least_squares.h"

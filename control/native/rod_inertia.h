@@ -1,6 +1,6 @@
 /* The rubber of one segment in a MuJoCo model: what a rod's inertia and weight have between the bodies at both ends. */
-#ifndef CONTROL_ROD_H
-#define CONTROL_ROD_H
+#ifndef CONTROL_ROD_INERTIA_H
+#define CONTROL_ROD_INERTIA_H
 #include <stdint.h>
 
 /* A rod between the clamp's body and a plate, and the arrays of MuJoCo's mjModel and mjData that it reads and changes.

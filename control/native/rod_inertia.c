@@ -1,5 +1,5 @@
 /* The coupling of both ends of a rod with cubic shapes, see control/mujoco/rod.py. */
-#include "rod.h"
+#include "rod_inertia.h"
 
 /* Kinetic energy m p . C (q - p): velocities of begin and end, p as points of the clamp, q as points of the plate. */
 static const double C[2][2] = {{10.0 / 420.0, 31.0 / 420.0}, {3.0 / 420.0, 10.0 / 420.0}};

@@ -1,10 +1,10 @@
 /* A problem while it is solved: a finger, a workspace, and the model's last answer. */
-#ifndef CONTROL_PROBLEM_H
-#define CONTROL_PROBLEM_H
+#ifndef CONTROL_WORKSPACE_H
+#define CONTROL_WORKSPACE_H
 #include <math.h>
 #include "../../rom/native/separated/evaluation.h"
 #include "../../rom/native/segment.h"
-#include "problems.h"
+#include "control.h"
 #include "step.h"
 
 #define CONTROL_MOST_ROWS 6 /* of an answer: tip, contact force, touch distance, pad pressure */
