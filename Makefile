@@ -81,7 +81,7 @@ page: .venv/ready
 wheel:
 	$(PYTHON) -m pip wheel -q --disable-pip-version-check --no-deps -w dist .
 
-# All generated pages of docs/, README's numbers and the front that presets choose from: some two hours on two cores. What
+# All generated pages of docs/, README's numbers and the front that presets choose from: some one hour on two cores. What
 # is measured is kept in out/docs, so that the same command goes on after an interruption; python3 -m studies.runner NAME makes one page.
 # MuJoCo, whose pictures need EGL, and FElupe, which this package is compared with, come from PyPI.
 docs: readme .venv/ready out/peers/felupe/ready
