@@ -29,7 +29,7 @@ STUDIES = {
     "tradeoff": Study("speed", _same("fingers")),
     "separated": Study("accuracy", {"rod": "separated:of_the_rod", "grid": "separated:of_states"}),
     "rods": Study("accuracy", _same("accuracy", "objects")),
-    "rubber": Study("accuracy", _same("indentation", "random_objects")),
+    "rubber": Study("accuracy", _same("indentation", "random_objects", "robustness")),
     "several": Study("accuracy", _same("several", "histories")),
     "assembled": Study("accuracy", _same("four", "fingers")),
     "tapered": Study("accuracy", _same("tapered")),
