@@ -58,7 +58,7 @@ def error_rows(numbers: dict) -> list[list[str]]:
         [title, str(found[key]["count"]), spread(found[key]), percent(found[key]["coverage"])]
         for key, title in NAMES.items()
     ]
-    return [*rows, ["contact force, left-out lines", str(left_out["count"]), spread(left_out), ""]]
+    return [*rows, ["contact force, training states left out of the fit", str(left_out["count"]), spread(left_out), ""]]
 
 
 def hold_rows(numbers: dict) -> list[list[str]]:

@@ -1,7 +1,7 @@
-"""One finger of a gripper, pull by pull: it closes until it feels something, finds it, squeezes and holds.
+"""The controller of one finger of a gripper: it closes until it feels contact, locates the plane, squeezes and holds.
 
-It keeps its last reading from pull to pull. Every reading corrects the position of the plane a little:
-so it corrects an error of the model, and averages the sensor's noise. Without a usable reading, tensions stay.
+A pull is one control cycle: a reading comes in, the next tensions go out. Every usable reading in contact corrects the
+distance d* of the plane, with a weight that falls with the sensor's noise. Without a usable reading, tensions stay.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rom.brief import brief
 PAST = 256  # pulls that are remembered: a reading that is older cannot be used
 SMOOTH = 0.2  # largest weight of a new reading in the smoothed contact force, with a noisy sensor [-]
 SURPRISED = 3  # consecutive unexpected readings before they get full weight
-AGAIN = 1.25  # times the lead tension at loss of contact: limit while the finger seeks contact again [-]
+AGAIN = 1.25  # times the lead tension when held contact is lost: its limit while the finger seeks contact again [-]
 BEYOND = 1.5  # times the lead tension predicted for the target: above it, the sensor counts as failed [-]
 DISTINCT = 1.3  # smallest ratio of a target to the force that counts as contact [-]
 
@@ -35,7 +35,7 @@ class GraspOptions:
         approach_step: most that the lead tension grows in a pull while nothing is felt [N]. The force at first contact
             is up to a fifth of this. Each pull of sensor delay adds up to another fifth.
         squeeze_steps: pulls from touch to the held force.
-        tolerance: a held force this near its target is held [-].
+        tolerance: largest relative deviation from the target at which the force counts as held [-].
         period: from pull to pull [s], for ages of readings and rates of tensions.
         settling: time in which a finger follows its tensions [s]; a reading's weight is at most period / settling [-].
         dead_band: a force this near its target is not corrected, at most the tolerance [-]. It is needed with friction:
@@ -68,21 +68,21 @@ class GraspOptions:
             raise ValueError(f"dead_band must be at most the tolerance, {self.tolerance:g}, got {self.dead_band:g}")
 
     def gain(self, target: float) -> float:
-        """Weight of a reading's difference from the expected force [-]: noise moves the held force by tolerance / 3."""
+        """Weight of a reading's difference from the expected force [-]; the held force has noise of tolerance / 3."""
         if self.noise == 0:
             return self.fastest
         return float(np.clip(2 * (self.tolerance * target / (3 * self.noise)) ** 2, 1 / PAST, self.fastest))
 
     @property
     def fastest(self) -> float:
-        """Most of a reading's news that may be believed in a pull [-]."""
+        """Largest weight of one reading [-]: period / settling, at most 1."""
         return self.period / max(self.period, self.settling)
 
 
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Pull:
-    """One pull of one finger: its stage (approach, squeeze, hold), tensions [N], force felt [N], d* so far [m]."""
+    """One pull of one finger: its stage (approach, squeeze, hold), tensions [N], force felt [N], present d* [m]."""
 
     finger: int
     time: int
@@ -103,7 +103,7 @@ class Grip:
             answer to far more tension than the target should take; the tensions stay),
             "unreachable" or "out_of_domain" (see control.finger; the tensions stay).
         felt: contact force by the readings, smoothed [N].
-        distance: d*, nan before touch [m].
+        distance: the estimated distance d* of the plane, nan before touch [m].
         events: what happened, by pull: "touch", "surprise", "lost", "blind", "sees again", "does not answer", "target
             refused".
 
@@ -182,7 +182,7 @@ class Grip:
         self.pulls += 1
         self._past.append(self.tensions)
         ages = age / self._options.period
-        late = max(round(ages), 0) if ages < PAST else PAST  # nan is not below
+        late = max(round(ages), 0) if ages < PAST else PAST  # an age of nan counts as too late
         if not np.isfinite(felt) or late >= self._options.patience or late >= len(self._past):
             self._see_nothing()
             return self.tensions
@@ -209,7 +209,7 @@ class Grip:
         return felt > share * max(self._options.feel, 3 * self._options.noise)
 
     def _most(self) -> float:
-        """Lead tension above which the target is not sought where something was held [N]."""
+        """Lead tension above which the sensor counts as failed, once a force was held; before, infinite [N]."""
         if not np.isfinite(self._trusted):
             return np.inf
         return BEYOND * float(self._finger.hold(self._target, self._trusted).tensions[self._finger.model.lead])
@@ -223,7 +223,7 @@ class Grip:
             self._aim, self._missing, self._seen = min(felt, self._target), 0, 0
             return
         if self._touching:
-            return  # once is noise perhaps: wait
+            return  # a single such reading may be noise: wait
         if self.tensions[lead] >= self._highest:
             self.status = "no_contact" if self._highest >= self._finger.upper[lead] else "lost_contact"
             return
@@ -266,7 +266,7 @@ class Grip:
         self.tensions = tensions if arrives else self.tensions + change_wanted * (change / longest)
         if self.stage == "squeeze" and not growing and self._aim == self._target and arrives:
             self.stage = "hold"
-        wide = 2 if self.status == "converged" else 1  # what holds is not given up for a reading or two
+        wide = 2 if self.status == "converged" else 1  # a finger that holds may deviate by twice the tolerance
         near = abs(self.felt - self._target) <= wide * self._options.tolerance * self._target
         self._steady = self._steady + 1 if self.stage == "hold" and near else 0
         self.status = "converged" if self._steady >= min(1 / self._smooth, PAST) else "moving"
@@ -275,13 +275,13 @@ class Grip:
             self._cap = self._most()
 
     def _close_enough(self) -> bool:
-        """Whether the felt force needs no correction; in a squeeze, one above the aim waits until the aim has grown."""
+        """Whether the felt force needs no correction; a force above the aim in a squeeze waits for the aim to grow."""
         band = self._options.dead_band * self._target
         return band > 0 and min(self._aim, self._target - band) <= self.felt <= self._target + band
 
     def _lost(self, felt: float) -> bool:
         """Whether contact is lost: then it closes again, but not much beyond where it held something."""
-        self._missing = 0 if self._feels(felt, 0.5) else self._missing + 1  # lower than what is contact at first
+        self._missing = 0 if self._feels(felt, 0.5) else self._missing + 1  # half of the threshold for first contact
         if self._missing < (1 if self._options.noise == 0 else 2 * SURPRISED):
             return False
         self._happened("lost")
@@ -294,6 +294,6 @@ class Grip:
     def _judge(self, felt: float, expected: float) -> None:
         """Count consecutive readings far from the expected force: something slipped, or moved."""
         wide = 6 * self._options.noise + 0.1 * self._target
-        self._surprised = self._surprised + 1 if abs(felt - expected) > wide else 0  # nan is none
+        self._surprised = self._surprised + 1 if abs(felt - expected) > wide else 0  # nan: no surprise
         if self._surprised == (1 if self._gain == 1 else SURPRISED) and self.stage == "hold":
             self._happened("surprise")

@@ -24,11 +24,11 @@ class StepOptions:
     """How far one step goes.
 
     Attributes:
-        turn: largest rotation of a slender finger's tip by the tensions of one step, F e L / EI [rad].
+        turn: largest rotation of a slender finger's tip in one step, by tensions (F e L / EI) and wrenches [rad].
         first_turn: the same for the first step [rad].
         approach: most the plane may move in a step, over the finger's length [-].
         touch: how far the plane moves past the first node it meets, over the finger's side [-].
-        halvings: how often a failing step is halved, all in all, before the path is given up.
+        halvings: the path is given up when a step fails that is 2^halvings times shorter than the first one.
     """
 
     turn: float = 0.75
@@ -53,7 +53,7 @@ class Step:
     slope: np.ndarray
 
     def change_after(self, last: Step) -> np.ndarray:
-        """Change of displacement by the cubic through both ends of the last step, shape (owned and ghost values,) [m].
+        """Change of displacement by the cubic through both ends of the last step, shape (owned values,) [m].
 
         By the tangent if the direction of the load changes, or if the step more than doubles.
         """
@@ -67,14 +67,14 @@ class Step:
 
 
 def _strategies(halvings: int) -> Sequence[Strategy]:
-    """Strategies to try after a number of halvings: at first, a shorter step costs less than a more robust one."""
+    """Strategies to try after a number of halvings: at first, a shorter step costs less than a more robust strategy."""
     return STRATEGIES[: 1 if halvings < 2 else 2 if halvings < 6 else 3]
 
 
 class Continuation:
     """Leads a problem from one equilibrium to the next.
 
-    `iterations`, `steps` and `strategies` count since the last rest.
+    `iterations`, `steps` and `strategies` count since the last call of `rest` or `start`.
     """
 
     def __init__(self, problem: Problem, options: StepOptions | None = None):
@@ -124,11 +124,12 @@ class Continuation:
 
         Args:
             tensions: shape (tendons,) [N].
-            distance: of the obstacle [m]; None leaves it away.
+            distance: of the obstacle [m]; None if there is none.
             wrenches: on the plates in their own frames, shape (plates, 6) [N, N m]; None takes them away.
 
         Raises:
             LoadNotReached: the problem is then left at the last good load.
+            ValueError: distance is None although an obstacle is there.
         """
         target = np.array(tensions, float)
         if self.distance is not None and distance is None:
@@ -145,7 +146,7 @@ class Continuation:
         largest, first = self._sizes(target, distance, pressed)
         fraction, size, failed = 0.0, first, False
         while fraction < 1.0:
-            # No last step shorter than needed: what is left is shared evenly.
+            # Share the remainder evenly, so that the last step is not needlessly short.
             remaining = 1.0 - fraction
             share = remaining / max(1.0, np.ceil(remaining / size - 0.05)) if fraction else size
             nearly = fraction + share > 1 - 1e-12
@@ -197,7 +198,7 @@ class Continuation:
         reason = ""
         for strategy in strategies:
             if strategy == "line search" and wrenches.any():
-                continue  # following loads have no potential to search
+                continue  # follower loads have no potential to search
             problem.displacement[:] = before
             self._set_loads()
             self._hold(strategy != "line search")
@@ -225,7 +226,7 @@ class Continuation:
         self._hold(False)
         problem.displacement[:] = before
         self._set_loads()
-        self._last = None  # what made this step fail, a cubic would not foresee
+        self._last = None  # a cubic cannot foresee what made this step fail
         raise NotConverged(reason)
 
     def _hold(self, held: bool) -> None:
@@ -233,7 +234,7 @@ class Continuation:
             self.problem.contact.hold(held)
 
     def linearise(self) -> Linearisation:
-        """The tangent at the equilibrium it has led to; the next step is predicted by it, too.
+        """The tangent at the present equilibrium. It also predicts the next step.
 
         Raises:
             NotConverged: it is singular.

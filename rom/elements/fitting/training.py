@@ -1,8 +1,8 @@
 """Fits a finger's elements to its section states, with the degrees that predict the assembled finger best.
 
 All element laws, one polynomial map per kind of element, are fitted to the states of all lines (states at the same
-tensions). Their degrees are chosen by cross-validation, by the contact forces of the assembled finger in left-out
-lines: an element's own residual does not show how it affects the finger.
+tensions). Their degrees are chosen by cross-validation, by errors of the assembled finger in left-out lines: those of
+its contact forces and of its free positions. An element's own residual does not show how it affects the finger.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ SHARE = 0.9  # quantile of the predicted states' errors by which degrees are com
 FORCE, PLACE = (
     1e-3,
     1e-4,
-)  # errors of equal weight: relative of a contact force; of a position over the finger's length [-]
+)  # errors that count equally: of a contact force, relative; of a position, over the finger's length [-]
 
 
 @brief
@@ -49,7 +49,7 @@ class Training:
     Attributes:
         states: section states of a finger.
         fold: the group that each state is left out with, shape (n,).
-        kinds: candidates of every kind of element.
+        kinds: for every kind of element, the laws from which one is chosen.
     """
 
     states: SectionStates
@@ -89,7 +89,7 @@ class Training:
         return self._laws[key]
 
     def score(self, degrees: dict[str, float]) -> float:
-        """SHARE-quantiles of left-out errors [-]: of contact forces over FORCE plus free positions over PLACE."""
+        """Sum of two SHARE-quantiles of left-out errors [-]: contact forces over FORCE, free positions over PLACE."""
         places, turned, _ = self.left_out(degrees)
         force = float(np.nanquantile(relative_force_errors(self.states, places, turned), SHARE))
         free = self.states.forces == 0
@@ -115,7 +115,7 @@ def prepare(states: SectionStates, highest: float = HIGHEST) -> Training:
 
 
 def fold_of(states: SectionStates) -> tuple[dict[int, int], np.ndarray]:
-    """The fold, a group of lines left out together, of every line, and of every state, shape (n,).
+    """The fold (a group of lines left out together) of every line, and that of every state, shape (n,).
 
     Raises:
         SnapshotError: too few lines.
@@ -141,10 +141,10 @@ def train(
         provenance: of the states.
         progress: called with the name of the step, the amount done and the total amount.
         finer: states of the same finger on a finer mesh, at the same cross-sections, which correct the elements.
-        highest: weighted degree of the elements' polynomials [-].
+        highest: largest weighted degree that is tried for the elements' polynomials [-].
 
     Raises:
-        SnapshotError: too few lines to leave some out.
+        SnapshotError: too few lines to leave some out, or a tapered finger.
     """
     progress("fitting elements", 0, 2)
     training = prepare(states, highest)
