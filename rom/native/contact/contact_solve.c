@@ -137,11 +137,12 @@ static int far_beyond(const contact_problem *problem, const contact_state *state
 }
 
 /* Continuation in d, from first touch of the free finger to d: of several equilibria this finds the one on the objects'
- * approach. Returns as `solve_from`. */
-static int approach(const contact_problem *problem, double touch, double d, contact_state *state)
+ * approach. No step is longer than `most` [m], so that a plate's corner does not leave an object by another of its sides.
+ * Returns as `solve_from`. */
+static int approach(const contact_problem *problem, double touch, double d, double most, contact_state *state)
 {
     int evaluations = 0;
-    double at = touch, size = (d - touch) / STEPS;
+    double at = touch, size = fmax((d - touch) / STEPS, -most);
     const double least = fabs(size) / (1 << HALVINGS);
     chain_rods *map = problem->map;
     chain_place bodies[MOST_BODIES];
@@ -165,7 +166,7 @@ static int approach(const contact_problem *problem, double touch, double d, cont
         /* converged: a step 1.5 times as long is next; give up far beyond the trained loads */
         if (used > 0) {
             at = next;
-            size *= 1.5;
+            size = fmax(1.5 * size, -most);
             if (state->at.slices && far_beyond(problem, state)) return -evaluations;
             continue;
         }
@@ -197,6 +198,6 @@ int contact_solve(const contact_problem *problem, double touch, double d, contac
         if (evaluations > 0) return evaluations;
     }
     /* by an approach; evaluations of a direct failure count too */
-    const int more = approach(problem, touch, d, state);
+    const int more = approach(problem, touch, d, shallow, state);
     return more > 0 ? abs(evaluations) + more : evaluations - abs(more);
 }

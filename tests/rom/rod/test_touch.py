@@ -370,3 +370,56 @@ def test_a_direction_without_length_is_refused(name):
     shape = {"direction": "sphere", "normal": "plane", "axis": "cylinder"}[name]
     with pytest.raises(ValueError, match=f"{name} must be a vector of some length"):
         replace(OBJECTS[shape], **{name: (0.0, 0.0, 0.0)})
+
+
+# Boxes that a corner of the plate enters by one side and might leave by another: tensions [N], direction, centre, sides
+# [m], rotation, and rounding [m].
+ENTERED = [
+    (
+        (74, 39),
+        (0.946, 0.158, 0.282),
+        (-0.0424, 0.0141, -0.0125),
+        (0.0244, 0.0259, 0.026),
+        (0.731, 2.335, -0.225),
+        9e-4,
+    ),
+    (
+        (16, 49),
+        (0.088, 0.993, 0.073),
+        (0.0339, -0.0717, 0.0125),
+        (0.0142, 0.0275, 0.0127),
+        (0.746, 2.854, 0.431),
+        1.3e-3,
+    ),
+    (
+        (48, 0.4),
+        (0.445, 0.771, -0.455),
+        (0.0044, -0.0471, 0.0353),
+        (0.0241, 0.0087, 0.0222),
+        (-0.03, -1.138, 1.052),
+        6e-4,
+    ),
+    (
+        (33, 31),
+        (0.567, 0.136, 0.813),
+        (-0.0052, -0.0009, -0.0472),
+        (0.0287, 0.0223, 0.0292),
+        (-0.102, 0.786, 2.357),
+        1.2e-3,
+    ),
+]
+
+
+@pytest.mark.parametrize("entered", ENTERED)
+def test_a_corner_deep_in_a_box_leaves_it_by_the_side_where_it_entered(entered):
+    """The force has no jump as the box comes nearer, though every contact is solved from nothing."""
+    tensions, direction, centre, sides, rotation, rounding = entered
+    obstacle = box(
+        centre=centre, sides=sides, rotation=rotation, rounding=rounding, direction=direction, distances=(0.0, 0.15)
+    )
+    model = TouchedSegment(rod=TouchedSegment.load().rod, obstacle=obstacle)
+    touch = model.outputs(np.array([[*tensions, 0.15]]))[0, 4]
+    answers = model.answers(np.column_stack([np.tile(tensions, (61, 1)), touch - np.linspace(0, 4e-3, 61)]))
+    forces = answers.out[answers.inside, 3]
+    assert len(forces) > 40
+    assert np.abs(np.diff(forces, 2)).max() < 0.1 * forces.max()
