@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#define DEEP 0.25  /* of the radius: an object deeper in the free plate approaches it in steps [-] */
+#define DEEP 0.2   /* of the radius: an object deeper in the free plate approaches it in steps [-] */
 
 typedef double vector[3];
 
