@@ -10,6 +10,7 @@ from studies.axes import large_letters, logarithmic
 from studies.sections import DOCS
 
 ESTIMATES, ERRORS = (1e-3, 0.1), (1e-5, 0.1)  # ends of the axes [N]
+FIRM = 0.1  # force from which relative errors are listed apart [N]
 
 
 def prepare(found: dict, folder: Path) -> dict:
@@ -27,4 +28,9 @@ def prepare(found: dict, folder: Path) -> dict:
     axes.legend(loc="upper left")
     figure.savefig(DOCS / "coverage.png", dpi=120)
     plt.close(figure)
-    return {}
+    return {"largest": {kind: largest(row["contact_force"]) for kind, row in found["coverage"].items()}}
+
+
+def largest(force: dict) -> float:
+    """The largest relative error of contact forces above FIRM [-]."""
+    return max(error / size for error, size in zip(force["error"], force["size"], strict=True) if size > FIRM)
