@@ -59,7 +59,7 @@ out/tests/finer.ready: out/tests/ready
 readme: demo
 	docker/run python3 studies/readme.py out/demo
 
-# rom/finger.h5, the bundled finger: rod elements, trained in some 100 core-seconds; every state begins at the same one on a
+# rom/finger.h5, the bundled finger: rod elements, trained in some 270 core-seconds; every state begins at the same one on a
 # coarse mesh. 24 states of a finer mesh correct them, and 60 others measure errors and estimates, most of the time; it resumes.
 SNAPSHOTS = docker/run mpirun -n 2 python3 -m fingerfem snapshots
 model:
