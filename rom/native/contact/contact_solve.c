@@ -18,6 +18,7 @@
 #define SHORTER 0.8     /* a step longer than this times the last one halves the damping factor, others double it [-] */
 #define SHORTEST 0.1    /* least damping factor [-] */
 #define STEPS 4         /* steps of an object's approach, at first */
+#define MOST_STEPS 64   /* of an approach without failures: an object much smaller than its depth gets longer steps */
 #define HALVINGS 10     /* least step of an approach: the first one halved so often */
 #define EVALUATIONS 500 /* most evaluations of the map for one answer */
 #define FEWER 120       /* the same near rubber, where each takes longer; what is not found by then cuts the clamp */
@@ -142,7 +143,8 @@ static int far_beyond(const contact_problem *problem, const contact_state *state
 static int approach(const contact_problem *problem, double touch, double d, double most, contact_state *state)
 {
     int evaluations = 0;
-    double at = touch, size = fmax((d - touch) / STEPS, -most);
+    const double longest = fmax(most, (touch - d) / MOST_STEPS);
+    double at = touch, size = fmax((d - touch) / STEPS, -longest);
     const double least = fabs(size) / (1 << HALVINGS);
     chain_rods *map = problem->map;
     chain_place bodies[MOST_BODIES];
@@ -166,7 +168,7 @@ static int approach(const contact_problem *problem, double touch, double d, doub
         /* converged: a step 1.5 times as long is next; give up far beyond the trained loads */
         if (used > 0) {
             at = next;
-            size = fmax(1.5 * size, -most);
+            size = fmax(1.5 * size, -longest);
             if (state->at.slices && far_beyond(problem, state)) return -evaluations;
             continue;
         }

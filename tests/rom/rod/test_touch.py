@@ -423,3 +423,13 @@ def test_a_corner_deep_in_a_box_leaves_it_by_the_side_where_it_entered(entered):
     forces = answers.out[answers.inside, 3]
     assert len(forces) > 40
     assert np.abs(np.diff(forces, 2)).max() < 0.1 * forces.max()
+
+
+@pytest.mark.parametrize("radius", [1e-9, 1e-6, 1e-3, 1.0, 1e3])
+def test_a_ball_of_any_size_deep_in_the_plate_takes_a_bounded_number_of_evaluations(radius):
+    """Steps of the approach are limited by the radius, but not without end."""
+    finger = TouchedSegment.load().rod
+    ball = Sphere(centre=(0.04, -radius, 0.0), radius=radius, direction=(0, 1, 0), distances=(-0.1, 0.1))
+    model = TouchedSegment(rod=finger, obstacle=ball)
+    answers = model.answers(np.array([40.0, 10.0, model.outputs(np.array([[40.0, 10.0, 0.1]]))[0, 4] - 3e-3]))
+    assert 0 < np.abs(answers.evaluations[0]) < 1000
