@@ -124,7 +124,7 @@ class Continuation:
 
         Args:
             tensions: shape (tendons,) [N].
-            distance: of the obstacle [m]; None if there is none.
+            distance: of the obstacle [m]; None without an obstacle.
             wrenches: on the plates in their own frames, shape (plates, 6) [N, N m]; None takes them away.
 
         Raises:

@@ -14,7 +14,8 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 Factors = list[np.ndarray]  # of a sum of products, shapes (n_0, terms), (n_1, terms), ...
-GROWN = 10.0  # size of a term over that of the tensor, beyond which terms grow against each other without end
+GROWN = 10.0  # largest size of a term over that of the tensor: where no best approximation exists, terms grow without
+# bound (de Silva, Lim, SIAM J. Matrix Anal. Appl. 30, 2008, doi:10.1137/06066518X)
 ALTERNATIONS = 30  # most rounds over the directions for one new term
 ROUNDS = 20  # in which missing derivatives follow the others; two make the damping vanish
 TINY = np.finfo(float).tiny

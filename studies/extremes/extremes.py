@@ -32,7 +32,7 @@ PULL, DISTANCE = [50.0], 0.010  # usual tension [N] and distance of the plane [m
 
 
 class Refused(Exception):
-    """A result that reports why it is none."""
+    """A refusal with its reason, in place of a result."""
 
 
 def judged(extreme: str, case: str, reference: str, bound: float, error: Callable[[], float]) -> dict[str, Any]:
