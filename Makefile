@@ -52,7 +52,7 @@ out/tests/ready:
 
 out/tests/finer.ready: out/tests/ready
 	sed -e 's/cells = \[20, 5\]/cells = [10, 5]/' -e 's/order = 1/order = 2/' out/tests/draft.toml > out/tests/finer.toml
-	docker/run mpirun -n 2 python3 -m fingerfem snapshots out/tests/finer.toml out/tests/finer --random 8 --seed 2019 --near out/tests/training
+	docker/run mpirun -n 2 python3 -m fingerfem snapshots out/tests/finer.toml out/tests/finer --random 16 --seed 2019 --near out/tests/training
 	touch $@
 
 # README's numbers and picture, from the last demo.
