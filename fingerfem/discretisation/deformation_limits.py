@@ -37,7 +37,8 @@ class DeformationLimits:
         F = kinematics.deformation_gradient(u)
         self._ratio = form_cache.expression(ufl.det(F), CORNERS)
         self._pressed = form_cache.expression(ufl.det(F), gauss(degree - 1)[0]) if law.is_mixed else None
-        self._strain = form_cache.expression(F.T * F, gauss(degree)[0]) if law.smallest_stretch else None
+        is_limited = law.limits != (0.0, np.inf) or law.stretches is not None
+        self._strain = form_cache.expression(F.T * F, gauss(degree)[0]) if is_limited else None
 
     def _smallest(self, values: np.ndarray) -> float:
         return float(self._comm.allreduce(values.min() if values.size else np.inf, op=MPI.MIN))
@@ -53,21 +54,28 @@ class DeformationLimits:
         rubber = self._smallest(self._pressed.eval(self._mesh, self._rubber))
         return min(rubber, self._smallest(self._ratio.eval(self._mesh, self._others)))
 
-    def smallest_stretch(self) -> float:
-        """The least principal stretch at the rubber's points of integration [-]; inf of a law without a limit."""
+    def extreme_stretches(self) -> tuple[float, float] | None:
+        """Least and largest principal stretch at the rubber's points of integration [-].
+
+        None of a law without limits that names no stretches of its data.
+        """
         if self._strain is None:
-            return np.inf
-        C = self._strain.eval(self._mesh, self._rubber).reshape(-1, 3, 3)
-        return float(np.sqrt(max(self._smallest(np.linalg.eigvalsh(C)), 0.0)))
+            return None
+        C = np.linalg.eigvalsh(self._strain.eval(self._mesh, self._rubber).reshape(-1, 3, 3))
+        return np.sqrt(max(self._smallest(C), 0.0)), np.sqrt(max(-self._smallest(-C), 0.0))
 
     def exceeded(self) -> str | None:
         """The limit that the deformation exceeds, as a reason; None if it exceeds none."""
         if not self.smallest_of_cells() > 0:
             return "a cell is turned inside out"
-        stretch, least = self.smallest_stretch(), self._law.smallest_stretch
-        if stretch < least:
-            return (
-                f"the rubber is compressed to a stretch of {stretch:.4f}, below {least:.4f}, where its law loses its "
-                "stiffness; use the law neo-hookean for such compression"
-            )
+        if self._law.limits == (0.0, np.inf):
+            return None
+        least, most = self._law.limits
+        for kind, stretch in zip(("compressed", "extended"), self.extreme_stretches() or (), strict=False):
+            if not least <= stretch <= most:
+                bound = f"below {least:.4f}" if stretch < least else f"above {most:.4f}"
+                return (
+                    f"the rubber is {kind} to a stretch of {stretch:.4f}, {bound}, where its law has no answer; "
+                    "use the law neo-hookean or yeoh for such stretches"
+                )
         return None

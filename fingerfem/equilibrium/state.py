@@ -38,6 +38,8 @@ class State:
         plate_motion: their derivatives by all parameters, see equilibrium.sensitivities.
         energy: total potential [J], without that of wrenches, which have none.
         smallest_volume_ratio: min J that the law sees [-]: of the mixed form at the points of its pressure.
+        stretches: least and largest principal stretch of the rubber [-], if the law names those of its data.
+        beyond_data: whether they exceed the data's, so that the law is a guess there; None without such a range.
         self_intersecting: whether the surface passes through itself, which the model does not prevent.
         stable: whether the potential has a minimum here, by the signs of the factorised tangent, against motions of the
             whole finger; None if sensitivities were not asked for.
@@ -66,6 +68,8 @@ class State:
     plate_motion: np.ndarray | None = None
     energy: float
     smallest_volume_ratio: float
+    stretches: list[float] | None = None
+    beyond_data: bool | None = None
     self_intersecting: bool
     stable: bool | None = None
     sensitivities: dict[str, dict[str, Any]] | None = None
@@ -127,6 +131,7 @@ def observe(
         channel_shortening=dict(zip(names, channel_shortening(problem).tolist(), strict=True)),
         energy=problem.energy(),
         smallest_volume_ratio=problem.smallest_volume_ratio(),
+        **_stretches(problem),
         self_intersecting=self_intersecting,
         **(_sensitivities(continuation) if sensitivities else {}),
         newton_iterations=continuation.iterations,
@@ -135,6 +140,14 @@ def observe(
         seconds=seconds,
         unknowns=problem.unknowns,
     )
+
+
+def _stretches(problem: Problem) -> dict[str, Any]:
+    """How far the rubber is stretched, and whether that is beyond the data of its law."""
+    data, found = problem.law.stretches, problem.limits.extreme_stretches()
+    if data is None or found is None:
+        return {}
+    return {"stretches": list(found), "beyond_data": not (data[0] <= found[0] and found[1] <= data[1])}
 
 
 def _plates(problem: Problem) -> dict[str, Any]:

@@ -25,6 +25,10 @@ def tables(found: Mapping[str, Any]) -> list[Table | str]:
     loads = [row(name, value, unit_of(name)) for name, value in found["parameters"].items()]
     answer = components("tip", found["tip"], "m")
     answer += [row(name.replace("_", " "), found[name], unit) for name, unit in UNITS.items() if name in found]
+    answer += [
+        row(f"{name} principal stretch", value, "-")
+        for name, value in zip(("least", "largest"), found.get("stretches", ()), strict=False)
+    ]
     answer += components("clamp reaction", found["clamp_reaction"], "N")
     answer += [row(f"{name} shortened by", value, "m") for name, value in found["channel_shortening"].items()]
     parts: list[Table | str] = [quantities(loads, "loads"), quantities(answer, "equilibrium")]

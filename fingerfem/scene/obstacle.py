@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from fingerfem.scene.laws import SceneTable
+from fingerfem.scene.scene_table import SceneTable
 from fingerfem.scene.tables import Length, Pad
 
 Distance = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]

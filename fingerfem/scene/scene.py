@@ -6,10 +6,10 @@ import hashlib
 import json
 from typing import Annotated, Any
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import Field, SerializeAsAny, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
 
 from fingerfem.scene.grid_lines import fitting, grid_lines
-from fingerfem.scene.laws import Law, MooneyRivlin, NeoHookean, SaintVenantKirchhoff
+from fingerfem.scene.laws import REGISTERED, Law
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.presets import KEYS, chosen
 from fingerfem.scene.tables import Coarse, Expected, Geometry, GridOutline, Load, Mesh, Sampling, SceneTable, Tendon
@@ -34,13 +34,25 @@ class Scene(SceneTable):
     preset: str | None = None
     expected: Expected | None = None
     geometry: Geometry
-    material: Annotated[NeoHookean | MooneyRivlin | SaintVenantKirchhoff, Field(discriminator="law")]
+    material: SerializeAsAny[Law]
     tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
     obstacle: Obstacle | None = None
     load: Load | None = None
     mesh: Mesh
     coarse: Coarse | None = None
     sampling: Sampling = Sampling()
+
+    @field_validator("material", mode="wrap")
+    @classmethod
+    def _by_law(cls, table: Any, check: Any) -> Law:
+        if isinstance(table, Law) or not isinstance(table, dict):
+            return check(table)
+        name = table.get("law")
+        if name is None:
+            raise ValueError("law is required and missing")
+        if name not in REGISTERED:
+            raise ValueError(f"law must be {' or '.join(map(repr, REGISTERED))}, got {name!r}")
+        return REGISTERED[name].model_validate(table)
 
     @model_validator(mode="before")
     @classmethod

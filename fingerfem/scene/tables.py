@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from fingerfem.scene.laws import SceneTable
+from fingerfem.scene.scene_table import SceneTable
 from rom.dataset import geometry
 from rom.dataset.grid import SHARE
 

@@ -21,7 +21,8 @@ from rom.file_kinds import uses_of
 NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
 MOST_SEGMENTS = 8
 # Powers of a modulus that a law's constants go with: 1 [Pa], -1 [1/Pa]; others have no unit.
-MODULI = {"C1": 1, "C10": 1, "C01": 1, "D1": -1, "E": 1}
+MODULI = {"C1": 1, "C2": 1, "C3": 1, "C10": 1, "C01": 1, "mu": 1, "D1": -1, "E": 1}
+PLAIN = ("nu", "alpha")  # constants without a unit
 
 
 @brief
@@ -138,20 +139,23 @@ def _modulus(trained: Mapping[str, Any], material: Mapping[str, Any]) -> float:
     law, other = (one.get("law", "neo-hookean") for one in (material, trained))
     if law != other:
         raise ModelError(f"material.law must be {other}, the elements' own, got {law}")
-    constants = [name for name in trained if name in MODULI or name == "nu"]
+    constants = [name for name in trained if name in MODULI or name in PLAIN]
     if missing := [name for name in constants if name not in material]:
         raise ModelError(f"material.{missing[0]} must be given, got none")
-    first = next(name for name in constants if MODULI.get(name) == 1)
+    own, others = ({name: np.atleast_1d(one[name]) for name in constants} for one in (material, trained))
     for name in constants:
-        if not isinstance(material[name], (int, float)) or not np.isfinite(material[name]):
+        if own[name].dtype.kind not in "if" or not np.isfinite(own[name]).all():
             raise ModelError(f"material.{name} must be a finite number, got {material[name]!r}")
-    modulus = material[first] / trained[first]
+        if own[name].shape != others[name].shape:
+            raise ModelError(f"material.{name} must have {others[name].size} numbers, got {own[name].size}")
+    first = next(name for name in constants if MODULI.get(name) == 1)
+    modulus = float(own[first][0] / others[first][0])
     if not 0 < modulus < np.inf:
-        raise ModelError(f"material.{first} must be above 0, got {material[first]:g}")
+        raise ModelError(f"material.{first} must be above 0, got {material[first]}")
     for name in constants:
-        wanted = trained[name] * modulus ** MODULI.get(name, 0)
-        _equal(f"material.{name} (with {first} = {material[first]:g})", material[name], wanted)
-    return float(modulus)
+        for value, wanted in zip(own[name], others[name] * modulus ** MODULI.get(name, 0), strict=True):
+            _equal(f"material.{name} (with {first} = {own[first][0]:g})", value, wanted)
+    return modulus
 
 
 def _equal(name: str, value: float, wanted: float) -> None:

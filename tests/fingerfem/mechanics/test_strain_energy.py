@@ -8,13 +8,15 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from fingerfem.mechanics.strain_energy import energy, of_strain, parts, stress
-from fingerfem.scene.laws import MooneyRivlin, NeoHookean, SaintVenantKirchhoff, neo_hookean_from
+from fingerfem.mechanics.strain_energy import elasticity, energy, of_strain, parts, stress
+from fingerfem.scene.laws import MooneyRivlin, NeoHookean, Ogden, SaintVenantKirchhoff, Yeoh, neo_hookean_from
 
 PAPER = NeoHookean(C1=1.9e6, D1=2.43e-7)
 LAWS = [
     PAPER,
     MooneyRivlin(C10=1.5e6, C01=0.4e6, D1=2.43e-7),
+    Yeoh(C1=1.9e6, C2=0.3e6, C3=0.02e6, D1=2.43e-7),
+    Ogden(mu=[2.6e6, -0.2e6], alpha=[2.5, -1.3], D1=2.43e-7),
     SaintVenantKirchhoff(E=9.88e6, nu=0.3),
 ]
 every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.law)
@@ -25,11 +27,15 @@ def value(law, C: np.ndarray) -> float:
 
 
 def second_piola(law, C: np.ndarray) -> np.ndarray:
-    S = stress(energy(law), ufl.as_matrix(C.tolist()))
-    S = ufl.algorithms.apply_derivatives.apply_derivatives(
-        ufl.algorithms.apply_algebra_lowering.apply_algebra_lowering(S)
-    )
+    S = lowered(stress(energy(law), ufl.as_matrix(C.tolist())))
     return np.array([[float(S[i, j](())) for j in range(3)] for i in range(3)])
+
+
+def lowered(expression):
+    """An expression that may be evaluated."""
+    return ufl.algorithms.apply_derivatives.apply_derivatives(
+        ufl.algorithms.apply_algebra_lowering.apply_algebra_lowering(expression)
+    )
 
 
 def stretched(seed: int) -> np.ndarray:
@@ -69,6 +75,16 @@ def test_energy_does_not_see_rotations(law, seed):
 
 
 @every_law
+def test_elasticity_is_the_second_derivative_of_the_energy(law):
+    C, H, h = stretched(4).T @ stretched(4), stretched(5).T @ stretched(5), 1e-4
+    tensor = elasticity(energy(law), ufl.as_matrix(C.tolist()))
+    along = ufl.as_matrix(H.tolist())
+    found = float(lowered(ufl.inner(tensor, ufl.outer(along, along)))(()))
+    behind, here, ahead = (value(law, C + step * H) for step in (-h, 0.0, h))
+    assert found == pytest.approx(4 * (behind - 2 * here + ahead) / h**2, rel=1e-5)
+
+
+@every_law
 @pytest.mark.parametrize("seed", range(3))
 def test_stress_is_the_derivative_of_the_energy(law, seed):
     C, h = stretched(seed).T @ stretched(seed), 1e-5
@@ -93,7 +109,7 @@ def test_small_strain_follows_hooke_with_the_laws_own_moduli(law):
     assert second_piola(law, shear)[0, 1] == pytest.approx(law.shear_modulus * strain, rel=1e-3)
 
 
-@pytest.mark.parametrize("law", LAWS[:2], ids=lambda law: law.law)
+@pytest.mark.parametrize("law", LAWS[:3], ids=lambda law: law.law)
 @pytest.mark.parametrize("seed", range(20))
 def test_polyconvex_laws_are_convex_along_rank_one_lines(law, seed):
     """Legendre-Hadamard, which polyconvexity implies, at states far from rest."""
@@ -108,7 +124,7 @@ def test_polyconvex_laws_are_convex_along_rank_one_lines(law, seed):
 
 def test_a_law_splits_into_two_parts_that_make_the_whole():
     C = ufl.as_matrix((stretched(1).T @ stretched(1)).tolist())
-    for law in LAWS[:2]:
+    for law in LAWS[:4]:
         distortional, volumetric = parts(law)
         J = ufl.sqrt(ufl.det(C))
         assert float((distortional(C) + volumetric(J))(())) == pytest.approx(float(energy(law)(C)(())), rel=1e-14)
@@ -125,6 +141,14 @@ def test_the_part_beside_the_pressure_s_resists_no_small_change_of_volume(C01):
 
     assert np.abs(swollen(distortional)).max() < 1e-8
     assert np.diff(swollen(of_strain(volumetric)), 2)[0] / 1e-6 == pytest.approx(2e9 + 16 / 3 * C01, rel=1e-5)
+
+
+@pytest.mark.parametrize("alpha", [2.0, -2.0, 1.3, 9.4, -3.7])
+def test_ogden_s_energy_is_that_of_its_stretches(alpha):
+    law, F = Ogden.model_construct(law="ogden", mu=[1e6], alpha=[alpha], D1=1e-7), stretched(3)
+    stretches, J = np.linalg.svd(F)[1], np.linalg.det(F)
+    expected = 1e6 / alpha * (((stretches / J ** (1 / 3)) ** alpha).sum() - 3) + (J - 1) ** 2 / 1e-7
+    assert value(law, F.T @ F) == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize(

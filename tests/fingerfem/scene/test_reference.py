@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from fingerfem.scene.laws import SceneTable
+from fingerfem.scene.scene_table import SceneTable
 from fingerfem.scene.scene import Scene
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "reference" / "scene.md"

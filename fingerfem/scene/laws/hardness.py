@@ -1,0 +1,59 @@
+"""Constants by Young's modulus and Poisson's ratio, or by Shore's hardness A, which estimates the modulus."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+SHORE_A = (20.0, 80.0)  # where the estimate is usual
+RUBBER = 0.499  # Poisson's ratio of a rubber that is given by its hardness alone [-]
+SPREAD = 2.0  # between the estimate and measured moduli of rubbers of one hardness, either way, see docs/theory [-]
+
+
+def modulus_of_shore_a(hardness: float) -> float:
+    """Young's modulus of a hardness Shore A [Pa].
+
+    E = 0.0981 (56 + 7.62336 S) / (0.137505 (254 - 2.54 S)) MPa: Gent, Rubber Chem. Technol. 31, 1958,
+    doi:10.5254/1.3542351, from the indentation of an elastic half-space.
+
+    Raises:
+        ValueError: outside SHORE_A.
+    """
+    low, high = SHORE_A
+    if not low <= hardness <= high:
+        raise ValueError(f"shore_A must be from {low:g} to {high:g}, got {hardness}; measure E, or fit-material")
+    return 0.0981e6 * (56 + 7.62336 * hardness) / (0.137505 * (254 - 2.54 * hardness))
+
+
+def with_modulus(table: dict[str, Any], constants: Callable[[float, float, dict[str, Any]], dict[str, Any]]) -> Any:
+    """A law's table with the constants that E and nu, or shore_A, stand for; unchanged if it gives neither.
+
+    Raises:
+        ValueError: both, one without the other, or constants beside them.
+    """
+    names = [name for name in ("E", "shore_A") if name in table]
+    if not names or not constants(1.0, 1.0, table):
+        return table
+    rest = {key: value for key, value in table.items() if key not in ("E", "shore_A", "nu")}
+    if len(names) > 1:
+        raise ValueError(f"E must be left out beside shore_A, got {table['E']}")
+    if any(not isinstance(table.get(name, 0.0), (int, float)) for name in (*names, "nu")):
+        raise ValueError(f"{names[0]} and nu must be numbers, got {table[names[0]]!r} and {table.get('nu')!r}")
+    if names == ["E"]:
+        young, nu = table["E"], table.get("nu")
+        if nu is None:
+            raise ValueError(f"nu must be given beside E, got E = {young}")
+    else:
+        young, nu = modulus_of_shore_a(table["shore_A"]), table.get("nu", RUBBER)
+        warnings.warn(
+            f"material.shore_A = {table['shore_A']:g} gives E = {young / 1e6:.3g} MPa; measured moduli differ from such "
+            f"estimates by a factor of up to {SPREAD:g}: python3 -m fingerfem fit-material fits a law to a test",
+            stacklevel=2,
+        )
+    if not (young > 0 and 0 <= nu < 0.5):
+        raise ValueError(f"E must be above 0 Pa and nu from 0 to below 0.5, got {young} and {nu}")
+    found = constants(young / (2 + 2 * nu), young / (3 - 6 * nu), rest)
+    if double := found.keys() & rest.keys():
+        raise ValueError(f"{min(double)} must be left out beside {names[0]}, got {rest[min(double)]}")
+    return rest | found

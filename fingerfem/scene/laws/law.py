@@ -1,0 +1,138 @@
+"""A law of the rubber: its constants and its energy, in formulas that UFL and NumPy share."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from fingerfem.scene.laws.formula import Invariants, Maths
+from fingerfem.scene.laws.hardness import with_modulus
+from fingerfem.scene.laws.stability import first_loss
+from fingerfem.scene.scene_table import SceneTable
+
+Formulation = Literal["displacement", "mixed"]
+Stretch = Annotated[float, Field(gt=0.05, lt=20)]  # [-]
+NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which displacements alone begin to lock
+# Principal stretches between which a law is stable if its data have no range [-]. The draft finger, bent by 100 N on
+# one tendon, has 0.72 to 1.15.
+USUAL_STRETCHES = (0.7, 1.5)
+REGISTERED: dict[str, type[Law]] = {}  # by name
+
+
+def registered(law: type[Law]) -> type[Law]:
+    """A decorator: scenes may name this law, by the default of its key `law`."""
+    REGISTERED[law.model_fields["law"].default] = law
+    return law
+
+
+class Law(SceneTable, ABC):
+    """An isotropic law W(I1, I2, J) + U(J), where U alone grows without bound as the rubber becomes incompressible.
+
+    A scene may give E [Pa] or the hardness shore_A, and nu, in place of the constants of small strain.
+
+    Attributes:
+        law: its name.
+        formulation: `mixed` takes a pressure for an unknown of its own; chosen by Poisson's ratio if left out.
+        stretches: lowest and highest principal stretch of the data that the constants were fitted to [-]. The law must
+            be stable between them. A state beyond them is marked.
+    """
+
+    law: str
+    formulation: Formulation | None = None
+    stretches: Annotated[list[Stretch], Field(min_length=2, max_length=2)] | None = None
+
+    @property
+    @abstractmethod
+    def shear_modulus(self) -> float:
+        """Mu [Pa], at small strain."""
+
+    @property
+    @abstractmethod
+    def bulk_modulus(self) -> float:
+        """K [Pa], at small strain."""
+
+    @abstractmethod
+    def distortional(self, strain: Invariants, maths: Maths) -> Any:
+        """W(I1, I2, J) [J/m^3], which resists no small change of volume; without U, the whole energy."""
+
+    def volumetric(self, J: Any, maths: Maths) -> Any | None:
+        """U(J) [J/m^3]; None of a law without such a part."""
+        return None
+
+    @classmethod
+    def constants(cls, mu: float, K: float, given: dict[str, Any]) -> dict[str, Any]:
+        """The constants with these moduli [Pa] beside the given ones; empty if a law has no such constants."""
+        return {}
+
+    @property
+    def is_always_stable(self) -> bool:
+        """Whether stability needs no check: of polyconvex energies."""
+        return False
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Principal stretches beyond which the law has no answer [-]."""
+        return 0.0, np.inf
+
+    @property
+    def young_modulus(self) -> float:
+        """E = 9 K mu / (3 K + mu) [Pa], at small strain."""
+        mu, K = self.shear_modulus, self.bulk_modulus
+        return 9 * K * mu / (3 * K + mu)
+
+    @property
+    def poisson(self) -> float:
+        """Nu = (3 K - 2 mu) / (6 K + 2 mu) [-], at small strain."""
+        mu, K = self.shear_modulus, self.bulk_modulus
+        return (3 * K - 2 * mu) / (6 * K + 2 * mu)
+
+    @property
+    def p_wave_modulus(self) -> float:
+        """M = K + 4/3 mu [Pa], of uniaxial strain."""
+        return self.bulk_modulus + 4 / 3 * self.shear_modulus
+
+    @property
+    def is_mixed(self) -> bool:
+        """Whether the pressure is an unknown of its own."""
+        return (self.formulation or ("mixed" if self.poisson > NEARLY_INCOMPRESSIBLE else "displacement")) == "mixed"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_modulus(cls, table: Any) -> Any:
+        return with_modulus(table, cls.constants) if isinstance(table, dict) else table
+
+    @model_validator(mode="after")
+    def _has_moduli(self) -> Law:
+        if not min(self.shear_modulus, self.bulk_modulus) > 0:
+            raise ValueError(
+                "law must have a shear and a bulk modulus above 0 Pa at small strain, "
+                f"got {self.shear_modulus:.3g} and {self.bulk_modulus:.3g}"
+            )
+        if self.poisson < -1e-9:
+            raise ValueError(
+                "law must have a Poisson's ratio of at least 0, below which coarse cells lock in shear, "
+                f"got {self.poisson:.3g}"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _is_stable(self) -> Law:
+        low, high = self.stretches or USUAL_STRETCHES
+        if not low < 1 < high:
+            raise ValueError(f"stretches must be [lowest, highest] with 1 between them, got {[low, high]}")
+        lost = None if self.is_always_stable else first_loss(self, (low, high))
+        if lost is not None:
+            fixed = {"law", "formulation", "stretches"}
+            own = ", ".join(
+                f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}"
+                for name, value in self
+                if name not in fixed
+            )
+            raise ValueError(
+                f"law must be stable at all stretches from {low:g} to {high:g}, got {own}, "
+                f"which lose stability at {lost[1]:.3f} in {lost[0]} stretch; narrow stretches, or fit the constants anew"
+            )
+        return self

@@ -1,0 +1,72 @@
+"""Ogden's law."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from fingerfem.scene.laws.formula import NUMPY, Invariants, Maths
+from fingerfem.scene.laws.law import Law, registered
+from fingerfem.scene.laws.power_sums import STRETCHES, power_sum
+
+MOST_TERMS = 4
+
+
+@registered
+class Ogden(Law):
+    """W = sum_p mu_p / alpha_p (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3) + (J - 1)^2 / D1, with l_i the isochoric stretches.
+
+    Ogden, Proc. R. Soc. Lond. A 326, 1972, doi:10.1098/rspa.1972.0026; mu_p [Pa], alpha_p [-], D1 [1/Pa]. Abaqus has
+    2 mu_p / alpha_p^2 in place of mu_p / alpha_p. The powers are exact to 2e-8 between stretches of 0.2 and 5, see
+    `power_sums`; states beyond are refused.
+    """
+
+    law: Literal["ogden"] = "ogden"
+    mu: Annotated[list[Annotated[float, Field(ge=-1e12, le=1e12)]], Field(min_length=1, max_length=MOST_TERMS)]
+    alpha: Annotated[list[Annotated[float, Field(ge=-30, le=30)]], Field(min_length=1, max_length=MOST_TERMS)]
+    D1: Annotated[float, Field(ge=1e-13, le=1e-2)]
+
+    @model_validator(mode="after")
+    def _has_pairs(self) -> Ogden:
+        if len(self.mu) != len(self.alpha):
+            raise ValueError(f"alpha must have as many numbers as mu ({len(self.mu)}), got {len(self.alpha)}")
+        if min(map(abs, self.alpha)) < 1e-2:
+            raise ValueError(f"alpha must be at least 0.01 in size, got {min(self.alpha, key=abs)}")
+        return self
+
+    def distortional(self, strain: Invariants, maths: Maths) -> Any:
+        """The sum of powers of the isochoric stretches [J/m^3]."""
+        I1bar, I2bar = strain.I1bar, strain.I2bar
+        return sum(
+            maths.number(mu / alpha)
+            * (power_sum(alpha / 2, I1bar, I2bar, maths) - maths.number(power_sum(alpha / 2, 3.0, 3.0, NUMPY)))
+            for mu, alpha in zip(self.mu, self.alpha, strict=True)
+        )
+
+    def volumetric(self, J: Any, maths: Maths) -> Any:
+        """(J - 1)^2 / D1 [J/m^3]."""
+        return (J - 1) ** 2 / maths.number(self.D1)
+
+    @classmethod
+    def constants(cls, mu: float, K: float, given: dict[str, Any]) -> dict[str, Any]:
+        """Mu of one term, by its alpha, and D1."""
+        alpha = given.get("alpha", [0.0])
+        if not (isinstance(alpha, list) and len(alpha) == 1 and isinstance(alpha[0], (int, float)) and alpha[0]):
+            raise ValueError(f"alpha must be one number beside a modulus, [-] in brackets, got {given.get('alpha')}")
+        return {"mu": [2 * mu / alpha[0]], "D1": 2 / K}
+
+    @property
+    def shear_modulus(self) -> float:
+        """Mu = sum_p mu_p alpha_p / 2 [Pa]."""
+        return sum(mu * alpha for mu, alpha in zip(self.mu, self.alpha, strict=False)) / 2
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K = 2 / D1 [Pa]."""
+        return 2 / self.D1
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Where fractional powers are exact [-]."""
+        return STRETCHES
