@@ -30,6 +30,10 @@ KINDS: dict[str, dict[str, Any]] = {
     "smallest": {},
     "mooney-rivlin": {"material": {"law": "mooney-rivlin", "C10": 1e6, "C01": 1e5, "D1": 2.43e-7}},
     "saint-venant-kirchhoff": {"material": {"law": "saint-venant-kirchhoff", "E": 1e7, "nu": 0.3}},
+    "yeoh": {"material": {"law": "yeoh", "C1": 1e6, "D1": 2.43e-7}},
+    "ogden": {"material": {"law": "ogden", "mu": [1e6], "alpha": [1.3], "D1": 2.43e-7}},
+    "moduli": {"material": {"law": "yeoh", "E": 1e7, "nu": 0.3}},
+    "hardness": {"material": {"law": "yeoh", "shore_A": 30.0}},
     "plane": {"obstacle": PLANE},
     "pad": {"obstacle": PLANE | {"pad": PAD}},
     "tilted plane": {"obstacle": PLANE | {"centre": [0.05, 0.02, 0.0]}},
@@ -45,6 +49,9 @@ KINDS: dict[str, dict[str, Any]] = {
 ADDED: dict[str, tuple[str, Any]] = {
     "geometry.channel": ("smallest", 0.002),
     "geometry.taper": ("smallest", [0.9]),
+    "material.C2": ("yeoh", 1e4),
+    "material.C3": ("yeoh", 1e3),
+    "material.stretches": ("smallest", [0.6, 2.0]),
     "material.formulation": ("smallest", "mixed"),
     "tendons.path": ("smallest", "straight"),
     "obstacle.shape": ("plane", "plane"),
@@ -110,7 +117,7 @@ def test_a_key_that_the_page_calls_required_is_refused_where_it_is_missing(key):
         whole = scene(kind)
         table, name = table_of(whole, key)
         del table[name]
-        with pytest.raises(ValidationError, match=r"[Ff]ield required|must be given|Unable to extract tag"):
+        with pytest.raises(ValidationError, match=r"[Ff]ield required|must be given|is required and missing"):
             Scene.model_validate(whole)
 
 
