@@ -20,6 +20,7 @@ from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, qua
 from fingerfem.discretisation.mesh import build_mesh, section_sizes
 from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
 from fingerfem.discretisation.tangent import Tangent, VolumeTangent
+from fingerfem.discretisation.weight import weight_forces
 from fingerfem.mechanics import contact, obstacles
 from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene import grid_lines
@@ -67,6 +68,8 @@ class Problem(Assembly):
         self._tangent = self.tangent_with(self.supports)
         self.tensions = np.zeros(len(scene.tendons))
         self.distance: float | None = None  # None: the plane is away
+        self.weight = 1.0  # share of the weight that acts [-]
+        self._weight = None if scene.gravity is None else weight_forces(self, self.mesh, scene.gravity, degree)
         self.plates = PlateLoads(scene, self.mesh, self.space) if scene.load is not None else None
         self.wrenches = np.zeros((len(scene.geometry.segments), 6))
         self._tip_volume = float(np.prod(2 * scene.geometry.half_lengths[-1]))
@@ -110,19 +113,20 @@ class Problem(Assembly):
         supports.append(fem.dirichletbc(0.0, across, self.space.sub(2)))
         return supports, clamped, np.union1d(clamped, across[across < 3 * owned])
 
-    # -- the state it is in ------------------------------------------------------------------------------------------
-
     @property
     def displacement(self) -> np.ndarray:
         """Nodal displacements of this rank, ghosts included, shape (3 nodes,) [m]; a view."""
         return self.fields.u.x.array
 
-    def set_loads(self, tensions: ArrayLike, distance: float | None, wrenches: ArrayLike | None = None) -> None:
-        """Set tensions [N], shape (tendons,), the obstacle's distance [m] (None: it is away), and wrenches.
+    def set_loads(
+        self, tensions: ArrayLike, distance: float | None, wrenches: ArrayLike | None = None, weight: float = 1.0
+    ) -> None:
+        """Set tensions [N], shape (tendons,), the obstacle's distance [m] (None: it is away), wrenches and weight.
 
-        A wrench is a force and a moment about a plate's centre, in the plate's frame, shape (plates, 6) [N, N m].
+        A wrench is a force and a moment about a plate's centre, in the plate's frame, shape (plates, 6) [N, N m]. The
+        weight is a share of the scene's [-].
         """
-        self.tensions, self.distance = np.array(tensions, float), distance
+        self.tensions, self.distance, self.weight = np.array(tensions, float), distance, weight
         self.wrenches[:] = 0.0 if wrenches is None else wrenches
         self._spread(self.tensions, self.fields.tension_density)
         self.fields.distance.value = FAR if distance is None else distance
@@ -143,8 +147,6 @@ class Problem(Assembly):
         """E a^2 [N]: what a force is small or large against."""
         return self.law.young_modulus * self.scene.geometry.side**2
 
-    # -- assembly ----------------------------------------------------------------------------------------------------
-
     def residual(self) -> tuple[PETSc.Vec, np.ndarray]:
         """Residual R(u) [N], zero where held, and the clamp's force on the finger, shape (3,) [N].
 
@@ -153,6 +155,8 @@ class Problem(Assembly):
         b = self.vector(self.forms.residual, None if self.contact is None else self.contact.spring_forces())
         if self.plates is not None and self.wrenches.any():
             b.array[:] -= self.plates.forces(self.plates.poses(self.displacement), self.wrenches)
+        if self._weight is not None:
+            b.array[:] -= self.weight * self._weight
         reaction = self.copies * self.comm.allreduce(b.array_r[self._clamped].reshape(-1, 3).sum(axis=0))
         if self.scene.is_half:
             reaction[2] = 0.0
@@ -191,7 +195,8 @@ class Problem(Assembly):
         """Total potential [J]."""
         self._spread(self.tensions, self.fields.probe_density)
         forms = [self.forms.strain_energy, self.forms.tendon_energy]
-        return sum(map(self.scalar, forms)) + (0.0 if self.contact is None else self.contact.energy())
+        fallen = 0.0 if self._weight is None else self._weight @ self.displacement[: len(self._weight)]
+        return -self.weight * self.summed(fallen) + sum(map(self.scalar, forms)) + (0.0 if self.contact is None else self.contact.energy())
 
     def tip(self) -> np.ndarray:
         """Displacement of the tip plate's centre, its mean over the plate [m], shape (3,)."""
@@ -228,6 +233,7 @@ class Problem(Assembly):
         distance: float = 0.0,
         wrenches: np.ndarray | None = None,
         carried: np.ndarray | None = None,
+        weight: float = 0.0,
     ) -> PETSc.Vec:
         """Change of the residual with the loads, dR/dF . tensions + dR/dd distance + dR/dw . wrenches [N].
 
@@ -246,10 +252,10 @@ class Problem(Assembly):
             pull.destroy()
         if self.plates is not None and wrenches is not None and wrenches.any():
             b.array[:] -= self.plates.forces(self.plates.poses(self.displacement), wrenches)
-            b.array[self.held] = 0.0
+        if self._weight is not None and weight:
+            b.array[:] -= weight * self._weight
+        b.array[self.held] = 0.0
         return b
-
-    # -- geometry of the deformed finger -----------------------------------------------------------------------------
 
     @cached_property
     def bodies(self) -> list[Body]:

@@ -6,6 +6,7 @@ import contextlib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,12 +39,22 @@ class StepOptions:
     halvings: int = 10
 
 
+class Loads(NamedTuple):
+    """What acts on the finger: tensions [N], d [m], wrenches [N, N m], and the share of its weight [-]."""
+
+    tensions: np.ndarray
+    distance: float | None
+    wrenches: np.ndarray
+    weight: float
+
+
 @dataclass(frozen=True, kw_only=True)
 class Step:
     """A step that began at an equilibrium.
 
     Attributes:
-        load: change of the tensions [N], of the wrenches [N, N m] and of d [m], shape (tensions + 6 plates + 1,).
+        load: change of the tensions [N], of the wrenches [N, N m], of the weight's share [-] and of d [m], shape
+            (tensions + 6 plates + 2,).
         start: owned displacements where it began [m].
         slope: change of displacement that the tangent expects of the step [m].
     """
@@ -90,12 +101,18 @@ class Continuation:
         # A tendon on the axis does not bend the finger but shortens it: the axial strain counts as a rotation.
         self._turn += 1 / (problem.law.young_modulus * geometry.side**2)
         length = geometry.length
+        self._turn_by_weight = 0.0  # [rad]
+        if scene.gravity is not None:
+            heaviest = max(scene.gravity.density, scene.gravity.plate_density) * scene.gravity.acceleration
+            self._turn_by_weight = heaviest * geometry.side**2 * geometry.length**3 / 6 / bending
         self._turn_by_wrench = np.repeat([length**2 / 2, length], 3) / bending  # [rad/N, rad/(N m)]
         self.rest()
 
     def rest(self) -> None:
-        """Back to the undeformed finger without loads."""
+        """Back to the undeformed finger without loads, its weight among them, which the next `advance` adds."""
         self.start(np.zeros(len(self.problem.scene.tendons)), None, np.zeros_like(self.problem.displacement))
+        self.weight = 1.0 if self.problem.scene.gravity is None else 0.0
+        self._set_loads()
 
     def start(
         self,
@@ -105,7 +122,7 @@ class Continuation:
         wrenches: ArrayLike | None = None,
     ) -> None:
         """Take an equilibrium that is known: displacement [m], shape (3 nodes,), and its loads as in `advance`."""
-        self.tensions, self.distance = np.array(tensions, float), distance
+        self.tensions, self.distance, self.weight = np.array(tensions, float), distance, 1.0
         self.wrenches = np.zeros_like(self.problem.wrenches) if wrenches is None else np.array(wrenches, float)
         self.problem.displacement[:] = displacement
         self._set_loads()
@@ -115,7 +132,7 @@ class Continuation:
         self._last: Step | None = None
 
     def _set_loads(self) -> None:
-        self.problem.set_loads(self.tensions, self.distance, self.wrenches)
+        self.problem.set_loads(self.tensions, self.distance, self.wrenches, self.weight)
 
     def advance(self, tensions: ArrayLike, distance: float | None, wrenches: ArrayLike | None = None) -> None:
         """Go in a straight line from the present load to tensions [N], shape (tendons,), and distance [m].
@@ -142,6 +159,7 @@ class Continuation:
             self._linearisation, self._last = None, None
         pressed = np.zeros_like(self.wrenches) if wrenches is None else np.array(wrenches, float)
         origin, origin_distance, origin_wrenches = self.tensions.copy(), self.distance, self.wrenches.copy()
+        origin_weight = self.weight
 
         largest, first = self._sizes(target, distance, pressed)
         fraction, size, failed = 0.0, first, False
@@ -153,12 +171,13 @@ class Continuation:
             ahead = 1.0 if nearly else fraction + share
             goal = target if nearly else origin + ahead * (target - origin)
             goal_wrenches = pressed if nearly else origin_wrenches + ahead * (pressed - origin_wrenches)
+            goal_weight = 1.0 if nearly else origin_weight + ahead * (1.0 - origin_weight)
             goal_distance = distance
             if distance is not None and origin_distance is not None and not nearly:
                 goal_distance = origin_distance + ahead * (distance - origin_distance)
             halvings = int(np.log2(max(first / share, 1.0)) + 0.5)
             try:
-                needed = self._step(goal, goal_distance, goal_wrenches, _strategies(halvings))
+                needed = self._step(Loads(goal, goal_distance, goal_wrenches, goal_weight), _strategies(halvings))
             except NotConverged as failure:
                 if halvings >= self.options.halvings:
                     if comes and not fraction:
@@ -175,19 +194,14 @@ class Continuation:
         """Largest and first step, as fractions of the path."""
         turn = float(np.abs(target - self.tensions) @ self._turn)
         turn += float(np.abs(wrenches - self.wrenches).sum(axis=0) @ self._turn_by_wrench)
+        turn += (1.0 - self.weight) * self._turn_by_weight
         approach = 0.0
         if distance is not None and self.distance is not None:
             approach = abs(distance - self.distance) / (self.options.approach * self.problem.scene.geometry.length)
         first_turn = self.options.first_turn if self._last is None else self.options.turn
         return 1 / max(1.0, turn / self.options.turn + approach), 1 / max(1.0, turn / first_turn + approach)
 
-    def _step(
-        self,
-        tensions: np.ndarray,
-        distance: float | None,
-        wrenches: np.ndarray,
-        strategies: Sequence[Strategy],
-    ) -> int:
+    def _step(self, loads: Loads, strategies: Sequence[Strategy]) -> int:
         """One step, by the first strategy that works; returns the iterations it needed.
 
         Raises:
@@ -197,7 +211,7 @@ class Continuation:
         before = problem.displacement.copy()
         reason = ""
         for strategy in strategies:
-            if strategy == "line search" and wrenches.any():
+            if strategy == "line search" and loads.wrenches.any():
                 continue  # follower loads have no potential to search
             problem.displacement[:] = before
             self._set_loads()
@@ -205,8 +219,8 @@ class Continuation:
             step = None
             if strategy != "line search":
                 with contextlib.suppress(NotConverged):  # where the tangent is singular there is no prediction
-                    step = self._predict(tensions, distance, wrenches)
-            problem.set_loads(tensions, distance, wrenches)
+                    step = self._predict(loads)
+            problem.set_loads(*loads)
             # Without the mixed formulation, the stress at the predicted displacement is an equally good start.
             is_predicted = step is not None and problem.law.is_mixed
             try:
@@ -217,8 +231,8 @@ class Continuation:
                 reason = f"{strategy}: {failure.reason}"
                 continue
             self._hold(False)
-            self.tensions, self.distance, self._last = tensions.copy(), distance, step
-            self.wrenches = wrenches.copy()
+            self.tensions, self.distance, self._last = loads.tensions.copy(), loads.distance, step
+            self.wrenches, self.weight = loads.wrenches.copy(), loads.weight
             self.iterations, self.steps = self.iterations + needed, self.steps + 1
             self._linearisation = linearisation or self._linearisation
             self.strategies[strategy] += 1
@@ -243,20 +257,20 @@ class Continuation:
         self._linearisation = self.newton.linearise()
         return self._linearisation
 
-    def _predict(self, tensions: np.ndarray, distance: float | None, wrenches: np.ndarray) -> Step | None:
+    def _predict(self, loads: Loads) -> Step | None:
         """Move to where the next equilibrium is expected, by the last factorised tangent.
 
         The nodes in contact move with the plane. Where the last step went in the same direction, a cubic goes through
         both its ends and their tangents; a first step follows the tangent alone. Plates move rigidly.
         """
         problem = self.problem
-        moved = 0.0 if distance is None or self.distance is None else distance - self.distance
-        pressed = wrenches - self.wrenches
-        load = np.concatenate([tensions - self.tensions, pressed.ravel(), [moved]])
+        moved = 0.0 if loads.distance is None or self.distance is None else loads.distance - self.distance
+        pulled, pressed, fallen = loads.tensions - self.tensions, loads.wrenches - self.wrenches, loads.weight - self.weight
+        load = np.concatenate([pulled, pressed.ravel(), [fallen, moved]])
         if not load.any():
             return None
         linearisation = self._linearisation or self.linearise()
-        slope = -linearisation.solve(problem.load_gradient(tensions - self.tensions, moved, pressed))
+        slope = -linearisation.solve(problem.load_gradient(pulled, moved, pressed, weight=fallen))
         before = problem.displacement.copy()
         problem.extrapolate_stress(slope)
         step = Step(load=load, start=before[: len(slope)], slope=slope)

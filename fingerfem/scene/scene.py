@@ -12,7 +12,7 @@ from fingerfem.scene.grid_lines import fitting, grid_lines
 from fingerfem.scene.laws import REGISTERED, Law
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.presets import KEYS, chosen
-from fingerfem.scene.tables import Coarse, Expected, Geometry, GridOutline, Load, Mesh, Sampling, SceneTable, Tendon
+from fingerfem.scene.tables import Coarse, Expected, Geometry, Gravity, GridOutline, Load, Mesh, Sampling, SceneTable, Tendon
 
 NOT_OF_THE_FINGER = {"name", "sampling", "expected", "coarse", *KEYS}
 
@@ -36,6 +36,7 @@ class Scene(SceneTable):
     geometry: Geometry
     material: SerializeAsAny[Law]
     tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
+    gravity: Gravity | None = None
     obstacle: Obstacle | None = None
     load: Load | None = None
     mesh: Mesh
@@ -113,8 +114,12 @@ class Scene(SceneTable):
             raise ValueError(f"{where} must be left out where load says what may press, got both")
         if self.obstacle is not None:
             self._check_obstacle(self.obstacle)
-            if self.mesh.symmetry and not self._is_mirrored:
-                raise ValueError("mesh.symmetry must be false where the obstacle is not its own mirror image, got true")
+        if self.mesh.symmetry and not self._is_mirrored:
+            raise ValueError(
+                "mesh.symmetry must be false where obstacle or weight is not its own mirror image, got true"
+            )
+        if self.load is not None and self.gravity is not None:
+            raise ValueError("gravity must be left out of a scene with a load: elements carry weight by section")
         grid_lines(self.outline, self.mesh, self.is_half)
         if self.coarse is not None:
             try:
@@ -165,7 +170,9 @@ class Scene(SceneTable):
 
     @property
     def _is_mirrored(self) -> bool:
-        """Whether what may touch is its own mirror image in z = 0."""
+        """Whether what may touch, and weight, are their own mirror images in z = 0."""
+        if self.gravity is not None and self.gravity.direction[2]:
+            return False
         return self.obstacle is None or all(one.is_mirrored for one in self.obstacle.bodies)
 
     @property
@@ -201,8 +208,8 @@ class Scene(SceneTable):
 
     @model_serializer(mode="wrap")
     def _without_what_is_not_named(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A scene without a load or a coarse mesh is as it was before there were any."""
-        later = "load", "coarse"
+        """A scene without a load, weight or a coarse mesh is as it was before there were any."""
+        later = "load", "coarse", "gravity"
         return {key: value for key, value in serialise(self).items() if key not in later or value is not None}
 
     def on_coarse_mesh(self) -> Scene:

@@ -120,6 +120,26 @@ class Pad(SceneTable):
     width: Length | None = None
 
 
+class Gravity(SceneTable):
+    """The weight of the finger: a dead load on rubber and plates, which is there before any tension."""
+
+    density: Annotated[float, Field(gt=0, le=3e4)]  # of the rubber [kg/m^3]
+    plate_density: Annotated[float, Field(ge=0, le=3e4)] = 7850.0  # of steel [kg/m^3]
+    direction: Annotated[list[float], Field(min_length=3, max_length=3)]  # in which weight pulls, of any length [-]
+    acceleration: Annotated[float, Field(ge=0, le=1e4)] = 9.80665  # standard gravity [m/s^2]
+
+    @property
+    def vector(self) -> np.ndarray:
+        """Acceleration as a vector seen from the clamp, shape (3,) [m/s^2]."""
+        return self.acceleration * np.array(self.direction) / np.linalg.norm(self.direction)
+
+    @model_validator(mode="after")
+    def _points_somewhere(self) -> Gravity:
+        if not np.linalg.norm(self.direction) > 1e-6:
+            raise ValueError(f"gravity.direction must not be zero, got {self.direction}")
+        return self
+
+
 WRENCH = (("fx", "N"), ("fy", "N"), ("fz", "N"), ("mx", "N m"), ("my", "N m"), ("mz", "N m"))
 
 

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from fingerfem.scene.laws.formula import Invariants, Maths
 from fingerfem.scene.laws.hardness import with_modulus
@@ -98,6 +98,11 @@ class Law(SceneTable, ABC):
     def is_mixed(self) -> bool:
         """Whether the pressure is an unknown of its own."""
         return (self.formulation or ("mixed" if self.poisson > NEARLY_INCOMPRESSIBLE else "displacement")) == "mixed"
+
+    @model_serializer(mode="wrap")
+    def _without_stretches(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A law without stretches is as it was before there were any."""
+        return {key: value for key, value in serialise(self).items() if key != "stretches" or value is not None}
 
     @model_validator(mode="before")
     @classmethod

@@ -42,6 +42,7 @@ KINDS: dict[str, dict[str, Any]] = {
         "obstacle": PLANE | {"shape": "cylinder", "centre": [0.05, 0.02, 0.0], "radius": 0.01, "axis": [0.0, 0.0, 1.0]}
     },
     "box": {"obstacle": PLANE | {"shape": "box", "centre": [0.05, 0.02, 0.0], "sides": [0.01] * 3, "rounding": 0.001}},
+    "weight": {"gravity": {"density": 1070.0, "direction": [0.0, -1.0, 0.0]}},
     "load": {"load": {"force": 5.0}},
     "coarse": {"coarse": {"cells": [10, 5]}},
 }
@@ -54,6 +55,8 @@ ADDED: dict[str, tuple[str, Any]] = {
     "material.stretches": ("smallest", [0.6, 2.0]),
     "material.formulation": ("smallest", "mixed"),
     "tendons.path": ("smallest", "straight"),
+    "gravity.plate_density": ("weight", 8000.0),
+    "gravity.acceleration": ("weight", 1.62),
     "obstacle.shape": ("plane", "plane"),
     "obstacle.centre": ("plane", [0.05, 0.02, 0.0]),
     "obstacle.direction": ("plane", [0.1, 1.0, 0.0]),
