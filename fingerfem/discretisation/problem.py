@@ -123,8 +123,7 @@ class Problem(Assembly):
     ) -> None:
         """Set tensions [N], shape (tendons,), the obstacle's distance [m] (None: it is away), wrenches and weight.
 
-        A wrench is a force and a moment about a plate's centre, in the plate's frame, shape (plates, 6) [N, N m]. The
-        weight is a share of the scene's [-].
+        A wrench is about a plate's centre, in its frame, shape (plates, 6) [N, N m]; weight a share of the scene's [-].
         """
         self.tensions, self.distance, self.weight = np.array(tensions, float), distance, weight
         self.wrenches[:] = 0.0 if wrenches is None else wrenches
@@ -196,7 +195,8 @@ class Problem(Assembly):
         self._spread(self.tensions, self.fields.probe_density)
         forms = [self.forms.strain_energy, self.forms.tendon_energy]
         fallen = 0.0 if self._weight is None else self._weight @ self.displacement[: len(self._weight)]
-        return -self.weight * self.summed(fallen) + sum(map(self.scalar, forms)) + (0.0 if self.contact is None else self.contact.energy())
+        touched = 0.0 if self.contact is None else self.contact.energy()
+        return sum(map(self.scalar, forms)) + touched - self.weight * self.summed(fallen)
 
     def tip(self) -> np.ndarray:
         """Displacement of the tip plate's centre, its mean over the plate [m], shape (3,)."""

@@ -104,7 +104,7 @@ class Continuation:
         self._turn_by_weight = 0.0  # [rad]
         if scene.gravity is not None:
             heaviest = max(scene.gravity.density, scene.gravity.plate_density) * scene.gravity.acceleration
-            self._turn_by_weight = heaviest * geometry.side**2 * geometry.length**3 / 6 / bending
+            self._turn_by_weight = float(heaviest * geometry.side**2 * geometry.length**3 / 6 / bending)
         self._turn_by_wrench = np.repeat([length**2 / 2, length], 3) / bending  # [rad/N, rad/(N m)]
         self.rest()
 
@@ -265,7 +265,8 @@ class Continuation:
         """
         problem = self.problem
         moved = 0.0 if loads.distance is None or self.distance is None else loads.distance - self.distance
-        pulled, pressed, fallen = loads.tensions - self.tensions, loads.wrenches - self.wrenches, loads.weight - self.weight
+        pulled, pressed = loads.tensions - self.tensions, loads.wrenches - self.wrenches
+        fallen = loads.weight - self.weight
         load = np.concatenate([pulled, pressed.ravel(), [fallen, moved]])
         if not load.any():
             return None

@@ -13,7 +13,8 @@ all rubbers of one law share it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import ufl
 
@@ -23,7 +24,8 @@ Dilatational = Callable[[Any], Any]  # J -> U
 Number = Callable[[float], Any]  # what stands in a form for a constant
 
 
-class Isotropic(NamedTuple):
+@dataclass(frozen=True)
+class Isotropic:
     """An energy by invariants: W of `Invariants`."""
 
     density: Callable[[Invariants], Any]

@@ -6,13 +6,31 @@ import hashlib
 import json
 from typing import Annotated, Any
 
-from pydantic import Field, SerializeAsAny, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
+from pydantic import (
+    Field,
+    SerializeAsAny,
+    SerializerFunctionWrapHandler,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from fingerfem.scene.grid_lines import fitting, grid_lines
 from fingerfem.scene.laws import REGISTERED, Law
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.presets import KEYS, chosen
-from fingerfem.scene.tables import Coarse, Expected, Geometry, Gravity, GridOutline, Load, Mesh, Sampling, SceneTable, Tendon
+from fingerfem.scene.tables import (
+    Coarse,
+    Expected,
+    Geometry,
+    Gravity,
+    GridOutline,
+    Load,
+    Mesh,
+    Sampling,
+    SceneTable,
+    Tendon,
+)
 
 NOT_OF_THE_FINGER = {"name", "sampling", "expected", "coarse", *KEYS}
 

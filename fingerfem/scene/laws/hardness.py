@@ -47,8 +47,8 @@ def with_modulus(table: dict[str, Any], constants: Callable[[float, float, dict[
     else:
         young, nu = modulus_of_shore_a(table["shore_A"]), table.get("nu", RUBBER)
         warnings.warn(
-            f"material.shore_A = {table['shore_A']:g} gives E = {young / 1e6:.3g} MPa; measured moduli differ from such "
-            f"estimates by a factor of up to {SPREAD:g}: python3 -m fingerfem fit-material fits a law to a test",
+            f"material.shore_A = {table['shore_A']:g} gives E = {young / 1e6:.3g} MPa; measured moduli differ from "
+            f"such estimates by a factor of up to {SPREAD:g}: python3 -m fingerfem fit-material fits a law to a test",
             stacklevel=2,
         )
     if not (young > 0 and 0 <= nu < 0.5):

@@ -138,6 +138,6 @@ class Law(SceneTable, ABC):
             )
             raise ValueError(
                 f"law must be stable at all stretches from {low:g} to {high:g}, got {own}, "
-                f"which lose stability at {lost[1]:.3f} in {lost[0]} stretch; narrow stretches, or fit the constants anew"
+                f"which lose stability at {lost[1]:.3f} in {lost[0]} stretch; narrow stretches, or fit anew"
             )
         return self

@@ -15,7 +15,7 @@ MOST_TERMS = 4
 
 @registered
 class Ogden(Law):
-    """W = sum_p mu_p / alpha_p (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3) + (J - 1)^2 / D1, with l_i the isochoric stretches.
+    """W = sum_p mu_p / alpha_p (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3) + (J - 1)^2 / D1, with isochoric stretches l.
 
     Ogden, Proc. R. Soc. Lond. A 326, 1972, doi:10.1098/rspa.1972.0026; mu_p [Pa], alpha_p [-], D1 [1/Pa]. Abaqus has
     2 mu_p / alpha_p^2 in place of mu_p / alpha_p. The powers are exact to 2e-8 between stretches of 0.2 and 5, see

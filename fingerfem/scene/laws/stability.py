@@ -36,6 +36,7 @@ IMAGINARY, STEP = 1e-30, 1e-5  # of first derivatives, which are exact; of diffe
 
 def stress(law: Law, e: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Principal Kirchhoff stresses at principal logarithmic strains, shape (3,), and their derivatives, (3, 3) [Pa]."""
+
     def distortional_stress(e: np.ndarray) -> np.ndarray:
         """The same of the distortional energy alone, shapes (n, 3)."""
         C = np.exp(2 * (e[:, None] + 1j * IMAGINARY * np.eye(3)))

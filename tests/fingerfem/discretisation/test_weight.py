@@ -42,7 +42,7 @@ def test_a_hanging_bar_of_poisson_s_ratio_zero_stretches_by_its_closed_form(tabl
 
 @pytest.mark.long
 def test_a_slender_bar_sags_by_its_closed_form(table):
-    """Euler and Bernoulli's with Timoshenko's shear: w = q L^4 / 8 EI + q L^2 / 2 GA k, and the plate's weight at its end."""
+    """Euler and Bernoulli's with Timoshenko's shear, w = q L^4 / 8 EI + q L^2 / 2 GA k, and the plate's weight."""
     E, length, side, g = 1e6, 0.2, 0.01, 1e-3
     table["geometry"] = {"side": side, "segments": [length], "plate": 0.0002}
     table["material"] = {"law": "saint-venant-kirchhoff", "E": E, "nu": 0.0}

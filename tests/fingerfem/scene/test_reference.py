@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from fingerfem.scene.scene_table import SceneTable
 from fingerfem.scene.scene import Scene
+from fingerfem.scene.scene_table import SceneTable
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "reference" / "scene.md"
 ROW = re.compile(r"^\| `([\w.]+)` \| .*? \| ([^|]*) \|$", re.MULTILINE)
