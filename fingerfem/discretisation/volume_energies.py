@@ -90,9 +90,7 @@ def by_region(terms: Sequence[Term]) -> list[Term]:
 
 
 def _written(energy: strain_energy.Energy, k: int) -> strain_energy.Energy:
-    """The same energy, in a way of writing it that depends on k."""
-    if isinstance(energy, strain_energy.Isotropic):
-        return strain_energy.Isotropic(lambda strain: 2.0**k * (0.5**k * energy.density(strain)))
+    """The same energy, in a way of writing it that depends on k; no `Isotropic`, of which scalars stay the same."""
     return lambda C: 2.0**k * (0.5**k * energy(C))
 
 

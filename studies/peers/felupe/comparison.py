@@ -31,6 +31,9 @@ TIGHT = NewtonOptions(tolerance=0.0, settled=1e-11, noise=1e-8)
 NEO_HOOKEAN = {"law": "neo-hookean", "C1": 1.9e6, "D1": 2.43e-7}
 # The same moduli at small strain, a fifth of the shear modulus in C01.
 MOONEY_RIVLIN = {"law": "mooney-rivlin", "C10": 1.52e6, "C01": 0.38e6, "D1": 3.22e-7}
+# Nearly incompressible, in the mixed form.
+YEOH = {"law": "yeoh", "C1": 1.9e6, "C2": 3e5, "C3": 2e4, "D1": 2e-8}
+WEIGHT = {"density": 1070.0, "direction": [0.3, -0.5, 0.8], "acceleration": 100.0}  # tenfold, so that it counts
 # Tensions [N] and distances [m], None without a plane.
 USUAL = (([100.0, 0.0], None), ([60.0, 20.0], None), ([60.0, 20.0], 0.005))
 DRAFT, COARSE_QUADRATIC = ([20, 5], 1), ([10, 5], 2)
@@ -38,16 +41,16 @@ DRAFT, COARSE_QUADRATIC = ([20, 5], 1), ([10, 5], 2)
 State = tuple[list[float], float | None]
 
 
-def scene_of(name: str, law: dict[str, Any], mesh: tuple[list[int], int]) -> Scene:
-    """A scene of the repository with another law and mesh."""
+def scene_of(name: str, law: dict[str, Any], mesh: tuple[list[int], int], **more: Any) -> Scene:
+    """A scene of the repository with another law and mesh, and with more tables."""
     table = tomllib.loads((ROOT / "scenes" / f"{name}.toml").read_text())
     table["material"], table["mesh"] = law, {"cells": mesh[0], "order": mesh[1]}
-    return Scene.model_validate(table)
+    return Scene.model_validate(table | more)
 
 
 def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Input of FElupe for a finger in front of a plane: nodes, cells and their regions; the scene's numbers."""
-    problem, scene = model.problem, model.scene
+    problem, scene, weight = model.problem, model.scene, model.scene.gravity
     arrays = {
         "points": problem.space.tabulate_dof_coordinates(),
         "cells": problem.space.dofmap.list,
@@ -60,6 +63,9 @@ def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]
         "length": scene.geometry.length,
         "channel_area": scene.geometry.channel_width**2,
         "law": scene.law.model_dump(),
+        "mixed": int(scene.law.is_mixed),
+        "densities": [0.0, 0.0] if weight is None else [weight.density, weight.plate_density],
+        "acceleration": [0.0, 0.0, 0.0] if weight is None else weight.vector.tolist(),
         "plate_law": plate_law(scene.law).model_dump(),
         "stiffness": float(problem.fields.stiffness.value),
         "force_scale": problem.force_scale,
@@ -106,7 +112,7 @@ def compare(scene: Scene, states: tuple[State, ...], folder: Path, changed: dict
 
 
 def measure(run: Run) -> list[dict]:
-    """Both laws and orders."""
-    laws, meshes = (NEO_HOOKEAN, MOONEY_RIVLIN), (DRAFT, COARSE_QUADRATIC)
-    asked = [(scene_of("one_segment", law, mesh), USUAL) for mesh in meshes for law in laws]
+    """All laws and orders; Yeoh's rubber has weight."""
+    laws, meshes = ((NEO_HOOKEAN, {}), (MOONEY_RIVLIN, {}), (YEOH, {"gravity": WEIGHT})), (DRAFT, COARSE_QUADRATIC)
+    asked = [(scene_of("one_segment", law, mesh, **more), USUAL) for mesh in meshes for law, more in laws]
     return [run.once(f"{k}", compare, *one, run.folder / "felupe") for k, one in enumerate(asked)]

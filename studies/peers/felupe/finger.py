@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse.linalg import spsolve
 
 from studies.peers.felupe.contact import NodalSprings, nodal_areas
-from studies.peers.felupe.laws import Fibre, material
+from studies.peers.felupe.laws import Fibre, materials
 
 # Round-off of steel keeps the residual at some 1e-12 of E a^2. Newton's method converges quadratically: after an
 # iteration that moves no node by a billionth of the length, nothing but round-off is left.
@@ -34,8 +34,14 @@ class Finger:
         self._cells = in_felupes_order(self._points, arrays["cells"], self._order)
         every, rubber = np.ones(len(self._cells), bool), arrays["rubber"]
         self.field = self._field_on(every)
-        laws = ((scene["law"], rubber), (scene["plate_law"], ~rubber))
-        self._bodies = [felupe.SolidBody(material(law), self._field_on(own)) for law, own in laws]
+        self._bodies = []
+        for law, own, fewer in ((scene["law"], rubber, scene["mixed"]), (scene["plate_law"], ~rubber, 0)):
+            distortion, bulk = materials(law)
+            self._bodies.append(felupe.SolidBody(distortion, self._field_on(own)))
+            self._bodies.append(felupe.SolidBody(bulk, self._field_on(own, fewer)))
+        for own, density in ((rubber, scene["densities"][0]), (~rubber, scene["densities"][1])):
+            gravity = {"values": scene["acceleration"], "scale": density}
+            self._bodies.append(felupe.SolidBodyForce(self._field_on(own), **gravity))
         self._fibres = [Fibre() for _ in arrays["channels"]]
         for fibre, channel in zip(self._fibres, arrays["channels"], strict=True):
             self._bodies.append(felupe.SolidBody(fibre, self._field_on(channel)))
@@ -43,10 +49,10 @@ class Finger:
         clamp = {"clamp": felupe.Boundary(self.field[0], fx=0.0)}
         self._held, self._free = felupe.dof.partition(self.field, clamp)
 
-    def _field_on(self, chosen: np.ndarray) -> Any:
-        """The displacement on some cells, integrated by Gauss's rule."""
+    def _field_on(self, chosen: np.ndarray, fewer: int = 0) -> Any:
+        """The displacement on some cells, integrated by Gauss's rule, of so many points fewer along each axis."""
         kinds = {1: felupe.RegionHexahedron, 2: felupe.RegionTriQuadraticHexahedron}
-        rule = felupe.GaussLegendre(order=self._order, dim=3)
+        rule = felupe.GaussLegendre(order=self._order - fewer, dim=3)
         return felupe.FieldContainer([felupe.Field(kinds[self._order](self._mesh(chosen), quadrature=rule), dim=3)])
 
     def _mesh(self, chosen: np.ndarray) -> Any:

@@ -1,6 +1,6 @@
 """The scene's energies as materials of FElupe; imported in FElupe's own process alone.
 
-Neo-Hookean rubber and steel are FElupe's own class. Of Mooney's and Rivlin's law it gets the second invariant as an
+Neo-Hookean rubber, Yeoh's and steel are FElupe's own. Of Mooney's and Rivlin's law it gets the second invariant as an
 energy, which it differentiates itself (tensortrax). The tendon's fibre is written out.
 """
 
@@ -15,12 +15,16 @@ from tensortrax.math import log, trace
 from tensortrax.math.linalg import det
 
 
-def material(law: dict[str, Any]) -> Any:
-    """A law, the scene's table [Pa, 1/Pa], as a material of FElupe."""
+def materials(law: dict[str, Any]) -> tuple[Any, Any]:
+    """A law, the scene's table [Pa, 1/Pa], as materials of FElupe: of distortion, and of (J - 1)^2 / D1."""
+    bulk = felupe.NeoHooke(bulk=2 / law["D1"])
     if law["law"] == "neo-hookean":
-        return felupe.NeoHooke(mu=2 * law["C1"], bulk=2 / law["D1"])
+        return felupe.NeoHooke(mu=2 * law["C1"]), bulk
+    if law["law"] == "yeoh":
+        constants = {"C10": law["C1"], "C20": law["C2"], "C30": law["C3"]}
+        return differentiated.Hyperelastic(differentiated.models.hyperelastic.yeoh, **constants), bulk
     second = differentiated.Hyperelastic(second_invariant, C01=law["C01"])
-    return felupe.NeoHooke(mu=2 * law["C10"]) & second & felupe.NeoHooke(bulk=2 / law["D1"])
+    return felupe.NeoHooke(mu=2 * law["C10"]) & second, bulk
 
 
 def second_invariant(C: Any, C01: float) -> Any:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.peers.felupe.comparison import FELUPE, MOONEY_RIVLIN, NEO_HOOKEAN, compare, scene_of
+from studies.peers.felupe.comparison import FELUPE, MOONEY_RIVLIN, NEO_HOOKEAN, WEIGHT, YEOH, compare, scene_of
 
 pytestmark = pytest.mark.skipif(
     not (FELUPE / "felupe").exists(), reason="FElupe is not in its folder: make out/peers/felupe/ready"
@@ -20,6 +20,19 @@ def test_felupe_finds_the_same_displacement_and_contact_force(tmp_path):
 def test_felupe_differentiates_an_energy_to_the_same_displacement(tmp_path):
     found = compare(scene_of("one_segment", MOONEY_RIVLIN, MESH), (FREE,), tmp_path)
     assert found["displacement"] < 1e-10 and found["contact_force"] is None
+
+
+@pytest.mark.parametrize("mesh", [MESH, pytest.param(([6, 5], 2), marks=pytest.mark.long)])
+def test_felupe_finds_the_same_states_of_heavy_and_nearly_incompressible_rubber_of_yeoh(tmp_path, mesh):
+    """Its pressure at fewer points, as the mixed form has it."""
+    found = compare(scene_of("one_segment", YEOH, mesh, gravity=WEIGHT), (FREE, TOUCHING), tmp_path)
+    assert found["displacement"] < 1e-8 and found["contact_force"] < 1e-6
+
+
+def test_weight_that_is_off_by_a_thousandth_is_seen(tmp_path):
+    scene = scene_of("one_segment", NEO_HOOKEAN, MESH, gravity=WEIGHT)
+    found = compare(scene, (FREE,), tmp_path, {"densities": [1071.07, 7857.85]})
+    assert 1e-8 < found["displacement"] < 1e-3
 
 
 def test_a_modulus_that_is_off_by_a_millionth_is_seen(tmp_path):
