@@ -35,7 +35,7 @@ STUDIES = {
     "tapered": Study("accuracy", _same("tapered")),
     "grasping": Study("grasping", _same("grasps", "pictures"), elsewhere=("grasps", "pictures")),
     "coverage": Study("accuracy", _same("coverage")),
-    "extremes": Study("appendix", _same("extremes")),
+    "extremes": Study("appendix", _same("extremes", "locking")),
     "required": Study("appendix", _same("required")),
     "figures": Study("appendix", _same("figures")),
     "peers": Study("peers", _same("beams") | OTHER_NAMES),
