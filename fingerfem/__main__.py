@@ -67,6 +67,9 @@ def solve(
         finish(answer, as_json, NOTHING_USABLE, comm.rank)
     if state.self_intersecting and comm.rank == 0:
         say("the finger passes through itself: contact with itself is not modelled")
+    if state.beyond_data and state.stretches and comm.rank == 0:
+        low, high = state.stretches
+        say(f"the law is a guess at stretches of {low:.3g} to {high:.3g}: material.stretches says how far its data go")
     if state.stable is False and comm.rank == 0:
         say("the equilibrium is not stable: the finger would leave it")
     if picture is not None:

@@ -131,7 +131,7 @@ def observe(
         channel_shortening=dict(zip(names, channel_shortening(problem).tolist(), strict=True)),
         energy=problem.energy(),
         smallest_volume_ratio=problem.smallest_volume_ratio(),
-        **_stretches(problem),
+        **stretches(problem),
         self_intersecting=self_intersecting,
         **(_sensitivities(continuation) if sensitivities else {}),
         newton_iterations=continuation.iterations,
@@ -142,8 +142,8 @@ def observe(
     )
 
 
-def _stretches(problem: Problem) -> dict[str, Any]:
-    """How far the rubber is stretched, and whether that is beyond the data of its law."""
+def stretches(problem: Problem) -> dict[str, Any]:
+    """How far the rubber is stretched, and whether that is beyond the data of its law; empty without such a range."""
     data, found = problem.law.stretches, problem.limits.extreme_stretches()
     if data is None or found is None:
         return {}
