@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import SCENES
+from farm import ROOT
 from typer.testing import CliRunner
 
 from fingerfem import FingerModel
@@ -47,7 +47,7 @@ def test_a_law_without_data_marks_nothing(draft):
 def test_solve_says_how_far_the_data_go(tmp_path):
     from fingerfem.__main__ import app
 
-    text = (SCENES / "draft.toml").read_text().replace("D1 = 2.43e-7", "D1 = 2.43e-7\nstretches = [0.99, 1.5]")
+    text = (ROOT / "scenes" / "draft.toml").read_text().replace("D1 = 2.43e-7", "D1 = 2.43e-7\nstretches = [0.99, 1.5]")
     file = tmp_path / "scene.toml"
     file.write_text(text)
     done = CliRunner().invoke(app, ["solve", str(file), "F1=30", "F2=0"])
