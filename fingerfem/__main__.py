@@ -1,4 +1,4 @@
-"""python3 -m fingerfem solve | certify | snapshots | status | retry | render | sketch | doctor."""
+"""python3 -m fingerfem solve | certify | snapshots | status | retry | render | sketch | fit-material | doctor."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ import typer
 
 import fingerfem
 from fingerfem.equilibrium.failures import LoadNotReached
+from fingerfem.material_fit.command import fit_material
 from fingerfem.output.rows import finish
 from fingerfem.scene.amounts import seconds as duration
 from fingerfem.scene.amounts import share
@@ -283,6 +284,9 @@ def sketch(
     from fingerfem.output.sketch import write_sketch
 
     write_sketch(fingerfem.load_scene(scene_file), picture)
+
+
+app.command()(fit_material)
 
 
 def main() -> None:
