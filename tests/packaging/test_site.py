@@ -76,7 +76,7 @@ def command_line() -> str:
 @pytest.mark.parametrize("program", ["fingerfem", "rom", "control"])
 def test_every_command_and_option_is_in_the_reference(program):
     commands = typer.main.get_command(import_module(f"{program}.__main__").app).commands
-    described = dict(re.findall(r"^### (\w+ \w+)\n(.*?)(?=^##|\Z)", command_line(), re.DOTALL | re.MULTILINE))
+    described = dict(re.findall(r"^### (\w+ [\w-]+)\n(.*?)(?=^##|\Z)", command_line(), re.DOTALL | re.MULTILINE))
     assert {f"{program} {name}" for name in commands} == {one for one in described if one.startswith(f"{program} ")}
     for name, command in commands.items():
         text = described[f"{program} {name}"]
