@@ -87,6 +87,17 @@ class State:
         listed = {name: getattr(self, name) for name in self.__dataclass_fields__ if name not in fields}
         return {name: _plain(value) for name, value in listed.items() if value is not None}
 
+    @property
+    def marks(self) -> list[str]:
+        """What speaks against it, in sentences."""
+        found = ["the finger passes through itself: contact with itself is not modelled"] * self.self_intersecting
+        if self.stable is False:
+            found.append("the equilibrium is not stable: the finger would leave it")
+        if self.beyond_data and self.stretches:
+            low, high = self.stretches
+            found.append(f"the law is a guess at stretches of {low:.3g} to {high:.3g}: see material.stretches")
+        return found
+
     def tables(self) -> list[Table | str]:
         """For people."""
         return tables(self.as_json())
