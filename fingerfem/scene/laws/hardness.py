@@ -8,8 +8,8 @@ from typing import Any
 
 SHORE_A = (20.0, 80.0)  # where the estimate is usual
 RUBBER = 0.499  # Poisson's ratio of a rubber that is given by its hardness alone [-]
-# Young's modulus in tension of seven silicones of 20 to 44 Shore A over the estimate [-]: laws fitted by fit-material to
-# the Soft Robotics Materials Database (Marechal et al., Soft Robotics 8, 2021, doi:10.1089/soro.2019.0115) up to a
+# Young's modulus in tension of seven silicones of 20 to 44 Shore A over the estimate [-]: laws fitted by fit-material
+# to the Soft Robotics Materials Database (Marechal et al., Soft Robotics 8, 2021, doi:10.1089/soro.2019.0115) up to a
 # stretch of 2. Its strains are those of the machine's head, which makes them somewhat too soft.
 MEASURED = (0.30, 0.51)
 
