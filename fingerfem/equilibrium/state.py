@@ -158,7 +158,8 @@ def stretches(problem: Problem) -> dict[str, Any]:
     data, found = problem.law.stretches, problem.limits.extreme_stretches()
     if data is None or found is None:
         return {}
-    return {"stretches": [float(one) for one in found], "beyond_data": not (data[0] <= found[0] and found[1] <= data[1])}
+    within = data[0] <= found[0] and found[1] <= data[1]
+    return {"stretches": [float(one) for one in found], "beyond_data": not within}
 
 
 def _plates(problem: Problem) -> dict[str, Any]:
