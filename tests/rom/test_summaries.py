@@ -18,7 +18,10 @@ def rod():
 def snapshots(states: int, failed: int):
     """What a summary reads of a set."""
     description = SimpleNamespace(
-        fingerprint="f", versions={"v": 1}, held_out_id="random-1", scene={"mesh": {"cells": [9, 5], "order": 2, "x": 0}}
+        fingerprint="f",
+        versions={"v": 1},
+        held_out_id="random-1",
+        scene={"mesh": {"cells": [9, 5], "order": 2, "x": 0}},
     )
     return SimpleNamespace(description=description, states=states, failures=["why"] * failed)
 

@@ -32,7 +32,9 @@ def test_of_a_check_only_what_was_found_is_said():
     assert check_parts({}) == [] and check_parts({"marked": 0}) == []
     touch = {"count": 50, "wrong": 3, "wrong_beyond_margin": 2, "margin": 2.5e-5}
     decided, *others = check_parts({"touch": touch})
-    assert decided == "touch is decided correctly in 47 of 50 states; 2 of 3 wrong ones are farther than 25 µm from touch"
+    assert (
+        decided == "touch is decided correctly in 47 of 50 states; 2 of 3 wrong ones are farther than 25 µm from touch"
+    )
     right = check_parts({"marked": 4, "covered": 0.954, "touch": touch | {"wrong": 0}})
     assert right[0].startswith("4 states are outside") and right[1].startswith("95% of the contact forces")
     assert right[2] == "touch is decided correctly in 50 of 50 states" and not others

@@ -44,7 +44,9 @@ def test_every_variable_has_a_name_and_a_number_of_its_own(model, has_obstacle, 
     for one in (model, table_like(3, has_obstacle, has_pad)):
         found = model_interface(one).variables
         assert len({each.name for each in found}) == len({each.reference for each in found}) == len(found)
-        assert [each.reference for each in found if each.causality == "input"] == list(range(1, len(one.parameters) + 1))
+        assert [each.reference for each in found if each.causality == "input"] == list(
+            range(1, len(one.parameters) + 1)
+        )
     names = {each.name for each in found}
     assert ("contact_force" in names) == has_obstacle and ("pad_pressure_error" in names) == has_pad
     assert "orientation_w" not in names

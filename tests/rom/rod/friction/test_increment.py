@@ -38,9 +38,9 @@ def pressed(model, friction: float, deep: float = 5e-4) -> Resting:
 
 
 def test_a_share_of_the_way_divides_every_load():
-    one, other = loads(0.01, (0, 0, 0)), Loads(TENSIONS + [4.0, -2.0], 0.03, np.array([1e-3, 0, 2e-3]))
+    one, other = loads(0.01, (0, 0, 0)), Loads(np.add(TENSIONS, [4.0, -2.0]), 0.03, np.array([1e-3, 0, 2e-3]))
     quarter = one.towards(other, 0.25)
-    assert quarter.tensions == pytest.approx(TENSIONS + [1.0, -0.5]) and quarter.d == pytest.approx(0.015)
+    assert quarter.tensions == pytest.approx(np.add(TENSIONS, [1.0, -0.5])) and quarter.d == pytest.approx(0.015)
     assert quarter.moved == pytest.approx([2.5e-4, 0, 5e-4])
     assert one.towards(other, 0.0).d == one.d and one.towards(other, 1.0) is other
 

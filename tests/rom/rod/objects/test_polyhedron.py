@@ -22,9 +22,7 @@ def volume(hull: dict) -> float:
 @given(SEEDS)
 def test_a_turned_box_has_six_faces_twelve_edges_and_its_volume(seed):
     random = np.random.default_rng(seed)
-    half, turn = random.uniform(0.2, 2.0, 3), Rotation.from_rotvec(
-        random.standard_normal(3)
-    )
+    half, turn = random.uniform(0.2, 2.0, 3), Rotation.from_rotvec(random.standard_normal(3))
     inner = random.uniform(-0.9, 0.9, (10, 3))  # within it, and so no corners
     hull = polyhedron(turn.apply(np.concatenate([CUBE, inner]) * half))
     assert [hull[name] for name in ("corners", "edges", "faces", "triangles")] == [8, 12, 6, 12]
