@@ -59,6 +59,14 @@ def test_motions_stretches_and_turns_change_nothing(rest_and_surface):
     assert not surface.passes_through_itself(np.zeros_like(rest))
 
 
+def test_its_triangles_cover_every_side_and_the_tip_once(rest_and_surface):
+    _, surface = rest_and_surface
+    corners = surface._rest[surface._first][surface._triangles]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    assert areas.sum() == pytest.approx(4 * LENGTH * SIDE + SIDE**2)
+    assert len(np.unique(np.sort(surface._triangles, axis=1), axis=0)) == len(corners)
+
+
 def test_half_a_finger_beyond_its_mirror_plane_meets_its_image():
     own = problem(in_plane=True)
     rest, surface = own.space.tabulate_dof_coordinates(), Surface(own)

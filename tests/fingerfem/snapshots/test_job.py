@@ -45,7 +45,7 @@ def test_an_error_that_is_no_share_is_refused(pressed, until):
         (
             False,
             {"near": FOLDER},
-            "near must be given with random or points, or for a scene with a load, got somewhere",
+            "near must be given with random or points, or for a scene with a load",
         ),
         (True, {"reuse": FOLDER}, "reuse must be left out for a scene with a load, got somewhere"),
         (True, {"held_out": HELD_OUT, "until": 0.1}, "random or points must not be given with until"),

@@ -74,6 +74,15 @@ def test_what_several_structs_point_to_is_written_once(touching):
         assert found.tolist() == list(expected.upper[0:6])
 
 
+def test_a_struct_that_two_pointers_have_lies_in_memory_once():
+    one, other = (LIBRARY.struct("fingerfem_object", **CUBE.numbers()) for _ in range(2))
+    twice, both = (Image.of(LIBRARY.pointers("fingerfem_object", pair)) for pair in ([one, one], [one, other]))
+    places = [struct.unpack_from("<2I", image.memory, at) for image, at in (twice, both)]
+    assert places[0][0] == places[0][1] and places[1][0] != places[1][1]
+    sizes = [len(image.memory) - ALIGNED - 8 for image, _ in (twice, both)]
+    assert sizes[1] == pytest.approx(2 * sizes[0], abs=ALIGNED)
+
+
 def test_a_pointer_to_nothing_stays_zero_and_is_no_address():
     plane = LIBRARY.struct("fingerfem_object", **rom.load().obstacle.numbers())
     image, at = Image.of(plane)

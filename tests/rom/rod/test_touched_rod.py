@@ -38,6 +38,7 @@ def test_the_tip_plate_moves_as_a_rigid_body_and_its_centre_is_the_tip(model):
     assert between[1] == pytest.approx(between[0], abs=1e-9)
     answer = model.evaluate(point)
     assert moved[0] - rest[0] == pytest.approx(answer.tip, abs=1e-8) and answer.contact_force > 1
+    assert answer.shortenings == pytest.approx(model.shortening(point), abs=1e-8)
     w, *vector = answer.orientation
     turned = rest[1] - rest[0] + 2 * np.cross(vector, np.cross(vector, rest[1] - rest[0]) + w * (rest[1] - rest[0]))
     assert moved[1] - moved[0] == pytest.approx(turned, abs=1e-8)

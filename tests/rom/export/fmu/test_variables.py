@@ -10,6 +10,7 @@ import rom
 from rom.checked_file import ModelError
 from rom.export.fmu import variables
 from rom.export.fmu.variables import FLAG, INPUTS, MOST_INPUTS, OUTPUTS, REPORT, REPORT_ERRORS, STATUS, model_interface
+from rom.native import LIBRARY
 from rom.parameter import Parameter
 
 NATIVE = Path(variables.__file__).parent / "native"
@@ -34,8 +35,10 @@ def test_value_references_and_room_are_those_of_the_c():
     known = {name: int(value) for name, value in re.findall(r"\bFMU_(\w+) = (\d+)", text)}
     assert (known["INPUTS"], known["OUTPUTS"], known["FLAG"], known["STATUS"]) == (INPUTS, OUTPUTS, FLAG, STATUS)
     assert known["MOST_INPUTS"] == MOST_INPUTS and OUTPUTS + known["MOST_OUTPUTS"] <= FLAG
-    tendons = MOST_INPUTS - 1
-    assert REPORT + 4 + (tendons - 1) <= REPORT_ERRORS  # a quaternion and the shortenings of eight tendons at most
+    rows = LIBRARY.constants  # a report is behind an answer and its errors, its own errors are behind all it may have
+    assert REPORT - OUTPUTS == rows.FINGERFEM_MOST_ROWS + rows.FINGERFEM_MOST_ERRORS
+    assert REPORT_ERRORS - REPORT == rows.FINGERFEM_QUATERNION + rows.FINGERFEM_MOST_TENSIONS
+    assert OUTPUTS + known["MOST_OUTPUTS"] >= REPORT_ERRORS + rows.FINGERFEM_REPORT_ERRORS
 
 
 @pytest.mark.parametrize("has_obstacle", [True, False])

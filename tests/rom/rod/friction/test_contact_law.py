@@ -17,9 +17,9 @@ def solved(forces, motions, before=(0.0, 0.0), friction=FRICTION):
     return law(*one, friction)
 
 
-def at_rest(normal, along, slip=(0.0, 0.0)):
+def at_rest(normal, along, slip=(0.0, 0.0), before=(0.0, 0.0)):
     """Motions at which a contact with these forces is closed and slips so far."""
-    return np.array([0.0, *slip]) - COMPLIANCE * np.array([normal, *along])
+    return np.array([0.0, *slip]) - COMPLIANCE * np.array([normal, *np.subtract(along, before)])
 
 
 @given(NUMBERS)
@@ -27,11 +27,12 @@ def test_states_that_keep_both_laws_are_zeros(seed):
     random = np.random.default_rng(seed)
     normal, angle = random.uniform(0.1, 5), random.uniform(0, 2 * np.pi)
     way = np.array([np.cos(angle), np.sin(angle)])
-    apart = solved([0, 0, 0], [random.uniform(0, 1e-3), *random.standard_normal(2)])
+    before, gap, far = random.standard_normal(2), random.uniform(0, 1e-3), 10 ** random.uniform(-8, -3)
+    apart = solved([0, 0, 0], [gap, *random.standard_normal(2)], before)
     held = random.uniform(0, 0.99) * FRICTION * normal * way
-    sticking = solved([normal, *held], at_rest(normal, held))
-    most, slip = FRICTION * normal * way, -random.uniform(1e-6, 1e-3) * way  # of the finger, against the force on it
-    sliding = solved([normal, *most], at_rest(normal, most, slip))
+    sticking = solved([normal, *held], at_rest(normal, held, before=before), before)
+    most, slip = FRICTION * normal * way, -far * way  # of the finger, against the force on it
+    sliding = solved([normal, *most], at_rest(normal, most, slip, before), before)
     for found, state in ((apart, OPEN), (sticking, STICKS), (sliding, SLIDES)):
         assert found.states == [state]
         assert found.residuals == pytest.approx(np.zeros((1, 3)), abs=1e-9)

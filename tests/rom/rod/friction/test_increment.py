@@ -1,5 +1,7 @@
 """Increments of contact with friction: what begins them, what ends them, and what they leave as it is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -84,3 +86,18 @@ def test_a_plane_that_goes_far_slides_with_the_friction_times_the_force_that_pre
     assert (far.states[far.states != OPEN] == SLIDES).all() and far.dissipated > 0
     assert np.hypot(force[0], force[2]) == pytest.approx(-friction * force[1], rel=1e-6) and force[2] > 0
     assert far.dissipated == pytest.approx(force[2] * 2e-4, rel=0.2)  # the plane's work, but for a little elastic one
+
+
+def test_a_motion_by_d_is_that_motion_of_the_object_along_its_direction(model):
+    """Also along the plane, where friction drags the finger along."""
+    slanted = replace(model, obstacle=replace(model.obstacle, direction=(0.4, 1.0, -0.3)))
+    friction, far = 0.5, 1e-4
+    touch = float(slanted.outputs([[*TENSIONS, 0.05]])[0, 4])
+    begun = free(slanted, loads(touch))
+    by_d, by_moves = (
+        led(slanted, begun, friction, *(way(k * far) for k in (1, 2, 3)))
+        for way in (lambda s: loads(touch - s), lambda s: loads(touch, -s * slanted.direction))
+    )
+    assert by_d.forces == pytest.approx(by_moves.forces, abs=1e-7)
+    along = by_d.forces.sum(axis=0)[[0, 2]]
+    assert np.linalg.norm(along) > 0.01 and by_d.dissipated == pytest.approx(by_moves.dissipated, rel=1e-4)
