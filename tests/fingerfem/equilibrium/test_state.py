@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fingerfem.equilibrium.state import State, _contact, _stretches, channel_shortening
+from fingerfem.equilibrium.state import State, _contact, channel_shortening, stretches
 
 NEEDED = {
     "parameters": {"F1": 1.0},
@@ -49,8 +49,8 @@ def test_rubber_is_beyond_the_data_of_its_law_on_either_side(found, beyond):
         limits = SimpleNamespace(extreme_stretches=lambda: extremes)
         return SimpleNamespace(law=SimpleNamespace(stretches=data), limits=limits)
 
-    assert _stretches(problem((0.7, 2.0), found)) == {"stretches": list(found), "beyond_data": beyond}
-    assert _stretches(problem(None, found)) == {} == _stretches(problem((0.7, 2.0), None))
+    assert stretches(problem((0.7, 2.0), found)) == {"stretches": list(found), "beyond_data": beyond}
+    assert stretches(problem(None, found)) == {} == stretches(problem((0.7, 2.0), None))
 
 
 def test_complementarity_is_the_pressure_s_work_over_force_and_side_and_zero_without_a_force():
