@@ -1,0 +1,321 @@
+/* A chain that weighs. Its march needs the acceleration g that the tip sees, which depends on how the tip is turned:
+ *
+ *     g = R^T G,    with the tip's rotation R in space, and the acceleration G that the clamp sees.
+ *
+ * Newton's method finds it: as g changes, the tip turns by M dg in its own frame, and R^T G by [R^T G]x M dg. So
+ *
+ *     (1 - [R^T G]x M) dg = R^T G - g.
+ *
+ * Where g is found, inputs that turn the tip by dtheta at fixed g change it by
+ *
+ *     dg = T dtheta,    T = (1 - [g]x M)^-1 [g]x,
+ *
+ * and all motions by what follows from that. One eigenvalue of 1 - [g]x M is 1. Where G grows from zero, the finger's stiffness
+ * is singular where another one passes zero. So it rests there while these two have a positive sum and product. */
+#include "chain_weight.h"
+#include <math.h>
+#include "../linear_algebra/small.h"
+
+#define FOUND 1e-11    /* g is known to this, over its size [-] */
+#define MARCHES 30     /* most marches of one solve */
+#define LONGEST 0.5    /* longest step of g, over its size [-] */
+#define SHORTEST 1e-2  /* least share of a step that is tried [-] */
+#define STAGES 8       /* where no equilibrium is found at once, weight grows in so many stages */
+
+static double size_of(const double *v) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+static void turned(const double *rotation, const double *v, double *out)
+{
+    for (int i = 0; i < 3; i++) out[i] = rotation[3 * i] * v[0] + rotation[3 * i + 1] * v[1] + rotation[3 * i + 2] * v[2];
+}
+
+static int first_moving(const chain_rods *map) { return map->bodies[0].segment == CHAIN_GROUND; }
+
+static chain_body *tip_of(const chain_rods *map, chain_state *state) { return state->bodies + map->count - 1; }
+
+void chain_weight_change(const chain_load *body, const double *load, const double *moment, double *change)
+{
+    const rod_mass *all = &body->own.all;
+    double shift[3], by_shift[3], by_pull[3];
+    /* dF = df + mu dg, dM = dm + ds x g + s x dg */
+    for (int i = 0; i < 3; i++) {
+        shift[i] = moment[i];
+        for (int j = 0; j < ROD_LOAD; j++) shift[i] += body->own.moment_by_load[i][j] * load[j];
+    }
+    follow_cross(shift, body->load + W, by_shift);
+    follow_cross(all->moment, load + W, by_pull);
+    for (int i = 0; i < 3; i++) {
+        change[i] = load[i] + all->mass * load[W + i];
+        change[3 + i] = load[3 + i] + by_shift[i] + by_pull[i];
+    }
+}
+
+/* From a body's load, (9), to that which it passes on to the one before, in place: f + mu g, m + s x g, g, turned and moved. */
+static void pass_load(const chain_body *body, const rod_mass *all, double *load)
+{
+    double wrench[W], moment[3];
+    follow_cross(all->moment, load + W, moment);
+    for (int i = 0; i < 3; i++) {
+        wrench[i] = load[i] + all->mass * load[W + i];
+        wrench[3 + i] = load[3 + i] + moment[i];
+    }
+    /* A F, A M + a x A F, A g */
+    turned(body->relative, wrench, load);
+    turned(body->relative, wrench + 3, load + 3);
+    follow_cross(body->arm, load, moment);
+    for (int i = 0; i < 3; i++) load[3 + i] += moment[i];
+    double pull[3];
+    turned(body->relative, load + W, pull);
+    memcpy(load + W, pull, sizeof pull);
+}
+
+/* The same of changes by inputs first ... last - 1, (9, inputs), in place, with the body's relative motions by them, and changes
+ * of the first moment at fixed load, (3, inputs), or NULL. `passed` is the load that it passes on. */
+static void pass_changes(const chain_body *body, const chain_load *own, const double *passed, int first, int last,
+                         double (*moments)[CHAIN_INPUTS], double (*by)[CHAIN_INPUTS])
+{
+    for (int c = first; c < last; c++) {
+        double motion[W], load[ROD_LOAD], change[W], moment[3] = {0.0}, spun[3], spin[3], pull[3];
+        for (int i = 0; i < W; i++) motion[i] = body->motion[i][c];
+        for (int i = 0; i < ROD_LOAD; i++) load[i] = by[i][c];
+        for (int i = 0; i < 3 && moments; i++) moment[i] = moments[i][c];
+        /* the wrench, of the part's end; then as the body moves relative to the one before */
+        chain_weight_change(own, load, moment, change);
+        chain_pass_change(body, motion, change);
+        /* d(A g) = A dg + A dtheta x A g */
+        turned(body->relative, motion + 3, spin);
+        turned(body->relative, load + W, pull);
+        follow_cross(spin, passed + W, spun);
+        for (int i = 0; i < W; i++) by[i][c] = change[i];
+        for (int i = 0; i < 3; i++) by[W + i][c] = pull[i] + spun[i];
+    }
+}
+
+/* A body's motion relative to the end of its part by inputs first ... last - 1 at fixed tensions, from changes of its load. */
+static void relative_motion(const chain_load *own, int first, int last, double (*by)[CHAIN_INPUTS], chain_body *body)
+{
+    for (int i = 0; i < W; i++) {
+        for (int c = first; c < last; c++) body->motion[i][c] = 0.0;
+        for (int j = 0; j < ROD_LOAD; j++)
+            for (int c = first; c < last; c++) body->motion[i][c] += own->own.by_load[i][j] * by[j][c];
+    }
+}
+
+/* The wrench that a part's end transmits, in the body's frame: what `chain_pass_change` takes. */
+static void leave_transmitted(const chain_load *own, chain_body *body)
+{
+    double moment[3];
+    follow_cross(own->own.all.moment, own->load + W, moment);
+    for (int i = 0; i < 3; i++) {
+        body->transmitted[i] = own->load[i] + own->own.all.mass * own->load[W + i];
+        body->transmitted[3 + i] = own->load[3 + i] + moment[i];
+    }
+}
+
+/* Bodies under wrenches where the tip sees an acceleration, and their motions by both. */
+static void march(const chain_rods *map, const double *wrench, const double *pull, chain_state *state)
+{
+    const int w = chain_size(map), begin = first_moving(map), first = w + CHAIN_PULL;
+    double load[ROD_LOAD] = {0.0}, by[ROD_LOAD][CHAIN_INPUTS];
+    map->weight->marches++;
+    for (int i = 0; i < ROD_LOAD; i++) {
+        memset(by[i], 0, (size_t)(first + 3) * sizeof(double));
+        if (i >= W) by[i][first + i - W] = 1.0;
+    }
+    memcpy(load + W, pull, 3 * sizeof *pull);
+    /* from tip to base */
+    for (int b = map->count - 1; b >= begin; b--) {
+        chain_body *body = state->bodies + b;
+        chain_load *own = map->weight->bodies + b;
+        /* add the wrench on this body */
+        for (int i = 0; i < W; i++) {
+            load[i] += wrench[W * b + i];
+            by[i][W * b + i] += 1.0;
+        }
+        memcpy(own->load, load, sizeof load);
+        for (int i = 0; i < ROD_LOAD; i++) memcpy(own->by_pull[i], by[i] + first, sizeof own->by_pull[i]);
+        /* its part of the rod: relative pose, and relative motions */
+        rod_weight_under(map->rods + map->bodies[b].segment, map->bodies[b].part, load, &body->end, &own->own);
+        chain_locate(map, b, body);
+        leave_transmitted(own, body);
+        relative_motion(own, 0, w, by, body);
+        relative_motion(own, first, first + 3, by, body);
+        if (b == begin) break;
+        pass_load(body, &own->own.all, load);
+        pass_changes(body, own, load, 0, w, NULL, by);
+        pass_changes(body, own, load, first, first + 3, NULL, by);
+    }
+    chain_compose(map, 0, w, state);
+    chain_compose(map, first, first + 3, state);
+}
+
+/* 1 - [g]x M, (3, 3), with the tip's turns M by g. */
+static void system_of(const chain_rods *map, const chain_body *tip, const double *pull, double *system)
+{
+    const int first = chain_size(map) + CHAIN_PULL;
+    for (int j = 0; j < 3; j++) {
+        const double turn[3] = {tip->motion[3][first + j], tip->motion[4][first + j], tip->motion[5][first + j]};
+        double change[3];
+        follow_cross(pull, turn, change);
+        for (int i = 0; i < 3; i++) system[3 * i + j] = (i == j) - change[i];
+    }
+}
+
+/* A vector's length made `size`. */
+static void resize(double size, double *v)
+{
+    const double own = size_of(v);
+    for (int i = 0; i < 3 && own > 0.0; i++) v[i] *= size / own;
+}
+
+/* Newton's method from the weight's last `pull`, for a share of the weight; returns 0 if it finds none. */
+static int newton(const chain_rods *map, const double *wrench, double share, chain_state *state)
+{
+    double *pull = map->weight->pull, whole[3], tried[3], step[3] = {0.0}, least = INFINITY, part = 1.0;
+    for (int i = 0; i < 3; i++) whole[i] = share * map->chain->gravity[i];
+    const double size = size_of(whole);
+    memcpy(tried, pull, sizeof tried);
+    resize(size, tried);
+    for (int k = 0; k < MARCHES; k++) {
+        const chain_body *tip = tip_of(map, state);
+        double seen[3], system[9];
+        march(map, wrench, tried, state);
+        /* R^T G, and how far g is off */
+        for (int i = 0; i < 3; i++) seen[i] = tip->rotation[i] * whole[0] + tip->rotation[3 + i] * whole[1] + tip->rotation[6 + i] * whole[2];
+        const double rest[3] = {seen[0] - tried[0], seen[1] - tried[1], seen[2] - tried[2]}, off = size_of(rest);
+        if (!(off < least)) { /* no decrease: half the step */
+            part *= 0.5;
+            if (part < SHORTEST || !isfinite(least)) return 0;
+        } else {
+            memcpy(pull, tried, sizeof tried);
+            if (off <= FOUND * size) return 1;
+            /* (1 - [R^T G]x M) dg = R^T G - g, at most LONGEST of its size */
+            least = off;
+            part = 1.0;
+            system_of(map, tip, seen, system);
+            memcpy(step, rest, sizeof step);
+            if (!small_solve(3, system, 1, step)) return 0;
+            if (size_of(step) > LONGEST * size) resize(LONGEST * size, step);
+        }
+        for (int i = 0; i < 3; i++) tried[i] = pull[i] + part * step[i];
+        resize(size, tried);
+    }
+    return 0;
+}
+
+/* The acceleration that the tip sees in a pose. */
+static void start_from(const chain_rods *map, chain_state *state)
+{
+    const double *R = tip_of(map, state)->rotation, *G = map->chain->gravity;
+    for (int i = 0; i < 3; i++) map->weight->pull[i] = R[i] * G[0] + R[3 + i] * G[1] + R[6 + i] * G[2];
+}
+
+/* Find the acceleration: from the last one; or from the pose without weight, at once, or as the weight grows. */
+static int solve(const chain_rods *map, const double *wrench, chain_state *state)
+{
+    if (map->weight->known && newton(map, wrench, 1.0, state)) return 1;
+    chain_without_weight(map, wrench, state);
+    start_from(map, state);
+    if (newton(map, wrench, 1.0, state)) return 1;
+    chain_without_weight(map, wrench, state);
+    start_from(map, state);
+    for (int k = 1; k <= STAGES; k++)
+        if (!newton(map, wrench, (double)k / STAGES, state)) return 0;
+    return 1;
+}
+
+/* T, and whether the finger rests there; returns 0 if it is singular. */
+static int find_turning(const chain_rods *map, chain_state *state)
+{
+    chain_weight *weight = map->weight;
+    const double *g = weight->pull;
+    const double across[9] = {0.0, -g[2], g[1], g[2], 0.0, -g[0], -g[1], g[0], 0.0};
+    double a[9];
+    system_of(map, tip_of(map, state), g, a);
+    /* trace - 1 and determinant: sum and product of two eigenvalues */
+    const double sum = a[0] + a[4] + a[8] - 1.0;
+    const double product = a[0] * (a[4] * a[8] - a[5] * a[7]) - a[1] * (a[3] * a[8] - a[5] * a[6]) + a[2] * (a[3] * a[7] - a[4] * a[6]);
+    weight->stable = sum > 0.0 && product > 0.0;
+    memcpy(weight->turning, across, sizeof across);
+    if (small_solve(3, a, 3, weight->turning)) return 1;
+    memset(weight->turning, 0, sizeof weight->turning);
+    return 0;
+}
+
+/* Add to the motions of all bodies by inputs first ... last - 1 what follows from dg = T dtheta of the tip. Unless it is NULL,
+ * `changes`, (3, inputs), takes dg. */
+static void turn_with_tip(const chain_rods *map, int first, int last, chain_state *state, double (*changes)[CHAIN_INPUTS])
+{
+    const int pull = chain_size(map) + CHAIN_PULL;
+    for (int c = first; c < last; c++) {
+        const chain_body *tip = tip_of(map, state);
+        const double turn[3] = {tip->motion[3][c], tip->motion[4][c], tip->motion[5][c]};
+        double change[3];
+        turned(map->weight->turning, turn, change);
+        for (int i = 0; i < 3 && changes; i++) changes[i][c] = change[i];
+        for (int b = first_moving(map); b < map->count; b++)
+            for (int i = 0; i < W; i++) {
+                double *row = state->bodies[b].motion[i];
+                row[c] += row[pull] * change[0] + row[pull + 1] * change[1] + row[pull + 2] * change[2];
+            }
+    }
+}
+
+int chain_weight_under(const chain_rods *map, const double *wrench, chain_state *state)
+{
+    chain_weight *weight = map->weight;
+    weight->found = solve(map, wrench, state);
+    weight->found &= find_turning(map, state);
+    weight->known = weight->found;
+    turn_with_tip(map, 0, chain_size(map), state, NULL);
+    return weight->found;
+}
+
+int chain_weight_free(const chain_rods *map, chain_state *state)
+{
+    const double none[CHAIN_WRENCH] = {0.0};
+    chain_contract(map);
+    const int found = chain_weight_under(map, none, state);
+    chain_weight_by_inputs(map, 0, state);
+    return found && map->weight->stable;
+}
+
+void chain_weight_by_inputs(const chain_rods *map, int variants, chain_state *state)
+{
+    const fingerfem_chain *chain = map->chain;
+    const int w = chain_size(map), begin = first_moving(map), inputs = w + (variants ? chain->segments[0]->deviating : chain->tensions);
+    double by[ROD_LOAD][CHAIN_INPUTS] = {{0.0}}, changes[3][CHAIN_INPUTS];
+    /* from tip to base: motions at fixed load, and through the changes of the load, where the tip sees the same acceleration */
+    for (int b = map->count - 1; b >= begin; b--) {
+        chain_body *body = state->bodies + b;
+        chain_load *own = map->weight->bodies + b;
+        const int k = map->bodies[b].segment, count = variants ? inputs - w : chain->segments[k]->tensions;
+        const int32_t *tensions = chain->own + chain->tensions * k;
+        double moments[3][CHAIN_INPUTS], passed[ROD_LOAD];
+        if (variants) rod_weight_by_variants(map->rods + k, map->bodies[b].part, own->load + W, body->by_tensions, &own->own);
+        else rod_weight_by_tensions(map->rods + k, map->bodies[b].part, own->load + W, body->by_tensions, &own->own);
+        for (int i = 0; i < ROD_LOAD && !variants; i++)
+            for (int c = w; c < inputs; c++) own->by_tensions[i][c - w] = by[i][c];
+        relative_motion(own, w, inputs, by, body);
+        for (int i = 0; i < 3; i++) memset(moments[i] + w, 0, (size_t)(inputs - w) * sizeof(double));
+        /* a segment's own tensions are some of the chain's */
+        for (int j = 0; j < count; j++) {
+            const int c = w + (variants ? j : tensions[j]);
+            for (int i = 0; i < W; i++) body->motion[i][c] += body->by_tensions[i][j];
+            for (int i = 0; i < 3; i++) moments[i][c] = own->own.moment_by_inputs[i][j];
+        }
+        if (b == begin) break;
+        memcpy(passed, own->load, sizeof passed);
+        pass_load(body, &own->own.all, passed);
+        pass_changes(body, own, passed, w, inputs, moments, by);
+    }
+    chain_compose(map, w, inputs, state);
+    turn_with_tip(map, w, inputs, state, changes);
+    /* changes of the loads by the tensions, as that acceleration changes */
+    for (int b = begin; b < map->count && !variants; b++) {
+        chain_load *own = map->weight->bodies + b;
+        for (int i = 0; i < ROD_LOAD; i++)
+            for (int c = w; c < inputs; c++)
+                for (int j = 0; j < 3; j++) own->by_tensions[i][c - w] += own->by_pull[i][j] * changes[j][c];
+    }
+}
