@@ -39,7 +39,7 @@ void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, do
     found->weight = NULL;
     if (weighs(chain)) {
         found->weight = (chain_weight *)memory;
-        found->weight->known = found->weight->marches = 0;
+        found->weight->found = 0;
         memory += sizeof(chain_weight) / sizeof(double);
     }
     found->work = memory;

@@ -29,12 +29,12 @@ typedef struct {
     rod_weight own;
 } chain_load;
 
-/* A chain that weighs: the acceleration that its tip sees, (3) [m/s^2], of which the first is to be found; how it changes with
- * the tip's turn, (3, 3), where the inputs change that too; whether it is found, and the chain rests there without contact; and
- * the number of marches so far. */
+/* A chain that weighs: the acceleration that its tip sees, (3) [m/s^2]; how it changes with the tip's turn, (3, 3), where the inputs
+ * change that too, and with the wrenches on `count` bodies, (3, 6 count), with the wrenches that it was found under; whether it
+ * is found, and the chain rests there without contact. */
 typedef struct {
-    double pull[3], turning[9];
-    int known, found, stable, marches;
+    double pull[3], turning[9], by_wrench[3][CHAIN_INPUTS], wrench[CHAIN_WRENCH];
+    int count, found, stable, unused; /* doubles follow */
     chain_load bodies[MOST_BODIES];
 } chain_weight;
 

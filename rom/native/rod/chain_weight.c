@@ -16,10 +16,12 @@
 #include <math.h>
 #include "../linear_algebra/small.h"
 
-#define FOUND 1e-11    /* g is known to this, over its size [-] */
+#define FOUND 1e-14    /* g is known to this, over its size [-] */
+#define NEAR 1e-8      /* and to about the square of this after a step from there, whatever rounding does [-] */
 #define MARCHES 30     /* most marches of one solve */
 #define LONGEST 0.5    /* longest step of g, over its size [-] */
 #define SHORTEST 1e-2  /* least share of a step that is tried [-] */
+#define ROUNDED 1e-8   /* g is as good as it can be, if it is known to this and no step comes nearer [-] */
 #define STAGES 8       /* where no equilibrium is found at once, weight grows in so many stages */
 
 static double size_of(const double *v) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
@@ -117,7 +119,6 @@ static void march(const chain_rods *map, const double *wrench, const double *pul
 {
     const int w = chain_size(map), begin = first_moving(map), first = w + CHAIN_PULL;
     double load[ROD_LOAD] = {0.0}, by[ROD_LOAD][CHAIN_INPUTS];
-    map->weight->marches++;
     for (int i = 0; i < ROD_LOAD; i++) {
         memset(by[i], 0, (size_t)(first + 3) * sizeof(double));
         if (i >= W) by[i][first + i - W] = 1.0;
@@ -183,12 +184,16 @@ static int newton(const chain_rods *map, const double *wrench, double share, cha
         /* R^T G, and how far g is off */
         for (int i = 0; i < 3; i++) seen[i] = tip->rotation[i] * whole[0] + tip->rotation[3 + i] * whole[1] + tip->rotation[6 + i] * whole[2];
         const double rest[3] = {seen[0] - tried[0], seen[1] - tried[1], seen[2] - tried[2]}, off = size_of(rest);
-        if (!(off < least)) { /* no decrease: half the step */
+        if (!(off < least)) { /* no decrease: rounding, or half the step */
+            if (least <= ROUNDED * size) {
+                march(map, wrench, pull, state);
+                return 1;
+            }
             part *= 0.5;
             if (part < SHORTEST || !isfinite(least)) return 0;
         } else {
             memcpy(pull, tried, sizeof tried);
-            if (off <= FOUND * size) return 1;
+            if (off <= FOUND * size || least <= NEAR * size) return 1;
             /* (1 - [R^T G]x M) dg = R^T G - g, at most LONGEST of its size */
             least = off;
             part = 1.0;
@@ -210,10 +215,21 @@ static void start_from(const chain_rods *map, chain_state *state)
     for (int i = 0; i < 3; i++) map->weight->pull[i] = R[i] * G[0] + R[3 + i] * G[1] + R[6 + i] * G[2];
 }
 
+/* Predict the acceleration from the last one, as the wrenches change. */
+static void predict(const chain_rods *map, const double *wrench)
+{
+    chain_weight *weight = map->weight;
+    for (int c = 0; c < chain_size(map) && weight->count == map->count; c++)
+        for (int i = 0; i < 3; i++) weight->pull[i] += weight->by_wrench[i][c] * (wrench[c] - weight->wrench[c]);
+}
+
 /* Find the acceleration: from the last one; or from the pose without weight, at once, or as the weight grows. */
 static int solve(const chain_rods *map, const double *wrench, chain_state *state)
 {
-    if (map->weight->known && newton(map, wrench, 1.0, state)) return 1;
+    if (map->weight->found) {
+        predict(map, wrench);
+        if (newton(map, wrench, 1.0, state)) return 1;
+    }
     chain_without_weight(map, wrench, state);
     start_from(map, state);
     if (newton(map, wrench, 1.0, state)) return 1;
@@ -242,8 +258,8 @@ static int find_turning(const chain_rods *map, chain_state *state)
     return 0;
 }
 
-/* Add to the motions of all bodies by inputs first ... last - 1 what follows from dg = T dtheta of the tip. Unless it is NULL,
- * `changes`, (3, inputs), takes dg. */
+/* Add to the motions of all bodies by inputs first ... last - 1 what follows from dg = T dtheta of the tip; `changes`, (3, inputs),
+ * takes dg. */
 static void turn_with_tip(const chain_rods *map, int first, int last, chain_state *state, double (*changes)[CHAIN_INPUTS])
 {
     const int pull = chain_size(map) + CHAIN_PULL;
@@ -252,7 +268,7 @@ static void turn_with_tip(const chain_rods *map, int first, int last, chain_stat
         const double turn[3] = {tip->motion[3][c], tip->motion[4][c], tip->motion[5][c]};
         double change[3];
         turned(map->weight->turning, turn, change);
-        for (int i = 0; i < 3 && changes; i++) changes[i][c] = change[i];
+        for (int i = 0; i < 3; i++) changes[i][c] = change[i];
         for (int b = first_moving(map); b < map->count; b++)
             for (int i = 0; i < W; i++) {
                 double *row = state->bodies[b].motion[i];
@@ -266,8 +282,9 @@ int chain_weight_under(const chain_rods *map, const double *wrench, chain_state 
     chain_weight *weight = map->weight;
     weight->found = solve(map, wrench, state);
     weight->found &= find_turning(map, state);
-    weight->known = weight->found;
-    turn_with_tip(map, 0, chain_size(map), state, NULL);
+    turn_with_tip(map, 0, chain_size(map), state, weight->by_wrench);
+    weight->count = map->count;
+    memcpy(weight->wrench, wrench, (size_t)chain_size(map) * sizeof *wrench);
     return weight->found;
 }
 
