@@ -6,6 +6,7 @@ from assembled import in_series
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
+from control import Finger
 from rom import friction_history
 from rom.checked_file import ModelError
 from rom.rod.compiled import reports
@@ -235,6 +236,16 @@ def test_without_friction_a_history_is_the_answer(bundled):
     assert state.tip == pytest.approx(answer.out[0, :3], abs=2e-8)
 
 
+def test_controllers_hold_and_reach_with_weight(bundled):
+    heavy = TouchedSegment(rod=weighs(bundled.rod), obstacle=bundled.obstacle)
+    motion = Finger(heavy).hold(0.5, 0.006)
+    held = heavy.evaluate([*motion.tensions, 0.006])
+    assert held.inside and float(held.contact_force) == pytest.approx(0.5, rel=1e-3)
+    assert float(bundled.evaluate([*motion.tensions, 0.006]).contact_force) != pytest.approx(0.5, rel=0.05)
+    target = heavy.rod.place([22.0, 6.0]).centres[0]
+    assert Finger(heavy).reach(target, tolerance=1e-6).tensions == pytest.approx([22.0, 6.0], abs=0.01)
+
+
 @pytest.mark.parametrize("direction", [(0, 1, 0), (0, -1, 0), (-1, 0, 0), (1, 0, 0), SKEW])
 def test_however_heavy_it_answers_or_says_that_it_does_not_know(bundled, direction):
     model, marked = TouchedSegment(rod=weighs(bundled.rod, direction), obstacle=bundled.obstacle), 0
@@ -284,6 +295,7 @@ def test_what_is_left_out_is_steel_and_standard_gravity_and_a_file_keeps_it(fing
     }
     own.save(tmp_path / "own.h5")
     again = Rod.load(tmp_path / "own.h5")
+    assert "mass 6.03 g, acceleration (0, 9.81, 0) m/s^2" in again.tables()
     assert again.scene == own.scene
     assert again.place([5.0, 1.0]).centres == pytest.approx(own.place([5.0, 1.0]).centres, abs=1e-15)
 
