@@ -247,18 +247,17 @@ class Rod(PickledByFields):
         return Rod(elements=self.elements, scene=self.elements.scene | tables)
 
     def with_gravity(self, direction: ArrayLike, acceleration: float | None = None) -> Rod:
-        """The same finger on a base that is turned: elements and segments are shared.
+        """The same finger on a base that is turned: what is compiled of its segments is shared.
 
         Args:
-            direction: in which weight pulls, seen from the clamp, of any length, shape (3,) [-].
+            direction: in which weight pulls, seen from the clamp, shape (3,) [-].
             acceleration: [m/s^2]; by default that of before.
 
         Raises:
             ModelError: the scene has no [gravity], or the direction is none.
         """
-        found = copy(self)
-        made = {name: one for name, one in vars(self).items() if name != "struct"}
-        vars(found).update(made | {"scene": turned(self.scene, np.asarray(direction, float).tolist(), acceleration)})
+        found, scene = copy(self), turned(self.scene, np.asarray(direction, float).tolist(), acceleration)
+        vars(found).update({name: one for name, one in vars(self).items() if name != "struct"} | {"scene": scene})
         return found
 
     def with_accuracy(self, accuracy: dict[str, Any]) -> Rod:

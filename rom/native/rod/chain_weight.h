@@ -8,6 +8,11 @@ int chain_weight_under(const chain_rods *map, const double *wrench, chain_state 
 int chain_weight_free(const chain_rods *map, chain_state *state);
 void chain_weight_by_inputs(const chain_rods *map, int variants, chain_state *state);
 
+/* The march from tip to base where the tip sees an acceleration, (3): bodies under their wrenches, and motions by these and by the
+ * acceleration; and then motions by inputs while the tip sees the same one. */
+void chain_loads_march(const chain_rods *map, const double *wrench, const double *pull, chain_state *state);
+void chain_loads_by_inputs(const chain_rods *map, int variants, chain_state *state);
+
 /* From the change of a body's load, (9), to that of the wrench that it passes on to the one before, in its own frame, (6), with the
  * change of the first moment of its part at fixed load, (3). */
 void chain_weight_change(const chain_load *body, const double *load, const double *moment, double *change);
