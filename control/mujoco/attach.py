@@ -94,7 +94,7 @@ def attach(
 
     Args:
         spec: the model.
-        rod: the finger.
+        rod: the finger; MuJoCo's gravity acts on it, and its scene's [gravity] does not.
         palm: name of the body that holds it; "world" for none.
         position: of the clamp's middle on that body [m].
         quaternion: of the clamp, w first: x is the finger's axis, y points to what it bends towards.

@@ -143,6 +143,9 @@ typedef struct {
     const fingerfem_segment *const *segments;
     const int32_t *own;  /* (plates, tensions): which of the tensions are a segment's; the first has all */
     double rest[3];      /* the tip plate's centre in the undeformed finger [m] */
+    double gravity[3];   /* acceleration by weight, seen from the clamp [m/s^2]; zeros: nothing weighs */
+    const double *masses;  /* of every segment: its plate's, then those of its elements, from the plate to the clamp [kg]; NULL: nothing weighs */
+    const double *rubber;  /* likewise, lengths of rubber at rest: 0, then those of its elements [m] */
     double surface_error;   /* [m] */
     /* An estimated error is a factor times the root of the sum of squares of what all variants change, and of a floor. */
     double tip_factor, force_factor, touch_factor; /* [-] */

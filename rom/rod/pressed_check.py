@@ -16,13 +16,13 @@ from rom.elements.samples.section_states import read_section_states
 from rom.error_statistics import quantiles
 from rom.rod.rod import Rod
 
-OF_THE_FINGER = "geometry", "material"
+OF_THE_FINGER = "geometry", "material", "gravity"
 
 
 def _finger(scene: dict[str, Any]) -> dict[str, Any]:
     """The finger of a scene; ranges of tensions may differ, as answers outside the trained ones are counted."""
     tendons = [{key: value for key, value in one.items() if key != "tension"} for one in scene["tendons"]]
-    return {key: scene[key] for key in OF_THE_FINGER} | {"tendons": tendons}
+    return {key: scene.get(key) for key in OF_THE_FINGER} | {"tendons": tendons}
 
 
 def check_pressed(rod: Rod, held_out: SnapshotSet) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -26,15 +27,17 @@ from rom.elements.taper import TaperedRubber, tapered_pieces
 from rom.native import PickledByFields
 from rom.parameter import Parameter
 from rom.rod import compiled, shape, summary
+from rom.rod.chain_of_rod import QUANTITIES as QUANTITIES
+from rom.rod.chain_of_rod import chain_of
 from rom.rod.compiled import reports
 from rom.rod.expected_errors import ExpectedErrors, expected_errors
 from rom.rod.limits import check as check_rod
 from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
+from rom.rod.weight import turned
 
 KIND, FORMAT = "fingerfem rod", 2
 PLAIN = ("scene", "accuracy")
-QUANTITIES = "tip", "contact_force", "touch_distance"  # of which errors are estimated
 
 
 @brief
@@ -159,25 +162,8 @@ class Rod(PickledByFields):
 
     @cached_property
     def struct(self) -> Any:
-        """For compiled code, a struct fingerfem_chain.
-
-        Raises:
-            ModelError: a finger beyond what compiled code holds.
-        """
-        own = np.zeros((len(self.segments), len(self.names)), int)
-        for k, one in enumerate(self.segments):
-            own[k, : one.tensions] = [self.names.index(name) for name in one.names]
-        tip, force, touch = map(self.elements.error_factor, QUANTITIES)
-        errors = {
-            "tip_factor": tip,
-            "force_factor": force,
-            "touch_factor": touch,
-            "place_floor": self.errors.floors.place,
-            "force_floor": self.errors.floors.force,
-            "turn_error": self.errors.turn,
-            "shortening_error": self.errors.shortening,
-        }
-        return compiled.chain_struct([one.struct for one in self.segments], own, self.rest, self.errors.surface, errors)
+        """For compiled code, a struct fingerfem_chain; see `chain_of`."""
+        return chain_of(self)
 
     def place(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> Plates:
         """Where the plates are.
@@ -259,6 +245,20 @@ class Rod(PickledByFields):
         """
         tables = of_tables(scene) if isinstance(scene, Mapping) else read_scene(scene)
         return Rod(elements=self.elements, scene=self.elements.scene | tables)
+
+    def with_gravity(self, direction: ArrayLike, acceleration: float | None = None) -> Rod:
+        """The same finger on a base that is turned: what is compiled of its segments is shared.
+
+        Args:
+            direction: in which weight pulls, seen from the clamp, shape (3,) [-].
+            acceleration: [m/s^2]; by default that of before.
+
+        Raises:
+            ModelError: the scene has no [gravity], or the direction is none.
+        """
+        found, scene = copy(self), turned(self.scene, np.asarray(direction, float).tolist(), acceleration)
+        vars(found).update({name: one for name, one in vars(self).items() if name != "struct"} | {"scene": scene})
+        return found
 
     def with_accuracy(self, accuracy: dict[str, Any]) -> Rod:
         """The same, whose error has been measured."""

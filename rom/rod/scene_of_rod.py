@@ -17,6 +17,7 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.dataset.geometry import sizes_of
 from rom.file_kinds import uses_of
+from rom.rod.weight import gravity_of
 
 NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
 MOST_SEGMENTS = 8
@@ -66,7 +67,7 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
             "geometry": _geometry(scene["geometry"]),
             "material": dict(scene["material"]),
             "tendons": [_tendon(one) for one in scene["tendons"]],
-        }
+        } | ({} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"])})
     except ModelError:
         raise
     except (KeyError, TypeError, ValueError) as error:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rom.console.table import NOT_MEASURED, Table, accuracy, parameters, percent
 from rom.dataset.grid import SHARE
+from rom.rod.weight import weight_of
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod
@@ -30,8 +31,18 @@ def tables(rod: Rod) -> list[Table | str]:
             if abs(factor - 1) > SHARE
         ),
         Table(header=["segment", "length [mm]", "elements from the clamp"], rows=rows),
+        *_weight(rod),
         parameters(rod.parameters),
         f"lines left out{finer}: contact force within {percent(force['p95'])} (95 %), "
         f"median {percent(force['median'])}; free tip within {1e6 * free['p95']:.3g} µm",
         *(measured if measured else [NOT_MEASURED]),
     ]
+
+
+def _weight(rod: Rod) -> list[str]:
+    """How much it weighs, and where that pulls; nothing without a weight."""
+    weight = weight_of(rod)
+    if weight is None:
+        return []
+    pull = ", ".join(f"{part:.3g}" for part in weight.gravity)
+    return [f"mass {1e3 * weight.masses.sum():.3g} g, acceleration ({pull}) m/s^2"]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -99,6 +99,10 @@ class TouchedRod(ParametricModel, PickledByFields):
             count=len(objects),
             objects=LIBRARY.pointers("fingerfem_object", objects),
         )
+
+    def with_gravity(self, direction: ArrayLike, acceleration: float | None = None) -> Self:
+        """The same before the same objects, on a base that is turned; see `Rod.with_gravity`."""
+        return replace(self, rod=self.rod.with_gravity(direction, acceleration))
 
     def answers(self, points: ArrayLike, by_object: bool = False) -> Touched:
         """Answers, with all that is known of them, at points, shape (n, p) [N, m].

@@ -165,7 +165,7 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
     chain_rods *map = problem->map;
     const int before = map->count;
     /* bodies under the wrenches; contacts of all plates with all objects, then of slices */
-    chain_under(map, state->wrench, &at->chain);
+    if (!chain_under(map, state->wrench, &at->chain)) return 0;
     at->contacts.count = 0;
     for (int plate = 0; plate < problem->touching->chain->plates; plate++)
         for (int j = 0; j < problem->touching->count; j++)
@@ -188,7 +188,7 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
             at->slice[k].bodies[end] = chain_body_of(map, segment, element);
         }
     /* motions by the wrenches of the new bodies too */
-    if (map->count != before) chain_under(map, state->wrench, &at->chain);
+    if (map->count != before && !chain_under(map, state->wrench, &at->chain)) return 0;
     arms(problem, at);
     return 1;
 }

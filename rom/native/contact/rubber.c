@@ -4,6 +4,7 @@
  * are the section's. As tensions move the section by dp and turn it by b, dx = dp + b x (x - p) + Q dc. */
 #include "rubber.h"
 #include <math.h>
+#include "rubber_weight.h"
 #include "slices.h"
 
 #define STEPS 40      /* towards the touch distance */
@@ -64,7 +65,7 @@ void rubber_corners(const rod_state *rod, int element, int free, double *corners
 {
     const fingerfem_outline *outline = outline_of(rod->segment, element);
     double *own = rod->work + OUTLINE_KNOT * rod->segment->knots;
-    if (free) outline_free(outline, rod->monomials, own);
+    if (free && !rod->masses) outline_free(outline, rod->monomials, own);
     else rubber_shape(rod, element, rod->monomials, own);
     memcpy(corners, own, (size_t)(OUTLINE_KNOT * outline->knots) * sizeof *own);
 }
@@ -126,9 +127,7 @@ static void note(const chain_body *plate, const double *place, const double *nor
     first->plate = plate;
 }
 
-/* The element of a segment's knot: -1 for the plate's face, and the number of elements for the clamp's section;
- * `number` is the knot's index in its element. */
-static int element_of(const fingerfem_segment *segment, int knot, int *number)
+int rubber_element_of(const fingerfem_segment *segment, int knot, int *number)
 {
     int from = segment->knots - 1, k = 0;
     *number = 0;
@@ -141,8 +140,7 @@ static int element_of(const fingerfem_segment *segment, int knot, int *number)
     return k;
 }
 
-/* A point of a section: the sum of its corners, each with a weight. */
-static void point_of(const double *weights, const double *corners, double *found)
+void rubber_point_of(const double *weights, const double *corners, double *found)
 {
     for (int i = 0; i < 3; i++) {
         found[i] = 0.0;
@@ -157,7 +155,7 @@ static void knot_moves(const rod_state *rod, const rod_end *clamp, int knot, con
 {
     const fingerfem_segment *segment = rod->segment;
     int number;
-    const int k = element_of(segment, knot, &number), rubber = k < segment->elements;
+    const int k = rubber_element_of(segment, knot, &number), rubber = k < segment->elements;
     if (k < 0) return; /* the plate itself */
     /* motion dp, b of the section that the knot is seen from, by all tensions */
     const double *origin = rubber ? rod->elements[k].place : clamp->place, *Q = rod->elements[rubber ? k : 0].rotation;
@@ -165,7 +163,7 @@ static void knot_moves(const rod_state *rod, const rod_end *clamp, int knot, con
     rod_motion motion;
     rod_free_motion(rod, k, &motion);
     /* arm = sum_k weight_k (x_k - p) */
-    point_of(at, rod->work + OUTLINE_KNOT * knot, arm);
+    rubber_point_of(at, rod->work + OUTLINE_KNOT * knot, arm);
     const double weight = at[0] + at[1] + at[2] + at[3];
     for (int i = 0; i < 3; i++) arm[i] -= weight * origin[i];
     for (int j = 0; j < segment->tensions; j++) {
@@ -173,7 +171,7 @@ static void knot_moves(const rod_state *rod, const rod_end *clamp, int knot, con
         /* dc: change of the weighted corners with tension j, seen from the section */
         if (rubber) {
             outline_free(outline_of(segment, k), rod->monomials + segment->monomials * (1 + j), corners);
-            point_of(at, corners + OUTLINE_KNOT * number, change);
+            rubber_point_of(at, corners + OUTLINE_KNOT * number, change);
         }
         for (int i = 0; i < 3; i++) {
             /* component i of weight dp + b x arm + Q dc */
@@ -197,7 +195,10 @@ static void section_moves(const chain_rods *map, const rod_end *clamp, const rub
             const double between = segment->between[segment->near * (place + side) + k];
             double weights[EDGES];
             for (int edge = 0; edge < EDGES; edge++) weights[edge] = between * corners[side][edge];
-            if (between != 0.0) knot_moves(rod, clamp, segment->first[place + side] + k, weights, found);
+            const int knot = segment->first[place + side] + k;
+            if (between == 0.0) continue;
+            if (map->weight) rubber_weight_moves(map, slice->segment, clamp, knot, weights, found);
+            else knot_moves(rod, clamp, knot, weights, found);
         }
 }
 
@@ -228,11 +229,15 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
     /* growth of the ridge over a tendon, as the free pose of the element changes with every tension */
     const rod_state *rod = map->rods + q;
     double ridges[TENSIONS_MOST];
-    const int across = slices_ridge_changes(rod, slice, at, rod->free + chain->segments[q]->law_of[slice->element] * rod->free_stride +
-                                            FINGERFEM_POSE, ridges), other = 3 - across;
+    const int32_t *columns = chain->own + chain->tensions * q;
+    const int count = map->weight ? chain->tensions : chain->segments[q]->tensions; /* with weight all tensions move the rubber */
+    double weighed[TENSIONS_MOST * FINGERFEM_POSE];
+    if (map->weight) rubber_weight_pose(map, q, slice->element, weighed);
+    const double *by = map->weight ? weighed : rod->free + chain->segments[q]->law_of[slice->element] * rod->free_stride + FINGERFEM_POSE;
+    const int across = slices_ridge_changes(rod, slice, at, count, map->weight ? columns : NULL, by, ridges), other = 3 - across;
     /* by tension j: trilinear point + bulge + axis ridge (1 - zeta^2), zeta the coordinate along the face */
-    for (int j = 0; j < chain->segments[q]->tensions; j++) {
-        double *own = found + 3 * chain->own[chain->tensions * q + j], bulge[3];
+    for (int j = 0; j < count; j++) {
+        double *own = found + 3 * (map->weight ? j : columns[j]), bulge[3];
         const double twist[3] = {twists[0][j], twists[1][j], twists[2][j]};
         slices_bulge(axes, twist, at, bulge);
         for (int i = 0; i < 3; i++)

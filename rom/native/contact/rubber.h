@@ -35,6 +35,11 @@ void rubber_corners(const rod_state *rod, int element, int free, double *corners
  * they change; there is room for them in the rod's work behind those of all knots. */
 void rubber_shape(const rod_state *rod, int element, const double *monomials, double *corners);
 
+/* The element of a segment's knot: -1 for the plate's face, and the number of elements for the clamp's section; `number` is the
+ * knot's index in its element. And a point of a section: the sum of its corners, (4, 3), each with a weight. */
+int rubber_element_of(const fingerfem_segment *segment, int knot, int *number);
+void rubber_point_of(const double *weights, const double *corners, double *found);
+
 /* How well the surface is known at contact k of a slice [m]. */
 double rubber_off(const contact_problem *problem, const placed *at, int k);
 

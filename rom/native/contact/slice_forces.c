@@ -234,7 +234,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     /* change of the element's pose with all tensions, and of the ridge over a tendon by it */
     element_by_tensions(segment, segment->law[segment->law_of[e]], rod->contracted + segment->law_of[e] * rod->contracted_stride,
                         rod->products + e * rod->products_stride, by);
-    const int across = slices_ridge_changes(rod, slice, material, by, ridges), other = 3 - across;
+    const int across = slices_ridge_changes(rod, slice, material, segment->tensions, NULL, by, ridges), other = 3 - across;
     for (int j = 0; j < segment->tensions; j++) {
         const int column = chain->own[chain->tensions * q + j];
         double change[3] = {0.0}, twist[3] = {0.0}, turned_twist[3], bulge[3], way[3], arm[3], by_turn[3];

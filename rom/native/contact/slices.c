@@ -154,21 +154,26 @@ double slices_highest(const rod_state *rod, int element)
     return found;
 }
 
-int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const double *material, const double *by, double *found)
+int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const double *material, int count, const int32_t *own,
+                         const double *by, double *found)
 {
     const int element = slice->element;
     const double *ridges = rod->segment->ridges;
+    double raises[TENSIONS_MOST] = {0.0};
     /* face of the point: across y (0) or z (1), its side, and the curvature kappa towards it */
-    const int count = rod->segment->tensions, across = fabs(material[1]) < 1.0 ? 1 : 0, side = material[1 + across] > 0.0;
+    const int across = fabs(material[1]) < 1.0 ? 1 : 0, side = material[1 + across] > 0.0;
     const double sign = side ? 1.0 : -1.0, k = sign * curvature(rod, element, across, rod->elements[element].pose);
     double all = 0.0;
     memset(found, 0, (size_t)count * sizeof *found);
     if (fabs(material[1]) == 1.0 && fabs(material[2]) == 1.0) return 0;
     /* sum_i F_i r_i, with r_i = 1 / E for a tendon under this face, else 0 */
-    for (int j = 0; j < count; j++) all += rod->tensions[j] * fmax(sign * ridges[2 * j + across], 0.0);
+    for (int j = 0; j < rod->segment->tensions; j++) {
+        raises[own ? own[j] : j] = fmax(sign * ridges[2 * j + across], 0.0);
+        all += rod->tensions[j] * fmax(sign * ridges[2 * j + across], 0.0);
+    }
     /* d height / dF_j = RIDGE raised (kappa r_j + sum_i F_i r_i dkappa/dF_j), along the axis */
     for (int j = 0; j < count && k > 0.0; j++)
-        found[j] = RIDGE * slice->raised * sign * (k * fmax(sign * ridges[2 * j + across], 0.0) + all * sign * curvature(rod, element, across, by + FINGERFEM_POSE * j));
+        found[j] = RIDGE * slice->raised * sign * (k * raises[j] + all * sign * curvature(rod, element, across, by + FINGERFEM_POSE * j));
     return 1 + across;
 }
 

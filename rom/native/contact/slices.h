@@ -51,9 +51,11 @@ void slices_arms(const rubber_slice *slice, const chain_state *state, const obje
 /* How far out, at most, faces of an element are lifted by tendons [m]. */
 double slices_highest(const rod_state *rod, int element);
 
-/* How the ridge over a face at a point of a slice, by its coordinates, grows with each tension, (tensions), where the pose of
- * its element changes by `by`, (tensions, FINGERFEM_POSE); returns the axis across the face, 1 or 2, or 0 for an edge. */
-int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const double *material, const double *by, double *found);
+/* How the ridge over a face at a point of a slice, by its coordinates, grows with each of some tensions, `count`, where the pose of
+ * its element changes by `by`, (count, FINGERFEM_POSE); `own` says which the segment's are, NULL the first ones. Returns the axis
+ * across the face, 1 or 2, or 0 for an edge. */
+int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const double *material, int count, const int32_t *own,
+                         const double *by, double *found);
 
 /* The section where an element begins, or, of the last one, where it ends. */
 void slices_section(const chain_rods *map, const chain_state *state, int segment, int element, double *place, double *rotation);

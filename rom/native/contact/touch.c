@@ -281,7 +281,7 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     chain_set_tensions(chain, held, memory, &map);
     memset(state.wrench, 0, sizeof state.wrench);
     memset(state.forces, 0, sizeof state.forces);
-    chain_free(&map, &state.at.chain);
+    const int rests = chain_free(&map, &state.at.chain);
     /* touch distance of every object: the larger one of the plates' and the rubber's */
     for (int j = 0; j < m; j++) {
         by_plates[j] = placed_touch_distance(&problem, j, &state.at);
@@ -291,7 +291,7 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     /* positions of the objects; outside the trained range if a d was clamped */
     approach_of(touching, point + t, touch, &problem, &now);
     for (int j = 0; j < m; j++) *inside &= now.d[j] == point[t + j] || point[t + j] == INFINITY;
-    int evaluations = 1;
+    int evaluations = rests ? 1 : -1; /* the weight of the free finger has no equilibrium */
     if (now.any) {
         /* errors of the touch distances, by the motions of the free plates with the variants */
         if (errors) {
@@ -300,8 +300,9 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
         }
         /* solve for wrenches and contact forces, from the given loads; then motions by the tensions */
         chain_take_loads(&map, loads, state.wrench);
-        chain_contract(&map);
+        if (!map.weight) chain_contract(&map); /* else that is done */
         evaluations = contact_solve(&problem, now.touch, now.d[now.lead], &state);
+        if (!rests && evaluations > 0) evaluations = -evaluations;
         if (evaluations <= 0) state.at.contacts.count = 0; /* contacts of the last pose have no solved forces */
         chain_by_tensions(&map, &state.at.chain);
     } else {

@@ -3,11 +3,18 @@
  * pose seen from the body before. A long tendon slides through a plate, and enters the rods of the segments that it
  * passes as if it ended at their plates. From base to tip: relative poses and motions are composed to those in
  * space. */
-#include "chain.h"
+#include "chain_weight.h"
+
+/* Whether a chain weighs. */
+static int weighs(const fingerfem_chain *chain)
+{
+    const double *g = chain->gravity;
+    return chain->masses && (g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0);
+}
 
 int32_t fingerfem_chain_memory(const fingerfem_chain *chain)
 {
-    int size = 0;
+    int size = chain->masses ? (int)(sizeof(chain_weight) / sizeof(double)) : 0;
     for (int k = 0; k < chain->plates; k++) size += fingerfem_segment_memory(chain->segments[k]);
     return size;
 }
@@ -27,7 +34,14 @@ void chain_plates_alone(chain_rods *map)
 
 void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found)
 {
+    int row = 0; /* of masses */
     found->chain = chain;
+    found->weight = NULL;
+    if (weighs(chain)) {
+        found->weight = (chain_weight *)memory;
+        found->weight->found = 0;
+        memory += sizeof(chain_weight) / sizeof(double);
+    }
     found->work = memory;
     chain_plates_alone(found);
     /* work memory begins behind that of all rods */
@@ -40,6 +54,8 @@ void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, do
         rod_set_tensions(segment, own, memory, found->work, found->rods + k);
         tensions_corners(segment, found->rods[k].monomials, found->corners[k]);
         memory += rod_memory(segment);
+        if (found->weight) found->rods[k].masses = chain->masses + row, found->rods[k].rubber = chain->rubber + row;
+        row += 1 + segment->elements;
     }
 }
 
@@ -127,10 +143,9 @@ static void turned_back(const double *rotation, const double *v, double *out)
     for (int i = 0; i < 3; i++) out[i] = rotation[i] * v[0] + rotation[3 + i] * v[1] + rotation[6 + i] * v[2];
 }
 
-/* Pose of a body seen from the body before: arm a and rotation A, the inverse of the pose p, Q of the end of its
- * part seen from the body. If a part ends at the clamp of a segment beyond a plate, that plate's centre lies half a
+/* The inverse of the pose p, Q of the end of its part seen from the body. If a part ends at the clamp of a segment beyond a plate, that plate's centre lies half a
  * plate before. */
-static void locate(const chain_rods *map, int b, chain_body *body)
+void chain_locate(const chain_rods *map, int b, chain_body *body)
 {
     const chain_place *own = map->bodies + b;
     const fingerfem_segment *const *segment = map->chain->segments + own->segment;
@@ -234,8 +249,7 @@ static void add_by_tensions(const chain_rods *map, int b, chain_body *body)
             body->motion[i][chain_size(map) + own[j]] += body->by_tensions[i][j];
 }
 
-/* Poses in space and motions by inputs first ... last - 1, from those relative to the body before. */
-static void compose(const chain_rods *map, int first, int last, chain_state *state)
+void chain_compose(const chain_rods *map, int first, int last, chain_state *state)
 {
     static const double origin[3] = {0.0}, upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     const int begin = first_moving(map);
@@ -276,7 +290,7 @@ static void compose(const chain_rods *map, int first, int last, chain_state *sta
     }
 }
 
-void chain_under(const chain_rods *map, const double *wrench, chain_state *state)
+void chain_without_weight(const chain_rods *map, const double *wrench, chain_state *state)
 {
     const int w = chain_size(map), begin = first_moving(map);
     double transmitted[W] = {0.0}, by[W][CHAIN_INPUTS];
@@ -293,18 +307,26 @@ void chain_under(const chain_rods *map, const double *wrench, chain_state *state
         }
         /* its part of the rod under that wrench: relative pose and compliance Y_w */
         rod_under(map->rods + map->bodies[b].segment, map->bodies[b].part, transmitted, &body->end);
-        locate(map, b, body);
+        chain_locate(map, b, body);
         /* relative motion by all wrenches, Y_w dw; of a single body Y_w itself */
         if (map->count > 1) relative_motion(0, w, by, body);
         else for (int i = 0; i < W; i++) memcpy(body->motion[i], body->end.by_wrench[i], sizeof body->end.by_wrench[i]);
         if (b > begin) pass_on(body, 0, w, transmitted, by);
     }
     /* from base to tip: poses in space, motions by wrenches */
-    compose(map, 0, w, state);
+    chain_compose(map, 0, w, state);
 }
 
-void chain_free(const chain_rods *map, chain_state *state)
+int chain_under(const chain_rods *map, const double *wrench, chain_state *state)
 {
+    if (map->weight) return chain_weight_under(map, wrench, state);
+    chain_without_weight(map, wrench, state);
+    return 1;
+}
+
+int chain_free(const chain_rods *map, chain_state *state)
+{
+    if (map->weight) return chain_weight_free(map, state);
     const int w = chain_size(map), inputs = w + map->chain->tensions;
     double by[W][CHAIN_INPUTS] = {{0.0}};
     /* relative poses and motions by tensions, body by body: nothing is transmitted */
@@ -312,16 +334,21 @@ void chain_free(const chain_rods *map, chain_state *state)
         chain_body *body = state->bodies + b;
         rod_free(map->rods + map->bodies[b].segment, &body->end, body->by_tensions);
         memset(body->transmitted, 0, sizeof body->transmitted); /* no wrench, whatever the tensions */
-        locate(map, b, body);
+        chain_locate(map, b, body);
         relative_motion(w, inputs, by, body);
         add_by_tensions(map, b, body);
     }
     /* poses in space, motions by tensions */
-    compose(map, w, inputs, state);
+    chain_compose(map, w, inputs, state);
+    return 1;
 }
 
 void chain_by_variants(const chain_rods *map, int pressed, chain_state *state)
 {
+    if (map->weight) {
+        chain_weight_by_inputs(map, 1, state);
+        return;
+    }
     const int w = chain_size(map), count = map->chain->segments[0]->deviating, begin = first_moving(map);
     double by[W][CHAIN_INPUTS] = {{0.0}};
     /* from tip to base: motions by variants, and the changes that these make in transmitted wrenches */
@@ -336,11 +363,15 @@ void chain_by_variants(const chain_rods *map, int pressed, chain_state *state)
             for (int v = 0; v < count; v++) body->motion[i][w + v] += body->by_tensions[i][v];
         if (b > begin) pass_on(body, w, w + count, transmitted, by);
     }
-    compose(map, w, w + count, state);
+    chain_compose(map, w, w + count, state);
 }
 
 void chain_by_tensions(const chain_rods *map, chain_state *state)
 {
+    if (map->weight) {
+        chain_weight_by_inputs(map, 0, state);
+        return;
+    }
     const int w = chain_size(map), inputs = w + map->chain->tensions, begin = first_moving(map);
     double by[W][CHAIN_INPUTS] = {{0.0}};
     /* from tip to base: motions by tensions, at fixed wrench and through the transmitted wrench */
@@ -353,7 +384,7 @@ void chain_by_tensions(const chain_rods *map, chain_state *state)
         add_by_tensions(map, b, body);
         if (b > begin) pass_on(body, w, inputs, transmitted, by);
     }
-    compose(map, w, inputs, state);
+    chain_compose(map, w, inputs, state);
 }
 
 void chain_section(const chain_rods *map, const chain_state *state, int segment, int element, double *place, double *rotation)
@@ -381,7 +412,7 @@ int chain_placed(const fingerfem_chain *chain, const double *tensions, const dou
     chain_contract(map);
     /* bodies under the loads, motions by wrenches and by tensions */
     inside &= chain_take_loads(map, loads, wrench);
-    chain_under(map, wrench, state);
+    inside &= chain_under(map, wrench, state);
     chain_by_tensions(map, state);
     for (int b = 0; b < map->count; b++) inside &= state->bodies[b].end.inside;
     return inside;

@@ -3,12 +3,14 @@
 #ifndef FINGERFEM_CHAIN_H
 #define FINGERFEM_CHAIN_H
 #include "rod_march.h"
+#include "rod_weight.h"
 
 enum {
     W = FINGERFEM_WRENCH,
     MOST_BODIES = FINGERFEM_MOST_BODIES,
     CHAIN_WRENCH = W * MOST_BODIES,
-    CHAIN_INPUTS = CHAIN_WRENCH + TENSIONS_MOST /* wrenches, body by body, then tensions */
+    CHAIN_PULL = TENSIONS_MOST, /* behind the wrenches: where the acceleration by weight begins, (3), seen from the tip */
+    CHAIN_INPUTS = CHAIN_WRENCH + CHAIN_PULL + 3 /* wrenches, body by body, tensions, and that acceleration */
 };
 typedef double chain_matrix[CHAIN_WRENCH][CHAIN_WRENCH];
 
@@ -20,12 +22,29 @@ typedef struct {
     rod_part part; /* the elements between this body and the next one towards the clamp; a plate's begins with element 0 */
 } chain_place;
 
+/* A body where the chain weighs: its load; what weighs in its part; and how the load changes by the acceleration that the tip
+ * sees, and by the tensions where that turns with the tip. */
+typedef struct {
+    double load[ROD_LOAD], by_pull[ROD_LOAD][3], by_tensions[ROD_LOAD][TENSIONS_MOST];
+    rod_weight own;
+} chain_load;
+
+/* A chain that weighs: the acceleration that its tip sees, (3) [m/s^2]; how it changes with the tip's turn, (3, 3), where the inputs
+ * change that too, and with the wrenches on `count` bodies, (3, 6 count), with the wrenches that it was found under; whether it
+ * is found, and the chain rests there without contact. */
+typedef struct {
+    double pull[3], turning[9], by_wrench[3][CHAIN_INPUTS], wrench[CHAIN_WRENCH];
+    int count, found, stable, unused; /* doubles follow */
+    chain_load bodies[MOST_BODIES];
+} chain_weight;
+
 /* Segments at some tensions: how these bend every plate, and the rods; the bodies that bear wrenches, from clamp to tip,
  * all plates among them; and memory to work in, of one segment at a time. */
 typedef struct {
     const fingerfem_chain *chain;
     double corners[FINGERFEM_MOST_PLATES][FINGERFEM_CORNERS], *work;
     rod_state rods[FINGERFEM_MOST_PLATES];
+    chain_weight *weight; /* NULL if nothing weighs */
     int count;
     chain_place bodies[MOST_BODIES];
 } chain_rods;
@@ -42,7 +61,7 @@ typedef struct {
 } chain_state;
 
 /* All segments at tensions inside their box, in memory of fingerfem_chain_memory's size; plates alone bear wrenches. For what
- * carries wrenches they must be contracted too. */
+ * carries wrenches they must be contracted too; `chain_free` does so itself if the chain weighs. */
 void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found);
 void chain_contract(const chain_rods *map);
 
@@ -68,11 +87,12 @@ void chain_leave_loads(const chain_rods *map, const double *wrench, double *load
 /* Numbers of wrenches on all bodies. */
 static inline int chain_size(const chain_rods *map) { return W * map->count; }
 
-/* The bodies under wrenches, (6 bodies), and their motions by these. */
-void chain_under(const chain_rods *map, const double *wrench, chain_state *state);
+/* The bodies under wrenches, (6 bodies), and their motions by these; returns 0 if weight has no equilibrium there. */
+int chain_under(const chain_rods *map, const double *wrench, chain_state *state);
 
-/* The plates without a wrench: where they are, and their motions by the tensions. */
-void chain_free(const chain_rods *map, chain_state *state);
+/* The plates without a wrench: where they are, and their motions by the tensions; returns 0 if weight has no equilibrium, or
+ * none that is stable. */
+int chain_free(const chain_rods *map, chain_state *state);
 
 /* The bodies' motions by the variants of all elements, in the place of those by the tensions: under the wrenches that the bodies
  * were placed under last, or, unless they are pressed, without. */

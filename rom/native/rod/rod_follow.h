@@ -25,6 +25,36 @@ static inline void follow_move(const rod_element *element, const wide *change, f
     moved->move[2] += turn[0] * a[1] - turn[1] * a[0];
 }
 
+/* The proximal section of an element, p' = p + Q q and Q' = Q R; and G = s Q (1 + [g]x), so that b' = b + G dg. */
+static inline void follow_advance(rod_element *element, double *place, double *rotation)
+{
+    const double *Q = element->rotation, *q = element->pose, *g = element->pose + 3;
+    const double s = 2.0 / (1.0 + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    double next[9];
+    /* row i of Q q, of G = s (Q + Q [g]x), and of Q' = s (Q + Q [g]x + Q g g^T) - Q */
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; i++) {
+        const double *row = Q + 3 * i, along = row[0] * g[0] + row[1] * g[1] + row[2] * g[2];
+        const double across[3] = {row[1] * g[2] - row[2] * g[1], row[2] * g[0] - row[0] * g[2], row[0] * g[1] - row[1] * g[0]};
+        element->arm[i] = row[0] * q[0] + row[1] * q[1] + row[2] * q[2];
+        place[i] = element->place[i] + element->arm[i];
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; j++) {
+            element->turning[3 * i + j] = s * (row[j] + across[j]);
+            next[3 * i + j] = s * (row[j] + across[j] + along * g[j]) - row[j];
+        }
+    }
+    memcpy(rotation, next, sizeof next);
+}
+
+/* Distal section of an element: the body itself for k = 0, else where the element before ends. */
+static inline void follow_begin(rod_element *element, int k, rod_end *end)
+{
+    static const double place[3] = {0.0}, rotation[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+    memcpy(element->place, k ? end->place : place, sizeof place);
+    memcpy(element->rotation, k ? end->rotation : rotation, sizeof rotation);
+}
+
 /* A part of the row of an input that changes itself. */
 static inline wide follow_unit(int input, int part)
 {

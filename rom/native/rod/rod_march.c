@@ -67,6 +67,7 @@ void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, 
     found->deviations = memory + segment->elements * found->products_stride;
     found->monomials = found->deviations + POSE * segment->elements * segment->deviating;
     found->work = work;
+    found->masses = found->rubber = NULL;
     /* tensions, their monomials and the derivatives of these */
     memcpy(found->tensions, tensions, (size_t)segment->tensions * sizeof *tensions);
     tensions_monomials(segment, tensions, found->monomials);
@@ -76,28 +77,6 @@ void rod_contract(const rod_state *rod)
 {
     for (int k = 0; k < rod->segment->laws; k++)
         element_contract(rod->segment, rod->segment->law[k], rod->monomials, rod->contracted + k * rod->contracted_stride);
-}
-
-/* The proximal section of an element, p' = p + Q q and Q' = Q R; and G = s Q (1 + [g]x), so that b' = b + G dg. */
-static void advance(rod_element *element, double *place, double *rotation)
-{
-    const double *Q = element->rotation, *q = element->pose, *g = element->pose + 3;
-    const double s = 2.0 / (1.0 + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-    double next[9];
-    /* row i of Q q, of G = s (Q + Q [g]x), and of Q' = s (Q + Q [g]x + Q g g^T) - Q */
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; i++) {
-        const double *row = Q + 3 * i, along = row[0] * g[0] + row[1] * g[1] + row[2] * g[2];
-        const double across[3] = {row[1] * g[2] - row[2] * g[1], row[2] * g[0] - row[0] * g[2], row[0] * g[1] - row[1] * g[0]};
-        element->arm[i] = row[0] * q[0] + row[1] * q[1] + row[2] * q[2];
-        place[i] = element->place[i] + element->arm[i];
-#pragma GCC unroll 3
-        for (int j = 0; j < 3; j++) {
-            element->turning[3 * i + j] = s * (row[j] + across[j]);
-            next[3 * i + j] = s * (row[j] + across[j] + along * g[j]) - row[j];
-        }
-    }
-    memcpy(rotation, next, sizeof next);
 }
 
 /* The body's wrench f, m at an element's distal section, in the section's frame: Q^T f, Q^T (m - p x f). */
@@ -113,14 +92,6 @@ static inline void carry(const double *wrench, rod_element *element)
     }
 }
 
-/* Distal section of an element: the body itself for k = 0, else where the element before ends. */
-static inline void begin(rod_element *element, int k, rod_end *end)
-{
-    static const double place[3] = {0.0}, rotation[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
-    memcpy(element->place, k ? end->place : place, sizeof place);
-    memcpy(element->rotation, k ? end->rotation : rotation, sizeof rotation);
-}
-
 void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_end *end)
 {
     const fingerfem_segment *segment = rod->segment;
@@ -131,13 +102,13 @@ void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_en
         rod_element *element = rod->elements + k;
         const fingerfem_law *law = law_of(rod, k);
         /* pose of the distal section, and the wrench through it */
-        begin(element, k - part.first, end);
+        follow_begin(element, k - part.first, end);
         carry(wrench, element);
         end->inside &= element_inside(law, element->wrench);
         /* the law: pose q, g and its derivatives by that wrench; then the proximal section */
         element_pose(law, rod->contracted + segment->law_of[k] * rod->contracted_stride, element->wrench,
                      rod->products + k * rod->products_stride, element->pose);
-        advance(element, end->place, end->rotation);
+        follow_advance(element, end->place, end->rotation);
         /* by the body's wrench: changes of the wrench through the element, of its pose, of the proximal section */
 #pragma GCC unroll 3
         for (int six = 0; six < WIDE_SIX; six++) {
@@ -183,9 +154,9 @@ void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS
         const double *free = rod->free + segment->law_of[k] * rod->free_stride;
         rod_element *element = rod->elements + k;
         /* pose of the proximal section */
-        begin(element, k, end);
+        follow_begin(element, k, end);
         memcpy(element->pose, free, sizeof element->pose);
-        advance(element, end->place, end->rotation);
+        follow_advance(element, end->place, end->rotation);
         /* motion of the proximal section by the tensions */
         for (int part = 0; WIDE * part < t; part++) {
             wide change[W] = {{0.0}};

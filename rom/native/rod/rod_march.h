@@ -25,6 +25,7 @@ typedef struct {
     int free_stride, contracted_stride, products_stride;
     double tensions[TENSIONS_MOST];
     rod_element *elements;
+    const double *masses, *rubber; /* as those of a chain, see segment.h; NULL where nothing weighs */
 } rod_state;
 
 /* A plate seen from its clamp: the clamp's place and rotation seen from the plate, how the plate moves by the wrench, R^T dc
@@ -58,6 +59,9 @@ void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_en
 
 /* How the body moves by the tensions, (6, TENSIONS_MOST), under the wrench that `rod_under` was called with last. */
 void rod_by_tensions(const rod_state *rod, rod_part part, double (*motion)[TENSIONS_MOST]);
+
+/* Deviations of the poses of all elements by their variants, (elements, count, 8), at the same loads. */
+void rod_deviate(const rod_state *rod, int pressed);
 
 /* How the body moves by the variants of its elements, (6, TENSIONS_MOST), at the loads that `rod_under` was called with last,
  * or, unless it is pressed, `rod_free`. */

@@ -3,8 +3,8 @@
 
 enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
 
-/* Deviations of the poses of all elements, (elements, count, 8); elements of one law share its contraction. */
-static void deviate(const rod_state *rod, int pressed)
+/* Elements of one law share its contraction. */
+void rod_deviate(const rod_state *rod, int pressed)
 {
     const fingerfem_segment *segment = rod->segment;
     const int row = POSE * segment->deviating;
@@ -31,7 +31,7 @@ void rod_by_variants(const rod_state *rod, rod_part part, int pressed, double (*
     follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     double end[3];
     /* deviations of all elements, once: the plate's part is evaluated first */
-    if (!part.first) deviate(rod, pressed);
+    if (!part.first) rod_deviate(rod, pressed);
     for (int k = part.first; k < part.last; k++) {
         const rod_element *element = rod->elements + k;
         const double *own = rod->deviations + POSE * count * k;

@@ -2,15 +2,21 @@
  * is. A tendon's shortening is the sum over all elements between the clamp and its plate. */
 #include "shortenings.h"
 #include <math.h>
-#include "rod_follow.h"
+#include "chain_weight.h"
 
-enum { ROW = SHORTENINGS_ROW, POSE = FINGERFEM_POSE };
+enum { ROW = SHORTENINGS_ROW, POSE = FINGERFEM_POSE, LOADS = WIDE_LOAD * WIDE };
 
-/* Derivatives of the wrench that an element transmits, (6, 8): a row for every component, by the wrench on the body
- * of its part, and by the tensions. */
+/* Derivatives of the wrench that an element transmits: a row for every component, by the load on the body of its part,
+ * which is a wrench where nothing weighs, and by the tensions. */
 typedef struct {
-    double by_wrench[W][POSE], by_tensions[W][POSE];
+    double by_load[W][LOADS], by_tensions[W][POSE];
 } transmitted;
+
+/* Motions of a rod that weighs, by the load of its body and by the tensions; and what weighs beyond. */
+typedef struct {
+    rod_mass beyond;
+    weight_motion by_load[WIDE_LOAD], by_tensions[WIDE_EIGHT];
+} weighed;
 
 /* Derivatives of the wrench that element k transmits. The motions are those of its distal section on entry, and
  * those of its proximal one on return. */
@@ -29,7 +35,7 @@ static void transmit(const rod_state *rod, rod_part part, int k, follow_motion *
         follow_carry(wrench, element, by_wrench + six, 1, WIDE * six, carried);
         follow_by_wrench(element, carried, change);
         follow_move(element, change, by_wrench + six);
-        for (int i = 0; i < W; i++) wide_store(found->by_wrench[i] + WIDE * six, carried[i]);
+        for (int i = 0; i < W; i++) wide_store(found->by_load[i] + WIDE * six, carried[i]);
     }
     /* likewise by the tensions */
     for (int j = 0; WIDE * j < t; j++) {
@@ -40,6 +46,31 @@ static void transmit(const rod_state *rod, rod_part part, int k, follow_motion *
         follow_move(element, change, by_tensions + j);
         for (int i = 0; i < W; i++) wide_store(found->by_tensions[i] + WIDE * j, carried[i]);
     }
+}
+
+/* The same of a rod that weighs, where its body sees the acceleration `pull`. */
+static void transmit_weight(const rod_state *rod, int k, const double *pull, weighed *motions, transmitted *found)
+{
+    const fingerfem_segment *segment = rod->segment;
+    const double *contracted = rod->contracted + segment->law_of[k] * rod->contracted_stride;
+    double own[TENSIONS_MOST * POSE];
+    weight_step step;
+    element_by_tensions(segment, segment->law[segment->law_of[k]], contracted, rod->products + k * rod->products_stride, own);
+    weight_step_of(rod, k, pull, &motions->beyond, &step);
+    for (int n = 0; n < WIDE_LOAD; n++) {
+        wide carried[W], change[W] = {{0.0}};
+        weight_change unit;
+        weight_load_unit(n, &unit);
+        weight_follow(&step, &unit, change, motions->by_load + n, carried);
+        for (int i = 0; i < W; i++) wide_store(found->by_load[i] + WIDE * n, carried[i]);
+    }
+    for (int n = 0; WIDE * n < segment->tensions; n++) {
+        wide carried[W], change[W] = {{0.0}};
+        follow_by_inputs(segment->tensions, own, WIDE * n, change);
+        weight_follow(&step, NULL, change, motions->by_tensions + n, carried);
+        for (int i = 0; i < W; i++) wide_store(found->by_tensions[i] + WIDE * n, carried[i]);
+    }
+    weight_beyond(&step, &motions->beyond);
 }
 
 static inline void add(double size, const double *row, double *sum)
@@ -60,21 +91,26 @@ static void add_six(const rod_state *rod, int k, const fingerfem_law *law, const
         add(1.0, own + POSE * j, found->by_tensions[j] + first);
         for (int i = 0; i < W; i++) add(changes->by_tensions[i][j], values + POSE * (1 + i), found->by_tensions[j] + first);
     }
-    /* dS/dv_j = sum_i dS/dw_i dw_i/dv_j, with the body's wrench v */
-    for (int j = 0; j < W; j++)
-        for (int i = 0; i < W; i++) add(changes->by_wrench[i][j], values + POSE * (1 + i), found->by_wrench[j] + first);
+    /* dS/dv_j = sum_i dS/dw_i dw_i/dv_j, with the body's load v */
+    for (int j = 0; j < (rod->masses ? ROD_LOAD : W); j++)
+        for (int i = 0; i < W; i++) add(changes->by_load[i][j], values + POSE * (1 + i), found->by_load[j] + first);
 }
 
-/* Shortenings in a part of a rod under the wrench of the last `rod_under`. */
-static void under(const rod_state *rod, rod_part part, shortenings_segment *found)
+/* Shortenings in a part of a rod under the wrench of the last `rod_under`, or, of a rod that weighs, where its body sees the
+ * acceleration `pull`. */
+static void under(const rod_state *rod, rod_part part, const double *pull, shortenings_segment *found)
 {
     const fingerfem_segment *segment = rod->segment;
     const int sixes = segment->sixes;
     follow_motion by_wrench[WIDE_SIX] = {{{{0.0}}, {{0.0}}}}, by_tensions[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     transmitted changes;
+    weighed motions;
+    if (pull) memset(&motions, 0, sizeof motions);
+    if (pull && !part.first) motions.beyond.mass = rod->masses[0];
     for (int k = part.first; k < part.last; k++) {
         const fingerfem_law *const *laws = segment->shortening + sixes * segment->law_of[k];
-        transmit(rod, part, k, by_wrench, by_tensions, &changes);
+        if (pull) transmit_weight(rod, k, pull, &motions, &changes);
+        else transmit(rod, part, k, by_wrench, by_tensions, &changes);
         /* every six tendons; a law is contracted anew where the element before has another one */
         for (int six = 0; six < sixes; six++) {
             double *contracted = rod->work + six * rod->contracted_stride;
@@ -108,8 +144,9 @@ int shortenings_of(const chain_rods *map, int free, shortenings_segment *segment
         if (body->segment == CHAIN_GROUND) continue;
         const rod_state *rod = map->rods + body->segment;
         if (!rod->segment->sixes) return 0;
-        if (free) without_wrench(rod, segments + b);
-        else under(rod, body->part, segments + b);
+        if (map->weight) under(rod, body->part, map->weight->bodies[b].load + W, segments + b);
+        else if (free) without_wrench(rod, segments + b);
+        else under(rod, body->part, NULL, segments + b);
     }
     return 1;
 }
@@ -153,25 +190,37 @@ static void relative_to_before(const chain_body *plate, const double *motion, do
 void shortenings_change(const chain_state *state, const chain_rods *map, const shortenings_segment *segments,
                         const double *tensions, const double *wrenches, const double *motion, double *found)
 {
-    double change[W] = {0.0}, relative[W]; /* of the wrench that a body transmits */
-    const int begin = map->bodies[0].segment == CHAIN_GROUND;
+    double change[ROD_LOAD] = {0.0}, relative[W], moment[3]; /* of the load that a body transmits */
+    const int begin = map->bodies[0].segment == CHAIN_GROUND, loads = map->weight ? ROD_LOAD : W;
     memset(found, 0, (size_t)map->chain->tensions * sizeof *found);
     /* from tip to base, with the change of the transmitted wrench */
     for (int b = map->count - 1; b >= begin; b--) {
         int count;
         const int32_t *own = tensions_of(map, b, &count);
         const shortenings_segment *segment = segments + b;
+        const chain_load *load = map->weight ? map->weight->bodies + b : NULL;
         for (int i = 0; i < W; i++) change[i] += wrenches[W * b + i];
+        /* the acceleration by weight turns in the body's frame: dg = g x dtheta */
+        if (load) follow_cross(load->load + W, motion + W * b + 3, change + W);
         /* dS_j = dS_j/dw . dw + sum_i dS_j/dF_i dF_i */
         for (int j = 0; j < count; j++) {
             double sum = 0.0;
-            for (int i = 0; i < W; i++) sum += segment->by_wrench[i][shortenings_at(j)] * change[i];
+            for (int i = 0; i < loads; i++) sum += segment->by_load[i][shortenings_at(j)] * change[i];
             for (int i = 0; i < count; i++) sum += segment->by_tensions[i][shortenings_at(j)] * tensions[own[i]];
             found[own[j]] += sum;
         }
         if (b == begin) break;
         /* change of the wrench that the body before transmits */
         relative_to_before(state->bodies + b, motion + W * b, relative);
+        for (int i = 0; i < 3 && load; i++) {
+            moment[i] = 0.0;
+            for (int j = 0; j < count; j++) moment[i] += load->own.moment_by_inputs[i][j] * tensions[own[j]];
+        }
+        if (load) {
+            double whole[W];
+            chain_weight_change(load, change, moment, whole);
+            memcpy(change, whole, sizeof whole);
+        }
         chain_pass_change(state->bodies + b, relative, change);
     }
 }

@@ -6,9 +6,9 @@
 enum { SHORTENINGS_SIX = 6 /* tendons of a law */, SHORTENINGS_MOST_SIXES = 2, SHORTENINGS_ROW = SHORTENINGS_MOST_SIXES * FINGERFEM_POSE };
 
 /* How much shorter the tendons of a segment are [m], and the derivatives by its tensions, (tensions, ...), and by the wrench
- * on its plate, (6, ...). Tendon j is at `shortenings_at(j)` of a row. */
+ * on its plate, (6, ...), of a chain that weighs by its load, (9, ...). Tendon j is at `shortenings_at(j)` of a row. */
 typedef struct {
-    double values[SHORTENINGS_ROW], by_tensions[TENSIONS_MOST][SHORTENINGS_ROW], by_wrench[ROD_WRENCH][SHORTENINGS_ROW];
+    double values[SHORTENINGS_ROW], by_tensions[TENSIONS_MOST][SHORTENINGS_ROW], by_load[ROD_LOAD][SHORTENINGS_ROW];
 } shortenings_segment;
 
 static inline int shortenings_at(int tendon) { return FINGERFEM_POSE * (tendon / SHORTENINGS_SIX) + tendon % SHORTENINGS_SIX; }

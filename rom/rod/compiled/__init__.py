@@ -160,7 +160,12 @@ def place(compiled: Any, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np
 
 
 def chain_struct(
-    segments: Sequence[Any], own: np.ndarray, rest: np.ndarray, surface_error: float, errors: Mapping[str, float]
+    segments: Sequence[Any],
+    own: np.ndarray,
+    rest: np.ndarray,
+    surface_error: float,
+    errors: Mapping[str, float],
+    weight: Mapping[str, np.ndarray] | None = None,
 ) -> Any:
     """Segments as a struct fingerfem_chain.
 
@@ -170,7 +175,11 @@ def chain_struct(
         rest: the tip plate's centre in the undeformed finger, shape (3,) [m].
         surface_error: of the rubber's surface [m].
         errors: what estimated errors are made of, by the names in segment.h.
+        weight: acceleration, masses and lengths of rubber, by the names in segment.h; none if nothing weighs.
     """
+    weighs = dict(weight or {})
+    if weighs:
+        weighs["gravity"] = weighs["gravity"].tolist()
     return LIBRARY.struct(
         "fingerfem_chain",
         plates=len(segments),
@@ -180,6 +189,7 @@ def chain_struct(
         rest=rest.tolist(),
         surface_error=surface_error,
         **errors,
+        **weighs,
     )
 
 

@@ -1,0 +1,96 @@
+"""The weight of a finger: what its scene says, and the masses of its plates and elements."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from rom.brief import brief
+from rom.checked_file import ModelError
+
+if TYPE_CHECKING:
+    from rom.rod.rod import Rod
+
+STEEL, STANDARD = 7850.0, 9.80665  # density [kg/m^3] and acceleration [m/s^2] that a scene may leave out
+DENSEST, LARGEST = 3e4, 1e4  # [kg/m^3], [m/s^2]
+SHORTEST = 1e-6  # least length of a direction [-]
+
+
+@brief
+class Weight(NamedTuple):
+    """What a finger weighs, by rows: of every segment its plate, then its elements from the plate to the clamp.
+
+    Attributes:
+        gravity: acceleration seen from the clamp, shape (3,) [m/s^2].
+        masses: shape (rows,) [kg].
+        rubber: lengths of rubber at rest, 0 for a plate, shape (rows,) [m].
+    """
+
+    gravity: np.ndarray
+    masses: np.ndarray
+    rubber: np.ndarray
+
+
+def gravity_of(table: Mapping[str, Any]) -> dict[str, Any]:
+    """The table [gravity] of a scene, with what it leaves out.
+
+    Raises:
+        ModelError: a key is missing, unknown or out of its range: one line with its value.
+    """
+    known = {"density", "plate_density", "direction", "acceleration"}
+    if missing := [name for name in ("density", "direction") if name not in table]:
+        raise ModelError(f"gravity.{missing[0]} must be given, got none")
+    if unknown := sorted(set(table) - known):
+        raise ModelError(f"gravity must have the keys {', '.join(sorted(known))}, got {unknown[0]}")
+    found: dict[str, Any] = {"plate_density": STEEL, "acceleration": STANDARD} | dict(table)
+    for name, most in (("density", DENSEST), ("plate_density", DENSEST), ("acceleration", LARGEST)):
+        found[name] = value = float(found[name])
+        if not 0 <= value <= most or (name == "density" and value == 0):
+            raise ModelError(f"gravity.{name} must be from 0 to {most:g}, the rubber's density above 0, got {value:g}")
+    return found | {"direction": _direction(table["direction"])}
+
+
+def _direction(given: Any) -> list[float]:
+    direction = [float(part) for part in given]
+    if len(direction) != 3 or not np.isfinite(direction).all() or np.linalg.norm(direction) <= SHORTEST:
+        raise ModelError(f"gravity.direction must be three finite numbers, not all zero, got {given}")
+    return direction
+
+
+def weight_of(rod: Rod) -> Weight | None:
+    """The weight of a finger; None if its scene has no [gravity]."""
+    table = rod.scene.get("gravity")
+    if table is None:
+        return None
+    side, masses, rubber = rod.scene["geometry"]["side"], list[float](), list[float]()
+    for segment, own in zip(rod.segments, rod.pieces, strict=True):
+        plate = 8 * float(np.prod(segment.half_lengths))
+        lengths = np.array([piece.length for piece in own])
+        lengths[0] -= segment.half_lengths[0]  # its distal section is the plate's centre
+        areas = [side**2 * sum(a * b for a, b in _pairs(piece.ends)) / 3 for piece in own]
+        masses += [table["plate_density"] * plate, *(table["density"] * lengths * areas).tolist()]
+        rubber += [0.0, *lengths.tolist()]
+    direction = np.array(table["direction"])
+    gravity = table["acceleration"] * direction / np.linalg.norm(direction)
+    return Weight(gravity, np.array(masses), np.array(rubber))
+
+
+def _pairs(ends: tuple[float, float]) -> list[tuple[float, float]]:
+    """Products whose sum is three times the mean square of a size that changes linearly between both."""
+    a, b = ends
+    return [(a, a), (a, b), (b, b)]
+
+
+def turned(scene: Mapping[str, Any], direction: Any, acceleration: float | None = None) -> dict[str, Any]:
+    """A scene whose weight pulls in another direction.
+
+    Raises:
+        ModelError: the scene has no [gravity], or the direction is none.
+    """
+    table = scene.get("gravity")
+    if table is None:
+        raise ModelError("gravity must be in the finger's scene, with a density, for its direction to change; got none")
+    change = {"direction": list(direction)} | ({} if acceleration is None else {"acceleration": acceleration})
+    return dict(scene) | {"gravity": gravity_of(table | change)}
