@@ -209,7 +209,7 @@ def _cut(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
 
     reach = 1.5 * frame.length / MM
     x, y = np.meshgrid(np.linspace(-0.2 * reach, reach, 301), np.linspace(-reach, reach, 301))
-    d, all_of_them = obstacle.distance[0], bodies(obstacle, frame.geometry.side)
+    d, all_of_them = obstacle.distance[0], bodies(obstacle, frame.geometry.shape.top)
     outside = np.min([one.signed_distance((x, y, 0 * x), d, NUMPY) for one in all_of_them], axis=0)
     if outside.min() < 0:
         axes.contourf(MM * x, MM * y, outside, [-np.inf, 0.0], colors=[PLANE], alpha=0.5)
