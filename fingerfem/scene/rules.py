@@ -27,7 +27,7 @@ def check_section(scene: Scene) -> None:
     if scene.load is not None and not section.is_square:
         raise ValueError(
             f"load must be left out of a scene with a {section.shape} section: rod elements have square ones "
-            "(geometry.side); solve it as it is or in front of an obstacle"
+            f"(geometry.side); solve it without, or in front of an obstacle, got force {scene.load.force:g}"
         )
     if scene.coarse is not None and not section.has_face:
         raise ValueError(f"coarse must be left out of a scene with a {section.shape} section, whose nodes are no grid")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from fingerfem.scene.sections.plane_mesh import oriented
-from fingerfem.scene.subdivision import subdivide
 
 QUARTER = math.pi / 2
 BULGE = 0.5  # of the core's sides: 0 is a square, 1 a circle [-]
@@ -24,17 +25,31 @@ class Core(NamedTuple):
     border: np.ndarray
 
 
+class Rule(NamedTuple):
+    """How lines may be added to a side: symmetric ones stay so, channels keep the cells that others alike have."""
+
+    keeps_symmetry: bool
+    keeps_channels: bool
+
+
+OF_MIRRORED = (Rule(True, True), Rule(True, False))  # the better first
+OF_OTHERS = (Rule(True, True), Rule(False, True), Rule(False, False))
+
+
 def parts(gap: float, spacing: float) -> int:
     """Into how many an angle between radial lines is divided, at a spacing that is wanted [rad]."""
-    return max(1, round(gap / spacing), math.ceil(gap / WIDEST * (1 - 1e-9)))
+    return max(1, math.floor(gap / spacing + 0.5 + 1e-6), math.ceil(gap / WIDEST * (1 - 1e-9)))
 
 
-def radial_lines(angles: np.ndarray, spacing: float, is_mirrored: bool) -> np.ndarray:
-    """Angles of radial lines around a core, as many at each of its sides [rad].
+def radial_lines(
+    angles: np.ndarray, spacing: float, in_channel: Callable[[float], bool], is_mirrored: bool
+) -> np.ndarray:
+    """Angles of radial lines around a core, as many at each of its sides [rad]: the section bends alike all around.
 
     Args:
         angles: that must be among them, ascending from the core's first corner over less than a turn [rad].
         spacing: between them, about [rad].
+        in_channel: whether an angle lies within a channel.
         is_mirrored: whether they are their own mirror image in z = 0.
 
     Raises:
@@ -45,25 +60,42 @@ def radial_lines(angles: np.ndarray, spacing: float, is_mirrored: bool) -> np.nd
     sides = [around[(around > corners[k] - 1e-9) & (around < corners[k + 1] + 1e-9)] for k in range(4)]
     if is_mirrored:
         sides[2] = 2 * math.pi - sides[0][::-1]
-    lines = _alike(sides, max(sum(parts(gap, spacing) for gap in np.diff(side).tolist()) for side in sides))
-    if is_mirrored:
-        lines[2] = 2 * math.pi - lines[0][::-1]
-    return np.concatenate([line[:-1] for line in lines])
+    counts = [np.array([parts(gap, spacing) for gap in np.diff(side).tolist()]) for side in sides]
+    frozen = [np.array([in_channel(at) for at in ((side[1:] + side[:-1]) / 2).tolist()]) for side in sides]
+    most = max(int(count.sum()) for count in counts)
+    for rule in OF_MIRRORED if is_mirrored else OF_OTHERS:
+        for cells in range(most, most + MORE):
+            own = zip(sides, counts, frozen, strict=True)
+            filled = [_filled(side, count, cells, kept & rule.keeps_channels, rule) for side, count, kept in own]
+            lines = [_divided(side, count) for side, count in zip(sides, filled, strict=True) if count is not None]
+            if len(lines) < len(sides):
+                continue
+            if is_mirrored:
+                lines[2] = 2 * math.pi - lines[0][::-1]
+            return np.concatenate([line[:-1] for line in lines])
+    raise ValueError(f"must fit the channels alike on all sides of the core, as more cells may do, got {most}")
 
 
-def _alike(sides: list[np.ndarray], cells: int) -> list[np.ndarray]:
-    """The sides with one number of cells, the fewest from a number on: a section that bends alike in all directions."""
-    for more in range(MORE):
-        try:
-            return [_divided(side, cells + more) for side in sides]
-        except ValueError as error:
-            refused = error
-    raise refused
+def _filled(side: np.ndarray, counts: np.ndarray, cells: int, frozen: np.ndarray, rule: Rule) -> np.ndarray | None:
+    """Cells of a side's gaps that sum up to a number, more in the widest that are not frozen; None if none do."""
+    lengths, counts, n = np.diff(side), counts.copy(), len(counts)
+    symmetric = rule.keeps_symmetry and bool(np.allclose(lengths, lengths[::-1], rtol=0, atol=1e-9))
+    while counts.sum() < cells:
+        widths = np.where(frozen, 0.0, np.round(lengths / counts, 9))
+        for k in np.argsort(-widths, kind="stable"):
+            pair = [k] if not symmetric or 2 * k == n - 1 else [k, n - 1 - k]
+            if widths[k] > 0 and counts.sum() + len(pair) <= cells:
+                counts[pair] += 1
+                break
+        else:
+            return None
+    return counts
 
 
-def _divided(side: np.ndarray, cells: int) -> np.ndarray:
-    is_symmetric = bool(np.allclose(side + side[::-1], side[0] + side[-1], rtol=0, atol=1e-9))
-    return subdivide(side, cells, symmetric=is_symmetric)
+def _divided(side: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """A side's lines with so many cells in its gaps."""
+    gaps = [np.linspace(a, b, n, endpoint=False) for (a, b), n in zip(pairwise(side.tolist()), counts, strict=True)]
+    return np.append(np.concatenate(gaps), side[-1])
 
 
 def core_grid(angles: np.ndarray, corner: float, bulge: float = BULGE) -> Core:

@@ -84,8 +84,10 @@ def _elements(path: Path) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]
 
 
 def _read(path: Path) -> Any:
-    import meshio  # read where a file names a section alone
-
+    try:
+        import meshio  # read where a file names a section alone
+    except ImportError:
+        raise ValueError("needs meshio to be read (Debian: python3-meshio)") from None
     said = io.StringIO()
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):

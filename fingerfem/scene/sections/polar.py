@@ -19,7 +19,7 @@ from fingerfem.scene.sections.plane_mesh import RUBBER, PlaneMesh, oriented
 from fingerfem.scene.sections.section import Wanted, check_quality
 from fingerfem.scene.subdivision import SLIVER
 
-ALIKE = 0.01  # of a channel's width: lines that are nearer to each other are one [-]
+ALIKE = 0.01  # of a channel's width: radial lines that are nearer to each other are one [-]
 AWAY = 0.02  # of a channel's width: its centroid from its tendon, at most [-]
 CORE, ON_CORE = 0.7, 0.85  # distance of the core's corner over the innermost circle's radius; mean radius over that [-]
 STARTS = np.radians([45, 0, 22.5, 67.5, *range(5, 90, 5)])  # of a core's first corner, the better first [rad]
@@ -59,7 +59,7 @@ def polar_mesh(wanted: Wanted, outer: float, inner: float) -> PlaneMesh:
     angles = _angles(sectors, wanted, inner > 0, step / outer)
     grown = math.sqrt(2 * math.pi / np.sin(np.diff(np.append(angles, angles[0] + 2 * math.pi))).sum())
     limits = [_limits(sector, angles, wanted.width) for sector in sectors]
-    radii = _radii(limits, (grown * inner, grown * outer), ALIKE * wanted.width, step)
+    radii = _radii(limits, (grown * inner, grown * outer), AWAY * wanted.width, step)
     layers = radii[:, None, None] * np.column_stack([np.cos(angles), np.sin(angles)])
     core = Core(layers[0], np.zeros((0, 4), int), np.arange(len(angles)))
     if inner == 0:
@@ -88,7 +88,11 @@ def _angles(sectors: list[Sector], wanted: Wanted, is_hollow: bool, spacing: flo
     if not is_hollow:
         start = STARTS[0] if wanted.is_planar else _start(sectors)
         lines = _merged(edges, [*fixed, *(start + QUARTER * np.arange(4))], near, start)
-        return radial_lines(lines, spacing, wanted.is_planar)
+
+        def in_channel(angle: float) -> bool:
+            return any(abs(math.remainder(angle - one.angle, 2 * math.pi)) < one.half for one in sectors)
+
+        return radial_lines(lines, spacing, in_channel, wanted.is_planar)
     lines = _merged(edges, fixed, near, 0.0 if fixed else sectors[0].angle)
     ends = np.append(lines, lines[0] + 2 * math.pi)
     gaps = [np.linspace(a, b, parts(b - a, spacing), endpoint=False) for a, b in pairwise(ends.tolist())]
@@ -96,18 +100,19 @@ def _angles(sectors: list[Sector], wanted: Wanted, is_hollow: bool, spacing: flo
 
 
 def _start(sectors: list[Sector]) -> float:
-    """Angle of the core's first corner [rad]: one at which no corner lies within a channel, if there is any."""
+    """Angle of the core's first corner [rad]: no corner lies within a channel, or else none near a channel's edge."""
 
-    def clearance(start: float) -> float:
+    def clearances(start: float) -> np.ndarray:
+        """Of all corners from all channels, negative within one [rad]."""
         away = [
-            abs(math.remainder(start + k * QUARTER - sector.angle, 2 * math.pi)) - sector.half
-            for sector in sectors
+            abs(math.remainder(start + k * QUARTER - one.angle, 2 * math.pi)) - one.half
+            for one in sectors
             for k in range(4)
         ]
-        return min(away, default=QUARTER)
+        return np.array(away or [QUARTER])
 
-    clear = [start for start in STARTS.tolist() if clearance(start) >= CLEAR]
-    return clear[0] if clear else float(STARTS[0])
+    clear = [start for start in STARTS.tolist() if clearances(start).min() >= CLEAR]
+    return clear[0] if clear else max(STARTS.tolist(), key=lambda start: float(np.abs(clearances(start)).min()))
 
 
 def _merged(values: Iterable[float], fixed: Iterable[float], near: float, start: float) -> np.ndarray:
@@ -150,19 +155,22 @@ def _limits(sector: Sector, angles: np.ndarray, width: float) -> Limits:
     return Limits(middle - half, middle + half)
 
 
-def _radii(limits: list[Limits], ends: tuple[float, float], near: float, step: float) -> np.ndarray:
-    """Radii of the circles from the bore, or the innermost channel's, to the border [m]."""
+def _radii(limits: list[Limits], ends: tuple[float, float], away: float, step: float) -> np.ndarray:
+    """Radii of the circles from the bore, or the innermost channel's, to the border [m].
+
+    Circles that one circle replaces, no farther `away` [m] from any, are one.
+    """
     inner, outer = ends
     kept = [inner, outer] if inner > 0 else [outer]
     groups: list[list[float]] = []
     for value in sorted(radius for limit in limits for radius in limit):
-        if min(abs(value - one) for one in kept) <= near:
+        if min(abs(value - one) for one in kept) <= away:
             continue
-        if groups and value - groups[-1][-1] <= near:
+        if groups and value - groups[-1][0] <= 1.8 * away:
             groups[-1].append(value)
         else:
             groups.append([value])
-    found = sorted([*kept, *(float(np.mean(group)) for group in groups)])
+    found = sorted([*kept, *((group[0] + group[-1]) / 2 for group in groups)])
     gaps = [np.linspace(a, b, max(1, round((b - a) / step)), endpoint=False) for a, b in pairwise(found)]
     return np.append(np.concatenate(gaps) if gaps else np.zeros(0), found[-1])
 
