@@ -84,8 +84,8 @@ def _swept(section: PlaneMesh, lines: np.ndarray, comm: MPI.Comm) -> dolfinx.mes
     )
     points = np.column_stack([lines[line], section.points[point]])
     element = basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,))
-    partitioner = dolfinx.mesh.create_cell_partitioner(dolfinx.mesh.GhostMode.none)
-    return dolfinx.mesh.create_mesh(comm, cells.astype(np.int64), points, ufl.Mesh(element), partitioner)
+    # By keywords: DOLFINx 0.10 takes x and e the other way round. No cell is a ghost by default.
+    return dolfinx.mesh.create_mesh(comm, cells=cells.astype(np.int64), x=points, e=ufl.Mesh(element))
 
 
 def _of_tendon(scene: Scene, k: int, x: np.ndarray, columns: np.ndarray) -> np.ndarray:

@@ -201,7 +201,7 @@ def test_a_circle_s_mesh_comes_back_from_a_file(tmp_path, version):
 
 
 def test_a_file_that_gmsh_wrote_is_an_ellipse_with_a_square_channel():
-    """Gmsh 4.15: an ellipse of 16 x 12 mm, 85 quadrilaterals by blossom; its straight sides lie within the ellipse."""
+    """Gmsh 4.15, `gmsh -2 ellipse.geo`: 16 x 12 mm, 85 quadrilaterals; their straight sides lie within the ellipse."""
     one = scene(Path(__file__).with_name("ellipse.msh"))
     mesh = section_mesh(one.outline, 1)
     y, z = mesh.points[np.unique(mesh.border)].T
@@ -210,3 +210,8 @@ def test_a_file_that_gmsh_wrote_is_an_ellipse_with_a_square_channel():
     assert mesh.column_area(0) == pytest.approx(WIDTH**2, rel=1e-9)
     assert mesh.column_centroid(0) == pytest.approx([0.004, 0.0], abs=1e-12)
     assert one.geometry.shape.second_moment == pytest.approx(np.pi / 4 * 0.008 * 0.006**3, rel=0.03)
+
+
+def test_the_reference_shows_what_that_file_was_made_of():
+    page = Path(__file__).resolve().parents[4] / "docs" / "reference" / "scene.md"
+    assert f"```\n{Path(__file__).with_name('ellipse.geo').read_text()}```" in page.read_text()
