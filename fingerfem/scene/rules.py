@@ -29,12 +29,15 @@ def check_section(scene: Scene) -> None:
             f"load must be left out of a scene with a {section.shape} section: rod elements have square ones "
             f"(geometry.side); solve it without, or in front of an obstacle, got force {scene.load.force:g}"
         )
-    if scene.coarse is not None and not section.has_face:
-        raise ValueError(f"coarse must be left out of a scene with a {section.shape} section, whose nodes are no grid")
+    if scene.coarse is not None and not section.is_square:
+        raise ValueError(
+            f"coarse must be left out of a scene with a {section.shape} section: snapshots have square ones "
+            f"(geometry.side), got cells {scene.coarse.cells}"
+        )
     if scene.obstacle is not None and scene.obstacle.pad is not None and not section.has_face:
         raise ValueError(
             f"obstacle.pad must be left out of a scene with a {section.shape} section: a pad lies on the flat face "
-            "of a square or a rectangle"
+            f"of a square or a rectangle, got {scene.obstacle.pad.name}"
         )
 
 

@@ -11,12 +11,13 @@ from mpi4py import MPI
 from pydantic import ValidationError
 from scipy.spatial import cKDTree
 
-from fingerfem import FingerModel, load_scene
+from fingerfem import FingerModel, SceneError, load_scene
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.mesh import build_mesh
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene
+from fingerfem.snapshots.design import describe
 from rom.checked_file import ModelError
 from rom.rod.scene_of_rod import read_scene
 
@@ -240,7 +241,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_a_round_finger_cannot_do_yet_is_refused(case):
+def test_what_a_round_finger_cannot_do_yet_is_refused_when_its_scene_is_read(case):
     changes, rule = REFUSED[case]
     whole = table(CIRCLE) | changes
     if case == "preset":
@@ -269,3 +270,8 @@ def test_sections_and_offsets_that_do_not_fit_are_refused(section, offset, rule)
 def test_a_rod_refuses_a_scene_with_a_section_by_name():
     with pytest.raises(ModelError, match=r"round.toml: section must be left out of a rod's scene: .* geometry.side"):
         read_scene(SCENES / "round.toml")
+
+
+def test_states_to_train_on_are_refused_with_the_next_step():
+    with pytest.raises(SceneError, match=r"section must be a square .* \(fingerfem solve takes any\), got c"):
+        describe(load_scene(SCENES / "round.toml"), {})

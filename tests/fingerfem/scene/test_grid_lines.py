@@ -134,3 +134,20 @@ def test_a_pad_that_ends_beside_a_plate_is_refused_for_the_sliver_it_would_leave
     table["obstacle"]["pad"]["x"] = [0.040, 0.049 + 1e-12]  # equal up to round-off
     x, _, _ = lines_of(Scene.model_validate(table))
     assert np.diff(x).min() > 1e-4
+
+
+@pytest.mark.parametrize("scene", ["draft", "free", "four_tendons"])
+def test_a_swept_grid_is_a_box_of_hexahedra_numbered_as_dolfinx_numbers_them(scene):
+    import dolfinx
+
+    one = Scene.model_validate(tomllib.loads((SCENES / f"{scene}.toml").read_text()))
+    lines = lines_of(one)
+    counts = [len(along) - 1 for along in lines]
+    kind, ghosts = dolfinx.mesh.CellType.hexahedron, dolfinx.mesh.GhostMode.none
+    box = dolfinx.mesh.create_box(MPI.COMM_SELF, [np.zeros(3), np.ones(3)], counts, kind, ghost_mode=ghosts)
+    for axis, along in enumerate(lines):
+        box.geometry.x[:, axis] = along[np.rint(box.geometry.x[:, axis] * counts[axis]).astype(int)]
+    finger = build_mesh(one, MPI.COMM_SELF)
+    assert finger.has_boxes
+    assert np.array_equal(finger.mesh.geometry.dofmap, box.geometry.dofmap)
+    assert np.array_equal(finger.mesh.geometry.x, box.geometry.x)
