@@ -1,4 +1,4 @@
-"""python3 -m fingerfem solve | certify | snapshots | status | retry | render | sketch | doctor."""
+"""python3 -m fingerfem solve | certify | snapshots | status | retry | render | sketch | fit-material | doctor."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ import typer
 
 import fingerfem
 from fingerfem.equilibrium.failures import LoadNotReached
+from fingerfem.material_fit.command import fit_material
 from fingerfem.output.rows import finish
 from fingerfem.scene.amounts import seconds as duration
 from fingerfem.scene.amounts import share
@@ -65,10 +66,9 @@ def solve(
         reached = {"tensions": failure.tensions.tolist(), "distance": failure.distance}
         answer = {"converged": False, "reason": str(failure), "last_good_load": reached}
         finish(answer, as_json, NOTHING_USABLE, comm.rank)
-    if state.self_intersecting and comm.rank == 0:
-        say("the finger passes through itself: contact with itself is not modelled")
-    if state.stable is False and comm.rank == 0:
-        say("the equilibrium is not stable: the finger would leave it")
+    if comm.rank == 0:
+        for mark in state.marks:
+            say(mark)
     if picture is not None:
         from fingerfem.output.pictures import Deformed, draw
 
@@ -283,6 +283,9 @@ def sketch(
     from fingerfem.output.sketch import write_sketch
 
     write_sketch(fingerfem.load_scene(scene_file), picture)
+
+
+app.command()(fit_material)
 
 
 def main() -> None:

@@ -77,7 +77,7 @@ class Forms:
 
 
 def quadrature_degree(order: int) -> int:
-    """Of the Gauss rule in the volume: higher ones change nothing that counts (docs/appendix.md)."""
+    """Of the Gauss rule in the volume: higher ones change nothing that counts."""
     return 2 * order
 
 

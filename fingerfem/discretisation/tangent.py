@@ -9,7 +9,7 @@ cell's tangent is
 and so a row (cell; i, k) of a times a table (q, M, N; a, b). Cells are boxes where the finger is not tapered and its
 section is a grid: j is then diagonal, the same at all their points. A comes from the energies by UFL and FFCx, point by
 point; nine pairs (i, k) are six by symmetry. FFCx's kernel of the same form makes the whole sum in every cell anew and
-takes longer, up to three times as long with order 2 (docs/appendix.md).
+takes longer, up to three times as long with order 2.
 """
 
 from __future__ import annotations

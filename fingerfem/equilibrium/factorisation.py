@@ -1,7 +1,7 @@
 """Factors of a symmetric matrix: Newton's method solves with them, and their inertia decides stability.
 
 A matrix of one rank is taken for definite first, which all but few are: CHOLMOD's supernodal Cholesky then takes two
-thirds of the time (docs/appendix.md) and has no negative pivot. Where that fails, and over several ranks, MUMPS makes
+thirds of the time and has no negative pivot. Where that fails, and over several ranks, MUMPS makes
 LDL^T and counts them.
 
 Loads that follow the plates add a matrix of low rank, which is not symmetric: A - B C^T, solved by Woodbury's formula,

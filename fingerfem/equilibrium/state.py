@@ -87,6 +87,17 @@ class State:
         listed = {name: getattr(self, name) for name in self.__dataclass_fields__ if name not in fields}
         return {name: _plain(value) for name, value in listed.items() if value is not None}
 
+    @property
+    def marks(self) -> list[str]:
+        """What speaks against it, in sentences."""
+        found = ["the finger passes through itself: contact with itself is not modelled"] * self.self_intersecting
+        if self.stable is False:
+            found.append("the equilibrium is not stable: the finger would leave it")
+        if self.beyond_data and self.stretches:
+            low, high = self.stretches
+            found.append(f"the law is a guess at stretches of {low:.3g} to {high:.3g}: see material.stretches")
+        return found
+
     def tables(self) -> list[Table | str]:
         """For people."""
         return tables(self.as_json())
@@ -131,7 +142,7 @@ def observe(
         channel_shortening=dict(zip(names, channel_shortening(problem).tolist(), strict=True)),
         energy=problem.energy(),
         smallest_volume_ratio=problem.smallest_volume_ratio(),
-        **_stretches(problem),
+        **stretches(problem),
         self_intersecting=self_intersecting,
         **(_sensitivities(continuation) if sensitivities else {}),
         newton_iterations=continuation.iterations,
@@ -142,12 +153,13 @@ def observe(
     )
 
 
-def _stretches(problem: Problem) -> dict[str, Any]:
-    """How far the rubber is stretched, and whether that is beyond the data of its law."""
+def stretches(problem: Problem) -> dict[str, Any]:
+    """How far the rubber is stretched, and whether that is beyond the data of its law; empty without such a range."""
     data, found = problem.law.stretches, problem.limits.extreme_stretches()
     if data is None or found is None:
         return {}
-    return {"stretches": list(found), "beyond_data": not (data[0] <= found[0] and found[1] <= data[1])}
+    within = data[0] <= found[0] and found[1] <= data[1]
+    return {"stretches": [float(one) for one in found], "beyond_data": not within}
 
 
 def _plates(problem: Problem) -> dict[str, Any]:

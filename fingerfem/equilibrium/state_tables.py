@@ -37,6 +37,8 @@ def tables(found: Mapping[str, Any]) -> list[Table | str]:
     yes = {True: "yes", False: "no", None: "not known"}
     parts.append(f"stable: {yes[found.get('stable')]}; passes through itself: {yes[found['self_intersecting']]}")
     iterations, steps = found["newton_iterations"], found["steps"]
+    if found.get("beyond_data"):
+        parts.append("stretched beyond the data of the law")
     return [*parts, f"{iterations} Newton iterations in {steps} steps, {found['unknowns']:,} unknowns"]
 
 

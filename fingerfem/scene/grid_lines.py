@@ -33,7 +33,7 @@ def lines_along(outline: GridOutline, mesh: Mesh) -> np.ndarray:
             f"{outline.geometry.side / THINNEST:.3g} m, as a pad that ends beside a plate's face does, "
             f"got one of {np.diff(x).min():.3g} m"
         )
-    # Longer cells lock in bending: docs/appendix.md.
+    # Longer cells lock in bending.
     share, of_side = (2 / 3, "two thirds of the side") if mesh.order == 1 else (1.0, "the side")
     of_side += "" if outline.geometry.shape.is_square else " of a square that bends alike"
     sides = outline.geometry.shape.depth * outline.geometry.size_at((x[1:] + x[:-1]) / 2)

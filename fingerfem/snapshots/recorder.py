@@ -12,7 +12,7 @@ from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.equilibrium.continuation import Continuation
 from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.equilibrium.sensitivities import Sensitivities, differentiate
-from fingerfem.equilibrium.state import channel_shortening, pad_pressure
+from fingerfem.equilibrium.state import channel_shortening, pad_pressure, stretches
 from fingerfem.mechanics.rigid_plate import Pose
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.design import body as finger_at_rest
@@ -94,6 +94,8 @@ class Recorder:
         else:
             self.displacements.append(model.problem.displacement.copy())
             solved = self._solved(found)
+            if stretches(model.problem).get("beyond_data"):
+                logger.warning("the state at %s is beyond the data of its law: material.stretches", parameters.tolist())
             self._rows.append(
                 solved
                 | {

@@ -105,7 +105,7 @@ def displacements(rod: Rod, elements: list[Placed], points: np.ndarray) -> np.nd
     found = np.empty_like(points)
     for x in np.unique(points[:, 0]):
         own, one = points[:, 0] == x, _at(elements, x)
-        if one.half and one.at - x <= one.half:
+        if one.half and one.at - x <= one.half * (1 + SHARE):
             seen = points[own] - [one.at, 0.0, 0.0]
         else:
             shares = np.prod(1 + CORNERS * points[own, None, 1:] / half_at(rod, x), axis=2) / 4
@@ -144,7 +144,7 @@ def sections(rod: Rod, elements: list[Placed], at: np.ndarray) -> Sections:
     centres, turned = np.empty((len(at), 3)), np.empty((len(at), 3, 3))
     for k, x in enumerate(at):
         one = _at(elements, x)
-        if one.at - x <= one.half:
+        if one.at - x <= one.half * (1 + SHARE):
             seen, relative = np.array([x - one.at, 0.0, 0.0]), np.eye(3)
         else:
             seen, relative = _seen(rod, one, one.at - x)

@@ -46,7 +46,7 @@ def test_iterations_do_not_grow_with_the_bulk_modulus(poisson, pull):
 @pytest.mark.long
 @pytest.mark.parametrize("pull", PULLS)
 def test_it_takes_no_more_iterations_than_the_rubber_on_which_presets_measure_their_cost(pull):
-    """An iteration of the mixed form costs as much as another (docs/appendix.md)."""
+    """An iteration of the mixed form costs as much as another."""
     most = max(bent(poisson, pull).newton_iterations for poisson in POISSON)
     assert most <= 1.25 * bent(0.3, pull).newton_iterations
 

@@ -20,7 +20,7 @@ def test_a_law_by_its_moduli_has_them(law, beside, nu):
 
 def test_hardness_30_has_the_modulus_of_gent_s_formula_by_hand():
     assert modulus_of_shore_a(30) == pytest.approx(0.0981e6 * (56 + 228.7008) / (0.137505 * 177.8), rel=1e-12)
-    with pytest.warns(UserWarning, match=r"shore_A = 30 gives E = 1.14 MPa; measured .* factor of up to 2"):
+    with pytest.warns(UserWarning, match=r"shore_A = 30 gives E = 1.14 MPa; .* silicones gave 0.3 to 0.51 of"):
         law = Yeoh.model_validate({"shore_A": 30.0})
     assert law.young_modulus == pytest.approx(modulus_of_shore_a(30)) and law.poisson == pytest.approx(0.499)
 

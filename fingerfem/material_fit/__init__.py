@@ -1,0 +1,1 @@
+"""Fits laws of the rubber to measured tests: reads tests, fits and compares laws, writes a scene's `[material]`."""

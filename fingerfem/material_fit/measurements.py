@@ -1,0 +1,221 @@
+"""Tests of rubber, read from a CSV file: stretch or strain, and nominal stress, with their units in the header."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple, NoReturn
+
+import numpy as np
+
+from fingerfem.scene.laws.stability import MODES
+from rom.brief import brief
+from rom.file_kinds import uses_of
+
+NAMES = {**{mode: mode for mode in MODES}, "biaxial": "equibiaxial", "pure shear": "planar"}
+STRAIN_UNITS = {"-": 1.0, "1": 1.0, "mm/mm": 1.0, "m/m": 1.0, "%": 0.01}
+STRESS_UNITS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "N/mm2": 1e6, "N/mm^2": 1e6, "N/mm²": 1e6, "psi": 6894.757293168}
+TRUE = re.compile(r"\b(true|log|logarithmic|hencky|cauchy)\b")
+STRETCHES = (0.05, 20.0)  # that a law's key `stretches` may have [-]
+FEWEST = 8  # different stretches of a test: Ogden's law of three terms has six constants
+OPPOSITE = 0.02  # of the peak: noise of a stress near rest may have the other sign [-]
+
+
+@brief
+@dataclass(frozen=True, kw_only=True)
+class Measurement:
+    """A test of incompressible rubber along one path of deformation.
+
+    Attributes:
+        mode: uniaxial, equibiaxial or planar, see `fingerfem.scene.laws.stability.MODES`.
+        stretch: along the pull, ascending, shape (points,) [-].
+        stress: force over the area at rest, shape (points,) [Pa].
+    """
+
+    mode: str
+    stretch: np.ndarray
+    stress: np.ndarray
+
+    @property
+    def peak(self) -> float:
+        """Largest size of the stress [Pa]."""
+        return float(np.abs(self.stress).max())
+
+
+class Column(NamedTuple):
+    """A column of numbers: where it is, its unit in the file, and the unit's factor."""
+
+    name: str
+    position: int
+    unit: str
+    factor: float
+
+
+class Header(NamedTuple):
+    """What the first line names; `mode` is that of all rows where no column has it."""
+
+    elongation: Column
+    stress: Column
+    test: int | None
+    mode: str | None
+
+
+class Row(NamedTuple):
+    """A point of a test and its line in the file."""
+
+    mode: str
+    stretch: float
+    stress: float
+    line: int
+
+
+class Refused(ValueError):
+    """Input of a file that is not accepted: one line with file, line, rule and value."""
+
+
+def read_measurements(path: str | Path, test: str | None = None, to: float | None = None) -> list[Measurement]:
+    """Read the tests of a file.
+
+    The first line that does not begin with # names the columns, such as `test,stretch [-],nominal stress [MPa]`.
+    Columns with other names are not read. Cells are parted by tabs, semicolons or commas. With tabs or semicolons,
+    decimal commas are read, too.
+
+    Args:
+        path: the file, in UTF-8.
+        test: the kind of test of all rows, of a file that does not name it.
+        to: reads stretches from 1 / to to this one alone [-].
+
+    Raises:
+        ValueError: one line with file, line, rule and value.
+    """
+    if to is not None and not to > 1:
+        raise ValueError(f"to must be a stretch above 1, got {to:g}")
+    if use := uses_of(path):
+        raise Refused(f"{path}: must be a CSV file{use}")
+    try:
+        lines = Path(path).read_text("utf-8-sig").splitlines()
+    except OSError as error:
+        raise Refused(f"{path}: {error.strerror or error}") from None
+    except UnicodeDecodeError as error:
+        raise Refused(f"{path}: must be a CSV file in UTF-8, got {error}") from None
+    numbered = [(k, line) for k, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
+    if not numbered:
+        raise Refused(f"{path}: must have a line that names the columns, got no line")
+    first, names = numbered[0]
+    delimiter = next((one for one in "\t;" if one in names), ",")
+    where = f"{path}, line {first}"
+    header = _header(where, _cells(where, names, delimiter), test)
+    rows = list(_rows(path, header, numbered[1:], delimiter))
+    kept = [row for row in rows if to is None or 1 / to <= row.stretch <= to]
+    modes = list(dict.fromkeys(row.mode for row in rows)) or [header.mode or "a"]
+    return [_measurement(path, mode, [row for row in kept if row.mode == mode]) for mode in modes]
+
+
+def _cells(where: str, line: str, delimiter: str) -> list[str]:
+    """The cells of a line."""
+    try:
+        return next(csv.reader([line], delimiter=delimiter))
+    except csv.Error as error:
+        raise Refused(f"{where}: must be cells of CSV, got {error}") from None
+
+
+def _header(where: str, names: Sequence[str], test: str | None) -> Header:
+    """What the columns are."""
+    found: dict[str, list[int]] = {"test": [], "elongation": [], "stress": []}
+    true = []
+    for index, name in enumerate(names):
+        lower = name.lower()
+        kind = "stress" if "stress" in lower else "elongation" if "stretch" in lower or "strain" in lower else None
+        if kind and TRUE.search(lower):
+            true.append(name.strip())
+        elif kind or lower.strip() == "test":
+            found[kind or "test"].append(index)
+    for kind, title in (("elongation", "a stretch or a nominal strain"), ("stress", "a nominal stress")):
+        if len(found[kind]) != 1:
+            given = [names[index].strip() for index in found[kind]] or true or [name.strip() for name in names]
+            raise Refused(f"{where}: must name one column of {title}, got {', '.join(given)}")
+    elongation, stress = (names[found[kind][0]] for kind in ("elongation", "stress"))
+    modes = {mode for word, mode in NAMES.items() if re.search(rf"\b{word}\b", f"{elongation} {stress}".lower())}
+    ways = [*found["test"], *modes, *([] if test is None else [test])]
+    if len(ways) != 1:
+        rule = "must name the test once: by a column test, in a column's name, or by --test"
+        raise Refused(f"{where}: {rule}, got {len(ways)} of these")
+    return Header(
+        elongation=_column(where, elongation, found["elongation"][0], STRAIN_UNITS),
+        stress=_column(where, stress, found["stress"][0], STRESS_UNITS),
+        test=found["test"][0] if found["test"] else None,
+        mode=None if found["test"] else modes.pop() if modes else _mode("test", test or ""),
+    )
+
+
+def _column(where: str, name: str, index: int, units: Mapping[str, float]) -> Column:
+    """A column by its name, which ends in a unit."""
+    parts = re.fullmatch(r"\s*(.*?)\s*[\[(]\s*([^])]*?)\s*[\])]\s*", name)
+    if parts is None or parts[2] not in units:
+        raise Refused(f"{where}: {name.strip()} must name its unit in brackets, one of {', '.join(units)}")
+    kind = "stress" if units is STRESS_UNITS else "stretch" if "stretch" in parts[1].lower() else "strain"
+    return Column(kind, index, parts[2], units[parts[2]])
+
+
+def _mode(name: str, text: str) -> str:
+    """The mode of a test's name."""
+    found = NAMES.get(" ".join(text.lower().replace("_", " ").replace("-", " ").split()))
+    if found is None:
+        raise Refused(f"{name} must be {', '.join(MODES)} or pure shear (planar), got {text.strip()!r}")
+    return found
+
+
+def _rows(path: str | Path, header: Header, lines: Sequence[tuple[int, str]], delimiter: str) -> Iterator[Row]:
+    """The points of all lines."""
+    last = max(header.elongation.position, header.stress.position, header.test or 0)
+    for number, line in lines:
+        where = f"{path}, line {number}"
+        cells = _cells(where, line, delimiter)
+        if len(cells) <= last:
+            raise Refused(f"{where}: must have at least {last + 1} cells, got {len(cells)}")
+        elongation, stress = (_number(where, column, cells, delimiter) for column in (header.elongation, header.stress))
+        stretch = elongation + (header.elongation.name == "strain")
+        low, high = STRETCHES
+        if not low < stretch < high:
+            raise Refused(f"{where}: stretch must be above {low:g} and below {high:g}, got {stretch:g}")
+        mode = header.mode or _mode(f"{where}: test", cells[header.test or 0])
+        yield Row(mode, stretch, stress, number)
+
+
+def _number(where: str, column: Column, cells: Sequence[str], delimiter: str) -> float:
+    """A cell's number in SI units."""
+    text = cells[column.position].strip()
+
+    def refuse() -> NoReturn:
+        raise Refused(f"{where}: {column.name} must be a finite number, [{column.unit}], got {text!r}") from None
+
+    try:
+        number = float(text if delimiter == "," else text.replace(",", "."))
+    except ValueError:
+        refuse()
+    if not math.isfinite(number):
+        refuse()
+    return number * column.factor
+
+
+def _measurement(path: str | Path, mode: str, rows: Sequence[Row]) -> Measurement:
+    """The points of one test, checked together."""
+    if (different := len({row.stretch for row in rows})) < FEWEST:
+        raise Refused(f"{path}: {mode} test must have at least {FEWEST} different stretches, got {different}")
+    peak = max(abs(row.stress) for row in rows)
+    if peak == 0:
+        raise Refused(f"{path}: {mode} test must have a stress, got 0 at all points")
+    for row in rows:
+        same = row.stress * (1 if row.stretch > 1 else -1) if row.stretch != 1 else -abs(row.stress)
+        if same < -OPPOSITE * peak:
+            rule = f"above 0 in tension, below 0 in compression and 0 at rest, within {OPPOSITE:.0%} of the peak"
+            given = f"{row.stress:.4g} Pa at a stretch of {row.stretch:.6g}"
+            raise Refused(f"{path}, line {row.line}: stress must be {rule}, got {given}")
+    ordered = sorted(rows, key=lambda row: row.stretch)
+    return Measurement(
+        mode=mode, stretch=np.array([row.stretch for row in ordered]), stress=np.array([row.stress for row in ordered])
+    )
