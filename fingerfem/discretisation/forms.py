@@ -108,7 +108,7 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
 
     on_contact = []
     if scene.obstacle is not None:
-        ds, bodies = surface_measure(scene, mesh), obstacles.bodies(scene.obstacle, scene.geometry.side)
+        ds, bodies = surface_measure(scene, mesh), obstacles.bodies(scene.obstacle, scene.geometry.shape.top)
         on_contact = [_contact(scene, body, ds, fields) for body in bodies]
         pushing, stiffening = _contact_residual_and_tangent(scene, bodies, ds, fields)
         residual = residual + pushing
@@ -176,7 +176,7 @@ def contact_groups(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields, di
     if scene.obstacle.method == "nitsche":
         energy = strain_energy.energy(scene.law, number)
         q = contact.surface_pressure(energy, fields.u, ufl.FacetNormal(domain), normal)
-    if not obstacles.all_flat(obstacles.bodies(scene.obstacle, scene.geometry.side)):
+    if not obstacles.all_flat(obstacles.bodies(scene.obstacle, scene.geometry.shape.top)):
         rubber = ds(regions.RUBBER_FACETS, metadata=contact.springs(contact.POINTS[0]))
         return [ContactGroup(rubber, g, normal, curvature, fields.stiffness, q)]
     if scene.obstacle.method == "penalty":

@@ -1,17 +1,20 @@
-"""The finger's hexahedral mesh with named regions."""
+"""The finger's hexahedral mesh with named regions: the section's quadrilaterals swept along the axis."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import basix.ufl
 import dolfinx
 import numpy as np
+import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
 from fingerfem.discretisation import regions
-from fingerfem.scene.grid_lines import grid_lines, in_channel, in_hole
+from fingerfem.scene.grid_lines import lines_along, section_mesh
 from fingerfem.scene.scene import Scene
+from fingerfem.scene.sections import PlaneMesh
 from fingerfem.scene.tables import Geometry
 
 
@@ -23,48 +26,85 @@ class FingerMesh:
     cells: dolfinx.mesh.MeshTags
     facets: dolfinx.mesh.MeshTags
     midpoints: np.ndarray  # (3, n) [m], of the cells, before sections are scaled
+    columns: np.ndarray  # (n,), of the cells: RUBBER or the tag of the section's channel or hole they are swept from
+    lines: np.ndarray  # along x, between the cells [m]
+    section: PlaneMesh  # at the clamp
     smallest: float  # smallest cell edge across the section [m]
-    is_tapered: bool  # whether cells are not all boxes
+    has_boxes: bool  # whether all cells are boxes along the axes
+
+    def pulled(self, scene: Scene, k: int) -> tuple[np.ndarray, float]:
+        """Cells over which the tension of tendon k is spread, shape (n,), and their whole measure.
+
+        The measure of a channel is its area at the clamp [m^2], that of a hole its volume [m^3].
+        """
+        found = _of_tendon(scene, k, self.midpoints[0], self.columns)
+        area, tendon = self.section.column_area(scene.outline.columns[k].tag), scene.tendons[k]
+        if tendon.path == "channel":
+            return found, area
+        return found, area * scene.geometry.plate * float(scene.geometry.sizes[tendon.segment - 1]) ** 3
 
 
 def build_mesh(scene: Scene, comm: MPI.Comm) -> FingerMesh:
     """The finger's mesh on the ranks of a communicator (collective)."""
-    lines = grid_lines(scene.outline, scene.mesh, scene.is_half)
-    counts = [len(along) - 1 for along in lines]
-    mesh = dolfinx.mesh.create_box(
-        comm,
-        [np.zeros(3), np.ones(3)],
-        counts,
-        dolfinx.mesh.CellType.hexahedron,
-        ghost_mode=dolfinx.mesh.GhostMode.none,
-    )
-    for axis, along in enumerate(lines):
-        index = np.rint(mesh.geometry.x[:, axis] * counts[axis]).astype(int)
-        mesh.geometry.x[:, axis] = along[index]
-
+    lines = lines_along(scene.outline, scene.mesh)
+    section = section_mesh(scene.outline, scene.mesh.cells[1], scene.is_half)
+    mesh = _swept(section, lines, comm)
     dim = mesh.topology.dim
     cells = np.arange(mesh.topology.index_map(dim).size_local + mesh.topology.index_map(dim).num_ghosts, dtype=np.int32)
     midpoints = dolfinx.mesh.compute_midpoints(mesh, dim, cells).T
-    cell_tags = dolfinx.mesh.meshtags(mesh, dim, cells, _regions(scene, midpoints))
+    columns = section.tags[mesh.topology.original_cell_index // (len(lines) - 1)]
+    cell_tags = dolfinx.mesh.meshtags(mesh, dim, cells, _regions(scene, midpoints[0], columns))
     mesh.topology.create_connectivity(dim - 1, dim)
     facets = np.sort(dolfinx.mesh.exterior_facet_indices(mesh.topology))
     centres = dolfinx.mesh.compute_midpoints(mesh, dim - 1, facets).T
     facet_tags = dolfinx.mesh.meshtags(mesh, dim - 1, facets, _faces(scene, centres))
-    smallest = scene.geometry.thinnest * min(float(np.diff(along).min()) for along in lines[1:])
     mesh.geometry.x[:, 1:] *= scene.geometry.size_at(mesh.geometry.x[:, 0])[:, None]
-    return FingerMesh(mesh, cell_tags, facet_tags, midpoints, smallest, scene.geometry.is_tapered)
+    return FingerMesh(
+        mesh,
+        cell_tags,
+        facet_tags,
+        midpoints,
+        columns,
+        lines,
+        section,
+        smallest=scene.geometry.thinnest * float(section.edges.min()),
+        has_boxes=section.has_rectangles and not scene.geometry.is_tapered,
+    )
 
 
-def _regions(scene: Scene, x: np.ndarray) -> np.ndarray:
-    """Region of the cells with midpoints x, shape (3, n) [m]."""
+def _swept(section: PlaneMesh, lines: np.ndarray, comm: MPI.Comm) -> dolfinx.mesh.Mesh:
+    """Hexahedra between the lines along x: cell q (lines - 1) + i of quadrilateral q. Every rank gives its part."""
+    slabs = len(lines) - 1
+    own = np.array_split(np.arange(slabs * len(section.quads)), comm.size)[comm.rank]
+    quad, slab = np.divmod(own, slabs)
+    corners = section.quads[quad] * len(lines) + slab[:, None]
+    cells = np.stack([corners, corners + 1], axis=2).reshape(-1, 8)  # x runs fastest
+    point, line = np.divmod(
+        np.array_split(np.arange(len(section.points) * len(lines)), comm.size)[comm.rank], len(lines)
+    )
+    points = np.column_stack([lines[line], section.points[point]])
+    element = basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,))
+    # By keywords: DOLFINx 0.10 takes x and e the other way round. No cell is a ghost by default.
+    return dolfinx.mesh.create_mesh(comm, cells=cells.astype(np.int64), x=points, e=ufl.Mesh(element))
 
-    def anywhere(inside, path: str) -> np.ndarray:
-        chosen = [inside(scene.outline, tendon, x) for tendon in scene.tendons if tendon.path == path]
-        return np.any([np.zeros(x.shape[1], bool), *chosen], axis=0)
 
-    channel, hole = anywhere(in_channel, "channel"), anywhere(in_hole, "straight")
-    in_plate = np.any([(x[0] > a) & (x[0] < b) for a, b in scene.outline.plates], axis=0)
-    in_tip = x[0] > scene.outline.plates[-1][0]
+def _of_tendon(scene: Scene, k: int, x: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Which cells, with midpoints at x [m], are tendon k's: its channel before its plate, or its hole in it."""
+    begin, end = scene.outline.plates[scene.tendons[k].segment - 1]
+    inside = x < begin if scene.tendons[k].path == "channel" else (x > begin) & (x < end)
+    return np.asarray((columns == scene.outline.columns[k].tag) & inside)
+
+
+def _regions(scene: Scene, x: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Region of the cells whose midpoints are at x [m], shape (n,)."""
+
+    def anywhere(path: str) -> np.ndarray:
+        own = [k for k, tendon in enumerate(scene.tendons) if tendon.path == path]
+        return np.any([np.zeros(len(x), bool), *(_of_tendon(scene, k, x, columns) for k in own)], axis=0)
+
+    channel, hole = anywhere("channel"), anywhere("straight")
+    in_plate = np.any([(x > a) & (x < b) for a, b in scene.outline.plates], axis=0)
+    in_tip = x > scene.outline.plates[-1][0]
     found = np.where(channel, regions.RUBBER_CHANNEL, regions.RUBBER)
     plate = np.where(channel, regions.PLATE_CHANNEL, np.where(hole, regions.PLATE_HOLE, regions.PLATE))
     found[in_plate] = plate[in_plate]
@@ -78,8 +118,9 @@ def _faces(scene: Scene, x: np.ndarray) -> np.ndarray:
     pad = np.zeros(x.shape[1], bool)
     if scene.obstacle is not None and scene.obstacle.pad is not None:
         patch = scene.obstacle.pad
-        width = scene.geometry.side if patch.width is None else patch.width
-        pad = (x[1] > scene.geometry.side / 2 - tolerance) & (abs(x[2]) < width / 2)
+        height, width = scene.geometry.shape.extents
+        width = width if patch.width is None else patch.width
+        pad = (x[1] > height / 2 - tolerance) & (abs(x[2]) < width / 2)
         pad &= (x[0] > patch.x[0]) & (x[0] < patch.x[1])
     in_plate = np.any([(x[0] > a) & (x[0] < b + tolerance) for a, b in scene.outline.plates], axis=0)
     on_plate = np.where(pad, regions.PLATE_PAD, regions.PLATE_SURFACE)

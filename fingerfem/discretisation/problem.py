@@ -23,7 +23,6 @@ from fingerfem.discretisation.tangent import Tangent, VolumeTangent
 from fingerfem.discretisation.weight import weight_forces
 from fingerfem.mechanics import contact, obstacles
 from fingerfem.mechanics.obstacles import Body
-from fingerfem.scene import grid_lines
 from fingerfem.scene.scene import Scene
 
 FAR = 1e3  # [m]: where the plane stands while nothing may touch it
@@ -72,9 +71,8 @@ class Problem(Assembly):
         self._weight = None if scene.gravity is None else weight_forces(self, self.mesh, scene.gravity, degree)
         self.plates = PlateLoads(scene, self.mesh, self.space) if scene.load is not None else None
         self.wrenches = np.zeros((len(scene.geometry.segments), 6))
-        self._tip_volume = float(np.prod(2 * scene.geometry.half_lengths[-1]))
-        outline, midpoints = scene.outline, self.mesh.midpoints
-        self._tendon_cells = [grid_lines.tendon_cells(outline, tendon, midpoints) for tendon in scene.tendons]
+        self._tip_volume = self.mesh.section.area * scene.geometry.plate * float(scene.geometry.sizes[-1]) ** 3
+        self._tendon_cells = [self.mesh.pulled(scene, k) for k in range(len(scene.tendons))]
         self.rest_lengths = np.array([self.tendon_length(k) for k in range(len(scene.tendons))])  # [m]
 
     def _contact_stiffness(self) -> float:
@@ -143,8 +141,8 @@ class Problem(Assembly):
 
     @property
     def force_scale(self) -> float:
-        """E a^2 [N]: what a force is small or large against."""
-        return self.law.young_modulus * self.scene.geometry.side**2
+        """E A [N]: what a force is small or large against."""
+        return self.law.young_modulus * self.scene.geometry.shape.area
 
     def residual(self) -> tuple[PETSc.Vec, np.ndarray]:
         """Residual R(u) [N], zero where held, and the clamp's force on the finger, shape (3,) [N].
@@ -260,7 +258,7 @@ class Problem(Assembly):
     @cached_property
     def bodies(self) -> list[Body]:
         """What the scene's finger may touch; of a scene without an obstacle, the plane y = side/2 + d."""
-        return obstacles.bodies(self.scene.obstacle, self.scene.geometry.side)
+        return obstacles.bodies(self.scene.obstacle, self.scene.geometry.shape.top)
 
     @cached_property
     def contact_points(self) -> ContactPoints:

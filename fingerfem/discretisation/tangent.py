@@ -6,9 +6,9 @@ cell's tangent is
     K[a i, b k] = sum over q, M, N of  w_q a[i M, k N](q)  dN_a/dxi_M(q)  dN_b/dxi_N(q)
     a[i M, k N] = |j| j^-1[M J] A[i J, k L] j^-1[N L]
 
-and so a row (cell; i, k) of a times a table (q, M, N; a, b). Cells are boxes unless the finger is tapered: j is then
-diagonal, the same at all their points. A comes from the energies by UFL and FFCx, point by point;
-nine pairs (i, k) are six by symmetry. FFCx's kernel of the same form makes the whole sum in every cell anew and
+and so a row (cell; i, k) of a times a table (q, M, N; a, b). Cells are boxes where the finger is not tapered and its
+section is a grid: j is then diagonal, the same at all their points. A comes from the energies by UFL and FFCx, point by
+point; nine pairs (i, k) are six by symmetry. FFCx's kernel of the same form makes the whole sum in every cell anew and
 takes longer, up to three times as long with order 2.
 """
 
@@ -72,7 +72,7 @@ class VolumeTangent:
             for one in (one for one in moduli if one.degree == degree):
                 cells = np.unique(np.concatenate([mesh.cells.find(region) for region in one.regions]))
                 parts.append((one.expression, cells[cells < owned].astype(np.int32)))
-            self._rules.append((table, parts, _pull_back(corners, points, mesh.is_tapered)))
+            self._rules.append((table, parts, _pull_back(corners, points, mesh.has_boxes)))
         self._pairs = count**2  # of nodes of a cell
         rows, columns = np.repeat(nodes[:owned], count, axis=1), np.tile(nodes[:owned], (1, count))
         all_nodes = space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts
@@ -100,9 +100,9 @@ class VolumeTangent:
         return summed
 
 
-def _pull_back(corners: np.ndarray, points: np.ndarray, is_tapered: bool) -> Callable[[np.ndarray], np.ndarray]:
+def _pull_back(corners: np.ndarray, points: np.ndarray, has_boxes: bool) -> Callable[[np.ndarray], np.ndarray]:
     """What makes a of A, shape (cells, points, pairs, 3, 3), of cells with corners, shape (cells, 8, 3) [m]."""
-    if not is_tapered:
+    if has_boxes:
         sizes = corners[:, 7] - corners[:, 0]  # of the boxes [m], shape (cells, 3)
         scale = np.prod(sizes, axis=1)[:, None, None] / (sizes[:, :, None] * sizes[:, None, :])
         return lambda moduli: moduli * scale[:, None, None]

@@ -15,7 +15,6 @@ from fingerfem.discretisation.forms import quadrature_degree
 from fingerfem.discretisation.problem import Problem
 from fingerfem.discretisation.volume_energies import volume_measure
 from fingerfem.mechanics import kinematics, tendons
-from fingerfem.scene.grid_lines import grid_lines, in_channel
 
 
 class ChannelLengths:
@@ -26,20 +25,20 @@ class ChannelLengths:
     """
 
     def __init__(self, problem: Problem):
-        self._problem, mesh, outline = problem, problem.mesh, problem.scene.outline
-        sections, _, _ = grid_lines(outline, problem.scene.mesh, problem.scene.is_half)
-        self._slabs = len(sections) - 1
+        self._problem, mesh, scene = problem, problem.mesh, problem.scene
+        self._slabs = len(mesh.lines) - 1
         self._change = fem.Function(problem.space)
         u, by_cell = problem.fields.u, fem.functionspace(mesh.mesh, ("DG", 0))
         stretch = tendons.channelled(1.0, problem.fields.size)(kinematics.right_cauchy_green(u))
-        dx = volume_measure(mesh, quadrature_degree(problem.scene.mesh.order))
+        dx = volume_measure(mesh, quadrature_degree(scene.mesh.order))
         lengths = ufl.TestFunction(by_cell) * stretch * dx(regions.CHANNELS)
         wanted = [lengths, ufl.derivative(lengths, u, self._change)]
         self._lengths, self._length_changes = form_cache.forms(wanted)
         owned = by_cell.dofmap.index_map.size_local
-        self._slab = np.searchsorted(sections, mesh.midpoints[0, :owned]) - 1
-        channels = [in_channel(outline, tendon, mesh.midpoints[:, :owned]) for tendon in problem.scene.tendons]
-        self._cells = [np.flatnonzero(channel) for channel in channels]
+        self._slab = np.searchsorted(mesh.lines, mesh.midpoints[0, :owned]) - 1
+        channels = [mesh.pulled(scene, k) for k in range(len(scene.tendons))]
+        self._cells = [np.flatnonzero(cells[:owned]) for cells, _ in channels]
+        self._areas = np.array([area for _, area in channels]) / problem.copies
         state = problem.displacement.copy()
         problem.displacement[:] = 0.0
         self._rest = self._up_to_sections(self._lengths)
@@ -65,6 +64,5 @@ class ChannelLengths:
         """Integrals over the channels from the clamp to the sections over their areas, shape (sections, tendons)."""
         by_cell = fem.assemble_vector(form).array
         parts = [np.bincount(self._slab[cells], by_cell[cells], self._slabs) for cells in self._cells]
-        area = self._problem.scene.geometry.channel_width**2 / self._problem.copies
-        whole = self._problem.comm.allreduce(np.array(parts).T) / area
+        whole = self._problem.comm.allreduce(np.array(parts).T) / self._areas
         return np.concatenate([np.zeros((1, len(parts))), np.cumsum(whole, axis=0)])

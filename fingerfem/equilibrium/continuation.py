@@ -93,18 +93,18 @@ class Continuation:
         self._plates = RigidPlates(problem)
         geometry, scene = problem.scene.geometry, problem.scene
         compliance = np.mean(geometry.size_at(np.linspace(0.0, geometry.length, 100)) ** -4.0)  # of all sections [-]
-        bending = problem.law.young_modulus * geometry.side**4 / 12 / compliance  # [N m^2]
+        bending = problem.law.young_modulus * geometry.shape.second_moment / compliance  # [N m^2]
         ends = np.cumsum(geometry.segments)
         self._turn = np.array(
             [float(np.linalg.norm(tendon.offset)) * ends[tendon.segment - 1] / bending for tendon in scene.tendons]
         )  # [rad/N]
         # A tendon on the axis does not bend the finger but shortens it: the axial strain counts as a rotation.
-        self._turn += 1 / (problem.law.young_modulus * geometry.side**2)
+        self._turn += 1 / problem.force_scale
         length = geometry.length
         self._turn_by_weight = 0.0  # [rad]
         if scene.gravity is not None:
             heaviest = max(scene.gravity.density, scene.gravity.plate_density) * scene.gravity.acceleration
-            self._turn_by_weight = float(heaviest * geometry.side**2 * geometry.length**3 / 6 / bending)
+            self._turn_by_weight = float(heaviest * geometry.shape.area * geometry.length**3 / 6 / bending)
         self._turn_by_wrench = np.repeat([length**2 / 2, length], 3) / bending  # [rad/N, rad/(N m)]
         self.rest()
 

@@ -270,9 +270,9 @@ def _larger_root(arms: np.ndarray, direction: np.ndarray, radius: float) -> np.n
     return np.where(inside >= 0, (b + np.sqrt(np.maximum(inside, 0.0))) / a, -np.inf)
 
 
-def bodies(obstacle: Obstacle | None, side: float) -> list[Body]:
-    """The bodies of a scene's obstacle; without one, the plane on the finger's side, y = side/2 + d."""
-    return [body(one, side) for one in (obstacle.bodies if obstacle else [Shape()])]
+def bodies(obstacle: Obstacle | None, top: float) -> list[Body]:
+    """The bodies of a scene's obstacle; without one, the plane y = top + d beyond the section's largest y."""
+    return [body(one, top) for one in (obstacle.bodies if obstacle else [Shape()])]
 
 
 def all_flat(bodies: list[Body]) -> bool:
@@ -281,10 +281,10 @@ def all_flat(bodies: list[Body]) -> bool:
 
 
 @singledispatch
-def body(obstacle: Shape, side: float) -> Body:
-    """The body of a shape; a plane stands on the finger's side, y = side/2, unless its centre is given."""
+def body(obstacle: Shape, top: float) -> Body:
+    """The body of a shape; a plane stands on the section's largest y [m], unless its centre is given."""
     direction = unit(obstacle.leaving)
-    centre = tuple(obstacle.centre or (0.0, side / 2, 0.0))
+    centre = tuple(obstacle.centre or (0.0, top, 0.0))
     if obstacle.shape == "plane":
         return Plane(centre=centre, direction=direction, normal=unit(obstacle.normal or (0.0, -1.0, 0.0)))
     if obstacle.shape == "box":

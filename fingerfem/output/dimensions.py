@@ -6,6 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+MM = 1e3  # millimetres per metre
+RUBBER, PAD = "#f3e9dc", "#d50000"  # colours
 FONT = 12  # [points]: at half size still 9 pixels high
 LINE = {"color": "0.25", "lw": 1.0}  # of dimensions
 

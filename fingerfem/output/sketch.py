@@ -11,14 +11,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from fingerfem.output.dimensions import FONT, arrow, dimension, finish, label, millimetres
+from fingerfem.output.dimensions import FONT, MM, PAD, RUBBER, arrow, dimension, finish, label, millimetres
+from fingerfem.output.section_view import draw_section
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.scene import Scene
-from fingerfem.scene.tables import Geometry, Pad, Tendon
+from fingerfem.scene.sections import FromFile
+from fingerfem.scene.tables import Geometry, Tendon
 
-MM = 1e3  # millimetres per metre
 COLOURS = ("#1565c0", "#2e7d32", "#e07000", "#6a1b9a", "#5d4037", "#00838f", "#827717", "#ad1457")  # of tendons
-RUBBER, PLATE, PLANE, ON_PLANE, PAD = "#f3e9dc", "#6b6b6b", "#8fa3ad", "#455a64", "#d50000"
+PLATE, PLANE, ON_PLANE = "#6b6b6b", "#8fa3ad", "#455a64"
 WIDTH, SECTION, DOTS_PER_INCH = 9.0, 3.4, 110  # of the drawing, and what its lower half is high [inches]
 
 
@@ -31,8 +32,8 @@ class Frame:
 
     @property
     def side(self) -> float:
-        """Of the section [mm]."""
-        return MM * self.geometry.side
+        """Height of the section, along y [mm]."""
+        return MM * self.geometry.shape.extents[0]
 
     @property
     def ends(self) -> np.ndarray:
@@ -81,7 +82,7 @@ def sketch(scene: Scene) -> Figure:
         _load(side, frame, scene.load.force)
     side.set(xlim=(left, right), ylim=(lowest, highest))
     finish(side, "x [mm]", "y [mm]")
-    _section(section, frame, scene.obstacle.pad if scene.obstacle else None)
+    draw_section(section, scene, _colours(frame))
     _explain(words, scene, frame)
     return figure
 
@@ -209,7 +210,7 @@ def _cut(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
 
     reach = 1.5 * frame.length / MM
     x, y = np.meshgrid(np.linspace(-0.2 * reach, reach, 301), np.linspace(-reach, reach, 301))
-    d, all_of_them = obstacle.distance[0], bodies(obstacle, frame.geometry.side)
+    d, all_of_them = obstacle.distance[0], bodies(obstacle, frame.geometry.shape.top)
     outside = np.min([one.signed_distance((x, y, 0 * x), d, NUMPY) for one in all_of_them], axis=0)
     if outside.min() < 0:
         axes.contourf(MM * x, MM * y, outside, [-np.inf, 0.0], colors=[PLANE], alpha=0.5)
@@ -227,32 +228,6 @@ def _load(axes: Axes, frame: Frame, force: float) -> None:
         axes.text(*place, f"{name}: force up to {force:g} N", ha="right", va="bottom", color=PAD, fontsize=FONT)
 
 
-def _section(axes: Axes, frame: Frame, pad: Pad | None) -> None:
-    """The section with channels, tendons and the pad, seen from the clamp: z to the right."""
-    half, side, width = frame.side / 2, frame.side, MM * frame.geometry.channel_width
-    axes.add_patch(Rectangle((-half, -half), side, side, fc=RUBBER, ec="0.4"))
-    for line in (axes.axhline, axes.axvline):
-        line(0, ls="-.", color="0.5", lw=0.8, zorder=1)
-    for tendon, colour in _colours(frame):
-        y, z = MM * np.array(tendon.offset)
-        axes.add_patch(Rectangle((z - width / 2, y - width / 2), width, width, fc=colour, alpha=0.25, ec=colour))
-        axes.plot([z], [y], "o", color=colour, ms=6)
-        beside = abs(z) <= abs(y)  # names stand beside tendons that lie above one another, and upright otherwise
-        at, turned = ((z + 0.7 * width, y), 0) if beside else ((z, y + 0.7 * width), 90)
-        ha, va = ("left", "center") if beside else ("center", "bottom")
-        here = [other.name for other in frame.tendons if other.offset == tendon.offset]
-        if tendon.name == here[0]:
-            axes.text(*at, ", ".join(here), color=colour, ha=ha, va=va, rotation=turned, fontsize=FONT)
-    if pad is not None:
-        wide = half if pad.width is None else MM * pad.width / 2
-        axes.plot([-wide, wide], [half, half], color=PAD, lw=5, solid_capstyle="butt")
-        axes.text(-wide, 1.12 * half, "pad", color=PAD, ha="left", va="bottom", fontsize=FONT)
-    dimension(axes, (-half, -1.2 * half), (half, -1.2 * half), f"side {millimetres(side)}", (0, -0.08 * half))
-    axes.set(xlim=(-1.35 * half, 1.35 * half), ylim=(-1.6 * half, 1.45 * half))
-    axes.set_title("section, from the clamp", fontsize=FONT)
-    finish(axes, "z [mm]", "y [mm]")
-
-
 def _explain(axes: Axes, scene: Scene, frame: Frame) -> None:
     """One line for every tendon, for what may touch and for the pad."""
     lines = []
@@ -262,11 +237,15 @@ def _explain(axes: Axes, scene: Scene, frame: Frame) -> None:
         low, high = tendon.tension
         lines.append((f"{tendon.name}: y = {y:g}, z = {z:g} mm, ends in {plate}, {low:g} to {high:g} N", colour))
     if any(tendon.path == "channel" for tendon in frame.tendons):
-        lines.append((f"squares: channels, {millimetres(MM * frame.geometry.channel_width)} wide", "0.25"))
+        shapes = "squares" if frame.geometry.shape.has_face else "coloured cells"
+        wide = f", {millimetres(MM * frame.geometry.channel_width)} wide"
+        is_read = isinstance(frame.geometry.shape, FromFile)
+        lines.append((f"{shapes}: channels{'' if is_read else wide}", "0.25"))
     obstacle = scene.obstacle
     if obstacle is not None and obstacle.is_facing_plane:
         drawn = millimetres(frame.height(obstacle))
-        lines.append((f"plane: y = side/2 + d; drawn at d = {drawn}", ON_PLANE))
+        face = "side/2" if frame.geometry.shape.is_square else millimetres(MM * frame.geometry.shape.top)
+        lines.append((f"plane: y = {face} + d; drawn at d = {drawn}", ON_PLANE))
     elif obstacle is not None:
         near, far = (MM * value for value in obstacle.distance)
         shapes = ", ".join(one.shape for one in obstacle.bodies)

@@ -10,15 +10,18 @@ from pydantic import (
     Field,
     SerializeAsAny,
     SerializerFunctionWrapHandler,
+    ValidationInfo,
     field_validator,
     model_serializer,
     model_validator,
 )
 
-from fingerfem.scene.grid_lines import fitting, grid_lines
+from fingerfem.scene.grid_lines import fitting, lines_along, section_mesh
 from fingerfem.scene.laws import REGISTERED, Law
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.presets import KEYS, chosen
+from fingerfem.scene.rules import check_obstacle, check_section, ordered
+from fingerfem.scene.sections import SHAPES, FromFile, Section
 from fingerfem.scene.tables import (
     Coarse,
     Expected,
@@ -51,6 +54,7 @@ class Scene(SceneTable):
     budget: str | None = None
     preset: str | None = None
     expected: Expected | None = None
+    section: SerializeAsAny[Section] | None = None  # before geometry, which it is put into
     geometry: Geometry
     material: SerializeAsAny[Law]
     tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
@@ -60,6 +64,30 @@ class Scene(SceneTable):
     mesh: Mesh
     coarse: Coarse | None = None
     sampling: Sampling = Sampling()
+
+    @field_validator("section", mode="wrap")
+    @classmethod
+    def _by_shape(cls, table: Any, check: Any, info: ValidationInfo) -> Section | None:
+        if isinstance(table, Section) or not isinstance(table, dict):
+            return check(table)
+        shape = table.get("shape")
+        if "file" in table:
+            return FromFile.model_validate(table, context=info.context)
+        if shape is None:
+            raise ValueError("shape is required and missing, or file in its place")
+        if shape not in SHAPES:
+            raise ValueError(f"shape must be {' or '.join(map(repr, SHAPES))}, got {shape!r}")
+        return SHAPES[shape].model_validate(table)
+
+    @field_validator("geometry", mode="before")
+    @classmethod
+    def _with_section(cls, table: Any, info: ValidationInfo) -> Any:
+        section = info.data.get("section")
+        if not isinstance(table, dict) or (section is None and "section" not in table):
+            return table
+        if "section" in table:
+            raise ValueError(f"section must be a table [section] of its own, got {table['section']!r} in geometry")
+        return table | {"section": section}
 
     @field_validator("material", mode="wrap")
     @classmethod
@@ -82,6 +110,12 @@ class Scene(SceneTable):
             if not any(table.get(key) for key in KEYS):
                 raise ValueError(f"expected must be left out where no {' or '.join(KEYS)} chooses it, got a table")
             return table
+        key = next((key for key in KEYS if table.get(key)), None)
+        if key and table.get("section"):
+            raise ValueError(
+                f"{key} must be left out with [section]: meshes are measured on square fingers; give mesh.cells, "
+                f"got {table[key]!r}"
+            )
         return chosen(table, lambda cells: cls._fitting(table, cells))
 
     @classmethod
@@ -100,8 +134,7 @@ class Scene(SceneTable):
 
     @model_validator(mode="after")
     def _tables_agree(self) -> Scene:
-        width = self.geometry.channel_width
-        reach = self.geometry.side / 2 - width / 2
+        check_section(self)
         for k, tendon in enumerate(self.tendons):
             if self.parameter_names.count(tendon.name) > 1 or tendon.name == "d":
                 raise ValueError(f"tendons.{k}.name must be unique and no other parameter's, got {tendon.name}")
@@ -110,76 +143,37 @@ class Scene(SceneTable):
                     f"tendons.{k}.segment must be at most {len(self.geometry.segments)}, the number of segments, "
                     f"got {tendon.segment}"
                 )
-            if max(abs(value) for value in tendon.offset) > reach * (1 + 1e-9):
-                raise ValueError(
-                    f"tendons.{k}.offset must keep its channel inside the section (at most {reach:g} m from the axis), "
-                    f"got {tendon.offset}"
-                )
-            for other in self.tendons[:k]:
-                apart = max(abs(a - b) for a, b in zip(tendon.offset, other.offset, strict=True))
-                shared = tendon.path == other.path == "channel" and tendon.segment != other.segment
-                if apart < width * (1 - 1e-9) and not (shared and apart <= width * 1e-9):
-                    raise ValueError(
-                        f"tendons.{k}.offset must keep channels apart (geometry.channel is {width:g} m wide), or share "
-                        f"the channel of a tendon that ends at another plate, "
-                        f"got {tendon.offset} beside {other.name} at {other.offset}"
-                    )
-            _ordered(f"tendons.{k}.tension", tendon.tension)
+            ordered(f"tendons.{k}.tension", tendon.tension)
         if self.mesh.symmetry and not self.outline.is_planar:
             raise ValueError("mesh.symmetry must be false where a tendon is off the plane z = 0, got true")
         if self.load is not None and (self.obstacle is not None or self.mesh.symmetry):
             where = "obstacle" if self.obstacle is not None else "mesh.symmetry"
             raise ValueError(f"{where} must be left out where load says what may press, got both")
         if self.obstacle is not None:
-            self._check_obstacle(self.obstacle)
+            check_obstacle(self, self.obstacle)
         if self.mesh.symmetry and not self._is_mirrored:
             raise ValueError(
                 "mesh.symmetry must be false where obstacle or weight is not its own mirror image, got true"
             )
         if self.load is not None and self.gravity is not None:
             raise ValueError("gravity must be left out of a scene with a load: elements carry weight by section")
-        grid_lines(self.outline, self.mesh, self.is_half)
+        self._check_mesh(self.mesh)
         if self.coarse is not None:
             try:
-                grid_lines(self.outline, self._coarse_mesh(self.coarse), self.is_half)
+                self._check_mesh(self._coarse_mesh(self.coarse))
             except ValueError as error:
                 raise ValueError(str(error).replace("mesh.", "coarse.", 1)) from None
         return self
+
+    def _check_mesh(self, mesh: Mesh) -> None:
+        lines_along(self.outline, mesh)
+        section_mesh(self.outline, mesh.cells[1], self.is_half)
 
     @model_validator(mode="after")
     def _pressure_has_a_pad(self) -> Scene:
         if "pad_pressure" in self.sampling.store and (self.obstacle is None or self.obstacle.pad is None):
             raise ValueError("sampling.store must not ask for pad_pressure of a scene without obstacle.pad")
         return self
-
-    def _check_obstacle(self, obstacle: Obstacle) -> None:
-        _ordered("obstacle.distance", obstacle.distance)
-        if obstacle.method == "nitsche" and self.material.is_mixed:
-            raise ValueError(
-                "obstacle.method must be penalty where the rubber is nearly incompressible: its stress on the surface, "
-                "which nitsche needs, is not that of the displacements, got nitsche"
-            )
-        if obstacle.method == "nitsche" and obstacle.stiffness_factor < 20:
-            raise ValueError(
-                "obstacle.stiffness must be at least 20 for nitsche, below which its potential has no minimum, "
-                f"got {obstacle.stiffness_factor:g}"
-            )
-        if obstacle.pad is not None:
-            _ordered("obstacle.pad.x", obstacle.pad.x)
-            least = self.geometry.side / 100
-            if min(obstacle.pad.x[1] - obstacle.pad.x[0], obstacle.pad.width or least) < least * (1 - 1e-9):
-                raise ValueError(
-                    f"obstacle.pad must be at least a hundredth of the side long and wide ({least:g} m), "
-                    f"got x {obstacle.pad.x}, width {obstacle.pad.width}"
-                )
-            if obstacle.pad.x[1] > self.geometry.length * (1 + 1e-9):
-                raise ValueError(
-                    f"obstacle.pad.x must lie on the finger, [0, {self.geometry.length:g}] m, got {obstacle.pad.x}"
-                )
-            if (obstacle.pad.width or 0) > self.geometry.side:
-                raise ValueError(
-                    f"obstacle.pad.width must be at most the side, {self.geometry.side:g} m, got {obstacle.pad.width}"
-                )
 
     @property
     def outline(self) -> GridOutline:
@@ -198,7 +192,7 @@ class Scene(SceneTable):
         """Whether only the half z >= 0 is modelled."""
         if self.mesh.symmetry is not None:
             return self.mesh.symmetry
-        return self.outline.is_planar and self.load is None and self._is_mirrored
+        return self.outline.is_planar and self.load is None and self._is_mirrored and self.geometry.shape.is_mirrored
 
     @property
     def law(self) -> Law:
@@ -226,9 +220,12 @@ class Scene(SceneTable):
 
     @model_serializer(mode="wrap")
     def _without_what_is_not_named(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A scene without a load, weight or a coarse mesh is as it was before there were any."""
-        later = "load", "coarse", "gravity"
-        return {key: value for key, value in serialise(self).items() if key not in later or value is not None}
+        """A scene without a load, weight, section or coarse mesh is as before; a square is that of geometry.side."""
+        later = "load", "coarse", "gravity", "section"
+        written = {key: value for key, value in serialise(self).items() if key not in later or value is not None}
+        if self.section is not None and self.section.is_square:
+            written.pop("section", None)
+        return written
 
     def on_coarse_mesh(self) -> Scene:
         """The same scene on its coarse mesh, with the lines of that.
@@ -248,10 +245,7 @@ class Scene(SceneTable):
 
     def fingerprint(self) -> str:
         """Hash of all that changes the finger's answers; name and sampling do not."""
-        text = json.dumps(self.model_dump(exclude=NOT_OF_THE_FINGER), sort_keys=True)
+        table = self.model_dump(exclude=NOT_OF_THE_FINGER)
+        table.get("section", {}).pop("file", None)  # its digest counts
+        text = json.dumps(table, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _ordered(field: str, limits: list[float]) -> None:
-    if limits[0] >= limits[1]:
-        raise ValueError(f"{field} must be [lowest, highest] with lowest < highest, got {limits}")

@@ -8,11 +8,11 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from fingerfem.scene.scene_table import SceneTable
+from fingerfem.scene.scene_table import Length, SceneTable
+from fingerfem.scene.sections import Column, FromFile, Section, Square, Wanted
 from rom.dataset import geometry
 from rom.dataset.grid import SHARE
 
-Length = Annotated[float, Field(ge=1e-6, le=1.0)]  # [m]; a length above 1 m is a length in mm
 Offset = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
 Position = Annotated[float, Field(ge=0, le=8.0)]  # [m], on eight segments at most
 Force = Annotated[float, Field(ge=0, le=1e4)]  # [N]
@@ -22,21 +22,28 @@ STEEPEST = 0.5  # change of the side per length of a segment's rubber [-]
 
 
 class Geometry(SceneTable):
-    """The finger along x, clamped at x = 0, of square section; each segment ends in a plate.
+    """The finger along x, clamped at x = 0; each segment ends in a plate.
 
-    Side, plate, channel and the tendons' offsets are those at the clamp. A tapered section is scaled as a whole.
+    Side, plate, channel and the tendons' offsets are those at the clamp. A tapered section is scaled as a whole. The
+    scene puts in the section that it has a table of; the side is then its largest extent.
     """
 
+    section: Section | None = Field(default=None, exclude=True)
     side: Length
     segments: Annotated[list[Length], Field(min_length=1, max_length=8)]
     plate: Length
-    channel: Length | None = None  # width of the square column of cells that carries a tendon; side / 5 if absent
+    channel: Length | None = None  # width of the block of cells that carries a tendon; side / 5 of a square if absent
     taper: list[Annotated[float, Field(gt=0)]] | None = None  # of a segment: its side at the end over that at its begin
+
+    @property
+    def shape(self) -> Section:
+        """The section; without a table of its own, the square of the given side."""
+        return Square(side=self.side) if self.section is None else self.section
 
     @property
     def channel_width(self) -> float:
         """Width of a tendon's channel [m]."""
-        return self.side / 5 if self.channel is None else self.channel
+        return self.shape.channel_width if self.channel is None else self.channel
 
     @property
     def sizes(self) -> np.ndarray:
@@ -65,15 +72,26 @@ class Geometry(SceneTable):
     @property
     def half_lengths(self) -> np.ndarray:
         """Of every plate along its own axes, shape (segments, 3) [m]."""
-        return np.outer(self.sizes, [self.plate, self.side, self.side]) / 2
+        return np.outer(self.sizes, [self.plate, *self.shape.extents]) / 2
 
     @property
     def length(self) -> float:
         """Length of the whole finger [m]."""
         return sum(self.segments)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _has_the_section_s_extent(cls, table: Any) -> Any:
+        if not isinstance(table, dict) or not isinstance(table.get("section"), Section):
+            return table
+        if "side" in table:
+            raise ValueError(f"side must be left out where [section] gives the section, got {table['side']}")
+        return table | {"side": table["section"].extent}
+
     @model_validator(mode="after")
     def _nothing_vanishes(self) -> Geometry:
+        if isinstance(self.section, FromFile) and self.channel is not None:
+            raise ValueError(f"channel must be left out where section.file has the channels, got {self.channel}")
         for name, value in (("plate", self.plate), ("channel", self.channel_width)):
             if value < self.side / 100:
                 raise ValueError(f"{name} must be at least a hundredth of the side ({self.side} m), got {value}")
@@ -95,8 +113,10 @@ class Geometry(SceneTable):
 
     @model_serializer(mode="wrap")
     def _without_taper(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A finger without taper is as it was before there was any."""
-        return {key: value for key, value in serialise(self).items() if key != "taper" or value is not None}
+        """A finger without taper is as it was before there was any; a section that is no square has a table."""
+        left_out = {"taper"} if self.taper is None else set()
+        left_out |= set() if self.shape.is_square else {"side"}
+        return {key: value for key, value in serialise(self).items() if key not in left_out}
 
 
 class Tendon(SceneTable):
@@ -231,7 +251,7 @@ class Expected(SceneTable):
 
 
 class GridOutline(NamedTuple):
-    """What the mesh's grid lines have to meet, and who lies where between them."""
+    """What the mesh's grid lines have to meet, and what lies between them."""
 
     geometry: Geometry
     tendons: Sequence[Tendon]
@@ -251,3 +271,21 @@ class GridOutline(NamedTuple):
     def plates(self) -> list[tuple[float, float]]:
         """Where every segment's plate begins and ends along x [m]."""
         return self.geometry.plates
+
+    @property
+    def columns(self) -> list[Column]:
+        """What the section's mesh has of every tendon."""
+        places = [tuple(tendon.offset) for tendon in self.tendons]
+        near = 1e-9 * self.geometry.channel_width
+        alike = [
+            next(j for j, one in enumerate(places) if np.abs(np.subtract(one, place)).max() <= near) for place in places
+        ]
+        return [
+            Column(name=tendon.name, path=tendon.path, offset=np.array(tendon.offset), tag=tag)
+            for tendon, tag in zip(self.tendons, alike, strict=True)
+        ]
+
+    def wanted(self, across: int, half: bool) -> Wanted:
+        """What the section's mesh has to meet, with cells across."""
+        pad = None if self.pad is None else self.pad.width
+        return Wanted(columns=self.columns, width=self.geometry.channel_width, across=across, pad=pad, half=half)

@@ -12,6 +12,9 @@ from rom.file_kinds import uses_of
 
 UNITS = {
     "side": "m",
+    "height": "m",
+    "diameter": "m",
+    "bore": "m",
     "segments": "m",
     "plate": "m",
     "channel": "m",
@@ -45,7 +48,7 @@ def load_scene(path: str | Path) -> Scene:
         other = uses_of(path) if Path(path).suffix.lower() != ".toml" else ""
         raise SceneError(f"{path}: not a TOML file: {error}{other}") from None
     try:
-        return Scene.model_validate(table)
+        return Scene.model_validate(table, context={"folder": Path(path).parent})
     except ValidationError as error:
         raise SceneError(f"{path}: {one_line(error)}") from None
 

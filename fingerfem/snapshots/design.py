@@ -75,9 +75,14 @@ def describe(
         grows: whether lines are added, of a scene with a load, as the error of its elements needs them.
 
     Raises:
-        SceneError: no tendon bends the finger towards its plane, the obstacle is not the plane y = side/2 + d, or lines
-            are asked for without a load.
+        SceneError: the section is no square, no tendon bends the finger towards its plane, the obstacle is not the
+            plane y = side/2 + d, or lines are asked for without a load.
     """
+    if not scene.geometry.shape.is_square:
+        raise SceneError(
+            "section must be a square to train on it, as reduced models are read by geometry.side "
+            f"(fingerfem solve takes any), got {scene.geometry.shape.shape}"
+        )
     if scene.obstacle is not None and not scene.obstacle.is_facing_plane:
         bodies = scene.obstacle.bodies
         got = f"another {bodies[0].shape}" if len(bodies) == 1 else f"{len(bodies)} bodies"

@@ -61,6 +61,11 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
     for name, kind in (("geometry", dict), ("material", dict), ("tendons", list)):
         if not isinstance(scene.get(name), kind):
             raise ModelError(f"{name} must be given, got {scene.get(name)}")
+    if scene.get("section"):
+        raise ModelError(
+            "section must be left out of a rod's scene: elements have square sections, whose side is geometry.side; "
+            f"the full-order model solves it (python3 -m fingerfem solve), got {scene['section']}"
+        )
     try:
         return {
             "name": str(scene.get("name", "finger")),

@@ -89,7 +89,7 @@ def clear_of_clamp(finger: Rod, table: Table, d: float) -> bool:
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
     outline = [((1 - s) * one + (1 + s) * two) / 2 for one, two in pairwise(corners) for s in along]
     y, z = half * np.array(outline).T
-    (body,) = bodies(Obstacle.model_validate(table), 2 * half)
+    (body,) = bodies(Obstacle.model_validate(table), half)
     return bool(body.signed_distance((0 * y, y, z), d, NUMPY).min() > CLEAR)
 
 

@@ -19,7 +19,6 @@ import numpy as np
 from fingerfem import FingerModel
 from fingerfem.discretisation import regions
 from fingerfem.equilibrium.newton import NewtonOptions
-from fingerfem.scene.grid_lines import in_channel
 from fingerfem.scene.laws import plate_law
 from fingerfem.scene.scene import Scene
 from studies.parts import ROOT, Run
@@ -55,7 +54,7 @@ def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]
         "points": problem.space.tabulate_dof_coordinates(),
         "cells": problem.space.dofmap.list,
         "rubber": np.isin(problem.mesh.cells.values, regions.RUBBERS),  # of every cell, in their order
-        "channels": np.array([in_channel(scene.outline, one, problem.mesh.midpoints) for one in scene.tendons]),
+        "channels": np.array([problem.mesh.pulled(scene, k)[0] for k in range(len(scene.tendons))]),
     }
     return arrays, {
         "order": scene.mesh.order,

@@ -64,7 +64,7 @@ class Block:
             tags = dolfinx.mesh.meshtags(mesh, 2, np.sort(top), np.full(len(top), 1, np.int32))
             ds = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=contact.quadrature(order))(1)
             self.distance = fem.Constant(mesh, d)
-            x, facing = ufl.SpatialCoordinate(mesh), obstacles.bodies(None, 1.0)[0]
+            x, facing = ufl.SpatialCoordinate(mesh), obstacles.bodies(None, 0.5)[0]
             gap, normal, _ = contact.gap(facing, self.u, x, self.distance, obstacles.in_ufl(float))
             q = contact.surface_pressure(strain_energy.energy(LAW), self.u, ufl.FacetNormal(mesh), normal)
             q = q if method == "nitsche" else 0

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 from fingerfem.mechanics.obstacles import NUMPY, body
 from fingerfem.scene.obstacle import Obstacle
 
-SIDE = 0.010
+TOP = 0.005  # largest y of the section [m]
 USUAL = {"distance": [0.001, 0.031], "method": "penalty"}
 SHAPES = {
     "facing plane": {},
@@ -26,7 +26,7 @@ SHAPES = {
 
 @pytest.fixture(params=SHAPES)
 def obstacle(request):
-    return body(Obstacle(**SHAPES[request.param] | USUAL), SIDE)
+    return body(Obstacle(**SHAPES[request.param] | USUAL), TOP)
 
 
 @pytest.fixture
@@ -70,7 +70,7 @@ def test_at_the_touch_distance_a_point_is_touched_and_before_it_is_not(obstacle,
 def test_normals_axes_and_directions_may_have_any_length(shape, scale, points):
     table = {"direction": [0.2, 1.0, -0.1]} | SHAPES[shape] | USUAL
     scaled = {name: [scale * part for part in table[name]] for name in ("direction", "normal", "axis") if name in table}
-    ours, theirs = (body(Obstacle(**one), SIDE) for one in (table | scaled, table))
+    ours, theirs = (body(Obstacle(**one), TOP) for one in (table | scaled, table))
     for name in ("direction", "normal", "axis"):
         assert getattr(ours, name, ()) == pytest.approx(getattr(theirs, name, ()), rel=1e-15)
     d = np.full(len(points), 0.003)
@@ -83,9 +83,9 @@ def test_normals_axes_and_directions_may_have_any_length(shape, scale, points):
 
 
 def test_the_facing_plane_is_what_scenes_had_before_there_were_shapes(points):
-    plane = body(Obstacle(**USUAL), SIDE)
-    assert np.array_equal(plane.touch_distance(points), points[:, 1] - SIDE / 2)
-    assert np.array_equal(plane.signed_distance(points.T, 0.01, NUMPY), -(points[:, 1] - SIDE / 2 - 0.01))
+    plane = body(Obstacle(**USUAL), TOP)
+    assert np.array_equal(plane.touch_distance(points), points[:, 1] - TOP)
+    assert np.array_equal(plane.signed_distance(points.T, 0.01, NUMPY), -(points[:, 1] - TOP - 0.01))
 
 
 @pytest.mark.parametrize(

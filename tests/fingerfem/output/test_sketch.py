@@ -5,6 +5,7 @@ import sys
 
 import pytest
 from farm import ROOT
+from matplotlib.collections import PolyCollection
 from matplotlib.text import Text
 from PIL import Image
 
@@ -104,3 +105,21 @@ def test_the_command_writes_the_picture_and_refuses_what_it_cannot_write(tmp_pat
         assert picture.width > 900 and len(picture.convert("RGB").getcolors(1 << 20)) > 20
     with pytest.raises(ValueError, match="picture must end in one of"):
         write_sketch(load_scene(ROOT / "scenes" / "draft.toml"), tmp_path / "draft.doc")
+
+
+@pytest.mark.parametrize(
+    ("section", "measures"),
+    [
+        ({"shape": "circle", "diameter": 0.02}, "diameter 20 mm"),
+        ({"shape": "ring", "diameter": 0.02, "bore": 0.006}, "diameter 20 mm,\nbore 6 mm"),
+    ],
+)
+def test_a_section_is_drawn_by_its_mesh_and_measures(section, measures):
+    scene = load_scene(ROOT / "scenes" / "round.toml")
+    figure = sketch(Scene.model_validate(scene.model_dump(mode="json", exclude_unset=True) | {"section": section}))
+    said = words(figure)
+    assert measures in said and "coloured cells: channels, 3 mm wide" in said
+    for name, y, z in (("up", 7, 0), ("right", 0, 7), ("down", -7, 0), ("left", 0, -7)):
+        assert f"{name}: y = {y}, z = {z} mm" in said
+    cells, *channels = (one for one in figure.axes[1].collections if isinstance(one, PolyCollection))
+    assert len(channels) == 4 and len(cells.get_paths()) > 4 * len(channels[0].get_paths())

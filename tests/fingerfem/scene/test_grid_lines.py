@@ -19,7 +19,8 @@ SCENES = Path(__file__).resolve().parents[3] / "scenes"
 
 
 def lines_of(scene: Scene):
-    return grid_lines.grid_lines(scene.outline, scene.mesh, scene.is_half)
+    wanted = scene.outline.wanted(scene.mesh.cells[1], scene.is_half)
+    return grid_lines.lines_along(scene.outline, scene.mesh), *scene.geometry.shape.lines(wanted)
 
 
 @given(st.lists(st.floats(0.01, 10.0), min_size=1, max_size=8), st.integers(0, 60))
@@ -119,8 +120,7 @@ def test_a_channel_that_ends_on_the_axis_has_a_grid_line_there(table):
     scene = Scene.model_validate(table)
     _, y, _ = lines_of(scene)
     middles = (y[1:] + y[:-1]) / 2
-    points = np.stack([np.zeros(len(middles)), middles, np.full(len(middles), 1e-4)])
-    inside = grid_lines.in_column(scene.geometry, scene.tendons[0], points)
+    inside = np.abs(middles - 0.001) < 0.001
     assert np.abs(y).min() < 1e-15 and np.diff(y)[inside].sum() == pytest.approx(0.002, rel=1e-9)
     table["mesh"]["cells"] = [20, 5]
     with pytest.raises(ValueError, match="even to stay symmetric"):
@@ -134,3 +134,20 @@ def test_a_pad_that_ends_beside_a_plate_is_refused_for_the_sliver_it_would_leave
     table["obstacle"]["pad"]["x"] = [0.040, 0.049 + 1e-12]  # equal up to round-off
     x, _, _ = lines_of(Scene.model_validate(table))
     assert np.diff(x).min() > 1e-4
+
+
+@pytest.mark.parametrize("scene", ["draft", "free", "four_tendons"])
+def test_a_swept_grid_is_a_box_of_hexahedra_numbered_as_dolfinx_numbers_them(scene):
+    import dolfinx
+
+    one = Scene.model_validate(tomllib.loads((SCENES / f"{scene}.toml").read_text()))
+    lines = lines_of(one)
+    counts = [len(along) - 1 for along in lines]
+    kind, ghosts = dolfinx.mesh.CellType.hexahedron, dolfinx.mesh.GhostMode.none
+    box = dolfinx.mesh.create_box(MPI.COMM_SELF, [np.zeros(3), np.ones(3)], counts, kind, ghost_mode=ghosts)
+    for axis, along in enumerate(lines):
+        box.geometry.x[:, axis] = along[np.rint(box.geometry.x[:, axis] * counts[axis]).astype(int)]
+    finger = build_mesh(one, MPI.COMM_SELF)
+    assert finger.has_boxes
+    assert np.array_equal(finger.mesh.geometry.dofmap, box.geometry.dofmap)
+    assert np.array_equal(finger.mesh.geometry.x, box.geometry.x)

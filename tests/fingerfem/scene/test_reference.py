@@ -3,6 +3,7 @@
 import re
 import tomllib
 from copy import deepcopy
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,9 @@ SMALLEST = {
     "tendons": [{"name": "F1", "offset": [0.004, 0.0], "segment": 1, "tension": [0.0, 100.0]}],
     "mesh": {"cells": [20, 5]},
 }
+NO_SIDE = {"segments": [0.05], "plate": 0.001}
+ELLIPSE = Path(__file__).with_name("sections") / "ellipse.msh"
+DIGEST = sha256(ELLIPSE.read_bytes()).hexdigest()[:16]
 PLANE = {"distance": [0.001, 0.031]}
 PAD = {"name": "fingertip", "x": [0.049, 0.05]}
 KINDS: dict[str, dict[str, Any]] = {
@@ -45,6 +49,11 @@ KINDS: dict[str, dict[str, Any]] = {
     "weight": {"gravity": {"density": 1070.0, "direction": [0.0, -1.0, 0.0]}},
     "load": {"load": {"force": 5.0}},
     "coarse": {"coarse": {"cells": [10, 5]}},
+    "square": {"section": {"shape": "square", "side": 0.01}, "geometry": NO_SIDE},
+    "rectangle": {"section": {"shape": "rectangle", "height": 0.01, "width": 0.008}, "geometry": NO_SIDE},
+    "circle": {"section": {"shape": "circle", "diameter": 0.0125}, "geometry": NO_SIDE | {"channel": 0.002}},
+    "ring": {"section": {"shape": "ring", "diameter": 0.012, "bore": 0.003}, "geometry": NO_SIDE},
+    "file": {"section": {"file": str(ELLIPSE)}, "geometry": NO_SIDE, "mesh": {"cells": [20, 1]}},
 }
 # Of keys that may be added: the kind of scene they are added to, if not the smallest, and a value.
 ADDED: dict[str, tuple[str, Any]] = {
@@ -73,6 +82,7 @@ ADDED: dict[str, tuple[str, Any]] = {
     "mesh.symmetry": ("smallest", False),
     "coarse.order": ("coarse", 2),
     "coarse.lines": ("coarse", 8),
+    "section.digest": ("file", DIGEST),
     "sampling.lines": ("smallest", 8),
     "sampling.tension_nodes": ("smallest", 7),
     "sampling.contact_nodes": ("smallest", 7),

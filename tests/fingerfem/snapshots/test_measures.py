@@ -7,7 +7,7 @@ import pytest
 from farm import run
 from pydantic import ValidationError
 
-from fingerfem.scene.grid_lines import fitting, grid_lines, in_column, in_plate
+from fingerfem.scene.grid_lines import fitting, in_plate, lines_along, section_mesh
 from fingerfem.scene.scene import Scene
 from fingerfem.snapshots.design import body
 from rom.dataset.grid import levels
@@ -112,9 +112,14 @@ def with_middles(lines: np.ndarray, order: int) -> np.ndarray:
     return lines if order == 1 else np.sort(np.concatenate([lines, (lines[1:] + lines[:-1]) / 2]))
 
 
+def lines_of(scene: Scene) -> list[np.ndarray]:
+    wanted = scene.outline.wanted(scene.mesh.cells[1], scene.is_half)
+    return [lines_along(scene.outline, scene.mesh), *scene.geometry.shape.lines(wanted)]
+
+
 def nodes_of(scene: Scene, random: np.random.Generator) -> tuple[list[np.ndarray], np.ndarray]:
     """Coordinates along the axes, and nodes with the round-off of shape functions, sorted by x, y and z."""
-    lines = [with_middles(line, scene.mesh.order) for line in grid_lines(scene.outline, scene.mesh, scene.is_half)]
+    lines = [with_middles(line, scene.mesh.order) for line in lines_of(scene)]
     nodes = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
     return lines, nodes * (1 + 2.0**-52 * random.integers(-6, 7, nodes.shape))
 
@@ -129,13 +134,9 @@ def check_lines(scene: Scene, lines: list[np.ndarray]) -> None:
     x, y, z = lines
     assert all(np.abs(x - face).min() < 1e-12 * side for plate in outline.plates for face in plate)
     assert np.abs(y[[0, -1]] / side - [-0.5, 0.5]).max() < 1e-12 and np.abs(z[-1] / side - 0.5) < 1e-12
-    middles = [(line[1:] + line[:-1]) / 2 for line in (y, z)]
-    section = np.stack(np.meshgrid(*middles, indexing="ij")).reshape(2, -1)
-    areas = np.outer(np.diff(y), np.diff(z)).ravel()
-    for tendon in scene.tendons:
-        inside = in_column(scene.geometry, tendon, np.concatenate([np.zeros((1, len(areas))), section]))
-        whole = scene.geometry.channel_width**2 / (2 if scene.is_half else 1)
-        assert areas[inside].sum() == pytest.approx(whole, rel=2e-5)
+    section = section_mesh(outline, scene.mesh.cells[1], scene.is_half)
+    for column in outline.columns:
+        assert section.column_area(column.tag) == pytest.approx(scene.geometry.channel_width**2, rel=2e-5)
 
 
 def check_sections(scene: Scene, lines: list[np.ndarray], nodes: np.ndarray) -> None:
@@ -151,7 +152,7 @@ def check_sections(scene: Scene, lines: list[np.ndarray], nodes: np.ndarray) -> 
 def test_fingers_of_any_measures_have_lines_sections_and_a_transfer_from_mesh_to_mesh():
     for random, coarse, fine in fingers():
         (own, nodes), (_, targets) = nodes_of(coarse, random), nodes_of(fine, random)
-        check_lines(coarse, list(grid_lines(coarse.outline, coarse.mesh, coarse.is_half)))
+        check_lines(coarse, lines_of(coarse))
         check_sections(coarse, own, nodes)
         assert [len(levels(along)[0]) for along in nodes.T] == [len(line) for line in own]
         single = nodes.astype(np.float32)

@@ -1,0 +1,147 @@
+"""What every section is: a table of a scene that says its measures and makes its mesh."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from fingerfem.scene.scene_table import SceneTable
+from fingerfem.scene.sections.plane_mesh import PlaneMesh
+
+POOREST = 0.2  # least sine at a corner of a quadrilateral that is meshed [-]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """What the section's mesh has of a tendon: the cells of its channel, or of its hole in a plate.
+
+    Attributes:
+        name, path: the tendon's.
+        offset: (y, z), shape (2,) [m].
+        tag: the first tendon that has the same cells.
+    """
+
+    name: str
+    path: str
+    offset: np.ndarray
+    tag: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wanted:
+    """What a section's mesh has to meet.
+
+    Attributes:
+        columns: of the tendons.
+        width: of a channel [m].
+        across: cells across the largest extent; of a file, parts of every edge.
+        pad: width of the pad [m], if it has one of its own.
+        half: whether the half z >= 0 is meshed.
+    """
+
+    columns: Sequence[Column]
+    width: float
+    across: int
+    pad: float | None = None
+    half: bool = False
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether all tendons lie in the plane z = 0, so that the section's two halves are mirror images."""
+        return all(column.offset[1] == 0 for column in self.columns)
+
+
+class Section(SceneTable):
+    """A section of the finger; measures are those at the clamp.
+
+    A new shape is a class with these members, named in `sections.SHAPES`.
+    """
+
+    meshed_by: ClassVar[str] = "mesh.cells[1]"  # the key that errors of its mesh name
+    shape: str
+
+    @property
+    def extents(self) -> tuple[float, float]:
+        """Height along y and width along z [m]."""
+        raise NotImplementedError
+
+    @property
+    def area(self) -> float:
+        """Of the section [m^2]."""
+        raise NotImplementedError
+
+    @property
+    def second_moment(self) -> float:
+        """The least second moment of area [m^4]."""
+        raise NotImplementedError
+
+    @property
+    def channel_width(self) -> float:
+        """Of a channel, unless the scene gives it [m]."""
+        return min(self.extents) / 5
+
+    @property
+    def extent(self) -> float:
+        """The largest extent [m], which steps, tolerances and shortest cells are measured against."""
+        return max(self.extents)
+
+    @property
+    def depth(self) -> float:
+        """sqrt(12 I / A), the side of a square that bends alike [m]: cells along the axis lock in bending by it."""
+        return math.sqrt(12 * self.second_moment / self.area)
+
+    @property
+    def top(self) -> float:
+        """The largest y [m], on which the plane y = top + d faces the finger."""
+        return self.extents[0] / 2
+
+    @property
+    def is_square(self) -> bool:
+        """Whether it is a square: rod elements are trained on no other."""
+        return False
+
+    @property
+    def has_face(self) -> bool:
+        """Whether it is flat at its top, so that a pad may lie there."""
+        return False
+
+    @property
+    def is_mirrored(self) -> bool:
+        """Whether z = 0 parts its meshes into mirror images, where all tendons lie there."""
+        return True
+
+    def refusal(self, column: Column, width: float) -> str | None:
+        """The rule that a tendon's channel breaks in this section, if any."""
+        raise NotImplementedError
+
+    def are_apart(self, one: Column, other: Column, width: float) -> bool:
+        """Whether two channels have no cells in common."""
+        raise NotImplementedError
+
+    def mesh(self, wanted: Wanted) -> PlaneMesh:
+        """Its mesh.
+
+        Raises:
+            ValueError: rule and value of what does not fit, to be put after `meshed_by`.
+        """
+        raise NotImplementedError
+
+
+def check_quality(mesh: PlaneMesh) -> PlaneMesh:
+    """The same mesh.
+
+    Raises:
+        ValueError: a quadrilateral is too far from a rectangle.
+    """
+    quality = mesh.scaled_jacobians
+    if quality.min() < POOREST:
+        y, z = mesh.centroids[int(quality.argmin())]
+        raise ValueError(
+            f"must give quadrilaterals with a sine of at least {POOREST} at every corner, as more cells may do, "
+            f"got {quality.min():.3g} at y = {y:.3g}, z = {z:.3g} m"
+        )
+    return mesh
