@@ -1,6 +1,8 @@
-"""Two objects at once, and cylinders that the bundled finger wraps, against the full-order model."""
+"""Two objects at once, and cylinders that a finger wraps, against the full-order model of the elements' own mesh."""
 
 from __future__ import annotations
+
+import tomllib
 
 import numpy as np
 
@@ -47,8 +49,8 @@ def wrapped(finger: Rod, random: np.random.Generator) -> Pressed:
 
 def measure(run: Run) -> dict:
     """Both, each in two halves."""
-    finger, table = plans.bundled()
-    pairs = [Question(draw=pair, seed=(31, k), count=5, most=MOST) for k in range(2)]
-    around = [Question(draw=wrapped, seed=(41, k), count=6) for k in range(2)]
+    finger, table = plans.rod(run, plans.LARGE), tomllib.loads(plans.scene(run, plans.LARGE).read_text())
+    pairs = [Question(draw=pair, seed=(31, k), count=10, most=MOST) for k in range(2)]
+    around = [Question(draw=wrapped, seed=(41, k), count=15) for k in range(2)]
     found = on_cores(compared, [(finger, table, one) for one in (*pairs, *around)])
     return {"pairs": summary(found[:2]), "wrapped": summary(found[2:])}
