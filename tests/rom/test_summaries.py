@@ -40,7 +40,7 @@ def test_a_finger_s_pieces_are_as_long_as_its_segments_and_its_terms_those_of_it
     assert found["accuracy"]["states"] > 0 and found["trained_on"] == found["scene"]
 
 
-def test_a_finger_of_another_size_is_trained_on_the_same_and_errs_by_its_size(rod):
+def test_a_finger_of_another_size_is_trained_on_the_same_and_has_errors_of_its_size(rod):
     scene = json.loads(json.dumps(rod.scene))
     scene["geometry"] |= {name: 2 * scene["geometry"][name] for name in ("side", "plate")} | {"segments": [0.1]}
     for tendon in scene["tendons"]:

@@ -47,8 +47,8 @@ def test_bad_input_is_one_line_on_stderr_and_ends_with_code_2(capsys, error):
 
     with pytest.raises(SystemExit) as ended:
         run(app)
-    out, err = capsys.readouterr()
-    assert ended.value.code == 2 and out == "" and err.count("\n") == 1 and str(error) in err
+    out, said = capsys.readouterr()
+    assert ended.value.code == 2 and out == "" and said.count("\n") == 1 and str(error) in said
 
 
 def test_a_mistake_of_the_program_is_no_bad_input():

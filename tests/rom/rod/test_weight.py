@@ -247,7 +247,7 @@ def test_controllers_hold_and_reach_with_weight(bundled):
 
 
 @pytest.mark.parametrize("direction", [(0, 1, 0), (0, -1, 0), (-1, 0, 0), (1, 0, 0), SKEW])
-def test_however_heavy_it_answers_or_says_that_it_does_not_know(bundled, direction):
+def test_however_heavy_it_answers_or_marks_its_answer(bundled, direction):
     model, marked = TouchedSegment(rod=weighs(bundled.rod, direction), obstacle=bundled.obstacle), 0
     points = np.array([[0.0, 0.0, np.inf], [30.0, 10.0, np.inf], [30.0, 10.0, 0.008]])
     for heavier in (1, 10, 100, 1000, 10_000 / HEAVY):
