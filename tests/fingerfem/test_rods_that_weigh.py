@@ -1,4 +1,4 @@
-"""A soft finger that sags by its weight: a rod, whose elements know no weight, beside the full-order model."""
+"""A soft finger that sags by its weight: a rod, whose elements were trained without weight, beside the full-order model."""
 
 import tomllib
 
