@@ -39,7 +39,7 @@ def linear(places: np.ndarray) -> np.ndarray:
 
 
 def plane(problem) -> object:
-    return body(Obstacle(distance=[0.001, 0.03], method="penalty"), SIDE)
+    return body(Obstacle(distance=[0.001, 0.03], method="penalty"), SIDE / 2)
 
 
 def test_linear_fields_are_exact_at_the_nodes_and_between_them(problem, facets):
