@@ -170,7 +170,7 @@ class _History:
             self._problem.displacement[:] = displacement
             self._points.start(history)
             if not halvings:
-                t = len(self._model.scene.tendons)
+                t = len(self._model.scene.actuators)
                 raise LoadNotReached(failure.reason, begun[:t], float(begun[t])) from None
             middle = (begun + goal) / 2
             self._reach(begun, middle, halvings - 1)
@@ -178,7 +178,7 @@ class _History:
 
     def _increment(self, begun: np.ndarray, goal: np.ndarray) -> None:
         """Equilibrium with bounds that are those of its own normal forces."""
-        t, problem = len(self._model.scene.tendons), self._problem
+        t, problem = len(self._model.scene.actuators), self._problem
         carried = goal[t + 1 :] - begun[t + 1 :] + (goal[t] - begun[t]) * self._direction
         ends = [(one[:t], one[t] + self._along(one[t + 1 :])) for one in (begun, goal)]
         problem.set_loads(*ends[0])

@@ -28,13 +28,13 @@ class FullOrderPlant:
     """
 
     def __init__(self, model: FingerModel, distance: float):
-        model.check_loads([tendon.tension[0] for tendon in model.scene.tendons], distance)
+        model.check_loads([one["lower"] for one in model.scene.parameters[: len(model.scene.actuators)]], distance)
         self.contact_force, self.solves = 0.0, 0
         self._model, self._distance = model, distance
         self._last: tuple[np.ndarray, np.ndarray] | None = None  # tensions and displacement
 
     def pull(self, tensions: ArrayLike) -> float:
-        """Contact force [N] at these tensions [N], shape (tendons,).
+        """Contact force [N] at these tensions [N], then pressures [Pa], shape (actuators,).
 
         Raises:
             ValueError: tensions that the scene does not allow.

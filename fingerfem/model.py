@@ -44,7 +44,7 @@ class FingerModel:
         """The equilibrium reached from rest: by tensions; then an obstacle comes from where it touches, or wrenches.
 
         Args:
-            tensions: of every tendon of the scene [N], shape (tendons,).
+            tensions: of every tendon of the scene [N], then pressures of its chambers [Pa], shape (actuators,).
             distance: of the obstacle [m]; None leaves it away.
             sensitivities: also factorise the tangent at the answer and differentiate what the state reports.
             wrenches: on the plates of a scene with a load, from clamp to tip: force and moment about the plate's
@@ -73,10 +73,13 @@ class FingerModel:
 
     def check_loads(self, tensions: ArrayLike, distance: float | None) -> None:
         """Raise ValueError (name, rule, value) for loads the scene does not allow."""
-        pulled = np.asarray(tensions, float)
-        if pulled.shape != (len(self.scene.tendons),):
-            raise ValueError(f"tensions must be {len(self.scene.tendons)} values in N, got shape {pulled.shape}")
-        values = dict(zip([tendon.name for tendon in self.scene.tendons], pulled.tolist(), strict=True))
+        pulled, actuators = np.asarray(tensions, float), self.scene.actuators
+        if pulled.shape != (len(actuators),):
+            values_of = f"{len(actuators)} values in N"
+            if self.scene.chambers:
+                values_of += f", pressures after tensions in Pa ({', '.join(actuators)})"
+            raise ValueError(f"tensions must be {values_of}, got shape {pulled.shape}")
+        values = dict(zip(actuators, pulled.tolist(), strict=True))
         if distance is not None:
             if self.scene.obstacle is None:
                 raise ValueError(f"d must be left out of a scene without an obstacle, got {distance}")
@@ -100,7 +103,7 @@ class FingerModel:
 
     def take(self, state: State) -> None:
         """Be in a state that was solved before: its displacement and its loads."""
-        tensions = [state.parameters[tendon.name] for tendon in self.scene.tendons]
+        tensions = [state.parameters[name] for name in self.scene.actuators]
         self.continuation.start(tensions, state.parameters.get("d"), state.displacement, state.wrenches)
 
     @cached_property

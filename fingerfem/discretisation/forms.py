@@ -25,7 +25,7 @@ from fingerfem.discretisation.volume_energies import (
     total,
     volume_measure,
 )
-from fingerfem.mechanics import contact, obstacles, strain_energy, tendons
+from fingerfem.mechanics import chambers, contact, obstacles, strain_energy, tendons
 from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene.laws import plate_law
 from fingerfem.scene.scene import Scene
@@ -40,6 +40,8 @@ class Fields:
     change: fem.Function  # ... to first order in this change of it [m]
     tension_density: fem.Function  # of the tendons in a cell, per area [Pa] or, in a hole, volume [N/m^3]
     probe_density: fem.Function  # the same of tensions that energy, lengths and gradients are asked for
+    pressure: fem.Function | None  # of chambers, at the nodes of their walls [Pa]; None without chambers
+    probe_pressure: fem.Function | None  # the same, as probe_density
     distance: fem.Constant  # d of the obstacle [m]
     stiffness: fem.Constant  # of contact, gamma = factor E / h with Young's modulus E of the rubber [N/m^3]
     size: fem.Function | None  # of sections over that at the clamp [-]; None without taper
@@ -69,7 +71,7 @@ class Forms:
     moduli: list[Moduli]  # of the volume energies but the straight tendons'
     other_tangent: fem.Form | None  # the tangent of what else there is [N/m]
     strain_energy: fem.Form  # of rubber and plates [J]
-    tendon_energy: fem.Form  # [J]; at unit tension a tendon's length [m]
+    tendon_energy: fem.Form  # and of chambers [J]; at unit tension a length [m], at unit pressure -V [m^3]
     tendon_force: fem.Form  # its gradient [N]; at unit tension that of a tendon's length [-]
     tip: list[fem.Form]  # integral of the displacement over the tip plate, three components [m^4]
     tip_gradient: list[fem.Form]  # [m^3]
@@ -85,7 +87,7 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
     """Derive and compile what the scene names (collective: FFCx compiles once and caches)."""
     space, u = fields.u.function_space, fields.u
     v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
-    x, number, degree = ufl.SpatialCoordinate(mesh.mesh), constants(mesh.mesh), quadrature_degree(scene.mesh.order)
+    number, degree = constants(mesh.mesh), quadrature_degree(scene.mesh.order)
     rubber = rubber_terms(scene.law, number, degree)
     plates = Term(strain_energy.energy(plate_law(scene.law), number), regions.PLATES, degree)
     paths = {tendon.path for tendon in scene.tendons}
@@ -98,26 +100,25 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
         return [(term.energy, volume_measure(mesh, term.degree)(term.regions)) for term in terms]
 
     solids = integrals([*by_region(rubber), plates])
-    residual, other_tangent = residual_of([*solids, *integrals(pulled)], u), None
-    tendon_energy = total(integrals(probed), u)
-    if "straight" in paths:
-        holes = volume_measure(mesh, degree)((regions.PLATE_HOLE, regions.TIP_HOLE))
-        cables = ufl.derivative(tendons.straight(fields.tension_density, x, u, fields.size) * holes, u, v)
-        residual, other_tangent = residual + cables, ufl.derivative(cables, u, w)
-        tendon_energy += tendons.straight(fields.probe_density, x, u, fields.size) * holes
+    residual, tendon_energy = residual_of([*solids, *integrals(pulled)], u), total(integrals(probed), u)
+    stiffening = []  # tangents of what is not in the moduli
+    for pulling, probing in _other_actuators(scene, mesh, fields):
+        force = ufl.derivative(pulling, u, v)
+        residual, tendon_energy = residual + force, tendon_energy + probing
+        stiffening.append(ufl.derivative(force, u, w))
 
     on_contact = []
     if scene.obstacle is not None:
         ds, bodies = surface_measure(scene, mesh), obstacles.bodies(scene.obstacle, scene.geometry.shape.top)
         on_contact = [_contact(scene, body, ds, fields) for body in bodies]
-        pushing, stiffening = _contact_residual_and_tangent(scene, bodies, ds, fields)
+        pushing, pushed = _contact_residual_and_tangent(scene, bodies, ds, fields)
         residual = residual + pushing
-        other_tangent = stiffening if other_tangent is None else other_tangent + stiffening
+        stiffening.append(pushed)
 
     tip = [u[i] * volume_measure(mesh, degree)(regions.TIP) for i in range(3)]
     wanted = {
         "residual": residual,
-        "other_tangent": other_tangent,
+        "other_tangent": sum(stiffening) if stiffening else None,
         "strain_energy": total(solids, u),
         "tendon_energy": tendon_energy,
         "tendon_force": ufl.derivative(tendon_energy, u, v),
@@ -133,6 +134,23 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
         for moduli in [moduli_of(term, u, fields.previous, fields.change)]
     ]
     return Forms(**made | {"moduli": moduli, "contact": [ContactForms(**one) for one in made["contact"]]})
+
+
+def _other_actuators(scene: Scene, mesh: FingerMesh, fields: Fields) -> list[tuple[Any, Any]]:
+    """Potentials of straight tendons and of chambers [J], each at the loads and at the probe."""
+    x, u, degree = ufl.SpatialCoordinate(mesh.mesh), fields.u, quadrature_degree(scene.mesh.order)
+    found: list[tuple[Any, Any]] = []
+    if any(tendon.path == "straight" for tendon in scene.tendons):
+        holes = volume_measure(mesh, degree)((regions.PLATE_HOLE, regions.TIP_HOLE))
+        densities = fields.tension_density, fields.probe_density
+        one, other = (tendons.straight(density, x, u, fields.size) * holes for density in densities)
+        found.append((one, other))
+    if fields.pressure is not None and fields.probe_pressure is not None:
+        rule = {"quadrature_degree": degree}  # exact on cells with straight edges
+        wall = ufl.Measure("ds", mesh.mesh, subdomain_data=mesh.facets, metadata=rule)(regions.WALL)
+        volume = chambers.enclosed(x, u, ufl.FacetNormal(mesh.mesh))
+        found.append((-fields.pressure * volume * wall, -fields.probe_pressure * volume * wall))
+    return found
 
 
 def surface_measure(scene: Scene, mesh: FingerMesh) -> ufl.Measure:

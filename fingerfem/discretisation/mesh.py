@@ -11,7 +11,7 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from fingerfem.discretisation import regions
+from fingerfem.discretisation import chambers, regions
 from fingerfem.scene.grid_lines import lines_along, section_mesh
 from fingerfem.scene.scene import Scene
 from fingerfem.scene.sections import PlaneMesh
@@ -31,6 +31,7 @@ class FingerMesh:
     section: PlaneMesh  # at the clamp
     smallest: float  # smallest cell edge across the section [m]
     has_boxes: bool  # whether all cells are boxes along the axes
+    walls: list[np.ndarray]  # of every chamber, its exterior facets on this rank
 
     def pulled(self, scene: Scene, k: int) -> tuple[np.ndarray, float]:
         """Cells over which the tension of tendon k is spread, shape (n,), and their whole measure.
@@ -48,16 +49,20 @@ def build_mesh(scene: Scene, comm: MPI.Comm) -> FingerMesh:
     """The finger's mesh on the ranks of a communicator (collective)."""
     lines = lines_along(scene.outline, scene.mesh)
     section = section_mesh(scene.outline, scene.mesh.cells[1], scene.is_half)
-    mesh = _swept(section, lines, comm)
+    solid = chambers.solid_cells(scene, section, lines)
+    mesh = _swept(section, lines, solid, comm)
     dim = mesh.topology.dim
     cells = np.arange(mesh.topology.index_map(dim).size_local + mesh.topology.index_map(dim).num_ghosts, dtype=np.int32)
     midpoints = dolfinx.mesh.compute_midpoints(mesh, dim, cells).T
-    columns = section.tags[mesh.topology.original_cell_index // (len(lines) - 1)]
+    columns = section.tags[solid[mesh.topology.original_cell_index] // (len(lines) - 1)]
     cell_tags = dolfinx.mesh.meshtags(mesh, dim, cells, _regions(scene, midpoints[0], columns))
     mesh.topology.create_connectivity(dim - 1, dim)
     facets = np.sort(dolfinx.mesh.exterior_facet_indices(mesh.topology))
     centres = dolfinx.mesh.compute_midpoints(mesh, dim - 1, facets).T
-    facet_tags = dolfinx.mesh.meshtags(mesh, dim - 1, facets, _faces(scene, centres))
+    kinds, walls = _faces(scene, centres), chambers.walls(scene, section, lines, centres.T)
+    for wall in walls:
+        kinds[wall] = regions.WALL
+    facet_tags = dolfinx.mesh.meshtags(mesh, dim - 1, facets, kinds)
     mesh.geometry.x[:, 1:] *= scene.geometry.size_at(mesh.geometry.x[:, 0])[:, None]
     return FingerMesh(
         mesh,
@@ -69,13 +74,17 @@ def build_mesh(scene: Scene, comm: MPI.Comm) -> FingerMesh:
         section,
         smallest=scene.geometry.thinnest * float(section.edges.min()),
         has_boxes=section.has_rectangles and not scene.geometry.is_tapered,
+        walls=[facets[wall] for wall in walls],
     )
 
 
-def _swept(section: PlaneMesh, lines: np.ndarray, comm: MPI.Comm) -> dolfinx.mesh.Mesh:
-    """Hexahedra between the lines along x: cell q (lines - 1) + i of quadrilateral q. Every rank gives its part."""
+def _swept(section: PlaneMesh, lines: np.ndarray, solid: np.ndarray, comm: MPI.Comm) -> dolfinx.mesh.Mesh:
+    """Hexahedra between the lines along x: those of the cells q (lines - 1) + i of quadrilateral q that are solid.
+
+    Every rank gives its part.
+    """
     slabs = len(lines) - 1
-    own = np.array_split(np.arange(slabs * len(section.quads)), comm.size)[comm.rank]
+    own = np.array_split(solid, comm.size)[comm.rank]
     quad, slab = np.divmod(own, slabs)
     corners = section.quads[quad] * len(lines) + slab[:, None]
     cells = np.stack([corners, corners + 1], axis=2).reshape(-1, 8)  # x runs fastest

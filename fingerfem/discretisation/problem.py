@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
 from fingerfem.discretisation import regions
+from fingerfem.discretisation.actuators import Actuators
 from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.contact import contact_points
 from fingerfem.discretisation.contact.contact_points import ContactPoints
@@ -42,13 +43,12 @@ class Problem(Assembly):
         self.space = fem.functionspace(self.mesh.mesh, ("Lagrange", scene.mesh.order, (3,)))
         self.supports, self._clamped, held = self._boundary_conditions()
         super().__init__(self.space, 2 if scene.is_half else 1, held)
-        by_cell = fem.functionspace(self.mesh.mesh, ("DG", 0))
+        self.actuators = Actuators(scene, self.mesh)
         self.fields = Fields(
+            **self.actuators.fields,
             u=fem.Function(self.space, name="displacement"),
             previous=fem.Function(self.space),
             change=fem.Function(self.space),
-            tension_density=fem.Function(by_cell),
-            probe_density=fem.Function(by_cell),
             distance=fem.Constant(self.mesh.mesh, FAR),
             stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
             size=section_sizes(self.mesh, scene.geometry),
@@ -65,15 +65,15 @@ class Problem(Assembly):
             self.contact = ObstacleContact(self, contacts, self.fields)
         self._volume_tangent = VolumeTangent(self.forms.moduli, self.mesh, self.space)
         self._tangent = self.tangent_with(self.supports)
-        self.tensions = np.zeros(len(scene.tendons))
+        self.tensions = np.zeros(len(scene.actuators))  # then pressures of chambers [Pa]
         self.distance: float | None = None  # None: the plane is away
         self.weight = 1.0  # share of the weight that acts [-]
         self._weight = None if scene.gravity is None else weight_forces(self, self.mesh, scene.gravity, degree)
         self.plates = PlateLoads(scene, self.mesh, self.space) if scene.load is not None else None
         self.wrenches = np.zeros((len(scene.geometry.segments), 6))
         self._tip_volume = self.mesh.section.area * scene.geometry.plate * float(scene.geometry.sizes[-1]) ** 3
-        self._tendon_cells = [self.mesh.pulled(scene, k) for k in range(len(scene.tendons))]
         self.rest_lengths = np.array([self.tendon_length(k) for k in range(len(scene.tendons))])  # [m]
+        self.rest_volumes = self.chamber_volumes()  # [m^3]
 
     def _contact_stiffness(self) -> float:
         obstacle = self.scene.obstacle
@@ -119,20 +119,15 @@ class Problem(Assembly):
     def set_loads(
         self, tensions: ArrayLike, distance: float | None, wrenches: ArrayLike | None = None, weight: float = 1.0
     ) -> None:
-        """Set tensions [N], shape (tendons,), the obstacle's distance [m] (None: it is away), wrenches and weight.
+        """Set tensions, the obstacle's distance [m] (None: it is away), wrenches and weight.
 
-        A wrench is about a plate's centre, in its frame, shape (plates, 6) [N, N m]; weight a share of the scene's [-].
+        Tensions are of tendons [N], then pressures of chambers [Pa], shape (actuators,). A wrench is about a plate's
+        centre, in its frame, shape (plates, 6) [N, N m]; weight a share of the scene's [-].
         """
         self.tensions, self.distance, self.weight = np.array(tensions, float), distance, weight
         self.wrenches[:] = 0.0 if wrenches is None else wrenches
-        self._spread(self.tensions, self.fields.tension_density)
+        self.actuators.load(self.tensions)
         self.fields.distance.value = FAR if distance is None else distance
-
-    def _spread(self, tensions: np.ndarray, density: fem.Function) -> None:
-        """Spread tensions [N], shape (tendons,), over the cells that carry them."""
-        density.x.array[:] = 0.0
-        for tension, (cells, size) in zip(tensions, self._tendon_cells, strict=True):
-            density.x.array[cells] += tension / size
 
     @property
     def unknowns(self) -> int:
@@ -190,11 +185,12 @@ class Problem(Assembly):
 
     def energy(self) -> float:
         """Total potential [J]."""
-        self._spread(self.tensions, self.fields.probe_density)
+        self.actuators.probe(self.tensions)
         forms = [self.forms.strain_energy, self.forms.tendon_energy]
         fallen = 0.0 if self._weight is None else self._weight @ self.displacement[: len(self._weight)]
         touched = 0.0 if self.contact is None else self.contact.energy()
-        return sum(map(self.scalar, forms)) + touched - self.weight * self.summed(fallen)
+        at_rest = float(self.tensions[len(self.rest_lengths) :] @ self.rest_volumes)
+        return sum(map(self.scalar, forms)) + at_rest + touched - self.weight * self.summed(fallen)
 
     def tip(self) -> np.ndarray:
         """Displacement of the tip plate's centre, its mean over the plate [m], shape (3,)."""
@@ -209,8 +205,13 @@ class Problem(Assembly):
 
     def tendon_length(self, k: int) -> float:
         """Length of tendon k between its ends [m]: the tendon energy at unit tension."""
-        self._spread(np.eye(len(self.tensions))[k], self.fields.probe_density)
+        self.actuators.probe(np.eye(len(self.tensions))[k])
         return self.scalar(self.forms.tendon_energy)
+
+    def chamber_volumes(self) -> np.ndarray:
+        """Of the chambers, shape (chambers,) [m^3]: of each minus the energy at unit pressure."""
+        tendons = len(self.scene.tendons)
+        return np.array([-self.tendon_length(tendons + k) for k in range(len(self.scene.chambers))])
 
     def unsymmetric(self) -> LowRank | None:
         """What following loads and friction take from the tangent; None without any (collective)."""
@@ -235,11 +236,11 @@ class Problem(Assembly):
     ) -> PETSc.Vec:
         """Change of the residual with the loads, dR/dF . tensions + dR/dd distance + dR/dw . wrenches [N].
 
-        The caller destroys the vector. For a unit tension it is the gradient of that tendon's length [-], for a unit
-        distance minus that of the contact force [N/m], for a wrench minus its nodal forces [N]. Friction adds what
-        changes where the obstacle moves by `carried`, shape (3,) [m].
+        The caller destroys the vector. For a unit tension it is the gradient of a tendon's length [-], for a unit
+        pressure minus that of a volume [m^2], for a unit distance minus that of the contact force [N/m], for a wrench
+        minus its forces [N]. Friction adds what changes where the obstacle moves by `carried`, shape (3,) [m].
         """
-        self._spread(np.asarray(tensions, float), self.fields.probe_density)
+        self.actuators.probe(tensions)
         dragged = None
         if self.contact is not None and self.contact.friction is not None and carried is not None:
             dragged = self.contact.friction.load_gradient(carried)

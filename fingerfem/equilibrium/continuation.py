@@ -25,7 +25,8 @@ class StepOptions:
     """How far one step goes.
 
     Attributes:
-        turn: largest rotation of a slender finger's tip in one step, by tensions (F e L / EI) and wrenches [rad].
+        turn: largest rotation of a slender finger's tip in one step, by tensions (F e L / EI), pressures (p A e L / EI)
+            and wrenches [rad].
         first_turn: the same for the first step [rad].
         approach: most the plane may move in a step, over the finger's length [-].
         touch: how far the plane moves past the first node it meets, over the finger's side [-].
@@ -40,7 +41,7 @@ class StepOptions:
 
 
 class Loads(NamedTuple):
-    """What acts on the finger: tensions [N], d [m], wrenches [N, N m], and the share of its weight [-]."""
+    """What acts on the finger: tensions [N] then pressures [Pa], d [m], wrenches [N, N m], share of weight [-]."""
 
     tensions: np.ndarray
     distance: float | None
@@ -53,8 +54,8 @@ class Step:
     """A step that began at an equilibrium.
 
     Attributes:
-        load: change of the tensions [N], of the wrenches [N, N m], of the weight's share [-] and of d [m], shape
-            (tensions + 6 plates + 2,).
+        load: change of the tensions [N] and pressures [Pa], of the wrenches [N, N m], of the weight's share [-] and of
+            d [m], shape (actuators + 6 plates + 2,).
         start: owned displacements where it began [m].
         slope: change of displacement that the tangent expects of the step [m].
     """
@@ -100,6 +101,7 @@ class Continuation:
         )  # [rad/N]
         # A tendon on the axis does not bend the finger but shortens it: the axial strain counts as a rotation.
         self._turn += 1 / problem.force_scale
+        self._turn = np.concatenate([self._turn, self._turn_by_pressure(float(bending))])
         length = geometry.length
         self._turn_by_weight = 0.0  # [rad]
         if scene.gravity is not None:
@@ -108,9 +110,21 @@ class Continuation:
         self._turn_by_wrench = np.repeat([length**2 / 2, length], 3) / bending  # [rad/N, rad/(N m)]
         self.rest()
 
+    def _turn_by_pressure(self, bending: float) -> np.ndarray:
+        """Of the finger by every chamber's pressure on its end, beside the axial strain, shape (chambers,) [rad/Pa]."""
+        problem, section = self.problem, self.problem.mesh.section
+        found = []
+        for chamber, cavity in zip(problem.scene.chambers, problem.scene.outline.cavities, strict=True):
+            area, offset = section.column_area(cavity.tag), section.column_centroid(cavity.tag)
+            if problem.scene.is_half:
+                offset[1] = 0.0
+            lever = float(np.linalg.norm(offset)) * (chamber.x[1] - chamber.x[0])
+            found.append(area * (lever / bending + 1 / problem.force_scale))
+        return np.array(found)
+
     def rest(self) -> None:
         """Back to the undeformed finger without loads, its weight among them, which the next `advance` adds."""
-        self.start(np.zeros(len(self.problem.scene.tendons)), None, np.zeros_like(self.problem.displacement))
+        self.start(np.zeros(len(self.problem.scene.actuators)), None, np.zeros_like(self.problem.displacement))
         self.weight = 1.0 if self.problem.scene.gravity is None else 0.0
         self._set_loads()
 
@@ -135,12 +149,12 @@ class Continuation:
         self.problem.set_loads(self.tensions, self.distance, self.wrenches, self.weight)
 
     def advance(self, tensions: ArrayLike, distance: float | None, wrenches: ArrayLike | None = None) -> None:
-        """Go in a straight line from the present load to tensions [N], shape (tendons,), and distance [m].
+        """Go in a straight line from the present load to tensions, and distance [m].
 
         An obstacle that was absent is first placed where it just touches the finger.
 
         Args:
-            tensions: shape (tendons,) [N].
+            tensions: of tendons [N], then pressures of chambers [Pa], shape (actuators,).
             distance: of the obstacle [m]; None without an obstacle.
             wrenches: on the plates in their own frames, shape (plates, 6) [N, N m]; None takes them away.
 

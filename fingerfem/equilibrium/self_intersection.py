@@ -20,7 +20,7 @@ class Surface:
         self._comm, self._half, self._side = problem.comm, problem.scene.is_half, problem.scene.geometry.side
         mesh = problem.mesh.mesh
         dim = mesh.topology.dim
-        facets = np.sort(np.concatenate([problem.mesh.facets.find(kind) for kind in regions.SURFACE]))
+        facets = np.sort(np.concatenate([problem.mesh.facets.find(kind) for kind in (*regions.SURFACE, regions.WALL)]))
         mesh.topology.create_connectivity(dim - 1, dim)
         mesh.topology.create_connectivity(dim, dim - 1)
         corners = dmesh.entities_to_geometry(mesh, dim - 1, facets).reshape(-1, 4)

@@ -1,7 +1,8 @@
 """Derivatives of what a state reports by every tension, and by d or the wrenches on the plates.
 
 du/dp = -K^-1 dR/dp, one back-substitution each on the tangent factorised at the state. dR/dF_k is the gradient of
-tendon k's length and dR/dd minus that of the contact force, so the same vectors also differentiate those two.
+tendon k's length, dR/dp_k minus that of chamber k's volume and dR/dd minus that of the contact force, so the same
+vectors also differentiate those.
 """
 
 from __future__ import annotations
@@ -22,13 +23,14 @@ from fingerfem.equilibrium.linearisation import Linearisation
 class Sensitivities:
     """Derivatives at one state by p parameters.
 
-    These are the tensions [1/N], then d [1/m] where there is a plane, or every component of the wrenches [1/N, 1/(N m)]
-    where there is a load.
+    These are the tensions [1/N] and pressures [1/Pa], then d [1/m] where there is a plane, or every component of the
+    wrenches [1/N, 1/(N m)] where there is a load.
 
     Attributes:
         displacement: of this rank's owned nodes, shape (p, 3 nodes) [m].
         tip: shape (p, 3) [m].
         channel_shortening: shape (p, tendons) [m].
+        chamber_volumes: shape (p, chambers) [m^3].
         touch_distance: of a free state as the parameters grow, shape (p,) [m]; None in contact or if it never touches.
         contact_force: shape (p,) [N]; None without a plane.
         pad_pressure: shape (p,) [Pa]; None without a plane, or if the scene does not store it.
@@ -39,6 +41,7 @@ class Sensitivities:
     displacement: np.ndarray
     tip: np.ndarray
     channel_shortening: np.ndarray
+    chamber_volumes: np.ndarray
     touch_distance: np.ndarray | None
     contact_force: np.ndarray | None
     pad_pressure: np.ndarray | None
@@ -48,13 +51,13 @@ class Sensitivities:
 def differentiate(problem: Problem, linearisation: Linearisation) -> Sensitivities:
     """Differentiate at the equilibrium that a problem is in, by the tangent there (collective)."""
     scene, forms = problem.scene, problem.forms
-    count, plane, plates = len(scene.tendons), problem.distance is not None, problem.plates
+    count, plane, plates = len(scene.actuators), problem.distance is not None, problem.plates
     loads: list[tuple] = [(unit,) for unit in np.eye(count)] + ([(np.zeros(count), 1.0)] if plane else [])
     if plates is not None:
         units = np.eye(problem.wrenches.size).reshape(-1, *problem.wrenches.shape)
         loads += [(np.zeros(count), 0.0, unit) for unit in units]
     changes = np.array([-linearisation.solve(problem.load_gradient(*load)) for load in loads])
-    lengths = [_owned(problem.load_gradient(unit)) for unit in np.eye(count)]
+    conjugates = [_owned(problem.load_gradient(unit)) for unit in np.eye(count)]
     tips = [_owned(problem.tip_gradient(i)) for i in range(3)]
     contact_force = touch_distance = pad_pressure = None
     if plane and problem.contact is not None:
@@ -69,10 +72,12 @@ def differentiate(problem: Problem, linearisation: Linearisation) -> Sensitiviti
             pad_pressure /= problem.scalar(pad.pad_area)
     elif scene.obstacle is not None and np.isfinite(problem.reach()):
         touch_distance = np.array([_reach_change(problem, change) for change in changes])
+    tendons, reduced = len(scene.tendons), -_along(problem, conjugates, changes)  # lengths and -V, which fall
     return Sensitivities(
         displacement=changes,
         tip=_along(problem, tips, changes),
-        channel_shortening=-_along(problem, lengths, changes),
+        channel_shortening=reduced[:, :tendons],
+        chamber_volumes=reduced[:, tendons:],
         touch_distance=touch_distance,
         contact_force=contact_force,
         pad_pressure=pad_pressure,

@@ -20,7 +20,7 @@ class State:
     """An equilibrium of the full-order model; there is none that has not converged.
 
     Attributes:
-        parameters: tensions [N], and d [m] or what presses on the plates [N, N m], by name.
+        parameters: tensions [N], pressures [Pa], and d [m] or what presses on the plates [N, N m], by name.
         displacement: nodal displacements of this rank, ghosts included, shape (3 nodes,) [m].
         tip: displacement of the tip plate's centre, shape (3,) [m].
         touch_distance: d at which the finger touches the obstacle in free space at these tensions [m]; None if never.
@@ -31,19 +31,22 @@ class State:
         penetration: how far the surface's nodes are inside the obstacle at most [m].
         complementarity: integral of contact pressure times |gap| over contact force times side [-]; exactly zero would
             be pressure only where the gap is closed. (Pressure is never negative.)
-        clamp_reaction: force of the clamp on the finger, shape (3,) [N].
+        clamp_reaction: force of the clamp on the finger, shape (3,) [N]; where a chamber ends at the clamp, without
+            the gas that presses on that.
         channel_shortening: by tendon, how much shorter it has become between its ends [m].
+        chamber_volumes: by chamber [m^3]; None in a scene without chambers.
         wrenches: on the plates, in their own frames, shape (plates, 6) [N, N m]; None in a scene without a load.
         plate_centres, plate_rotations: of the plates from clamp to tip, shapes (plates, 3) [m], (plates, 3, 3) [-].
         plate_motion: their derivatives by all parameters, see equilibrium.sensitivities.
-        energy: total potential [J], without that of wrenches, which have none.
+        energy: total potential [J], of a chamber -p (V - V0), without that of wrenches, which have none.
         smallest_volume_ratio: min J that the law sees [-]: of the mixed form at the points of its pressure.
         stretches: least and largest principal stretch of the rubber [-], if the law names those of its data.
         beyond_data: whether they exceed the data's, so that the law is a guess there; None without such a range.
         self_intersecting: whether the surface passes through itself, which the model does not prevent.
         stable: whether the potential has a minimum here, by the signs of the factorised tangent, against motions of the
             whole finger; None if sensitivities were not asked for.
-        sensitivities: of tip (m/N; m/m), contact_force (N/N; N/m) and channel_shortening (m/N; m/m), by parameter;
+        sensitivities: of tip (m/N; m/m), contact_force (N/N; N/m), channel_shortening (m/N; m/m) and, where there are
+            any, chamber_volumes (m^3/N; m^3/m), by parameter, pressures by Pa;
             None if not asked for, or where the tangent is singular and there are none.
         displacement_sensitivities: of the displacement by parameter, owned nodes, shape (3 nodes,) [m/N; m/m].
         newton_iterations, steps: what it took from rest.
@@ -62,6 +65,7 @@ class State:
     complementarity: float | None = None
     clamp_reaction: np.ndarray
     channel_shortening: dict[str, float]
+    chamber_volumes: dict[str, float] | None = None
     wrenches: np.ndarray | None = None
     plate_centres: np.ndarray | None = None
     plate_rotations: np.ndarray | None = None
@@ -125,11 +129,12 @@ def observe(
     residual, clamp_reaction = problem.residual()
     residual.destroy()
     names = [tendon.name for tendon in problem.scene.tendons]
-    parameters = dict(zip(names, problem.tensions.tolist(), strict=True))
+    actuators = problem.scene.actuators
+    parameters = dict(zip(actuators, problem.tensions.tolist(), strict=True))
     if problem.distance is not None:
         parameters["d"] = float(problem.distance)
     if problem.wrenches.any():
-        components = problem.scene.parameter_names[len(names) :]
+        components = problem.scene.parameter_names[len(actuators) :]
         parameters |= dict(zip(components, problem.wrenches.ravel().tolist(), strict=True))
     return State(
         parameters=parameters,
@@ -140,6 +145,7 @@ def observe(
         **_plates(problem),
         clamp_reaction=clamp_reaction,
         channel_shortening=dict(zip(names, channel_shortening(problem).tolist(), strict=True)),
+        chamber_volumes=dict(zip(actuators[len(names) :], problem.chamber_volumes().tolist(), strict=True)) or None,
         energy=problem.energy(),
         smallest_volume_ratio=problem.smallest_volume_ratio(),
         **stretches(problem),
@@ -216,11 +222,11 @@ def _sensitivities(continuation: Continuation) -> dict[str, Any]:
     tendons = [tendon.name for tendon in problem.scene.tendons]
     answer: dict[str, dict[str, Any]] = {
         "tip": dict(zip(names, found.tip, strict=True)),
-        "channel_shortening": {
-            name: dict(zip(tendons, row.tolist(), strict=True))
-            for name, row in zip(names, found.channel_shortening, strict=True)
-        },
+        "channel_shortening": _by_name(names, tendons, found.channel_shortening),
     }
+    if problem.scene.chambers:
+        chambers = [chamber.name for chamber in problem.scene.chambers]
+        answer["chamber_volumes"] = _by_name(names, chambers, found.chamber_volumes)
     if found.contact_force is not None:
         answer["contact_force"] = dict(zip(names, found.contact_force.tolist(), strict=True))
     return {
@@ -230,3 +236,8 @@ def _sensitivities(continuation: Continuation) -> dict[str, Any]:
         "sensitivities": answer,
         "displacement_sensitivities": dict(zip(names, found.displacement, strict=True)),
     }
+
+
+def _by_name(names: list[str], quantities: list[str], values: np.ndarray) -> dict[str, dict[str, float]]:
+    """Derivatives of quantities, shape (parameters, quantities), by the names of both."""
+    return {name: dict(zip(quantities, row.tolist(), strict=True)) for name, row in zip(names, values, strict=True)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import Any
 
 from rom.console.table import Table, components, number, quantities, row, shown
@@ -16,13 +16,19 @@ UNITS = {
     "energy": "J",
     "smallest_volume_ratio": "-",
 }
-CHANGES = {"tip": "m", "contact_force": "N", "channel_shortening": "m"}  # that have sensitivities
+CHANGES = {
+    "tip": "m",
+    "contact_force": "N",
+    "channel_shortening": "m",
+    "chamber_volumes": "m^3",
+}  # that have sensitivities
 
 
 def tables(found: Mapping[str, Any]) -> list[Table | str]:
     """Of a state in plain data, see State.as_json."""
     names = [name for name in found["parameters"] if name != "d"]
-    loads = [row(name, value, unit_of(name)) for name, value in found["parameters"].items()]
+    chambers = found.get("chamber_volumes", {})
+    loads = [row(name, value, unit_of(name, chambers)) for name, value in found["parameters"].items()]
     answer = components("tip", found["tip"], "m")
     answer += [row(name.replace("_", " "), found[name], unit) for name, unit in UNITS.items() if name in found]
     answer += [
@@ -31,6 +37,7 @@ def tables(found: Mapping[str, Any]) -> list[Table | str]:
     ]
     answer += components("clamp reaction", found["clamp_reaction"], "N")
     answer += [row(f"{name} shortened by", value, "m") for name, value in found["channel_shortening"].items()]
+    answer += [row(f"volume of {name}", value, "m^3") for name, value in chambers.items()]
     parts: list[Table | str] = [quantities(loads, "loads"), quantities(answer, "equilibrium")]
     if found.get("sensitivities"):
         parts.append(sensitivities(found["sensitivities"], [*names, *(["d"] if "d" in found["parameters"] else [])]))
@@ -45,12 +52,14 @@ def tables(found: Mapping[str, Any]) -> list[Table | str]:
 def sensitivities(found: Mapping[str, Any], parameters: list[str]) -> Table:
     """Derivatives of every quantity by the parameters that have any."""
     known = [name for name in parameters if name in found["tip"]]
+    chambers: Mapping[str, float] = next(iter(found.get("chamber_volumes", {}).values()), {})
+    units = {name: shown(unit_of(name, chambers)) for name in known}
     rows = []
     for quantity, unit in CHANGES.items():
         for own, values in _scalars(quantity, found.get(quantity, {})).items():
-            changes = (number(values[name] / shown(unit_of(name))[0], unit, 3) for name in known)
+            changes = (number(values[name] / units[name][0], unit, 3) for name in known)
             rows.append([own, shown(unit)[1], *changes])
-    header = ["derivative of", "unit", *(f"by {name} [{shown(unit_of(name))[1]}]" for name in known)]
+    header = ["derivative of", "unit", *(f"by {name} [{units[name][1]}]" for name in known)]
     return Table(title="sensitivities", header=header, rows=rows)
 
 
@@ -62,13 +71,15 @@ def _scalars(quantity: str, by_parameter: Mapping[str, Any]) -> dict[str, dict[s
         if isinstance(value, list):
             named = dict(zip("xyz", value, strict=True))
         for name, one in named.items():
-            title = (
-                f"{name} shortened by" if isinstance(value, Mapping) else f"{quantity.replace('_', ' ')} {name}".strip()
-            )
+            title = f"{quantity.replace('_', ' ')} {name}".strip()
+            if isinstance(value, Mapping):
+                title = f"volume of {name}" if quantity == "chamber_volumes" else f"{name} shortened by"
             found.setdefault(title, {})[parameter] = float(one)
     return found
 
 
-def unit_of(name: str) -> str:
-    """Of a parameter: d, a component of a moment, or a tension or force."""
+def unit_of(name: str, chambers: Container[str] = ()) -> str:
+    """Of a parameter: the pressure of a chamber, d, a component of a moment, or a tension or force."""
+    if name in chambers:
+        return "Pa"
     return "m" if name == "d" else "N m" if name[:1] == "m" else "N"

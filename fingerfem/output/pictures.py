@@ -107,8 +107,8 @@ class Deformed:
 
 def _title(scene: Scene, values: dict[str, float]) -> str:
     """Tensions, d in mm, and what presses on plates where it does."""
-    tendons, units = len(scene.tendons), {parameter["name"]: parameter["unit"] for parameter in scene.parameters}
-    shown = [name for k, name in enumerate(values) if k < tendons or name == "d" or values[name]]
+    count, units = len(scene.actuators), {parameter["name"]: parameter["unit"] for parameter in scene.parameters}
+    shown = [name for k, name in enumerate(values) if k < count or name == "d" or values[name]]
     return ", ".join(
         f"d = {1e3 * values[name]:.3g} mm" if name == "d" else f"{name} = {values[name]:.3g} {units[name]}"
         for name in shown

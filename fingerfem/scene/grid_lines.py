@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 
-from fingerfem.scene.sections import PlaneMesh
+from fingerfem.scene.outline import GridOutline
+from fingerfem.scene.sections import PlaneMesh, check_cavities
 from fingerfem.scene.subdivision import EQUAL, merged, subdivide
-from fingerfem.scene.tables import Geometry, GridOutline, Mesh
+from fingerfem.scene.tables import Geometry, Mesh
 
 FINE = 1000  # points between which sections of a tapered segment have one side
 MORE = 40  # cells across that are tried where fewer do not fit
@@ -53,9 +54,9 @@ def section_mesh(outline: GridOutline, across: int, half: bool = False) -> Plane
     Raises:
         ValueError: the cells across cannot hold the channels or the pad, or a file is not of this finger.
     """
-    section = outline.geometry.shape
+    section, wanted = outline.geometry.shape, outline.wanted(across, half)
     try:
-        return section.mesh(outline.wanted(across, half))
+        return check_cavities(section.mesh(wanted), wanted.cavities)
     except ValueError as error:
         raise ValueError(f"{section.meshed_by} {error}") from None
 
@@ -92,10 +93,10 @@ def fitting(outline: GridOutline, across: int) -> int:
 def _along(outline: GridOutline) -> list[list[float]]:
     """Per segment, what must lie on grid lines along x [m]."""
     ends = outline.plates
-    pad = outline.pad
+    edges = [*(outline.pad.x if outline.pad else []), *(edge for chamber in outline.chambers for edge in chamber.x)]
     segments = []
     for start, (inner, outer) in zip([0.0, *[outer for _, outer in ends[:-1]]], ends, strict=True):
-        inside = [edge for edge in (pad.x if pad else []) if start < edge < outer]
+        inside = [edge for edge in edges if start < edge < outer]
         segments.append(merged([start, inner, outer], inside, EQUAL * outline.geometry.side))
     return segments
 

@@ -23,9 +23,9 @@ def read_loads(scene: Scene, settings: list[str]) -> dict[str, Any]:
             values[name] = float(text)
         except ValueError:
             raise ValueError(f"{name} must be a number, got {text!r}") from None
-    tendons = len(scene.tendons)
-    pulled = [values.get(name, 0.0) for name in names[:tendons]]
+    count = len(scene.actuators)
+    pulled = [values.get(name, 0.0) for name in names[:count]]
     if scene.load is None:
         return {"tensions": pulled, "distance": values.get("d")}
-    pressed = [values.get(name, 0.0) for name in names[tendons:]]
+    pressed = [values.get(name, 0.0) for name in names[count:]]
     return {"tensions": pulled, "wrenches": [pressed[k : k + 6] for k in range(0, len(pressed), 6)]}

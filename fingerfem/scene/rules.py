@@ -1,9 +1,12 @@
-"""Rules between a scene's tables: of its section and its obstacle. They raise ValueError: name, rule, value."""
+"""Rules between a scene's tables: of section, chambers and obstacle. They raise ValueError: name, rule, value."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from fingerfem.scene.chamber import Chamber
 from fingerfem.scene.obstacle import Obstacle
 
 if TYPE_CHECKING:
@@ -39,6 +42,79 @@ def check_section(scene: Scene) -> None:
             f"obstacle.pad must be left out of a scene with a {section.shape} section: a pad lies on the flat face "
             f"of a square or a rectangle, got {scene.obstacle.pad.name}"
         )
+
+
+def check_chambers(scene: Scene) -> None:
+    """Chambers lie in a segment's rubber, apart from channels and from each other."""
+    if not scene.chambers:
+        return
+    for name in ("load", "coarse"):
+        if getattr(scene, name) is not None:
+            raise ValueError(
+                f"{name} must be left out of a scene with chambers: rod elements and snapshots have none; solve it "
+                f"without, or in front of an obstacle, got {len(scene.chambers)} chambers"
+            )
+    region, least = scene.geometry.shape.chamber_region, scene.geometry.side / 100
+    for k, chamber in enumerate(scene.chambers):
+        if scene.parameter_names.count(chamber.name) > 1 or chamber.name == "d":
+            raise ValueError(f"chambers.{k}.name must be unique and no other parameter's, got {chamber.name}")
+        ordered(f"chambers.{k}.pressure", chamber.pressure)
+        ordered(f"chambers.{k}.x", chamber.x)
+        if chamber.region != region:
+            rule = f"be {region!r}" if region else "not be given; take a ring, rectangle, square or file"
+            raise ValueError(
+                f"chambers.{k}.region must {rule} with a {scene.geometry.shape.shape} section, got {chamber.region!r}"
+            )
+        _check_span(scene, k, chamber, least)
+        _check_block(scene, k, chamber, least)
+
+
+def _check_span(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
+    """A chamber lies between the ends of one segment's rubber, apart from others of the same region."""
+    begins = [0.0, *(end for _, end in scene.outline.plates)]
+    spans = list(zip(begins, (begin for begin, _ in scene.outline.plates), strict=False))
+    near = scene.outline.tolerance
+    if not any(a - near <= chamber.x[0] and chamber.x[1] <= b + near for a, b in spans):
+        where = " or ".join(f"[{a:g}, {b:g}]" for a, b in spans)
+        raise ValueError(f"chambers.{k}.x must lie in the rubber of one segment, {where} m, got {chamber.x}")
+    tags = [cavity.tag for cavity in scene.outline.cavities]
+    apart = [
+        max(other.x[0] - chamber.x[1], chamber.x[0] - other.x[1])
+        for other, tag in zip(scene.chambers[:k], tags, strict=False)
+        if tag == tags[k]
+    ]
+    for value in (chamber.x[1] - chamber.x[0], *apart):
+        if value < least * (1 - 1e-9):
+            raise ValueError(
+                f"chambers.{k}.x must be at least a hundredth of the side ({least:g} m) long, and as far from another "
+                f"chamber of the same region, got {value:g}"
+            )
+
+
+def _check_block(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
+    """A rectangle lies within the section, apart from channels and from other rectangles."""
+    if chamber.centre is None or chamber.size is None:
+        return
+    centre, half = np.array(chamber.centre), np.array(chamber.size) / 2
+    wall = float((np.array(scene.geometry.shape.extents) / 2 - np.abs(centre) - half).min())
+    if wall < least * (1 - 1e-9):
+        raise ValueError(
+            f"chambers.{k}.size must leave a wall of at least a hundredth of the side, {least:g} m, got {wall:g}"
+        )
+    width = np.full(2, scene.geometry.channel_width)
+    blocks = [(one.name, np.array(one.offset), width / 2, 0.0) for one in scene.tendons]
+    blocks += [
+        (one.name, np.array(one.centre), np.array(one.size) / 2, least)
+        for one in scene.chambers[:k]
+        if (one.centre, one.size) != (chamber.centre, chamber.size)
+    ]
+    for name, other, its_half, gap in blocks:
+        away = float((np.abs(centre - other) - half - its_half).max())
+        if away < gap - scene.outline.tolerance:
+            raise ValueError(
+                f"chambers.{k}.centre must be such that no channel, straight tendon or other chamber meets it "
+                f"(at least {gap:g} m away), got {away:g} m from {name}"
+            )
 
 
 def check_obstacle(scene: Scene, obstacle: Obstacle) -> None:

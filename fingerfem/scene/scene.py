@@ -16,18 +16,19 @@ from pydantic import (
     model_validator,
 )
 
+from fingerfem.scene.chamber import Chamber
 from fingerfem.scene.grid_lines import fitting, lines_along, section_mesh
 from fingerfem.scene.laws import REGISTERED, Law
 from fingerfem.scene.obstacle import Obstacle
+from fingerfem.scene.outline import GridOutline
 from fingerfem.scene.presets import KEYS, chosen
-from fingerfem.scene.rules import check_obstacle, check_section, ordered
+from fingerfem.scene.rules import check_chambers, check_obstacle, check_section, ordered
 from fingerfem.scene.sections import SHAPES, FromFile, Section
 from fingerfem.scene.tables import (
     Coarse,
     Expected,
     Geometry,
     Gravity,
-    GridOutline,
     Load,
     Mesh,
     Sampling,
@@ -58,6 +59,7 @@ class Scene(SceneTable):
     geometry: Geometry
     material: SerializeAsAny[Law]
     tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
+    chambers: Annotated[list[Chamber], Field(max_length=8)] = []
     gravity: Gravity | None = None
     obstacle: Obstacle | None = None
     load: Load | None = None
@@ -116,6 +118,11 @@ class Scene(SceneTable):
                 f"{key} must be left out with [section]: meshes are measured on square fingers; give mesh.cells, "
                 f"got {table[key]!r}"
             )
+        if key and table.get("chambers"):
+            raise ValueError(
+                f"{key} must be left out with [[chambers]]: meshes are measured on fingers without; give mesh.cells, "
+                f"got {table[key]!r}"
+            )
         return chosen(table, lambda cells: cls._fitting(table, cells))
 
     @classmethod
@@ -144,8 +151,9 @@ class Scene(SceneTable):
                     f"got {tendon.segment}"
                 )
             ordered(f"tendons.{k}.tension", tendon.tension)
+        check_chambers(self)
         if self.mesh.symmetry and not self.outline.is_planar:
-            raise ValueError("mesh.symmetry must be false where a tendon is off the plane z = 0, got true")
+            raise ValueError("mesh.symmetry must be false where a tendon or chamber is off the plane z = 0, got true")
         if self.load is not None and (self.obstacle is not None or self.mesh.symmetry):
             where = "obstacle" if self.obstacle is not None else "mesh.symmetry"
             raise ValueError(f"{where} must be left out where load says what may press, got both")
@@ -178,7 +186,7 @@ class Scene(SceneTable):
     @property
     def outline(self) -> GridOutline:
         """What the mesh's grid lines have to meet."""
-        return GridOutline(self.geometry, self.tendons, self.obstacle.pad if self.obstacle else None)
+        return GridOutline(self.geometry, self.tendons, self.obstacle.pad if self.obstacle else None, self.chambers)
 
     @property
     def _is_mirrored(self) -> bool:
@@ -200,11 +208,20 @@ class Scene(SceneTable):
         return self.material
 
     @property
+    def actuators(self) -> list[str]:
+        """Names of the tendons, then of the chambers."""
+        return [tendon.name for tendon in self.tendons] + [chamber.name for chamber in self.chambers]
+
+    @property
     def parameters(self) -> list[dict[str, Any]]:
-        """Name, unit, lowest and highest value of every parameter: tensions, then d or the wrenches' components."""
+        """Name, unit, lowest and highest value of every parameter: tensions, pressures, then d or the wrenches."""
         listed = [
             {"name": tendon.name, "unit": "N", "lower": tendon.tension[0], "upper": tendon.tension[1]}
             for tendon in self.tendons
+        ]
+        listed += [
+            {"name": chamber.name, "unit": "Pa", "lower": chamber.pressure[0], "upper": chamber.pressure[1]}
+            for chamber in self.chambers
         ]
         if self.obstacle is not None:
             lower, upper = self.obstacle.distance
@@ -220,9 +237,11 @@ class Scene(SceneTable):
 
     @model_serializer(mode="wrap")
     def _without_what_is_not_named(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A scene without a load, weight, section or coarse mesh is as before; a square is that of geometry.side."""
+        """A scene without load, weight, section, chambers or coarse mesh is as before; a square is geometry.side's."""
         later = "load", "coarse", "gravity", "section"
         written = {key: value for key, value in serialise(self).items() if key not in later or value is not None}
+        if not self.chambers:
+            written.pop("chambers", None)
         if self.section is not None and self.section.is_square:
             written.pop("section", None)
         return written

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from fingerfem.scene.scene_table import Length, SceneTable
-from fingerfem.scene.sections import Column, FromFile, Section, Square, Wanted
+from fingerfem.scene.sections import FromFile, Section, Square
 from rom.dataset import geometry
-from rom.dataset.grid import SHARE
 
 Offset = Annotated[float, Field(ge=-1.0, le=1.0)]  # [m]
 Position = Annotated[float, Field(ge=0, le=8.0)]  # [m], on eight segments at most
@@ -248,44 +246,3 @@ class Expected(SceneTable):
         if self.core_seconds is None:
             return f"of rod elements on this mesh: {promise}"
         return f"{promise}, {self.states} states, {self.core_seconds / 60:.2g} core-minutes"
-
-
-class GridOutline(NamedTuple):
-    """What the mesh's grid lines have to meet, and what lies between them."""
-
-    geometry: Geometry
-    tendons: Sequence[Tendon]
-    pad: Pad | None
-
-    @property
-    def is_planar(self) -> bool:
-        """Whether all tendons lie in the plane z = 0, so that the finger's two halves are mirror images."""
-        return all(tendon.offset[1] == 0 for tendon in self.tendons)
-
-    @property
-    def tolerance(self) -> float:
-        """How near to each other two coordinates are the same [m]."""
-        return SHARE * self.geometry.side
-
-    @property
-    def plates(self) -> list[tuple[float, float]]:
-        """Where every segment's plate begins and ends along x [m]."""
-        return self.geometry.plates
-
-    @property
-    def columns(self) -> list[Column]:
-        """What the section's mesh has of every tendon."""
-        places = [tuple(tendon.offset) for tendon in self.tendons]
-        near = 1e-9 * self.geometry.channel_width
-        alike = [
-            next(j for j, one in enumerate(places) if np.abs(np.subtract(one, place)).max() <= near) for place in places
-        ]
-        return [
-            Column(name=tendon.name, path=tendon.path, offset=np.array(tendon.offset), tag=tag)
-            for tendon, tag in zip(self.tendons, alike, strict=True)
-        ]
-
-    def wanted(self, across: int, half: bool) -> Wanted:
-        """What the section's mesh has to meet, with cells across."""
-        pad = None if self.pad is None else self.pad.width
-        return Wanted(columns=self.columns, width=self.geometry.channel_width, across=across, pad=pad, half=half)

@@ -75,18 +75,10 @@ def describe(
         grows: whether lines are added, of a scene with a load, as the error of its elements needs them.
 
     Raises:
-        SceneError: the section is no square, no tendon bends the finger towards its plane, the obstacle is not the
-            plane y = side/2 + d, or lines are asked for without a load.
+        SceneError: the section is no square, there are chambers, no tendon bends the finger towards its plane, the
+            obstacle is not the plane y = side/2 + d, or lines are asked for without a load.
     """
-    if not scene.geometry.shape.is_square:
-        raise SceneError(
-            "section must be a square to train on it, as reduced models are read by geometry.side "
-            f"(fingerfem solve takes any), got {scene.geometry.shape.shape}"
-        )
-    if scene.obstacle is not None and not scene.obstacle.is_facing_plane:
-        bodies = scene.obstacle.bodies
-        got = f"another {bodies[0].shape}" if len(bodies) == 1 else f"{len(bodies)} bodies"
-        raise SceneError(f"obstacle must be the plane y = side/2 + d to train on it, got {got}")
+    _check_kind(scene)
     sampling, lead = scene.sampling, _lead(scene)
     if scene.load is None and held_out is None and sampling.lines is not None:
         raise SceneError(
@@ -115,6 +107,24 @@ def describe(
         begins_with=FIRST_LINES if grows else 0,
         versions=versions,
     )
+
+
+def _check_kind(scene: Scene) -> None:
+    """Raise SceneError for what no set of states can have."""
+    if not scene.geometry.shape.is_square:
+        raise SceneError(
+            "section must be a square to train on it, as reduced models are read by geometry.side "
+            f"(fingerfem solve takes any), got {scene.geometry.shape.shape}"
+        )
+    if scene.chambers:
+        raise SceneError(
+            "chambers must be left out of a scene for snapshots, which have tensions alone; the full-order model "
+            f"solves it (python3 -m fingerfem solve), got {len(scene.chambers)} chambers"
+        )
+    if scene.obstacle is not None and not scene.obstacle.is_facing_plane:
+        bodies = scene.obstacle.bodies
+        got = f"another {bodies[0].shape}" if len(bodies) == 1 else f"{len(bodies)} bodies"
+        raise SceneError(f"obstacle must be the plane y = side/2 + d to train on it, got {got}")
 
 
 def _scattered(box: np.ndarray, lines: int) -> list[list[float]]:

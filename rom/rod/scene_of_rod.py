@@ -66,6 +66,11 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
             "section must be left out of a rod's scene: elements have square sections, whose side is geometry.side; "
             f"the full-order model solves it (python3 -m fingerfem solve), got {scene['section']}"
         )
+    if scene.get("chambers"):
+        raise ModelError(
+            "chambers must be left out of a rod's scene: elements have no voids; "
+            f"the full-order model solves it (python3 -m fingerfem solve), got {scene['chambers']}"
+        )
     try:
         return {
             "name": str(scene.get("name", "finger")),

@@ -4,13 +4,14 @@ from fingerfem.scene.sections.circle import Circle, Ring
 from fingerfem.scene.sections.file import FromFile
 from fingerfem.scene.sections.plane_mesh import RUBBER, PlaneMesh
 from fingerfem.scene.sections.rectangle import Rectangle, Square
-from fingerfem.scene.sections.section import Column, Section, Wanted
+from fingerfem.scene.sections.section import Cavity, Column, Section, Wanted, check_cavities
 
 SHAPES: dict[str, type[Section]] = {"square": Square, "rectangle": Rectangle, "circle": Circle, "ring": Ring}
 
 __all__ = [
     "RUBBER",
     "SHAPES",
+    "Cavity",
     "Circle",
     "Column",
     "FromFile",
@@ -20,4 +21,5 @@ __all__ = [
     "Section",
     "Square",
     "Wanted",
+    "check_cavities",
 ]

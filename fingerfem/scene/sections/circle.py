@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import model_validator
@@ -79,8 +79,9 @@ class Circle(Round):
 
 
 class Ring(Round):
-    """A circle with a concentric bore, through all plates too."""
+    """A circle with a concentric bore, through all plates too, unless a chamber closes it."""
 
+    chamber_region: ClassVar[str | None] = "bore"
     shape: Literal["ring"]
     bore: Length  # its diameter
 

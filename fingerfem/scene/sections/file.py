@@ -12,7 +12,7 @@ from pydantic import ValidationInfo, model_validator
 
 from fingerfem.scene.sections.gmsh_file import FileMesh, read_gmsh
 from fingerfem.scene.sections.plane_mesh import RUBBER, PlaneMesh
-from fingerfem.scene.sections.section import Column, Section, Wanted
+from fingerfem.scene.sections.section import Cavity, Column, Section, Wanted
 
 GROUPS = {"channel": "channel", "straight": "hole"}  # of a tendon's path: the first word of its group's name
 
@@ -22,6 +22,7 @@ class FromFile(Section):
 
     shape: Literal["file"] = "file"
     meshed_by: ClassVar[str] = "section.file"
+    chamber_region: ClassVar[str | None] = "group"
     file: str  # seen from the scene's folder; absolute in what the program writes
     digest: str | None = None  # of the file's content; written by the program
 
@@ -90,7 +91,8 @@ class FromFile(Section):
 
     def mesh(self, wanted: Wanted) -> PlaneMesh:
         """The file's mesh, every edge divided into as many parts as cells are asked for."""
-        names = {f"{GROUPS[one.path]} {one.name}": one for one in reversed(wanted.columns)}
+        columns = {f"{GROUPS[one.path]} {one.name}": one for one in reversed(wanted.columns)}
+        names: dict[str, Column | Cavity] = columns | {f"chamber {one.name}": one for one in wanted.cavities}
         shared = {
             f"{GROUPS[one.path]} {one.name}" for one in wanted.columns if wanted.columns[one.tag].name != one.name
         }
@@ -108,7 +110,7 @@ class FromFile(Section):
             if name != "rubber":
                 tags[own] = names[name].tag
         whole = PlaneMesh(points=read.points, quads=read.quads, tags=tags)
-        for name, column in names.items():
+        for name, column in columns.items():
             if not whole.contains(column.offset, column.tag):
                 raise ValueError(
                     f"{where}: group {name!r} must contain its tendon's offset, got {column.offset.tolist()}"

@@ -56,13 +56,14 @@ def polar_mesh(wanted: Wanted, outer: float, inner: float) -> PlaneMesh:
         Sector(r := float(np.hypot(*one.offset)), math.atan2(*one.offset[::-1]), wanted.width / 2 / r, one.tag)
         for one in beside
     ]
-    angles = _angles(sectors, wanted, inner > 0, step / outer)
+    is_hollow = inner > 0 and not wanted.cavities
+    angles = _angles(sectors, wanted, is_hollow, step / outer)
     grown = math.sqrt(2 * math.pi / np.sin(np.diff(np.append(angles, angles[0] + 2 * math.pi))).sum())
     limits = [_limits(sector, angles, wanted.width) for sector in sectors]
     radii = _radii(limits, (grown * inner, grown * outer), AWAY * wanted.width, step)
     layers = radii[:, None, None] * np.column_stack([np.cos(angles), np.sin(angles)])
     core = Core(layers[0], np.zeros((0, 4), int), np.arange(len(angles)))
-    if inner == 0:
+    if not is_hollow:
         corner, bulge = (wanted.width / math.sqrt(2), 0.0) if central else (CORE * radii[0], BULGE)
         core = core_grid(angles, corner, bulge)
         count = max(1, round((radii[0] - ON_CORE * corner) / step))
@@ -71,8 +72,11 @@ def polar_mesh(wanted: Wanted, outer: float, inner: float) -> PlaneMesh:
         layers, radii = np.concatenate([between, layers]), np.concatenate([np.zeros(count), radii])
     points, quads = _swept(core, layers)
     tags = np.full(len(quads), RUBBER)
-    tags[: len(core.quads)] = central[0] if central else RUBBER
+    middle = [cavity.tag for cavity in wanted.cavities] or central
+    tags[: len(core.quads)] = middle[0] if middle else RUBBER
     around = tags[len(core.quads) :].reshape(len(radii) - 1, len(angles))
+    if wanted.cavities:
+        around[radii[:-1] == 0] = middle[0]
     for sector, limit in zip(sectors, limits, strict=True):
         middles = (radii[1:] + radii[:-1]) / 2
         across = (middles > limit.inner) & (middles < limit.outer) & (radii[:-1] > 0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -18,6 +18,8 @@ MORE = 40  # lines that are tried across the shorter side where fewer do not fit
 
 class Rectangular(Section):
     """What a square and a rectangle have in common; the axis is in the middle."""
+
+    chamber_region: ClassVar[str | None] = "rectangle"
 
     @property
     def area(self) -> float:
@@ -83,6 +85,8 @@ class Rectangular(Section):
         centres, tags = points[quads].mean(axis=1), np.full(len(quads), RUBBER)
         for column in wanted.columns:
             tags[(np.abs(centres - column.offset) < wanted.width / 2).all(axis=1)] = column.tag
+        for cavity in wanted.cavities:
+            tags[(np.abs(centres - cavity.centre) < cavity.size / 2).all(axis=1)] = cavity.tag
         return PlaneMesh(points=points, quads=quads, tags=tags, copies=2 if wanted.half else 1)
 
     def _edges(self, wanted: Wanted, *axes: int) -> list[float]:
@@ -90,9 +94,14 @@ class Rectangular(Section):
 
         The axis itself is one of them, 0, where a channel ends there.
         """
-        half = wanted.width / 2
-        offsets = [float(column.offset[axis]) for axis in axes for column in wanted.columns]
-        edges = [abs(offset + side) for offset in offsets for side in (-half, half)]
+        blocks = [(column.offset, np.full(2, wanted.width)) for column in wanted.columns]
+        blocks += [(cavity.centre, cavity.size) for cavity in wanted.cavities]
+        edges = [
+            abs(float(middle[axis] + side * size[axis] / 2))
+            for axis in axes
+            for middle, size in blocks
+            for side in (-1, 1)
+        ]
         if 1 in axes and wanted.pad is not None:
             edges.append(wanted.pad / 2)
         equal = EQUAL * self.extent

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from fingerfem.scene.scene_table import SceneTable
-from fingerfem.scene.sections.plane_mesh import PlaneMesh
+from fingerfem.scene.sections.plane_mesh import AROUND, PlaneMesh
 
 POOREST = 0.2  # least sine at a corner of a quadrilateral that is meshed [-]
 
@@ -32,6 +32,24 @@ class Column:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Cavity:
+    """What the section's mesh has of a chamber: its cells, which the finger lacks along the chamber.
+
+    Attributes:
+        name: the chamber's.
+        region: "rectangle", "bore" or "group".
+        centre, size: of a rectangle along (y, z), shape (2,) [m].
+        tag: below RUBBER; that of the first chamber that has the same cells.
+    """
+
+    name: str
+    region: str
+    centre: np.ndarray
+    size: np.ndarray
+    tag: int
+
+
+@dataclass(frozen=True, kw_only=True)
 class Wanted:
     """What a section's mesh has to meet.
 
@@ -41,6 +59,7 @@ class Wanted:
         across: cells across the largest extent; of a file, parts of every edge.
         pad: width of the pad [m], if it has one of its own.
         half: whether the half z >= 0 is meshed.
+        cavities: of the chambers.
     """
 
     columns: Sequence[Column]
@@ -48,11 +67,13 @@ class Wanted:
     across: int
     pad: float | None = None
     half: bool = False
+    cavities: Sequence[Cavity] = ()
 
     @property
     def is_planar(self) -> bool:
-        """Whether all tendons lie in the plane z = 0, so that the section's two halves are mirror images."""
-        return all(column.offset[1] == 0 for column in self.columns)
+        """Whether tendons and chambers are such that the section's two halves are mirror images."""
+        mirrored = all(cavity.centre[1] == 0 for cavity in self.cavities)
+        return mirrored and all(column.offset[1] == 0 for column in self.columns)
 
 
 class Section(SceneTable):
@@ -62,6 +83,7 @@ class Section(SceneTable):
     """
 
     meshed_by: ClassVar[str] = "mesh.cells[1]"  # the key that errors of its mesh name
+    chamber_region: ClassVar[str | None] = None  # the region that a chamber may have, if any
     shape: str
 
     @property
@@ -144,4 +166,29 @@ def check_quality(mesh: PlaneMesh) -> PlaneMesh:
             f"must give quadrilaterals with a sine of at least {POOREST} at every corner, as more cells may do, "
             f"got {quality.min():.3g} at y = {y:.3g}, z = {z:.3g} m"
         )
+    return mesh
+
+
+def check_cavities(mesh: PlaneMesh, cavities: Sequence[Cavity]) -> PlaneMesh:
+    """The same mesh.
+
+    Raises:
+        ValueError: a chamber has no cells, lies at the border, or touches another one.
+    """
+    if not cavities:
+        return mesh
+    outside = mesh.border[np.abs(mesh.points[mesh.border, 1]).max(axis=1) > 1e-9 * np.abs(mesh.points).max()]
+    points = {one.tag: np.unique(mesh.quads[mesh.tags == one.tag]) for one in cavities}
+    for one in cavities:
+        around, own = mesh.quads[:, AROUND], mesh.tags == one.tag
+        sides = np.sort(np.stack([around, np.roll(around, -1, axis=1)], axis=2)[own].reshape(-1, 2), axis=1)
+        open_sides = (np.sort(outside, axis=1)[:, None] == sides[None]).all(axis=2).any(axis=1)
+        if not own.any() or open_sides.any():
+            raise ValueError(
+                f"must have cells of chamber {one.name}, with rubber all around them, got {int(own.sum())} cells, "
+                f"{int(open_sides.sum())} of their edges at the border"
+            )
+        for other in cavities:
+            if other.tag != one.tag and np.intersect1d(points[one.tag], points[other.tag]).size:
+                raise ValueError(f"must have rubber between chambers, got {one.name} beside {other.name}")
     return mesh

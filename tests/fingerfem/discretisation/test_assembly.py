@@ -39,7 +39,7 @@ def owned(vector) -> np.ndarray:
 
 def test_a_gradient_is_the_vector_but_for_what_is_held(whole):
     form = whole.forms.tendon_force
-    whole._spread(np.array(TENSIONS), whole.fields.probe_density)
+    whole.actuators.probe(TENSIONS)
     vector, gradient = owned(whole.vector(form)), owned(whole.gradient(form))
     free = np.setdiff1d(np.arange(len(vector)), whole.held)
     assert np.array_equal(vector[free], gradient[free]) and gradient[free].any()
@@ -47,7 +47,7 @@ def test_a_gradient_is_the_vector_but_for_what_is_held(whole):
 
 
 def test_a_gradient_is_the_difference_of_its_energy(whole):
-    whole._spread(np.array(TENSIONS), whole.fields.probe_density)
+    whole.actuators.probe(TENSIONS)
     gradient = owned(whole.gradient(whole.forms.tendon_force))
     along = np.random.default_rng(0).standard_normal(len(gradient))
     along[whole.held] = 0.0

@@ -30,6 +30,7 @@ ELLIPSE = Path(__file__).with_name("sections") / "ellipse.msh"
 DIGEST = sha256(ELLIPSE.read_bytes()).hexdigest()[:16]
 PLANE = {"distance": [0.001, 0.031]}
 PAD = {"name": "fingertip", "x": [0.049, 0.05]}
+CHAMBER = {"name": "p1", "x": [0.002, 0.046], "pressure": [0.0, 2e4]}
 KINDS: dict[str, dict[str, Any]] = {
     "smallest": {},
     "mooney-rivlin": {"material": {"law": "mooney-rivlin", "C10": 1e6, "C01": 1e5, "D1": 2.43e-7}},
@@ -46,6 +47,12 @@ KINDS: dict[str, dict[str, Any]] = {
         "obstacle": PLANE | {"shape": "cylinder", "centre": [0.05, 0.02, 0.0], "radius": 0.01, "axis": [0.0, 0.0, 1.0]}
     },
     "box": {"obstacle": PLANE | {"shape": "box", "centre": [0.05, 0.02, 0.0], "sides": [0.01] * 3, "rounding": 0.001}},
+    "chambers": {"chambers": [CHAMBER | {"region": "rectangle", "centre": [-0.002, 0.0], "size": [0.002, 0.002]}]},
+    "bore": {
+        "section": {"shape": "ring", "diameter": 0.012, "bore": 0.003},
+        "geometry": NO_SIDE,
+        "chambers": [CHAMBER | {"region": "bore"}],
+    },
     "weight": {"gravity": {"density": 1070.0, "direction": [0.0, -1.0, 0.0]}},
     "load": {"load": {"force": 5.0}},
     "coarse": {"coarse": {"cells": [10, 5]}},

@@ -1,0 +1,76 @@
+"""What the mesh of a finger has to meet: plates, channels, chambers and a pad."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fingerfem.scene.chamber import Chamber
+from fingerfem.scene.sections import RUBBER, Cavity, Column, Wanted
+from fingerfem.scene.tables import Geometry, Pad, Tendon
+from rom.dataset.grid import SHARE
+
+
+class GridOutline(NamedTuple):
+    """What the mesh's grid lines have to meet, and what lies between them."""
+
+    geometry: Geometry
+    tendons: Sequence[Tendon]
+    pad: Pad | None
+    chambers: Sequence[Chamber] = ()
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether all tendons and chambers have mirror images in z = 0, so that the finger's two halves are alike."""
+        mirrored = all(chamber.is_mirrored for chamber in self.chambers)
+        return mirrored and all(tendon.offset[1] == 0 for tendon in self.tendons)
+
+    @property
+    def tolerance(self) -> float:
+        """How near to each other two coordinates are the same [m]."""
+        return SHARE * self.geometry.side
+
+    @property
+    def plates(self) -> list[tuple[float, float]]:
+        """Where every segment's plate begins and ends along x [m]."""
+        return self.geometry.plates
+
+    @property
+    def columns(self) -> list[Column]:
+        """What the section's mesh has of every tendon."""
+        places = [tuple(tendon.offset) for tendon in self.tendons]
+        near = 1e-9 * self.geometry.channel_width
+        alike = [
+            next(j for j, one in enumerate(places) if np.abs(np.subtract(one, place)).max() <= near) for place in places
+        ]
+        return [
+            Column(name=tendon.name, path=tendon.path, offset=np.array(tendon.offset), tag=tag)
+            for tendon, tag in zip(self.tendons, alike, strict=True)
+        ]
+
+    @property
+    def cavities(self) -> list[Cavity]:
+        """What the section's mesh has of every chamber; those of one region share their cells."""
+        where = [one.model_dump(include={"region", "centre", "size"}) for one in self.chambers]
+        own = [
+            one | {"name": chamber.name} if chamber.region == "group" else one
+            for one, chamber in zip(where, self.chambers, strict=True)
+        ]
+        return [
+            Cavity(
+                name=one.name,
+                region=one.region,
+                centre=np.array(one.centre or [0.0, 0.0]),
+                size=np.array(one.size or [0.0, 0.0]),
+                tag=RUBBER - 1 - own.index(key),
+            )
+            for one, key in zip(self.chambers, own, strict=True)
+        ]
+
+    def wanted(self, across: int, half: bool) -> Wanted:
+        """What the section's mesh has to meet, with cells across."""
+        pad = None if self.pad is None else self.pad.width
+        width, cavities = self.geometry.channel_width, self.cavities
+        return Wanted(columns=self.columns, width=width, across=across, pad=pad, half=half, cavities=cavities)
