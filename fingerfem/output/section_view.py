@@ -1,4 +1,4 @@
-"""The section of a finger at the clamp, drawn from its mesh: channels, tendons, pad and measures."""
+"""The section of a finger at the clamp, drawn from its mesh: channels, chambers, tendons, pad and measures."""
 
 from __future__ import annotations
 
@@ -16,10 +16,15 @@ from fingerfem.scene.tables import Tendon
 
 
 def draw_section(axes: Axes, scene: Scene, colours: Iterable[tuple[Tendon, str]]) -> None:
-    """The section with channels, tendons and the pad, seen from the clamp: z to the right."""
+    """The section with channels, chambers, tendons and the pad, seen from the clamp: z to the right."""
     mesh, shape = section_mesh(scene.outline, scene.mesh.cells[1]), scene.geometry.shape
     half, width = MM * float(np.abs(mesh.points).max()), MM * scene.geometry.channel_width
     _fill(axes, mesh, RUBBER, "0.4", 1.0)
+    for chamber, cavity in zip(scene.chambers, scene.outline.cavities, strict=True):
+        own = mesh.tags == cavity.tag
+        _fill(axes, PlaneMesh(points=mesh.points, quads=mesh.quads[own], tags=mesh.tags[own]), "white", "0.4", 1.0)
+        y, z = MM * mesh.column_centroid(cavity.tag)
+        axes.text(z, y, chamber.name, color="0.4", ha="center", va="center", fontsize=FONT)
     for line in (axes.axhline, axes.axvline):
         line(0, ls="-.", color="0.5", lw=0.8, zorder=1)
     for (tendon, colour), column in zip(colours, scene.outline.columns, strict=False):
