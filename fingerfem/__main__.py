@@ -41,7 +41,7 @@ def solve(
     scene_file: SceneFile,
     loads: Annotated[
         list[str] | None,
-        typer.Argument(help="F1=50 F2=0 [N], d=0.005 [m] (or no plane), fx=1 my=0.01 [N, N m]."),
+        typer.Argument(help="F1=50 F2=0 [N], p1=20e3 [Pa], d=0.005 [m] (or no plane), fx=1 my=0.01 [N, N m]."),
     ] = None,
     as_json: AsJson = False,
     picture: Annotated[Path | None, typer.Option(help="Also write a picture, coloured by S11.")] = None,
@@ -63,7 +63,10 @@ def solve(
     try:
         state = model.solve(**asked)
     except LoadNotReached as failure:
-        reached = {"tensions": failure.tensions.tolist(), "distance": failure.distance}
+        tendons = len(scene.tendons)
+        reached = {"tensions": failure.tensions[:tendons].tolist(), "distance": failure.distance}
+        if scene.chambers:
+            reached["pressures"] = failure.tensions[tendons:].tolist()
         answer = {"converged": False, "reason": str(failure), "last_good_load": reached}
         finish(answer, as_json, NOTHING_USABLE, comm.rank)
     if comm.rank == 0:

@@ -64,7 +64,7 @@ def friction_history(
 
     Args:
         model: a finger whose scene has one obstacle, with the penalty method.
-        points: tensions [N] and d [m], shape (n, t + 1).
+        points: tensions [N], pressures [Pa] of chambers, and d [m], shape (n, actuators + 1).
         coefficient: of friction [-].
         moved: of a plane besides, shape (n, 3) [m]; not at all if left out.
         increments: from point to point; one that finds no equilibrium is halved.
@@ -170,8 +170,9 @@ class _History:
             self._problem.displacement[:] = displacement
             self._points.start(history)
             if not halvings:
-                t = len(self._model.scene.actuators)
-                raise LoadNotReached(failure.reason, begun[:t], float(begun[t])) from None
+                scene = self._model.scene
+                t, chambers = len(scene.actuators), len(scene.chambers)
+                raise LoadNotReached(failure.reason, begun[:t], float(begun[t]), chambers) from None
             middle = (begun + goal) / 2
             self._reach(begun, middle, halvings - 1)
             self._reach(middle, goal, halvings - 1)

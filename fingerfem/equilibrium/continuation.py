@@ -197,7 +197,8 @@ class Continuation:
                     if comes and not fraction:
                         self.distance = None  # nothing was solved with the plane
                         self._set_loads()
-                    raise LoadNotReached(failure.reason, self.tensions.copy(), self.distance) from None
+                    chambers = len(self.problem.scene.chambers)
+                    raise LoadNotReached(failure.reason, self.tensions.copy(), self.distance, chambers) from None
                 size, failed = share / 2, True
                 continue
             if needed <= 6 and not failed:

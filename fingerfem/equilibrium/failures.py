@@ -14,11 +14,19 @@ class NotConverged(Exception):
 
 
 class LoadNotReached(Exception):
-    """Continuation stopped short; `tensions` [N] and `distance` [m] are the last load with an equilibrium."""
+    """Continuation stopped short of a load.
 
-    def __init__(self, reason: str, tensions: np.ndarray, distance: float | None):
-        where = f"tensions {np.round(tensions, 6).tolist()} N" + (
-            f", d {distance:.6g} m" if distance is not None else ""
-        )
+    Args:
+        reason: why.
+        tensions: of the last load with an equilibrium [N], then its pressures [Pa], shape (actuators,).
+        distance: of that load [m].
+        chambers: how many of the actuators are pressures.
+    """
+
+    def __init__(self, reason: str, tensions: np.ndarray, distance: float | None, chambers: int = 0):
+        tendons = len(tensions) - chambers
+        where = f"tensions {np.round(tensions[:tendons], 6).tolist()} N"
+        where += f", pressures {np.round(tensions[tendons:], 3).tolist()} Pa" if chambers else ""
+        where += f", d {distance:.6g} m" if distance is not None else ""
         super().__init__(f"no equilibrium beyond {where}: {reason}")
         self.reason, self.tensions, self.distance = reason, tensions, distance

@@ -41,7 +41,7 @@ def subdivide(breakpoints: ArrayLike, cells: int, symmetric: bool = False) -> np
     if count.sum() != cells:
         parity = ", and even to stay symmetric" if symmetric and n % 2 == 0 else ""
         raise ValueError(
-            f"must fit {n} intervals between channels and plates (at least {n} cells{parity}), got {cells}"
+            f"must fit {n} intervals between channels, chambers and plates (at least {n} cells{parity}), got {cells}"
         )
     starts = zip(points[:-1], points[1:], count, strict=True)
     return np.append(np.concatenate([np.linspace(a, b, k, endpoint=False) for a, b, k in starts]), points[-1])

@@ -5,13 +5,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+import ufl
 from dolfinx import fem
 from gmsh_files import write_mesh
 from mpi4py import MPI
+from scipy.optimize import brentq
 
 from fingerfem import FingerModel, load_scene
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.problem import Problem
+from fingerfem.equilibrium.failures import LoadNotReached
+from fingerfem.friction_history import friction_history
+from fingerfem.full_order_plant import FullOrderPlant
+from fingerfem.mechanics.kinematics import cofactor, deformation_gradient
 from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene
 
@@ -139,6 +145,54 @@ def test_the_tangent_is_symmetric_and_the_residual_s_derivative(changes):
     assert np.abs(found - without)[rubber].max() > 0.1 * np.abs(expected[rubber]).max()
 
 
+@pytest.mark.parametrize("x", [[0.004, 0.054], [0.0, 0.058]], ids=["in the rubber", "from clamp to plate"])
+def test_the_potential_s_forces_are_those_of_pressure_on_the_wall(x):
+    """The integral of p cof(F) N . v, also where the clamp, a plate or the cut closes the chamber."""
+    problem = Problem(Scene.model_validate(SQUARE | {"chambers": [LOW | {"x": x}]}), MPI.COMM_SELF)
+    moved = 1e-4 * np.random.default_rng(2).standard_normal(problem.displacement.size)
+    moved[problem.held] = 0.0
+    problem.displacement[:] = moved
+    wall = ufl.Measure("ds", problem.mesh.mesh, subdomain_data=problem.mesh.facets, metadata={"quadrature_degree": 4})
+    v, normal = ufl.TestFunction(problem.space), ufl.FacetNormal(problem.mesh.mesh)
+    push = ufl.inner(cofactor(deformation_gradient(problem.fields.u)) * normal, v)
+    expected = problem.nodal(fem.form(push * wall(regions.WALL))).ravel()
+    problem.actuators.probe([0.0, 1.0])
+    found = problem.nodal(problem.forms.tendon_force).ravel()
+    free = np.ones((expected.size // 3, 3), bool)
+    free[problem.space.tabulate_dof_coordinates()[:, 2] < 1e-9, 2] = (
+        False  # across the cut its mirror image balances it
+    )
+    free = free.ravel()
+    assert np.abs(expected).max() > 1e-6
+    assert found[free] == pytest.approx(expected[free], abs=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.long
+def test_a_thin_tube_of_neo_hookean_rubber_has_no_equilibrium_beyond_its_limit():
+    """A membrane with closed ends: p = s T / (R l^2 m), where the hoop stress s is twice the axial one."""
+    radius, wall, mu = 0.009, 0.002, 1e5
+    tube = model(
+        section={"shape": "ring", "diameter": 0.020, "bore": 0.016},
+        geometry={"segments": [0.080], "plate": 0.002, "channel": 0.0015},
+        material={"law": "neo-hookean", "C1": mu / 2, "D1": 2e-7},
+        tendons=[F1 | {"offset": [0.009, 0.0]}],
+        chambers=[{"name": "p1", "region": "bore", "x": [0.004, 0.074], "pressure": [0.0, 1e5]}],
+        mesh={"cells": [20, 8]},
+    )
+    with pytest.raises(LoadNotReached, match=r"beyond tensions \[0.0\] N, pressures \[\d+.\d+\] Pa") as failure:
+        tube.solve([0.0, 3e4])
+
+    def stress(stretch: float, other: float) -> float:
+        return mu * (stretch**2 - (stretch * other) ** -2.0)
+
+    def pressure(hoop: float) -> float:
+        axial = brentq(lambda m: stress(m, hoop) - stress(hoop, m) / 2, 0.5, 3.0)
+        return stress(hoop, axial) * wall / (radius * hoop**2 * axial)
+
+    limit = max(map(pressure, np.linspace(1.01, 3.0, 400)))
+    assert failure.value.tensions[1] == pytest.approx(limit, rel=0.1)
+
+
 def test_a_chamber_bends_the_finger_away_from_it_and_its_mirror_image_by_the_same():
     low, high = (model(tendons=[F1 | {"offset": [0.0, 0.0]}], chambers=[each]) for each in (LOW, HIGH))
     tips = [finger.solve([0.0, 1e4], sensitivities=False).tip for finger in (low, high)]
@@ -231,6 +285,9 @@ def test_a_pressed_finger_pushes_the_harder_the_higher_the_pressure():
     step = [finger.solve([0.0, 1.5e4 + change], 0.0002, sensitivities=False).contact_force for change in (-10.0, 10.0)]
     assert state.contact_force > 0.01
     assert state.sensitivities["contact_force"]["p1"] == pytest.approx((step[1] - step[0]) / 20.0, rel=0.02)
+    assert FullOrderPlant(finger, 0.0002).pull([0.0, 1.5e4]) == pytest.approx(state.contact_force, rel=1e-6)
+    history = friction_history(finger, [[0.0, 1e4, 0.0002], [0.0, 1.5e4, 0.0002]], 0.0, increments=2)
+    assert history[1].normal_force == pytest.approx(state.contact_force, rel=1e-3)
 
 
 def test_the_finger_of_two_chambers_bends_both_ways():
