@@ -63,11 +63,7 @@ def solve(
     try:
         state = model.solve(**asked)
     except LoadNotReached as failure:
-        tendons = len(scene.tendons)
-        reached = {"tensions": failure.tensions[:tendons].tolist(), "distance": failure.distance}
-        if scene.chambers:
-            reached["pressures"] = failure.tensions[tendons:].tolist()
-        answer = {"converged": False, "reason": str(failure), "last_good_load": reached}
+        answer = {"converged": False, "reason": str(failure), "last_good_load": failure.reached}
         finish(answer, as_json, NOTHING_USABLE, comm.rank)
     if comm.rank == 0:
         for mark in state.marks:

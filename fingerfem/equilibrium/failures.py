@@ -30,3 +30,6 @@ class LoadNotReached(Exception):
         where += f", d {distance:.6g} m" if distance is not None else ""
         super().__init__(f"no equilibrium beyond {where}: {reason}")
         self.reason, self.tensions, self.distance = reason, tensions, distance
+        self.reached = {"tensions": tensions[:tendons].tolist(), "distance": distance}  # for `solve --json`
+        if chambers:
+            self.reached["pressures"] = tensions[tendons:].tolist()

@@ -290,6 +290,16 @@ def test_a_pressed_finger_pushes_the_harder_the_higher_the_pressure():
     assert history[1].normal_force == pytest.approx(state.contact_force, rel=1e-3)
 
 
+def test_a_wall_that_passes_through_the_other_one_is_noticed(one):
+    one.continuation.rest()
+    assert not one.passes_through_itself()
+    points, moved = one.problem.space.tabulate_dof_coordinates(), one.problem.displacement.reshape(-1, 3)
+    upper = (np.abs(points[:, 1] + 0.002) < 1e-9) & (points[:, 2] < 0.003) & (np.abs(points[:, 0] - 0.030) < 0.015)
+    moved[upper, 1] = -0.0052  # the chamber is 0.005 m high
+    assert upper.sum() > 4 and one.passes_through_itself()
+    one.continuation.rest()
+
+
 def test_the_finger_of_two_chambers_bends_both_ways():
     finger = FingerModel(load_scene(SCENES / "two_chambers.toml"))
     up, down = (finger.solve([0.0, *pressures], sensitivities=False) for pressures in ([6e4, 0.0], [0.0, 6e4]))
