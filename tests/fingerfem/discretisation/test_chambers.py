@@ -290,6 +290,16 @@ def test_a_pressed_finger_pushes_the_harder_the_higher_the_pressure():
     assert history[1].normal_force == pytest.approx(state.contact_force, rel=1e-3)
 
 
+@pytest.mark.mpi
+def test_ranks_that_share_a_finger_share_its_chambers():
+    scene, loads = Scene.model_validate(SQUARE | {"chambers": [LOW, HIGH]}), [2.0, 1.5e4, 5e3]
+    shared, alone = (FingerModel(scene, comm).solve(loads) for comm in (MPI.COMM_WORLD, MPI.COMM_SELF))
+    assert shared.tip == pytest.approx(alone.tip, rel=1e-8, abs=1e-12)
+    assert shared.chamber_volumes == pytest.approx(alone.chamber_volumes, rel=1e-10)
+    for name, derivatives in alone.sensitivities["chamber_volumes"].items():
+        assert shared.sensitivities["chamber_volumes"][name] == pytest.approx(derivatives, rel=1e-6)
+
+
 def test_a_wall_that_passes_through_the_other_one_is_noticed(one):
     one.continuation.rest()
     assert not one.passes_through_itself()
