@@ -1,4 +1,4 @@
-"""A soft finger that sags by its weight: a rod, whose elements were trained without weight, beside the full-order model."""
+"""A soft finger that sags by its weight: a rod, of elements without weight, beside the full-order model."""
 
 import tomllib
 

@@ -23,6 +23,7 @@ def words_of(folder) -> dict[str, list[object]]:
     return {
         "certify": [MODEL, "F1=50"],
         "doctor": [],
+        "fit-material": ["examples/material.csv"],
         "render": [SCENE, folder / "picture.png", "--case", "F1=50"],
         "retry": [folder / "no set"],
         "sketch": [SCENE, folder / "picture.png"],
