@@ -5,14 +5,12 @@ from __future__ import annotations
 import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.fitting.degrees import HIGHEST
 from rom.elements.fitting.training import train
 from rom.elements.samples.section_states import read_section_states
 from rom.rod.rod import Rod
-from rom.rod.touched_segment import TouchedSegment
 from rom.summaries import origin
 from studies import sets
 from studies.parts import Run
@@ -55,11 +53,6 @@ def scene(run: Run, plan: Plan) -> Path:
             for k, offset in enumerate(plan.offsets, 1)
         ]
     return sets.written(run.sets, f"pressed {plan.name} {plan.lines} lines", sets.as_toml(table))
-
-
-def bundled() -> tuple[Rod, dict[str, Any]]:
-    """The bundled finger, and its scene on the mesh that its elements were trained on."""
-    return TouchedSegment.load().rod, tomllib.loads((sets.ROOT / "scenes" / "demo" / "bundled.toml").read_text())
 
 
 def snapshots(run: Run, plan: Plan, lines: int | None = None) -> SnapshotSet:
