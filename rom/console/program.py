@@ -1,4 +1,6 @@
-"""How a command begins and ends: Ctrl-C, bad input and a missing package are one line each; output fits its encoding.
+"""How a command begins and ends: Ctrl-C, bad input, a warning and a missing package are one line each.
+
+Output fits its encoding.
 
 Only the standard library is imported here, as a command calls `begin` before it imports anything else.
 """
@@ -7,10 +9,11 @@ from __future__ import annotations
 
 import codecs
 import sys
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import TracebackType
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from rom.console.interruption import first_rank, interruptible
 from rom.console.packages import explained
@@ -24,6 +27,7 @@ def begin() -> None:
     """From here on Ctrl-C and an import that fails end the process in one line, and no character stops its output."""
     interruptible()  # what comes next may take seconds to import
     sys.excepthook = _explain
+    warnings.showwarning = _warn
     codecs.register_error(PLAIN, _plain)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
@@ -72,6 +76,12 @@ def _explain(kind: type[BaseException], error: BaseException, trace: TracebackTy
         sys.__excepthook__(kind, error, trace)
     else:
         _end(reason, BAD_INPUT)
+
+
+def _warn(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+    """What Python calls for a warning: one line, by the first rank."""
+    if first_rank():
+        say(str(message) if category is UserWarning else f"{category.__name__}: {message}")
 
 
 def _plain(error: UnicodeError) -> tuple[str, int]:

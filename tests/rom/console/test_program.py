@@ -34,6 +34,12 @@ def test_an_error_on_the_way_out_does_not_change_the_exit_code_of_a_signal(code)
     assert ended.value.code == code
 
 
+def test_a_warning_is_one_line():
+    program = "import warnings; from rom.console.program import begin; begin(); warnings.warn('a guess', stacklevel=1)"
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stderr == "a guess\n"
+
+
 def command(name, trained) -> list[str]:
     words = [word.format(trained) for word in COMMANDS[name]]
     return [sys.executable, "-m", name.split()[0], *words]
