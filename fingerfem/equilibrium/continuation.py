@@ -198,7 +198,8 @@ class Continuation:
                         self.distance = None  # nothing was solved with the plane
                         self._set_loads()
                     chambers = len(self.problem.scene.chambers)
-                    raise LoadNotReached(failure.reason, self.tensions.copy(), self.distance, chambers) from None
+                    part = "" if self.weight == 1 else f" ({self.weight:.0%} of the weight acts there)"
+                    raise LoadNotReached(failure.reason + part, self.tensions.copy(), self.distance, chambers) from None
                 size, failed = share / 2, True
                 continue
             if needed <= 6 and not failed:

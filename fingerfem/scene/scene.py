@@ -77,7 +77,7 @@ class Scene(SceneTable):
             return FromFile.model_validate(table, context=info.context)
         if shape is None:
             raise ValueError("shape is required and missing, or file in its place")
-        if shape not in SHAPES:
+        if not isinstance(shape, str) or shape not in SHAPES:
             raise ValueError(f"shape must be {' or '.join(map(repr, SHAPES))}, got {shape!r}")
         return SHAPES[shape].model_validate(table)
 
@@ -99,7 +99,7 @@ class Scene(SceneTable):
         name = table.get("law")
         if name is None:
             raise ValueError("law is required and missing")
-        if name not in REGISTERED:
+        if not isinstance(name, str) or name not in REGISTERED:
             raise ValueError(f"law must be {' or '.join(map(repr, REGISTERED))}, got {name!r}")
         return REGISTERED[name].model_validate(table)
 

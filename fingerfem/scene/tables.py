@@ -153,8 +153,8 @@ class Gravity(SceneTable):
 
     @model_validator(mode="after")
     def _points_somewhere(self) -> Gravity:
-        if not np.linalg.norm(self.direction) > 1e-6:
-            raise ValueError(f"gravity.direction must not be zero, got {self.direction}")
+        if not 1e-6 < np.linalg.norm(self.direction) < 1e6:
+            raise ValueError(f"direction must have a length from 1e-6 to 1e6, got {self.direction}")
         return self
 
 

@@ -23,6 +23,7 @@ NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
 MOST_SEGMENTS = 8
 # Powers of a modulus that a law's constants go with: 1 [Pa], -1 [1/Pa]; others have no unit.
 MODULI = {"C1": 1, "C2": 1, "C3": 1, "C10": 1, "C01": 1, "mu": 1, "D1": -1, "E": 1}
+DEFAULTS = {"yeoh": {"C2": 0.0, "C3": 0.0}}
 PLAIN = ("nu", "alpha")  # constants without a unit
 
 
@@ -151,8 +152,11 @@ def _modulus(trained: Mapping[str, Any], material: Mapping[str, Any]) -> float:
     if law != other:
         raise ModelError(f"material.law must be {other}, the elements' own, got {law}")
     constants = [name for name in trained if name in MODULI or name in PLAIN]
+    material = DEFAULTS.get(law, {}) | dict(material)
     if missing := [name for name in constants if name not in material]:
-        raise ModelError(f"material.{missing[0]} must be given, got none")
+        given = ", ".join(name for name in ("E", "nu", "shore_A") if name in material)
+        also = f"; {given} are for the full-order model, the elements have {missing[0]} = {trained[missing[0]]}"
+        raise ModelError(f"material.{missing[0]} must be given, got none{also if given else ''}")
     own, others = ({name: np.atleast_1d(one[name]) for name in constants} for one in (material, trained))
     for name in constants:
         if own[name].dtype.kind not in "if" or not np.isfinite(own[name]).all():

@@ -39,6 +39,8 @@ def gravity_of(table: Mapping[str, Any]) -> dict[str, Any]:
     Raises:
         ModelError: a key is missing, unknown or out of its range: one line with its value.
     """
+    if not isinstance(table, Mapping):
+        raise ModelError(f"gravity must be a table [gravity], got {table!r}")
     known = {"density", "plate_density", "direction", "acceleration"}
     if missing := [name for name in ("density", "direction") if name not in table]:
         raise ModelError(f"gravity.{missing[0]} must be given, got none")
@@ -46,15 +48,22 @@ def gravity_of(table: Mapping[str, Any]) -> dict[str, Any]:
         raise ModelError(f"gravity must have the keys {', '.join(sorted(known))}, got {unknown[0]}")
     found: dict[str, Any] = {"plate_density": STEEL, "acceleration": STANDARD} | dict(table)
     for name, most in (("density", DENSEST), ("plate_density", DENSEST), ("acceleration", LARGEST)):
-        found[name] = value = float(found[name])
+        found[name] = value = _number(name, found[name])
         if not 0 <= value <= most or (name == "density" and value == 0):
             raise ModelError(f"gravity.{name} must be from 0 to {most:g}, the rubber's density above 0, got {value:g}")
     return found | {"direction": _direction(table["direction"])}
 
 
+def _number(name: str, given: Any) -> float:
+    if type(given) not in (int, float):
+        raise ModelError(f"gravity.{name} must be a number, got {given!r}")
+    return float(given)
+
+
 def _direction(given: Any) -> list[float]:
-    direction = [float(part) for part in given]
-    if len(direction) != 3 or not np.isfinite(direction).all() or np.linalg.norm(direction) <= SHORTEST:
+    parts = given if isinstance(given, (list, tuple)) else [given]
+    direction = [_number("direction", part) for part in parts]
+    if len(direction) != 3 or not np.isfinite(np.dot(direction, direction)) or np.linalg.norm(direction) <= SHORTEST:
         raise ModelError(f"gravity.direction must be three finite numbers, not all zero, got {given}")
     return direction
 
@@ -92,5 +101,7 @@ def turned(scene: Mapping[str, Any], direction: Any, acceleration: float | None 
     table = scene.get("gravity")
     if table is None:
         raise ModelError("gravity must be in the finger's scene, with a density, for its direction to change; got none")
-    change = {"direction": list(direction)} | ({} if acceleration is None else {"acceleration": acceleration})
+    change = {"direction": np.asarray(direction, float).tolist()} | (
+        {} if acceleration is None else {"acceleration": acceleration}
+    )
     return dict(scene) | {"gravity": gravity_of(table | change)}

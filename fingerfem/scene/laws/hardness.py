@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 SHORE_A = (20.0, 80.0)  # where the estimate is usual
+YOUNG, MOST_POISSON = (1e3, 1e11), 0.49999  # [Pa], [-]
 RUBBER = 0.499  # Poisson's ratio of a rubber that is given by its hardness alone [-]
 # Young's modulus in tension of seven silicones of 20 to 44 Shore A over the estimate [-]: laws fitted by fit-material
 # to the Soft Robotics Materials Database (Marechal et al., Soft Robotics 8, 2021, doi:10.1089/soro.2019.0115) up to a
@@ -36,12 +37,12 @@ def with_modulus(table: dict[str, Any], constants: Callable[[float, float, dict[
         ValueError: both, one without the other, or constants beside them.
     """
     names = [name for name in ("E", "shore_A") if name in table]
-    if not names or not constants(1.0, 1.0, table):
+    if not names:
         return table
     rest = {key: value for key, value in table.items() if key not in ("E", "shore_A", "nu")}
     if len(names) > 1:
         raise ValueError(f"E must be left out beside shore_A, got {table['E']}")
-    if any(not isinstance(table.get(name, 0.0), (int, float)) for name in (*names, "nu")):
+    if any(type(table.get(name, 0.0)) not in (int, float) for name in (*names, "nu")):
         raise ValueError(f"{names[0]} and nu must be numbers, got {table[names[0]]!r} and {table.get('nu')!r}")
     if names == ["E"]:
         young, nu = table["E"], table.get("nu")
@@ -55,8 +56,11 @@ def with_modulus(table: dict[str, Any], constants: Callable[[float, float, dict[
             f"{low:g} to {high:g} of such estimates: python3 -m fingerfem fit-material fits a law to a test",
             stacklevel=2,
         )
-    if not (young > 0 and 0 <= nu < 0.5):
-        raise ValueError(f"E must be above 0 Pa and nu from 0 to below 0.5, got {young} and {nu}")
+    if not (YOUNG[0] <= young <= YOUNG[1] and 0 <= nu <= MOST_POISSON):
+        low, high = YOUNG
+        raise ValueError(
+            f"E must be from {low:g} to {high:g} Pa and nu from 0 to {MOST_POISSON}, got {young:g} and {nu:g}"
+        )
     found = constants(young / (2 + 2 * nu), young / (3 - 6 * nu), rest)
     if double := found.keys() & rest.keys():
         raise ValueError(f"{min(double)} must be left out beside {names[0]}, got {rest[min(double)]}")

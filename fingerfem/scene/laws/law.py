@@ -107,7 +107,8 @@ class Law(SceneTable, ABC):
     @model_validator(mode="before")
     @classmethod
     def _by_modulus(cls, table: Any) -> Any:
-        return with_modulus(table, cls.constants) if isinstance(table, dict) else table
+        has_moduli = cls.constants.__func__ is not Law.constants.__func__  # type: ignore[attr-defined]
+        return with_modulus(table, cls.constants) if has_moduli and isinstance(table, dict) else table
 
     @model_validator(mode="after")
     def _has_moduli(self) -> Law:

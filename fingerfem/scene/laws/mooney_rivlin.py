@@ -41,6 +41,8 @@ class MooneyRivlin(Law):
     def constants(cls, mu: float, K: float, given: dict[str, Any]) -> dict[str, Any]:
         """C10 and D1 beside a C01, which is 0 if left out."""
         C01 = given.get("C01", 0.0)
+        if not isinstance(C01, (int, float)) or K <= 16 / 3 * C01:
+            raise ValueError(f"C01 must be a number below 3/16 of the bulk modulus ({K:.3g} Pa), got {C01!r}")
         return {"C10": mu / 2 - C01, "D1": 2 / (K - 16 / 3 * C01)} | ({} if "C01" in given else {"C01": 0.0})
 
     @property

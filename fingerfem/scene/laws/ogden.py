@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from fingerfem.scene.laws.formula import NUMPY, Invariants, Maths
 from fingerfem.scene.laws.law import Law, registered
 from fingerfem.scene.laws.power_sums import STRETCHES, power_sum
 
-MOST_TERMS = 4
+MOST_TERMS, LEAST = 4, 1e-2  # and smallest power in size [-]
 
 
 @registered
@@ -27,13 +27,15 @@ class Ogden(Law):
     alpha: Annotated[list[Annotated[float, Field(ge=-30, le=30)]], Field(min_length=1, max_length=MOST_TERMS)]
     D1: Annotated[float, Field(ge=1e-13, le=1e-2)]
 
-    @model_validator(mode="after")
-    def _has_pairs(self) -> Ogden:
-        if len(self.mu) != len(self.alpha):
-            raise ValueError(f"alpha must have as many numbers as mu ({len(self.mu)}), got {len(self.alpha)}")
-        if min(map(abs, self.alpha)) < 1e-2:
-            raise ValueError(f"alpha must be at least 0.01 in size, got {min(self.alpha, key=abs)}")
-        return self
+    @field_validator("alpha")
+    @classmethod
+    def _goes_with_mu(cls, alpha: list[float], info: ValidationInfo) -> list[float]:
+        count = len(info.data.get("mu", alpha))
+        if count != len(alpha):
+            raise ValueError(f"must have as many numbers as mu ({count}), got {len(alpha)}")
+        if min(map(abs, alpha)) < LEAST:
+            raise ValueError(f"must be at least {LEAST:g} in size, got {min(alpha, key=abs):g}")
+        return alpha
 
     def distortional(self, strain: Invariants, maths: Maths) -> Any:
         """The sum of powers of the isochoric stretches [J/m^3]."""

@@ -125,6 +125,8 @@ class FromFile(Section):
 @lru_cache(maxsize=4)
 def _of_content(file: str, digest: str | None) -> tuple[FileMesh, PlaneMesh]:
     """A file's content, and its mesh with a tag for every group."""
+    if hashlib.sha256(Path(file).read_bytes()).hexdigest()[:16] != digest:
+        raise ValueError(f"{file}: must have the content it had when the scene was read; read the scene again")
     read = read_gmsh(Path(file))
     tags = np.full(len(read.quads), RUBBER)
     for k, own in enumerate(read.groups.values()):

@@ -14,7 +14,7 @@ from rom.rod.objects.shapes import Cylinder, facing_plane
 from rom.rod.rod import Rod
 from rom.rod.scene_of_rod import of_tables
 from rom.rod.touched_segment import TouchedSegment
-from rom.rod.weight import weight_of
+from rom.rod.weight import gravity_of, weight_of
 from tests.rom.elements import elastic_rod as rod
 
 RHO, STEEL, HEAVY = 1070.0, 7850.0, 300.0  # [kg/m^3], and an acceleration by which the finger sags by a tenth [m/s^2]
@@ -303,3 +303,17 @@ def test_what_is_left_out_is_steel_and_standard_gravity_and_a_file_keeps_it(fing
 def test_a_finger_without_weight_has_no_direction_to_change(finger):
     with pytest.raises(ModelError, match="gravity must be in the finger's scene"):
         finger.with_gravity((0, 1, 0))
+
+
+@pytest.mark.parametrize(
+    ("table", "rule"),
+    [
+        (True, "gravity must be a table .gravity., got True"),
+        ({"density": "x", "direction": [0, -1, 0]}, "gravity.density must be a number, got 'x'"),
+        ({"density": 1e3, "direction": "down"}, "gravity.direction must be a number, got 'down'"),
+        ({"density": 1e3, "direction": [0, -1e200, 0]}, "gravity.direction must be three finite numbers"),
+    ],
+)
+def test_a_table_of_wrong_types_is_refused_by_its_key(table, rule):
+    with pytest.raises(ModelError, match=rule):
+        gravity_of(table)

@@ -29,7 +29,12 @@ def test_hardness_30_has_the_modulus_of_gent_s_formula_by_hand():
     ("law", "table", "rule"),
     [
         (NeoHookean, {"E": 1e6}, "nu must be given beside E, got E = 1000000"),
-        (NeoHookean, {"E": 1e6, "nu": 0.5}, "nu from 0 to below 0.5, got 1000000.0 and 0.5"),
+        (NeoHookean, {"E": 1e6, "nu": 0.5}, "nu from 0 to 0.49999, got 1e.06 and 0.5"),
+        (NeoHookean, {"E": True, "nu": 0.3}, "E and nu must be numbers, got True"),
+        (MooneyRivlin, {"E": 1e6, "nu": 0.49, "C01": "x"}, "C01 must be a number below 3/16"),
+        (MooneyRivlin, {"E": 1e6, "nu": 0.3, "C01": 1e6}, "C01 must be a number below 3/16"),
+        (Ogden, {"mu": [1e5, 1e4], "alpha": [2.0, 0.0], "D1": 1e-8}, "must be at least 0.01 in size, got 0"),
+        (Ogden, {"mu": [1e5, 1e4], "alpha": [2.0], "D1": 1e-8}, "must have as many numbers as mu .2., got 1"),
         (NeoHookean, {"E": 1e6, "nu": 0.3, "C1": 1e5}, "C1 must be left out beside E, got 100000"),
         (NeoHookean, {"E": 1e6, "nu": 0.3, "shore_A": 30.0}, "E must be left out beside shore_A, got 1000000"),
         (NeoHookean, {"E": "soft", "nu": 0.3}, "E and nu must be numbers, got 'soft' and 0.3"),
