@@ -63,8 +63,10 @@ def _number(name: str, given: Any) -> float:
 def _direction(given: Any) -> list[float]:
     parts = given if isinstance(given, (list, tuple)) else [given]
     direction = [_number("direction", part) for part in parts]
-    if len(direction) != 3 or not np.isfinite(np.dot(direction, direction)) or np.linalg.norm(direction) <= SHORTEST:
-        raise ModelError(f"gravity.direction must be three finite numbers, not all zero, got {given}")
+    if len(direction) != 3 or not SHORTEST < np.abs(direction).max() < 1 / SHORTEST:
+        raise ModelError(
+            f"gravity.direction must be three numbers, the largest from {SHORTEST:g} to {1 / SHORTEST:g}, got {given}"
+        )
     return direction
 
 

@@ -272,7 +272,7 @@ def test_a_column_that_buckles_under_its_weight_is_no_answer(bundled):
 REFUSED = {
     "gravity.density must be given, got none": {"direction": [0, 1, 0]},
     "gravity.direction must be given, got none": {"density": 1000.0},
-    "gravity.direction must be three finite numbers, not all zero, got": {"density": 1000.0, "direction": [0, 0, 0]},
+    "gravity.direction must be three numbers, the largest from": {"density": 1000.0, "direction": [0, 0, 0]},
     "gravity.acceleration must be from 0 to 10000,": {"density": 1.0, "direction": [0, 1, 0], "acceleration": -1},
     "the rubber's density above 0, got 0": {"density": 0.0, "direction": [0, 1, 0]},
     "gravity must have the keys .*, got weight": {"density": 1.0, "direction": [0, 1, 0], "weight": 1},
@@ -311,7 +311,7 @@ def test_a_finger_without_weight_has_no_direction_to_change(finger):
         (True, "gravity must be a table .gravity., got True"),
         ({"density": "x", "direction": [0, -1, 0]}, "gravity.density must be a number, got 'x'"),
         ({"density": 1e3, "direction": "down"}, "gravity.direction must be a number, got 'down'"),
-        ({"density": 1e3, "direction": [0, -1e200, 0]}, "gravity.direction must be three finite numbers"),
+        ({"density": 1e3, "direction": [0, -1e200, 0]}, "gravity.direction must be three numbers"),
     ],
 )
 def test_a_table_of_wrong_types_is_refused_by_its_key(table, rule):
