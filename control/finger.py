@@ -1,4 +1,4 @@
-"""One finger: reach a point before contact, find the plane from a felt force, hold a contact force, follow a path."""
+"""Control one finger: reach a point, find the plane from a measured force, hold a contact force, follow a path."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ class Finger:
     """Controls one finger through its model.
 
     Args:
-        model: of a finger that an object may touch (`rom.TouchedSegment`), or a `rom.SeparatedModel`.
-        limits: of the tensions and of their rate.
+        model: a finger that an object may touch (`rom.TouchedSegment`), or a `rom.SeparatedModel`.
+        limits: bounds of the tensions and of their rate.
 
     Raises:
         ValueError: the limits exclude all trained tensions.
@@ -47,7 +47,7 @@ class Finger:
         self._offsets = np.array([tendon["offset"] for tendon in model.scene["tendons"]], float)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickling and copying keep the arguments; the data for compiled code are made anew."""
+        """Pickle and copy by the arguments; the data for compiled code are made anew."""
         return type(self), (self.model, self.limits)
 
     def reach(
@@ -59,17 +59,17 @@ class Finger:
     ) -> Motion:
         """Bring the tip plate's centre to a point without touching the plane.
 
-        If a point lies on the side that has no tendons, the tensions are those of mirror-image tendons there, provided
-        that the plane does not break the symmetry. The motion's `sides` are those on which tendons are pulled.
+        For points on the side without tendons, the tensions apply to imagined mirror-image tendons there, unless the
+        plane breaks the symmetry. The motion's `sides` are those on which tendons are pulled.
 
         Args:
             point: position, shape (3,) [m], in the finger's axes (clamp at the origin, finger along x).
             distance: of the plane [m]; the finger stays this side of it.
             start: tensions to start from [N]; among several solutions, the one nearest to them is taken.
-            tolerance: bounds the tip's distance from the point [m].
+            tolerance: largest distance of the tip from the point [m].
 
         Raises:
-            ValueError: a start of the wrong shape, or a distance where the model has no obstacle.
+            ValueError: start has the wrong shape, or a distance is given although the model has no obstacle.
         """
         begin = (self.lower + self.upper) / 2 if start is None else self._start(start)
         goal = np.asarray(point, float)
@@ -101,7 +101,8 @@ class Finger:
             start: tensions before the first point [N], of the scene's own tendons; the lowest allowed ones by default.
 
         Raises:
-            ValueError: a start of the wrong shape, a period not above 0, or a distance where the model has no obstacle.
+            ValueError: start has the wrong shape or is not finite, period is not above 0, or a distance is given
+                although the model has no obstacle.
         """
         if not period > 0:
             raise ValueError(f"period must be above 0 s, got {period}")
@@ -132,7 +133,7 @@ class Finger:
         return no_point(point) or ("" if distance == np.inf else self._beyond(distance))
 
     def _beyond(self, distance: float) -> str:
-        """Why a distance is refused; empty if the model's plane may stand there."""
+        """The reason why a distance is refused; empty if the model's plane may be there."""
         lower, upper = (end[-1] for end in self.model.limits) if self.model.has_obstacle else (np.inf, np.inf)
         return beyond("distance", distance, lower, upper, "m")
 
@@ -174,10 +175,10 @@ class Finger:
             tensions: [N], shape (tensions,), or those of m readings, shape (m, tensions).
             contact_force: the measured one [N], above 0, or those of m readings, shape (m,).
             noise: standard deviation of the force sensor [N].
-            hint: where the plane may be [m].
+            hint: a likely distance of the plane [m].
 
         Raises:
-            ValueError: a model without an obstacle.
+            ValueError: the model has no obstacle.
         """
         self._needs_obstacle()
         pulled, felt = np.array(tensions, float, ndmin=2, order="C"), np.array(contact_force, float, ndmin=1)
@@ -210,18 +211,19 @@ class Finger:
     ) -> Motion:
         """Press on the plane with a contact force or pad pressure, with tensions close to the present ones.
 
-        If the limits allow no such pressure on the pad, the status is `unreachable`; the largest allowed one is held.
+        If the pressure on the pad would exceed its limit, the status is `unreachable` and the largest allowed one is
+        held.
 
         Args:
             contact_force: [N], above 0.
             distance: of the plane [m].
             start: present tensions [N]; among several solutions, the one nearest to them is taken.
-            tolerance: largest deviation from the force [N]; that from a pressure is what such a force produces.
+            tolerance: largest deviation of the force [N]; of a pressure, the deviation that such a force would cause.
             pad_pressure: to hold instead of a contact force [Pa], above 0; residual and error are then in [Pa].
 
         Raises:
-            ValueError: a model without an obstacle, or one without its pad's pressure; both targets or none;
-                or a start of the wrong shape.
+            ValueError: the model has no obstacle, or no pad pressure although it is needed; both targets or neither are
+                given; or start has the wrong shape.
         """
         self._needs_obstacle()
         if (contact_force is None) == (pad_pressure is None):
@@ -286,7 +288,7 @@ class Finger:
         return found
 
     def _motion(self, status: int, tensions: np.ndarray, found: Any, asked: str, **details: Any) -> Motion:
-        """The motion of a solver's outcome; its reason quotes what was `asked` for, if that is not met."""
+        """The motion of a solver's outcome; if it is not met, the reason quotes what was `asked` for."""
         return answered(status, tensions, found, asked, (self.lower, self.upper), **details)
 
     def _out_of_domain(

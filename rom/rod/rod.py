@@ -1,4 +1,4 @@
-"""A finger assembled from elements: where its plates are under tensions and wrenches; and its file."""
+"""A finger assembled from elements: poses of its plates under tensions and wrenches, and its file."""
 
 from __future__ import annotations
 
@@ -42,13 +42,14 @@ PLAIN = ("scene", "accuracy")
 
 @brief
 class Plates(NamedTuple):
-    """Where the n plates of a finger are, from clamp to tip.
+    """Poses of the n plates of a finger, from clamp to tip.
 
     Attributes:
         centres: shape (n, 3) [m].
         rotations: of their frames, shape (n, 3, 3) [-].
-        motions: R^T dc and R^T dtheta of every plate by the inputs, shape (n, 6, t + 6 n) [m, rad per N, N m].
-        inside: whether the inputs of every element lie in its trained box.
+        motions: R^T dc and R^T dtheta of every plate, derivatives with respect to the tensions and wrenches, shape
+            (n, 6, t + 6 n) [m, rad per N, N m].
+        inside: whether tensions and wrench of every element are within its trained domain.
     """
 
     centres: np.ndarray
@@ -63,12 +64,12 @@ class Rod(PickledByFields):
     """Segments of elements from clamp to tip, each with a plate that clamps the next.
 
     Attributes:
-        elements: as they were trained.
+        elements: the elements as trained.
         scene: of the finger: geometry, material and tendons, as plain data.
-        accuracy: measured on held-out states; empty if nobody did.
+        accuracy: errors measured on held-out states; empty if not measured.
 
     Raises:
-        ModelError: the elements cannot make this finger: what is missing.
+        ModelError: the elements cannot make this finger; the message says what is missing.
 
     Example:
         >>> finger = Rod.load("finger.h5").assembled("longer.toml")  # doctest: +SKIP
@@ -84,7 +85,7 @@ class Rod(PickledByFields):
 
     @cached_property
     def similarity(self) -> Similarity:
-        """How the elements are scaled, and which of their tendons are this finger's."""
+        """The scaling of the elements, and which of their tendons are this finger's."""
         return similarity(self.elements.scene, self.scene)
 
     @cached_property
@@ -94,7 +95,7 @@ class Rod(PickledByFields):
 
     @cached_property
     def sized(self) -> dict[float, Elements]:
-        """The elements by the size of the finger's pieces over those of a finger without taper [-]."""
+        """The elements scaled to each piece, by the piece's size over that of a finger without taper [-]."""
         sizes = {piece.size for own in self.pieces for piece in own}
         return {size: self.own if size == 1 else self.own.scaled(size, 1.0) for size in sizes}
 
@@ -114,7 +115,7 @@ class Rod(PickledByFields):
 
     @cached_property
     def segments(self) -> list[Segment]:
-        """From clamp to tip; a tendon passes all segments up to its plate."""
+        """Segments from clamp to tip; a tendon passes all segments up to its plate."""
         found = []
         for k, own in enumerate(self.pieces):
             passing = [
@@ -132,12 +133,12 @@ class Rod(PickledByFields):
 
     @property
     def names(self) -> list[str]:
-        """Of the tensions."""
+        """Names of the tensions."""
         return [one["name"] for one in self.scene["tendons"]]
 
     @property
     def half_lengths(self) -> np.ndarray:
-        """Of the tip plate along its own axes, shape (3,) [m]; of every plate unless the finger is tapered."""
+        """Half lengths of the tip plate along its own axes, shape (3,) [m]; without taper, all plates have the same."""
         return self.segments[-1].half_lengths
 
     @property
@@ -162,11 +163,11 @@ class Rod(PickledByFields):
 
     @cached_property
     def struct(self) -> Any:
-        """For compiled code, a struct fingerfem_chain; see `chain_of`."""
+        """The struct fingerfem_chain for compiled code, see `chain_of`."""
         return chain_of(self)
 
     def place(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> Plates:
-        """Where the plates are.
+        """Poses of the plates.
 
         Args:
             tensions: shape (t,) [N].
@@ -178,7 +179,7 @@ class Rod(PickledByFields):
         return Plates(*compiled.place_chain(self.struct, *self._inputs(tensions, wrenches)))
 
     def _inputs(self, tensions: ArrayLike, wrenches: ArrayLike | None) -> tuple[np.ndarray, np.ndarray]:
-        """Both as arrays, see `place`; loads of an answer, see `Touched`, stay as they are."""
+        """Tensions and wrenches of `place` as arrays; loads of an answer, one per element, are taken unchanged."""
         t, n = len(self.names), len(self.segments)
         pulled = np.array(tensions, float)
         pressed = np.zeros((n, 6)) if wrenches is None else np.array(wrenches, float)
@@ -190,7 +191,7 @@ class Rod(PickledByFields):
         return pulled, pressed
 
     def shortening(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
-        """How much shorter the tendons have become between clamp and plate, arguments of `place`; shape (t,) [m]."""
+        """Shortening of the tendons between clamp and plate, shape (t,) [m]; arguments of `place`."""
         return reports.shortenings(self.struct, *self._inputs(tensions, wrenches))[0]
 
     def displacement(
@@ -204,7 +205,7 @@ class Rod(PickledByFields):
             points: at rest, shape (points, 3) [m]; by default those of the long edges, see `edges`.
 
         Raises:
-            ModelError: the wrong number of tensions or wrenches, or a point that is none of the finger.
+            ModelError: the wrong number of tensions or wrenches, or a point outside the finger.
         """
         at_rest = self.edges if points is None else np.asarray(points, float)
         return shape.displacements(self, shape.placed(self, *self._inputs(tensions, wrenches)), at_rest)
@@ -217,11 +218,11 @@ class Rod(PickledByFields):
         Args:
             tensions: shape (t,) [N].
             wrenches: on the plates in their own frames, shape (n, 6) [N, N m]; none if omitted.
-            at: positions along the finger at rest, from the clamp to the tip, shape (m,) [m]; by default every half
-                side, as `edges`.
+            at: positions along the finger at rest, measured from the clamp, shape (m,) [m]; by default half a side
+                apart, as `edges`.
 
         Raises:
-            ModelError: the wrong number of tensions or wrenches, or a position that is none of the finger.
+            ModelError: the wrong number of tensions or wrenches, or a position outside the finger.
 
         Example:
             >>> Rod.load("finger.h5").sections([30.0, 0.0], at=[0.02, 0.04]).rotations  # doctest: +SKIP
@@ -231,48 +232,48 @@ class Rod(PickledByFields):
 
     @property
     def edges(self) -> np.ndarray:
-        """Points of the long edges at even cross-sections, shape (points, 3) [m]."""
+        """Points on the long edges at evenly spaced cross-sections, shape (points, 3) [m]."""
         return shape.edges(self)
 
     def assembled(self, scene: str | Path | Mapping[str, Any]) -> Rod:
-        """The finger of another scene, of these elements.
+        """The finger of another scene, assembled from these elements.
 
         Args:
             scene: its TOML file, or its tables.
 
         Raises:
-            ModelError: no scene, or these elements cannot make it: what is missing.
+            ModelError: not a valid scene, or the elements cannot make it; the message says what is missing.
         """
         tables = of_tables(scene) if isinstance(scene, Mapping) else read_scene(scene)
         return Rod(elements=self.elements, scene=self.elements.scene | tables)
 
     def with_gravity(self, direction: ArrayLike, acceleration: float | None = None) -> Rod:
-        """The same finger on a base that is turned: what is compiled of its segments is shared.
+        """The same finger on a turned base; the compiled data of its segments are shared.
 
         Args:
-            direction: in which weight pulls, seen from the clamp, shape (3,) [-].
-            acceleration: [m/s^2]; by default that of before.
+            direction: of the weight in the clamp's frame, shape (3,) [-].
+            acceleration: [m/s^2]; unchanged by default.
 
         Raises:
-            ModelError: the scene has no [gravity], or the direction is none.
+            ModelError: the scene has no [gravity], or the direction is zero or not finite.
         """
         found, scene = copy(self), turned(self.scene, np.asarray(direction, float).tolist(), acceleration)
         vars(found).update({name: one for name, one in vars(self).items() if name != "struct"} | {"scene": scene})
         return found
 
     def with_accuracy(self, accuracy: dict[str, Any]) -> Rod:
-        """The same, whose error has been measured."""
+        """The same finger with its measured errors."""
         return replace(self, accuracy=accuracy)
 
     def tables(self) -> list[Table | str]:
-        """For people: its segments, tendons, and how well its elements predict what was left out."""
+        """Readable tables of its segments and tendons, and of errors in lines left out of the training."""
         return summary.tables(self)
 
     def _repr_html_(self) -> str:
         return as_html(self.tables())
 
     def save(self, path: str | Path) -> None:
-        """Write the finger and its elements: the file is whole or absent."""
+        """Write the finger and its elements; an interruption never leaves an incomplete file."""
         checked_file.save(Path(path), KIND, FORMAT, self._write)
 
     def _write(self, file: h5py.File) -> None:
@@ -285,7 +286,7 @@ class Rod(PickledByFields):
         """Read a finger.
 
         Raises:
-            ModelError: no file, no rod, a damaged one, or one of another format.
+            ModelError: the file is missing, damaged, not a rod, or has another format.
         """
         return checked_file.load(Path(path), KIND, FORMAT, cls._read)
 

@@ -16,14 +16,14 @@ from fingerfem.scene.scene_table import SceneTable
 Formulation = Literal["displacement", "mixed"]
 Stretch = Annotated[float, Field(gt=0.05, lt=20)]  # [-]
 NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which displacements alone begin to lock
-# Principal stretches between which a law is stable if its data have no range [-]. The draft finger, bent by 100 N on
-# one tendon, has 0.72 to 1.15.
+# Principal stretches between which a law must be stable if it gives no `stretches` [-]. The draft finger, bent by 100 N
+# on one tendon, has 0.72 to 1.15.
 USUAL_STRETCHES = (0.7, 1.5)
 REGISTERED: dict[str, type[Law]] = {}  # by name
 
 
 def registered(law: type[Law]) -> type[Law]:
-    """A decorator: scenes may name this law, by the default of its key `law`."""
+    """Register a law, so that scenes can select it by the default value of its key `law`."""
     REGISTERED[law.model_fields["law"].default] = law
     return law
 
@@ -35,9 +35,9 @@ class Law(SceneTable, ABC):
 
     Attributes:
         law: its name.
-        formulation: `mixed` takes a pressure for an unknown of its own; chosen by Poisson's ratio if left out.
+        formulation: `mixed` adds the pressure as a separate unknown; if omitted, Poisson's ratio decides.
         stretches: lowest and highest principal stretch of the data that the constants were fitted to [-]. The law must
-            be stable between them. A state beyond them is marked.
+            be stable between them. States beyond them are marked.
     """
 
     law: str
@@ -56,25 +56,25 @@ class Law(SceneTable, ABC):
 
     @abstractmethod
     def distortional(self, strain: Invariants, maths: Maths) -> Any:
-        """W(I1, I2, J) [J/m^3], which resists no small change of volume; without U, the whole energy."""
+        """W(I1, I2, J) [J/m^3], without stiffness against small changes of volume; without U, the whole energy."""
 
     def volumetric(self, J: Any, maths: Maths) -> Any | None:
-        """U(J) [J/m^3]; None of a law without such a part."""
+        """U(J) [J/m^3], or None if the law has no such part."""
         return None
 
     @classmethod
     def constants(cls, mu: float, K: float, given: dict[str, Any]) -> dict[str, Any]:
-        """The constants with these moduli [Pa] beside the given ones; empty if a law has no such constants."""
+        """Constants that give these moduli [Pa], together with those already given; empty if the law has none."""
         return {}
 
     @property
     def is_always_stable(self) -> bool:
-        """Whether stability needs no check: of polyconvex energies."""
+        """Whether the check of stability can be skipped, because the energy is polyconvex."""
         return False
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Principal stretches beyond which the law has no answer [-]."""
+        """Lowest and highest principal stretch between which the law has an answer [-]."""
         return 0.0, np.inf
 
     @property
@@ -96,12 +96,12 @@ class Law(SceneTable, ABC):
 
     @property
     def is_mixed(self) -> bool:
-        """Whether the pressure is an unknown of its own."""
+        """Whether the pressure is a separate unknown."""
         return (self.formulation or ("mixed" if self.poisson > NEARLY_INCOMPRESSIBLE else "displacement")) == "mixed"
 
     @model_serializer(mode="wrap")
     def _without_stretches(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A law without stretches is as it was before there were any."""
+        """Omit `stretches` if it is not given, so that such laws keep their fingerprint."""
         return {key: value for key, value in serialise(self).items() if key != "stretches" or value is not None}
 
     @model_validator(mode="before")
