@@ -36,8 +36,7 @@ from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
 from rom.rod.weight import turned
 
-KIND, FORMAT = "fingerfem rod", 2
-PLAIN = ("scene", "accuracy")
+KIND, FORMAT, PLAIN = "fingerfem rod", 2, ("scene", "accuracy")
 
 
 @brief

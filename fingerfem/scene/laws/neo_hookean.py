@@ -8,10 +8,11 @@ from pydantic import Field
 
 from fingerfem.scene.laws.formula import Invariants, Maths
 from fingerfem.scene.laws.law import Law, registered
+from fingerfem.scene.laws.quadratic_volume import QuadraticVolume
 
 
 @registered
-class NeoHookean(Law):
+class NeoHookean(QuadraticVolume, Law):
     """W = C1 (I1bar - 3) + (J - 1)^2 / D1, polyconvex for all positive C1 [Pa] and D1 [1/Pa].
 
     Chenevier et al., PLoS ONE 13(2): e0192052 (2018), eq. 4, read so that its units fit.
@@ -25,10 +26,6 @@ class NeoHookean(Law):
         """C1 (I1bar - 3) [J/m^3]."""
         return maths.number(self.C1) * (strain.I1bar - 3)
 
-    def volumetric(self, J: Any, maths: Maths) -> Any:
-        """(J - 1)^2 / D1 [J/m^3]."""
-        return (J - 1) ** 2 / maths.number(self.D1)
-
     @classmethod
     def constants(cls, mu: float, K: float, given: dict[str, Any]) -> dict[str, Any]:
         """C1 and D1."""
@@ -38,11 +35,6 @@ class NeoHookean(Law):
     def shear_modulus(self) -> float:
         """Mu = 2 C1 [Pa]."""
         return 2 * self.C1
-
-    @property
-    def bulk_modulus(self) -> float:
-        """K = 2 / D1 [Pa]."""
-        return 2 / self.D1
 
     @property
     def is_always_stable(self) -> bool:

@@ -9,12 +9,13 @@ from pydantic import Field, ValidationInfo, field_validator
 from fingerfem.scene.laws.formula import NUMPY, Invariants, Maths
 from fingerfem.scene.laws.law import Law, registered
 from fingerfem.scene.laws.power_sums import STRETCHES, power_sum
+from fingerfem.scene.laws.quadratic_volume import QuadraticVolume
 
 MOST_TERMS, LEAST = 4, 1e-2  # and smallest power in size [-]
 
 
 @registered
-class Ogden(Law):
+class Ogden(QuadraticVolume, Law):
     """W = sum_p mu_p / alpha_p (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3) + (J - 1)^2 / D1, with isochoric stretches l.
 
     Ogden, Proc. R. Soc. Lond. A 326, 1972, doi:10.1098/rspa.1972.0026; mu_p [Pa], alpha_p [-], D1 [1/Pa]. Abaqus has
@@ -46,10 +47,6 @@ class Ogden(Law):
             for mu, alpha in zip(self.mu, self.alpha, strict=True)
         )
 
-    def volumetric(self, J: Any, maths: Maths) -> Any:
-        """(J - 1)^2 / D1 [J/m^3]."""
-        return (J - 1) ** 2 / maths.number(self.D1)
-
     @classmethod
     def constants(cls, mu: float, K: float, given: dict[str, Any]) -> dict[str, Any]:
         """Mu of one term, by its alpha, and D1."""
@@ -62,11 +59,6 @@ class Ogden(Law):
     def shear_modulus(self) -> float:
         """Mu = sum_p mu_p alpha_p / 2 [Pa]."""
         return sum(mu * alpha for mu, alpha in zip(self.mu, self.alpha, strict=False)) / 2
-
-    @property
-    def bulk_modulus(self) -> float:
-        """K = 2 / D1 [Pa]."""
-        return 2 / self.D1
 
     @property
     def limits(self) -> tuple[float, float]:

@@ -8,12 +8,13 @@ from pydantic import Field
 
 from fingerfem.scene.laws.formula import Invariants, Maths
 from fingerfem.scene.laws.law import Law, registered
+from fingerfem.scene.laws.quadratic_volume import QuadraticVolume
 
 Constant = Annotated[float, Field(ge=-1e12, le=1e12)]  # [Pa]
 
 
 @registered
-class Yeoh(Law):
+class Yeoh(QuadraticVolume, Law):
     """W = C1 (I1bar - 3) + C2 (I1bar - 3)^2 + C3 (I1bar - 3)^3 + (J - 1)^2 / D1; C1 > 0, C2, C3 [Pa], D1 > 0 [1/Pa].
 
     Yeoh, Rubber Chem. Technol. 66, 1993, doi:10.5254/1.3538343. Polyconvex where no constant is below 0.
@@ -31,10 +32,6 @@ class Yeoh(Law):
         excess = strain.I1bar - 3
         return excess * (C1 + excess * (C2 + excess * C3))
 
-    def volumetric(self, J: Any, maths: Maths) -> Any:
-        """(J - 1)^2 / D1 [J/m^3]."""
-        return (J - 1) ** 2 / maths.number(self.D1)
-
     @classmethod
     def constants(cls, mu: float, K: float, given: dict[str, Any]) -> dict[str, Any]:
         """C1 and D1 beside C2 and C3, which the moduli do not see."""
@@ -44,11 +41,6 @@ class Yeoh(Law):
     def shear_modulus(self) -> float:
         """Mu = 2 C1 [Pa]."""
         return 2 * self.C1
-
-    @property
-    def bulk_modulus(self) -> float:
-        """K = 2 / D1 [Pa]."""
-        return 2 / self.D1
 
     @property
     def is_always_stable(self) -> bool:
