@@ -11,7 +11,6 @@ import sys
 import tempfile
 from importlib import import_module
 from pathlib import Path
-from pkgutil import walk_packages
 
 from rom.console.packages import explained
 
@@ -22,17 +21,26 @@ def imported() -> dict[str, str]:
     """By module, nothing or which package is missing that it needs."""
     found = {}
     for program in PROGRAMS:
-        package = import_module(program)
-        for one in walk_packages(package.__path__, f"{program}.", onerror=lambda name: None):
-            if "-" in one.name:  # a library of C
-                continue
+        for name in modules_of(Path(import_module(program).__file__).parent):
             try:
-                import_module(one.name)
-                found[one.name] = ""
+                import_module(name)
+                found[name] = ""
             except ImportError as error:
                 reason = explained(error)
-                assert reason is not None, f"{one.name}: {error}"
-                found[one.name] = reason.split()[0]
+                assert reason is not None, f"{name}: {error}"
+                found[name] = reason.split()[0]
+    return found
+
+
+def modules_of(program: Path) -> list[str]:
+    """Modules of a program by their files: of a package that cannot be imported, too."""
+    found = []
+    for file in sorted(program.rglob("*.py")):
+        parts = file.relative_to(program.parent).with_suffix("").parts
+        folders = [program.parent.joinpath(*parts[:k]) for k in range(1, len(parts))]
+        name = ".".join(parts).removesuffix(".__init__")
+        if name != program.name and all((folder / "__init__.py").exists() for folder in folders):
+            found.append(name)
     return found
 
 

@@ -12,6 +12,7 @@ import pytest
 
 from rom.console.packages import REMEDIES
 from rom.native import levels
+from tests.packaging.installed import PROGRAMS, modules_of
 
 ROOT = Path(__file__).resolve().parents[2]
 INSTALLED = Path(__file__).with_name("installed.py")
@@ -54,15 +55,7 @@ def test_a_wheel_holds_a_force_without_a_compiler(tmp_path):
 
 def modules() -> set[str]:
     """All modules of the checkout that are in a wheel."""
-    found = set()
-    for program in ("fingerfem", "rom", "control"):
-        for file in (ROOT / program).rglob("*.py"):
-            parts = file.relative_to(ROOT).with_suffix("").parts
-            named = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-            folders = [ROOT.joinpath(*parts[:k]) for k in range(1, len(parts))]
-            if named != program and all((folder / "__init__.py").exists() for folder in folders):
-                found.add(named)
-    return found
+    return {name for program in PROGRAMS for name in modules_of(ROOT / program)}
 
 
 def bounds() -> dict[str, str]:
