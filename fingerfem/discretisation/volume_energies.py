@@ -51,6 +51,16 @@ class Term(NamedTuple):
     volumetric: strain_energy.Dilatational | None = None
 
 
+class Overstress(NamedTuple):
+    """What viscoelastic branches add to the stress of rubber in a step: share S(C) + stress, S of the law's W.
+
+    That is the stress of an energy too, share W(C) + stress : C / 2, so that a step has a potential.
+    """
+
+    share: fem.Constant  # [-]
+    stress: fem.Function  # second Piola-Kirchhoff stress at the points of integration [Pa]
+
+
 def volume_measure(mesh: FingerMesh, degree: int) -> ufl.Measure:
     """The volume, integrated by a Gauss rule of that degree."""
     return ufl.Measure("dx", mesh.mesh, subdomain_data=mesh.cells, metadata={"quadrature_degree": degree})
@@ -61,16 +71,28 @@ def constants(domain: Any) -> strain_energy.Number:
     return lambda value: fem.Constant(domain, value)
 
 
-def rubber_terms(law: Law, number: strain_energy.Number, degree: int) -> list[Term]:
-    """The rubber's energy, split where its pressure is an unknown of its own."""
-    if not law.is_mixed:
+def rubber_terms(
+    law: Law, number: strain_energy.Number, degree: int, overstress: Overstress | None = None
+) -> list[Term]:
+    """The rubber's energy, split where its pressure is an unknown of its own, and what branches add to it."""
+    if not law.is_mixed and overstress is None:
         return [Term(strain_energy.energy(law, number), regions.RUBBERS, degree)]
     distortional, volumetric = strain_energy.parts(law, number)
-    assert volumetric is not None  # a law without one stays below where mixed begins
+    assert volumetric is not None  # a law without one has no branches, and stays below where mixed begins
     dilatational = strain_energy.of_strain(volumetric)
+    terms = [
+        Term(dilatational, regions.RUBBERS, degree - 1, volumetric)
+        if law.is_mixed
+        else Term(dilatational, regions.RUBBERS, degree)
+    ]
+    if overstress is None:
+        return [Term(distortional, regions.RUBBERS, degree), *terms]
+    share, stress = overstress
+    stiffer = strain_energy.Isotropic(lambda strain: (1 + share) * distortional.density(strain))
     return [
-        Term(distortional, regions.RUBBERS, degree),
-        Term(dilatational, regions.RUBBERS, degree - 1, volumetric),
+        Term(stiffer, regions.RUBBERS, degree),
+        *terms,
+        Term(lambda C: ufl.inner(stress, C) / 2, regions.RUBBERS, degree),
     ]
 
 

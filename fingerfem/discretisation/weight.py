@@ -1,6 +1,8 @@
-"""The finger's weight: a dead load, the same in every state."""
+"""What densities make: the finger's mass, and its weight, a dead load that is the same in every state."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import ufl
@@ -9,23 +11,40 @@ from dolfinx import fem
 from fingerfem.discretisation import form_cache, regions
 from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.mesh import FingerMesh
-from fingerfem.scene.tables import Gravity
+from fingerfem.scene.scene import Scene
+
+Densities = tuple[float, float]  # of rubber and plates [kg/m^3]
 
 
-def weight_forces(assembly: Assembly, mesh: FingerMesh, gravity: Gravity, degree: int) -> np.ndarray:
-    """Nodal forces of weight, the integral of density g . v, shape (owned values,) [N] (collective).
+def inertial_work(mesh: FingerMesh, densities: Densities, degree: int, acceleration: Any, v: Any) -> Any:
+    """The integral of density a . v [J], in UFL; of a trial function a it is the consistent mass.
+
+    Args:
+        mesh: with its regions.
+        densities: of rubber and plates [kg/m^3].
+        degree: of the Gauss rule.
+        acceleration: a [m/s^2].
+        v: test function [m].
+    """
+    dx = ufl.Measure("dx", mesh.mesh, subdomain_data=mesh.cells, metadata={"quadrature_degree": degree})
+    rubber, steel = (fem.Constant(mesh.mesh, value) for value in densities)
+    density = ufl.inner(acceleration, v)
+    return rubber * density * dx(regions.RUBBERS) + steel * density * dx(regions.PLATES)
+
+
+def weight_forces(assembly: Assembly, mesh: FingerMesh, scene: Scene, degree: int) -> np.ndarray | None:
+    """Nodal forces of weight, shape (owned values,) [N]; None of a scene without gravity (collective).
 
     Args:
         assembly: of the displacement's space.
         mesh: with its regions.
-        gravity: densities and acceleration.
+        scene: with its densities.
         degree: of the Gauss rule.
     """
-    v, g = ufl.TestFunction(assembly.space), fem.Constant(mesh.mesh, gravity.vector)
-    dx = ufl.Measure("dx", mesh.mesh, subdomain_data=mesh.cells, metadata={"quadrature_degree": degree})
-    rubber, steel = (fem.Constant(mesh.mesh, value) for value in (gravity.density, gravity.plate_density))
-    work = rubber * ufl.inner(g, v) * dx(regions.RUBBERS) + steel * ufl.inner(g, v) * dx(regions.PLATES)
-    b = assembly.vector(form_cache.form(work))
+    if scene.gravity is None or scene.densities is None:
+        return None
+    g, v = fem.Constant(mesh.mesh, scene.gravity.vector), ufl.TestFunction(assembly.space)
+    b = assembly.vector(form_cache.form(inertial_work(mesh, scene.densities, degree, g, v)))
     forces = b.array_r.copy()
     b.destroy()
     return forces

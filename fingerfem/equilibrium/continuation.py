@@ -104,8 +104,8 @@ class Continuation:
         self._turn = np.concatenate([self._turn, self._turn_by_pressure(float(bending))])
         length = geometry.length
         self._turn_by_weight = 0.0  # [rad]
-        if scene.gravity is not None:
-            heaviest = max(scene.gravity.density, scene.gravity.plate_density) * scene.gravity.acceleration
+        if scene.gravity is not None and scene.densities is not None:
+            heaviest = max(scene.densities) * scene.gravity.acceleration
             self._turn_by_weight = float(heaviest * geometry.shape.area * geometry.length**3 / 6 / bending)
         self._turn_by_wrench = np.repeat([length**2 / 2, length], 3) / bending  # [rad/N, rad/(N m)]
         self.rest()

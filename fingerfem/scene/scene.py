@@ -22,10 +22,11 @@ from fingerfem.scene.laws import REGISTERED, Law
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.outline import GridOutline
 from fingerfem.scene.presets import KEYS, chosen
-from fingerfem.scene.rules import check_chambers, check_obstacle, check_section, ordered
+from fingerfem.scene.rules import check_chambers, check_density, check_obstacle, check_section, ordered
 from fingerfem.scene.sections import SHAPES, FromFile, Section
 from fingerfem.scene.tables import (
     Coarse,
+    Density,
     Expected,
     Geometry,
     Gravity,
@@ -60,6 +61,7 @@ class Scene(SceneTable):
     material: SerializeAsAny[Law]
     tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
     chambers: Annotated[list[Chamber], Field(max_length=8)] = []
+    density: Density | None = None
     gravity: Gravity | None = None
     obstacle: Obstacle | None = None
     load: Load | None = None
@@ -152,6 +154,7 @@ class Scene(SceneTable):
                 )
             ordered(f"tendons.{k}.tension", tendon.tension)
         check_chambers(self)
+        check_density(self)
         if self.mesh.symmetry and not self.outline.is_planar:
             raise ValueError("mesh.symmetry must be false where a tendon or chamber is off the plane z = 0, got true")
         if self.load is not None and (self.obstacle is not None or self.mesh.symmetry):
@@ -208,6 +211,15 @@ class Scene(SceneTable):
         return self.material
 
     @property
+    def densities(self) -> tuple[float, float] | None:
+        """Of rubber and plates [kg/m^3]; None of a scene that gives none."""
+        if self.density is not None:
+            return self.density.rubber, self.density.plates
+        if self.gravity is None or self.gravity.density is None:
+            return None
+        return self.gravity.density, self.gravity.plate_density
+
+    @property
     def actuators(self) -> list[str]:
         """Names of the tendons, then of the chambers."""
         return [tendon.name for tendon in self.tendons] + [chamber.name for chamber in self.chambers]
@@ -238,7 +250,7 @@ class Scene(SceneTable):
     @model_serializer(mode="wrap")
     def _without_what_is_not_named(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """A scene without load, weight, section, chambers or coarse mesh is as before; a square is geometry.side's."""
-        later = "load", "coarse", "gravity", "section"
+        later = "load", "coarse", "density", "gravity", "section"
         written = {key: value for key, value in serialise(self).items() if key not in later or value is not None}
         if not self.chambers:
             written.pop("chambers", None)

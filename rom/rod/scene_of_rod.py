@@ -78,7 +78,7 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
             "geometry": _geometry(scene["geometry"]),
             "material": dict(scene["material"]),
             "tendons": [_tendon(one) for one in scene["tendons"]],
-        } | ({} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"])})
+        } | ({} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"], scene.get("density"))})
     except ModelError:
         raise
     except (KeyError, TypeError, ValueError) as error:

@@ -63,7 +63,7 @@ def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]
         "channel_area": scene.geometry.channel_width**2,
         "law": scene.law.model_dump(),
         "mixed": int(scene.law.is_mixed),
-        "densities": [0.0, 0.0] if weight is None else [weight.density, weight.plate_density],
+        "densities": scene.densities or [0.0, 0.0],
         "acceleration": [0.0, 0.0, 0.0] if weight is None else weight.vector.tolist(),
         "plate_law": plate_law(scene.law).model_dump(),
         "stiffness": float(problem.fields.stiffness.value),
