@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rom.answer import Answer
     from rom.rod.friction.history import friction_history
+    from rom.rod.guides import GuidedFinger, guide_history
     from rom.rod.objects.search import find_object
     from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
     from rom.rod.rod import Rod
@@ -31,6 +32,8 @@ _HOMES = {
     "box": "rom.rod.objects.shapes",
     "find_object": "rom.rod.objects.search",
     "friction_history": "rom.rod.friction.history",
+    "GuidedFinger": "rom.rod.guides",
+    "guide_history": "rom.rod.guides",
     "specialise": "rom.separated.rod_source",
 }
 __all__ = [
@@ -46,6 +49,8 @@ __all__ = [
     "box",
     "find_object",
     "friction_history",
+    "GuidedFinger",
+    "guide_history",
     "load",
     "specialise",
 ]
