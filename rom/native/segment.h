@@ -144,6 +144,7 @@ typedef struct {
     const double *drag;     /* (elements, tensions): friction besides that of turning, per length, times the element's length [N] */
     double *tensions;       /* (elements, tensions): in the middle of every element [N] */
     double *rates;          /* (elements, tensions, tensions): their derivatives by the tensions at the motors [-] */
+    double *bends;          /* (elements): by how much each is bent [rad] */
     double *slips;          /* (elements, tensions): how far a tendon has moved through the end of an element towards the clamp [m] */
 } fingerfem_guides;
 

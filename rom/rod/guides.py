@@ -101,7 +101,7 @@ class GuidedFinger(PickledByFields):
         self.arrays = guides.GuideArrays(
             friction * in_channel,
             per_length * lengths[:, None] * in_channel,
-            *(np.zeros(shape) for shape in ((n, t), (n, t, t), (n, t), (t,), (loads,))),
+            *(np.zeros(shape) for shape in ((n, t), (n, t, t), (n,), (n, t), (t,), (loads,))),
         )
         self.rest()
 

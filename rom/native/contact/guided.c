@@ -23,8 +23,6 @@ static int unloaded(const fingerfem_chain *chain, const double *loads)
 /* Without a wrench; returns the number of steps, negative if they do not converge. */
 static int without_wrench(guides_state *state)
 {
-    guides_without_wrench(state);
-    guides_predict(state);
     for (int k = 1; k <= STEPS; k++) {
         guides_without_wrench(state);
         const double change = guides_step(state);
@@ -57,12 +55,9 @@ static int under_wrench(const fingerfem_touching *touching, const double *distan
 {
     for (int k = 1; k <= STEPS; k++) {
         if (!equilibrium(touching, distances, memory, loads, state)) return -k;
-        if (k == 1) guides_predict(state);
-        else {
-            const double change = guides_step(state);
-            if (change < 0.0) return -k;
-            if (change < SETTLED) return k;
-        }
+        const double change = guides_step(state);
+        if (change < 0.0) return -k;
+        if (change < SETTLED) return k;
     }
     return -STEPS;
 }
@@ -77,6 +72,7 @@ int fingerfem_guides_advance(const fingerfem_touching *touching, const double *p
     for (int k = 0; k < chain->plates; k++)
         if (!chain->segments[k]->sixes) return 0;
     guides_begin(chain, &goal, motors, memory + fingerfem_chain_memory(chain), &state);
+    guides_predict(&state);
     /* of the free finger, and whether an object presses it there */
     if (free) {
         steps = without_wrench(&state);

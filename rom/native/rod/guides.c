@@ -89,6 +89,7 @@ void guides_begin(const fingerfem_chain *chain, const guides_goal *goal, double 
             own->segment = s;
             own->element = e;
             own->number = first + e;
+            own->bend = chain->guides->bends[own->number];
             memcpy(own->last, tensions_at(found, k), (size_t)t * sizeof(double));
         }
     }
@@ -364,6 +365,7 @@ void guides_end(guides_state *state, double *work)
                 rates[i][j] = 0.0;
                 for (int l = 0; l < t; l++) rates[i][j] += element->gain[i][l] * next[l][j];
             }
+        chain->guides->bends[element->number] = element->bend;
         memcpy(next, rates, sizeof next);
         for (int i = 0; i < t; i++) memcpy(chain->guides->rates + t * (t * element->number + i), rates[i], (size_t)t * sizeof(double));
     }

@@ -52,6 +52,6 @@ double guides_step(guides_state *state);
 /* Derivatives of all tensions by those at the motors as if a tendon had one tension, for `guides_under`. */
 void guides_by_own(const guides_state *state);
 
-/* Leave slips and derivatives by the tensions at the motors; returns work of the motors and what friction took, (2) [J]. */
+/* Leave slips, bending and derivatives by the tensions at the motors; returns work of the motors and what friction took, (2) [J]. */
 void guides_end(guides_state *state, double *work);
 #endif

@@ -13,7 +13,7 @@
  * section moves. Every change is a row with one number for every input, which is computed in parts of WIDE numbers. */
 #include "rod_follow.h"
 
-enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
+enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH, SOME = 8 /* monomials */ };
 
 static const fingerfem_law *law_of(const rod_state *rod, int k) { return rod->segment->law[rod->segment->law_of[k]]; }
 
@@ -93,16 +93,18 @@ void rod_set_guided(const fingerfem_segment *segment, const double *tensions, co
     found->own_tensions = own;
     memcpy(own, tensions, (size_t)(segment->elements * t) * sizeof *own);
     for (int k = 0; k < segment->elements; k++) {
-        double *monomials = rod_monomials(found, k), row[TENSIONS_MOST];
-        const double *rate = rates + t * t * k;
+        double *monomials = rod_monomials(found, k), by[TENSIONS_MOST][SOME] = {{0.0}};
         tensions_monomials(segment, own + t * k, monomials);
-        /* dM/dF_j = sum_i dM/dT_i dT_i/dF_j, with the element's tensions T and the motors' F */
-        for (int m = 0; m < all; m++) {
+        /* dM/dF_j = sum_i dM/dT_i dT_i/dF_j, with the element's tensions T and the motors' F, some monomials at once */
+        for (int m = 0; m < all; m += SOME) {
+            const int count = all - m < SOME ? all - m : SOME;
             double *slopes = monomials + all + m;
-            for (int i = 0; i < t; i++) row[i] = slopes[all * i];
+            for (int i = 0; i < t; i++) memcpy(by[i], slopes + all * i, (size_t)count * sizeof *slopes);
             for (int j = 0; j < t; j++) {
-                slopes[all * j] = 0.0;
-                for (int i = 0; i < t; i++) slopes[all * j] += row[i] * rate[t * i + j];
+                double sums[SOME] = {0.0};
+                for (int i = 0; i < t; i++)
+                    for (int n = 0; n < SOME; n++) sums[n] += rates[t * (t * k + i) + j] * by[i][n];
+                memcpy(slopes + all * j, sums, (size_t)count * sizeof *slopes);
             }
         }
     }

@@ -21,6 +21,7 @@ class GuideArrays(NamedTuple):
         drag: friction per length times an element's length, shape (n, t) [N].
         tensions: in every element, shape (n, t) [N].
         rates: their derivatives by the tensions at the motors, shape (n, t, t) [-].
+        bends: of the elements, shape (n,) [rad].
         slips: how far each tendon has moved at the element's end towards the clamp, shape (n, t) [m].
         motors: tensions there, shape (t,) [N].
         loads: of the contact, see `rom.rod.compiled.loads`, shape (l,) [N, N m].
@@ -30,6 +31,7 @@ class GuideArrays(NamedTuple):
     drag: np.ndarray
     tensions: np.ndarray
     rates: np.ndarray
+    bends: np.ndarray
     slips: np.ndarray
     motors: np.ndarray
     loads: np.ndarray
@@ -47,7 +49,7 @@ class GuideArrays(NamedTuple):
 def guided(chain: Any, objects: Any, count: int, arrays: GuideArrays) -> Any:
     """A struct fingerfem_touching of a chain with guides before `count` objects; all that is given must outlive it."""
     guides = LIBRARY.ffi.new("fingerfem_guides *")
-    for name in ("friction", "drag", "tensions", "rates", "slips"):
+    for name in ("friction", "drag", "tensions", "rates", "bends", "slips"):
         setattr(guides, name, pointer(getattr(arrays, name)))
     own = LIBRARY.struct("fingerfem_chain", guides=guides)
     for name, _ in LIBRARY.ffi.typeof("fingerfem_chain").fields:
