@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rom.answer import Answer
     from rom.rod.friction.history import friction_history
-    from rom.rod.guides import GuidedFinger, guide_history
+    from rom.rod.guide_history import guide_history
+    from rom.rod.guides import GuidedFinger
     from rom.rod.objects.search import find_object
     from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
     from rom.rod.rod import Rod
@@ -33,7 +34,7 @@ _HOMES = {
     "find_object": "rom.rod.objects.search",
     "friction_history": "rom.rod.friction.history",
     "GuidedFinger": "rom.rod.guides",
-    "guide_history": "rom.rod.guides",
+    "guide_history": "rom.rod.guide_history",
     "specialise": "rom.separated.rod_source",
 }
 __all__ = [

@@ -19,6 +19,7 @@ from rom.rod.rod import Rod
 from rom.rod.touched_rod import TouchedRod
 
 HALVINGS = 8  # of an increment that finds no equilibrium
+DIFFERENCES = {"N": 0.05, "m": 5e-6}  # half widths of central differences of an increment, by the parameter's unit
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 
 
@@ -35,9 +36,6 @@ class GuideState(NamedTuple):
         tip: displacement of the tip plate's centre, shape (3,) [m].
         orientation: of the tip plate's frame, as a unit quaternion w, x, y, z, shape (4,) [-].
         contact_forces: shape (m,) [N].
-        jacobian: of the tip and the contact forces by the tensions at the motors and every d, where all tendons keep
-            how they move in their guides, shape (3 + m, t + m). In contact, a tendon that sticks is taken to keep its
-            shortenings at fixed wrenches.
         tip_error: estimated, without that of the law of friction [m].
         work: of the motors since the beginning [J].
         dissipated: by friction in the guides since the beginning [J].
@@ -50,10 +48,17 @@ class GuideState(NamedTuple):
     tip: np.ndarray
     orientation: np.ndarray
     contact_forces: np.ndarray
-    jacobian: np.ndarray
     tip_error: float
     work: float
     dissipated: float
+
+
+class Increment(NamedTuple):
+    """The last increment: the arrays where it began, its point, and which motors wound."""
+
+    begun: list[np.ndarray]
+    point: np.ndarray
+    wound: np.ndarray
 
 
 @brief
@@ -84,6 +89,7 @@ class GuidedFinger(PickledByFields):
     work: float = field(init=False, default=0.0, repr=False)
     dissipated: float = field(init=False, default=0.0, repr=False)
     inside: bool = field(init=False, default=True, repr=False)
+    last: Increment | None = field(init=False, default=None, repr=False)
 
     def __post_init__(self) -> None:
         friction, per_length = np.array(self.friction, float), float(self.per_length)
@@ -137,7 +143,7 @@ class GuidedFinger(PickledByFields):
         self.arrays.motors[:] = [one.lower for one in self.rod.parameters]
         self.arrays.tensions[:] = self.arrays.motors
         self.arrays.rates[:] = np.eye(len(self.arrays.motors))
-        self.work, self.dissipated, self.inside = 0.0, 0.0, True
+        self.work, self.dissipated, self.inside, self.last = 0.0, 0.0, True, None
 
     def advance(self, point: ArrayLike, wound: Collection[str] = ()) -> GuideState:
         """One increment to a point: the tendons slip in one direction each, or stick.
@@ -163,7 +169,39 @@ class GuidedFinger(PickledByFields):
             self.arrays.restore(kept[0])
             _, self.work, self.dissipated, self.inside = kept
             return self._nothing()
+        self.last = Increment(kept[0], given, winds)
         return self._state(given[len(names) :])
+
+    def jacobian(self) -> np.ndarray:
+        """How tip and contact forces at the end of the last increment change with its point, shape (3 + m, t + m).
+
+        Of a finger without load by elimination, else by central differences of the increment: about a millisecond.
+        Where a motor has just reversed there are two derivatives; differences return their mean.
+
+        Raises:
+            ModelError: there was no increment yet, or one beside it has no equilibrium.
+        """
+        if self.last is None:
+            raise ModelError("advance must be called before jacobian, got no increment yet")
+        (begun, point, wound), t = self.last, len(self.rod.names)
+        if not self.arrays.loads.any() and "gravity" not in self.rod.scene and not wound.any():
+            return guides.answer(self._touching, self.arrays, point[t:]).jacobian[: 3 + len(point) - t]
+        kept = self.arrays.keep(), self.work, self.dissipated, self.inside
+        columns = []
+        for k, one in enumerate(self.model.parameters):
+            step = DIFFERENCES["m" if k < t and wound[k] else one.unit]
+            sides = []
+            for way in (step, -step):
+                self.arrays.restore(begun)
+                beside = point + way * (np.arange(len(point)) == k)
+                if not self._reach(beside, wound, HALVINGS):
+                    raise ModelError(f"jacobian needs increments to {one.name} beside {point[k]:g}, got no equilibrium")
+                found = guides.answer(self._touching, self.arrays, beside[t:])
+                sides.append(found.out[: 3 + len(point) - t])
+            columns.append((sides[0] - sides[1]) / (2 * step))
+        self.arrays.restore(kept[0])
+        _, self.work, self.dissipated, self.inside = kept
+        return np.stack(columns, axis=-1)
 
     def _reach(self, goal: np.ndarray, wound: np.ndarray, halvings: int) -> bool:
         """One increment, or two halves of it."""
@@ -200,7 +238,6 @@ class GuidedFinger(PickledByFields):
             tip=found.out[:3],
             orientation=found.reports.rows[0, :QUATERNION],
             contact_forces=found.out[3 : 3 + m],
-            jacobian=found.jacobian[: 3 + m],
             tip_error=float(found.errors[0]),
             work=self.work,
             dissipated=self.dissipated,
@@ -217,51 +254,7 @@ class GuidedFinger(PickledByFields):
             tip=np.full(3, np.nan),
             orientation=np.full(QUATERNION, np.nan),
             contact_forces=np.full(m, np.nan),
-            jacobian=np.full((3 + m, t + m), np.nan),
             tip_error=np.nan,
             work=np.nan,
             dissipated=np.nan,
         )
-
-
-def guide_history(
-    model: Rod | TouchedRod,
-    points: ArrayLike,
-    friction: float | Sequence[float],
-    per_length: float = 0.0,
-    wound: Collection[str] = (),
-    increments: int = 4,
-) -> list[GuideState]:
-    """States along a history of motors, from rest, from point to point in straight lines.
-
-    Args:
-        model: a finger, alone or before objects.
-        points: tensions at the motors, or shortenings of wound tendons, then every d, shape (points, t + m) [N, m].
-        friction: coefficient of all tendons in their guides, or of each, shape (t,) [-].
-        per_length: friction besides [N/m].
-        wound: names of the tendons whose motors are driven by position.
-        increments: from point to point; what slips and what sticks is decided once in each.
-
-    Raises:
-        ModelError: see `GuidedFinger`; or no increment.
-
-    Example:
-        >>> guide_history(TouchedSegment.load(), [[60, 0, 0.05], [30, 0, 0.05]], 0.2)[-1].element_tensions
-    """
-    finger, rows = (
-        GuidedFinger(model=model, friction=friction, per_length=per_length),
-        np.atleast_2d(np.asarray(points, float)),
-    )
-    if increments < 1:
-        raise ModelError(f"increments must be at least 1, got {increments}")
-    if rows.shape[1:] != (len(finger.names),):
-        raise ModelError(f"points must be rows of {', '.join(finger.names)}, got shape {rows.shape}")
-    begun, found = rows[0].copy(), []
-    begun[: len(finger.rod.names)] = [0.0 if one.name in wound else one.lower for one in finger.rod.parameters]
-    for row in rows:
-        for k in range(1, 1 + increments):
-            share = k / increments
-            state = finger.advance(row if k == increments else begun + share * (row - begun), wound)
-        found.append(state)
-        begun = row
-    return found
