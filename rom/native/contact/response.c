@@ -1,4 +1,5 @@
 /* Response of the bodies to contact forces: G, S and C S, derivatives, and stability. */
+#include "inertia.h"
 #include "response.h"
 #include "slices.h"
 #include "../linear_algebra/small.h"
@@ -89,6 +90,7 @@ INLINE int find(int size, contact_state *state)
 int response_find(const contact_problem *problem, contact_state *state)
 {
     follow(problem, state);
+    if (problem->step) inertia_follow(problem, &state->at.chain, state->following);
     return contact_size(problem) == W ? find(W, state) : find(contact_size(problem), state); /* the loops of one plate are unrolled */
 }
 

@@ -1,0 +1,22 @@
+/* Inertia of the bodies in a step of time: what is added to the balance of contact_solve.c, see inertia.c. */
+#ifndef FINGERFEM_INERTIA_H
+#define FINGERFEM_INERTIA_H
+#include "contact.h"
+
+/* A step from where bodies were: its length [s], and the numbers of the generalised-alpha method [-]. */
+struct contact_step {
+    const fingerfem_inertia *inertia;
+    const double *begun; /* (bodies, FINGERFEM_MOVING), by loads */
+    double length, mean_mass, mean_force, beta, gamma;
+};
+
+/* Numbers of the method for a spectral radius at infinite frequency, 0 to 1 (Chung and Hulbert 1993). */
+void inertia_method(double radius, struct contact_step *step);
+
+/* Inertial wrenches on all bodies where they are, (6 bodies) [N, N m]; and the same of one, with how it moves at the step's end. */
+void inertia_wrenches(const contact_problem *problem, const chain_state *state, double *found);
+void inertia_moving(const struct contact_step *step, const double *begun, const chain_body *body, double *moving);
+
+/* Add the change of these wrenches with the motions of the bodies, (6 bodies, 6 bodies). */
+void inertia_follow(const contact_problem *problem, const chain_state *state, chain_matrix following);
+#endif
