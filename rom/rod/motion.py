@@ -21,6 +21,7 @@ from rom.rod.rod import Rod
 from rom.rod.touched_rod import TouchedRod
 
 HALVINGS = 8  # of a step that finds no answer
+ROUNDING = 1e-12  # of a step's length
 RADIUS = 0.8  # spectral radius of the method for high frequencies [-]
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 
@@ -140,10 +141,10 @@ class MovingFinger:
         """A step of time [s] to tensions [N] and d [m], which change linearly in it; halved where it finds no answer."""
         goal, begun, point = np.array(parameters, float), self.time, self._point
         found, ahead = None, length
-        while self.time < begun + length * (1 - 1e-12):
+        while self.time < begun + length * (1 - ROUNDING):
             ahead = min(ahead, begun + length - self.time)
-            share = (self.time + ahead - begun) / length
-            now = self._advance(point + share * (goal - point), ahead)
+            left = 1 - (self.time + ahead - begun) / length  # of the way [-]
+            now = self._advance(goal - left * (goal - point) if left > ROUNDING else goal, ahead)
             if now is None:
                 ahead /= 2
                 if ahead < length / 2**HALVINGS:

@@ -57,6 +57,7 @@ typedef struct {
     chain_rods *map;
     double ahead[FINGERFEM_MOST_OBJECTS]; /* [m] */
     const struct contact_step *step;      /* NULL at rest; else the bodies move, see inertia.h */
+    double share;                         /* of contact forces that the balance sees: 1 at rest [-] */
 } contact_problem;
 
 static inline const fingerfem_object *contact_object(const contact_problem *problem, int j) { return problem->touching->objects[j]; }

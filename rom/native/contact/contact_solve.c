@@ -73,7 +73,7 @@ static double step(const contact_problem *problem, double most, contact_state *s
     /* dw = S (W f - (w - I)) */
     for (int i = 0; i < w; i++) target[i] = -state->pressed[i];
     for (int k = 0; k < contacts->count; k++)
-        if (forces[k] > 0.0) response_press(&state->at, k, forces[k], target);
+        if (forces[k] > 0.0) response_press(&state->at, k, problem->share * forces[k], target);
     response_product(w, state->soft, target, change);
     /* size of the step, max_i |dw_i| / upper_i [-] */
     for (int i = 0; i < w; i++) {

@@ -8,8 +8,17 @@
  *
  *     a = (D - v_0 - (1/2 - beta) h a_0) / (beta h),             v = v_0 + h ((1 - gamma) a_0 + gamma a),
  *     v' = ((1 - mean_mass) a + mean_mass a_0 - mean_force v'_0) / (1 - mean_force).
+ *
+ * The method remembers a, and would push a body that an object leaves. So the wrench r of contact is no part of a and v', but
+ * acts in each step alone, at its end (as in Chen, Acary, Virlez and Bruels, Int. J. Numer. Meth. Eng. 96, 2013):
+ *
+ *     p = p_a + h^2 r / M,    v = v_a + h r / M,
+ *
+ * where p_a and v_a are by a alone: contact takes velocity, and never gives any. With the whole way in D above, what elements
+ * balance is -M v' + contact r, with contact = (1 - mean_mass) / ((1 - mean_force) beta).
  */
 #include "inertia.h"
+#include "../linear_algebra/small.h"
 
 enum { PLACE = 0, TURN = 3, VELOCITY = 12, CHANGE = 18, MEAN = 24 }; /* of a body's FINGERFEM_MOVING numbers: p, R, v, v', a */
 
@@ -21,6 +30,7 @@ void inertia_method(double radius, struct contact_step *step)
     step->mean_force = radius / (radius + 1.0);
     step->gamma = 0.5 + step->mean_force - step->mean_mass;
     step->beta = 0.25 * (step->gamma + 0.5) * (step->gamma + 0.5);
+    step->contact = (1.0 - step->mean_mass) / ((1.0 - step->mean_force) * step->beta);
 }
 
 /* The rotation vector of R_0^T R, (3) [rad]: less than half a turn. */
@@ -56,6 +66,33 @@ void inertia_moving(const struct contact_step *step, const double *begun, const 
         moving[CHANGE + i] = ((1.0 - step->mean_mass) * a + step->mean_mass * before - step->mean_force * begun[CHANGE + i]) / share;
         moving[MEAN + i] = a;
     }
+}
+
+int inertia_leave_contact(const struct contact_step *step, int load, const double *wrench, double *moving)
+{
+    const double m = step->inertia->masses[load], *s = step->inertia->moments + 3 * load, *J = step->inertia->inertias + 9 * load;
+    const double share = (1.0 - step->mean_mass) / (1.0 - step->mean_force), h = step->length, *R = moving + TURN;
+    double mass[W * W] = {0.0}, change[W];
+    /* M = (m, -s x; s x, J); change = r / M */
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        mass[W * i + i] = m;
+        mass[W * i + 3 + j] = s[k];
+        mass[W * i + 3 + k] = -s[j];
+        mass[W * (3 + i) + j] = -s[k];
+        mass[W * (3 + i) + k] = s[j];
+        for (int l = 0; l < 3; l++) mass[W * (3 + i) + 3 + l] = J[3 * i + l];
+    }
+    memcpy(change, wrench, sizeof change);
+    if (!small_solve(W, mass, 1, change)) return 0;
+    /* a -= r / (M beta), v' likewise, v += h r / M - gamma h r / (M beta); those of the centre in space */
+    for (int i = 0; i < W; i++) {
+        const double own = i < 3 ? objects_dot(R + 3 * i, change) : change[i], taken = own / step->beta;
+        moving[MEAN + i] -= taken;
+        moving[CHANGE + i] -= share * taken;
+        moving[VELOCITY + i] += h * (own - step->gamma * taken);
+    }
+    return 1;
 }
 
 static const double *begun_of(const contact_problem *problem, int body)

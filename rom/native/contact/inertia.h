@@ -8,6 +8,7 @@ struct contact_step {
     const fingerfem_inertia *inertia;
     const double *begun; /* (bodies, FINGERFEM_MOVING), by loads */
     double length, mean_mass, mean_force, beta, gamma;
+    double contact; /* the share of contact forces that the balance at the step's end sees [-] */
 };
 
 /* Numbers of the method for a spectral radius at infinite frequency, 0 to 1 (Chung and Hulbert 1993). */
@@ -16,6 +17,9 @@ void inertia_method(double radius, struct contact_step *step);
 /* Inertial wrenches on all bodies where they are, (6 bodies) [N, N m]; and the same of one, with how it moves at the step's end. */
 void inertia_wrenches(const contact_problem *problem, const chain_state *state, double *found);
 void inertia_moving(const struct contact_step *step, const double *begun, const chain_body *body, double *moving);
+
+/* From the motion that `inertia_moving` takes for one by inertia alone, take what the wrench of contact on it, (6), gave. */
+int inertia_leave_contact(const struct contact_step *step, int load, const double *wrench, double *moving);
 
 /* Add the change of these wrenches with the motions of the bodies, (6 bodies, 6 bodies). */
 void inertia_follow(const contact_problem *problem, const chain_state *state, chain_matrix following);

@@ -56,8 +56,8 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     double held[TENSIONS_MOST];
     chain_rods map;
     contact_state state;
-    contact_problem problem = {touching, &map, {0.0}, &step};
     inertia_method(radius, &step);
+    contact_problem problem = {touching, &map, {0.0}, &step, step.contact};
     /* objects at their d: all come as the first one that is there */
     double d = 0.0;
     for (int j = touching->count - 1; j >= 0; j--) d = isfinite(point[t + j]) ? point[t + j] : d;
@@ -71,13 +71,18 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     if (!all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
     const int evaluations = contact_solve_from(&problem, d, &state);
     if (evaluations <= 0) return evaluations;
-    /* where the step ends; objects' forces */
+    /* wrenches of contact */
+    double contact[CHAIN_WRENCH] = {0.0};
+    for (int k = 0; k < state.at.contacts.count; k++)
+        if (state.forces[k] > 0.0) response_press(&state.at, k, state.forces[k], contact);
+    /* where the step ends */
     for (int b = 0; b < map.count; b++) {
         double *own = moving + FINGERFEM_MOVING * chain_load_of(&map, b), begun[FINGERFEM_MOVING];
         if (map.bodies[b].segment == CHAIN_GROUND) continue;
         *inside &= state.at.chain.bodies[b].end.inside;
         memcpy(begun, own, sizeof begun);
         inertia_moving(&step, begun, state.at.chain.bodies + b, own);
+        if (!inertia_leave_contact(&step, chain_load_of(&map, b), contact + W * b, own)) return -evaluations;
     }
     chain_leave_loads(&map, state.wrench, loads);
     forces_along(&problem, &state, forces);

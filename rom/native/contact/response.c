@@ -29,13 +29,14 @@ static void follow(const contact_problem *problem, contact_state *state)
         double own[SLICE_INPUTS][SLICE_INPUTS];
         if (state->forces[k] == 0.0) continue;
         changes_of(problem, state, k, own);
+        const double force = problem->share * state->forces[k];
         /* G += f_k dW_k, in the blocks of the contact's bodies a, b */
         for (int a = 0; a < arms->count; a++)
             for (int b = 0; b < arms->count; b++)
                 for (int i = 0; i < W; i++)
                     for (int j = 0; j < W; j++)
                         state->following[W * arms->bodies[a] + i][W * arms->bodies[b] + j] +=
-                            state->forces[k] * own[W * a + i][W * b + j];
+                            force * own[W * a + i][W * b + j];
     }
 }
 
