@@ -10,12 +10,13 @@
  *     v' = ((1 - mean_mass) a + mean_mass a_0 - mean_force v'_0) / (1 - mean_force).
  *
  * The method remembers a, and would push a body that an object leaves. So the wrench r of contact is no part of a and v', but
- * acts in each step alone, at its end (as in Chen, Acary, Virlez and Bruels, Int. J. Numer. Meth. Eng. 96, 2013):
+ * acts in each step alone (as in Kane, Repetto, Ortiz and Marsden, Comput. Methods Appl. Mech. Eng. 180, 1999):
  *
- *     p = p_a + h^2 r / M,    v = v_a + h r / M,
+ *     p = p_a + h^2 / 2 r / M,    v = v_a + h r / M,
  *
- * where p_a and v_a are by a alone: contact takes velocity, and never gives any. With the whole way in D above, what elements
- * balance is -M v' + contact r, with contact = (1 - mean_mass) / ((1 - mean_force) beta).
+ * where p_a and v_a are by a alone. Its work is r (p - p_0) <= 0, as gaps close in a step or stay closed. With the whole way in D
+ * above, what elements balance is -M v' + contact r, with contact = (1 - mean_mass) / (2 beta (1 - mean_force)). Then pressing
+ * contacts keep no velocity along their normals n, as in an impact without a rebound: v -= W (W^T W / M)^-1 W^T v / M.
  */
 #include "inertia.h"
 #include "../linear_algebra/small.h"
@@ -30,7 +31,7 @@ void inertia_method(double radius, struct contact_step *step)
     step->mean_force = radius / (radius + 1.0);
     step->gamma = 0.5 + step->mean_force - step->mean_mass;
     step->beta = 0.25 * (step->gamma + 0.5) * (step->gamma + 0.5);
-    step->contact = (1.0 - step->mean_mass) / ((1.0 - step->mean_force) * step->beta);
+    step->contact = 0.5 * (1.0 - step->mean_mass) / ((1.0 - step->mean_force) * step->beta);
 }
 
 /* The rotation vector of R_0^T R, (3) [rad]: less than half a turn. */
@@ -68,12 +69,11 @@ void inertia_moving(const struct contact_step *step, const double *begun, const 
     }
 }
 
-int inertia_leave_contact(const struct contact_step *step, int load, const double *wrench, double *moving)
+int inertia_accelerate(const fingerfem_inertia *inertia, int load, double *wrench)
 {
-    const double m = step->inertia->masses[load], *s = step->inertia->moments + 3 * load, *J = step->inertia->inertias + 9 * load;
-    const double share = (1.0 - step->mean_mass) / (1.0 - step->mean_force), h = step->length, *R = moving + TURN;
-    double mass[W * W] = {0.0}, change[W];
-    /* M = (m, -s x; s x, J); change = r / M */
+    const double m = inertia->masses[load], *s = inertia->moments + 3 * load, *J = inertia->inertias + 9 * load;
+    double mass[W * W] = {0.0};
+    /* M = (m, -s x; s x, J) */
     for (int i = 0; i < 3; i++) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         mass[W * i + i] = m;
@@ -83,16 +83,32 @@ int inertia_leave_contact(const struct contact_step *step, int load, const doubl
         mass[W * (3 + i) + k] = s[j];
         for (int l = 0; l < 3; l++) mass[W * (3 + i) + 3 + l] = J[3 * i + l];
     }
-    memcpy(change, wrench, sizeof change);
-    if (!small_solve(W, mass, 1, change)) return 0;
-    /* a -= r / (M beta), v' likewise, v += h r / M - gamma h r / (M beta); those of the centre in space */
+    return small_solve(W, mass, 1, wrench);
+}
+
+void inertia_leave_contact(const struct contact_step *step, const double *change, double *moving)
+{
+    const double share = (1.0 - step->mean_mass) / (1.0 - step->mean_force), h = step->length, *R = moving + TURN;
+    /* with change = r / M: a -= change / (2 beta), v' likewise, v += h change - gamma h change / (2 beta); those of the centre in space */
     for (int i = 0; i < W; i++) {
-        const double own = i < 3 ? objects_dot(R + 3 * i, change) : change[i], taken = own / step->beta;
+        const double own = i < 3 ? objects_dot(R + 3 * i, change) : change[i], taken = 0.5 * own / step->beta;
         moving[MEAN + i] -= taken;
         moving[CHANGE + i] -= share * taken;
         moving[VELOCITY + i] += h * (own - step->gamma * taken);
     }
-    return 1;
+}
+
+void inertia_add_velocity(const double *change, double *moving)
+{
+    for (int i = 0; i < W; i++) moving[VELOCITY + i] += i < 3 ? objects_dot(moving + TURN + 3 * i, change) : change[i];
+}
+
+double inertia_velocity_along(const double *wrench, const double *moving)
+{
+    const double *R = moving + TURN, *v = moving + VELOCITY;
+    double sum = objects_dot(wrench + 3, v + 3);
+    for (int i = 0; i < 3; i++) sum += wrench[i] * (R[i] * v[0] + R[3 + i] * v[1] + R[6 + i] * v[2]);
+    return sum;
 }
 
 static const double *begun_of(const contact_problem *problem, int body)
@@ -100,11 +116,11 @@ static const double *begun_of(const contact_problem *problem, int body)
     return problem->step->begun + FINGERFEM_MOVING * chain_load_of(problem->map, body);
 }
 
-/* The inertial wrench of a body that moves so, (6). */
-static void wrench_of(const fingerfem_inertia *inertia, int load, const double *moving, double *found)
+/* The inertial wrench of a body that moves so, (6), with an angular velocity `spin`. */
+static void wrench_of(const fingerfem_inertia *inertia, int load, const double *moving, const double *spin, double *found)
 {
     const double *s = inertia->moments + 3 * load, *J = inertia->inertias + 9 * load, *R = moving + TURN;
-    const double *spin = moving + VELOCITY + 3, *change = moving + CHANGE + 3;
+    const double *change = moving + CHANGE + 3;
     double A[3], turned[3], inner[3], outer[3], spun[3], by_spun[3], by_moment[3];
     for (int i = 0; i < 3; i++) {
         /* R^T p''; J om */
@@ -122,14 +138,22 @@ static void wrench_of(const fingerfem_inertia *inertia, int load, const double *
     }
 }
 
+/* The inertial wrench of a body, (6). That of its turn takes om = 2 D - om_0, which has what contact does, as v above has not. */
+static void wrench_on(const contact_problem *problem, const chain_state *state, int b, double *found)
+{
+    const double *begun = begun_of(problem, b);
+    double moving[FINGERFEM_MOVING], spin[3];
+    turn_between(begun + TURN, state->bodies[b].rotation, spin);
+    for (int i = 0; i < 3; i++) spin[i] = 2.0 * spin[i] / problem->step->length - begun[VELOCITY + 3 + i];
+    inertia_moving(problem->step, begun, state->bodies + b, moving);
+    wrench_of(problem->step->inertia, chain_load_of(problem->map, b), moving, spin, found);
+}
+
 void inertia_wrenches(const contact_problem *problem, const chain_state *state, double *found)
 {
     for (int b = 0; b < problem->map->count; b++) {
-        double moving[FINGERFEM_MOVING];
         memset(found + W * b, 0, W * sizeof *found);
-        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
-        inertia_moving(problem->step, begun_of(problem, b), state->bodies + b, moving);
-        wrench_of(problem->step->inertia, chain_load_of(problem->map, b), moving, found + W * b);
+        if (problem->map->bodies[b].segment != CHAIN_GROUND) wrench_on(problem, state, b, found + W * b);
     }
 }
 
@@ -141,9 +165,8 @@ void inertia_follow(const contact_problem *problem, const chain_state *state, ch
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
         const int load = chain_load_of(problem->map, b);
         const double m = step->inertia->masses[load], *s = step->inertia->moments + 3 * load, *J = step->inertia->inertias + 9 * load;
-        double moving[FINGERFEM_MOVING], wrench[W];
-        inertia_moving(step, begun_of(problem, b), state->bodies + b, moving);
-        wrench_of(step->inertia, load, moving, wrench);
+        double wrench[W];
+        wrench_on(problem, state, b, wrench);
         /* dF = -stiff (m xi - s x theta), dM = -stiff (J theta + s x xi), as accelerations grow by stiff (xi, theta); terms of the
          * velocities, smaller by the turn in a step, and of A, by that of the whole way, are left out */
         for (int i = 0; i < 3; i++) {

@@ -2,6 +2,9 @@
 #include "inertia.h"
 #include "reported.h"
 #include "response.h"
+#include "../linear_algebra/small.h"
+
+#define SHARED 1e-9 /* added to the diagonal, over it, so that contacts of one normal share a force [-] */
 
 /* Make everything that bears a load a body; returns 0 if there is no room. */
 static int all_bodies(chain_rods *map)
@@ -24,6 +27,54 @@ static void forces_along(const contact_problem *problem, const contact_state *st
             forces[j] -= objects_dot(e, wrench + W * q);
         }
     }
+}
+
+/* W_k / M of contact k on its body a, (6), in the body's frame; zero on the ground. */
+static void accelerated(const contact_problem *problem, const contact_state *state, int k, int a, double *found)
+{
+    const contact_arms *arms = state->at.arms + k;
+    const int body = arms->bodies[a];
+    memset(found, 0, W * sizeof *found);
+    if (problem->map->bodies[body].segment == CHAIN_GROUND) return;
+    memcpy(found, arms->wrenches[a], W * sizeof *found);
+    inertia_accelerate(problem->step->inertia, chain_load_of(problem->map, body), found);
+}
+
+/* v -= W (W^T W / M)^-1 W^T v / M over the contacts that press, where several on one body share what one would do. */
+static void stop(const contact_problem *problem, const contact_state *state, double *moving)
+{
+    double matrix[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], velocity[FINGERFEM_MOST_CONTACTS];
+    int rows[FINGERFEM_MOST_CONTACTS], count = 0;
+    for (int k = 0; k < state->at.contacts.count; k++)
+        if (state->forces[k] > 0.0) rows[count++] = k;
+    /* W^T W / M and W^T v */
+    for (int i = 0; i < count; i++) {
+        const contact_arms *own = state->at.arms + rows[i];
+        velocity[i] = 0.0;
+        for (int j = 0; j < count; j++) matrix[count * i + j] = 0.0;
+        for (int a = 0; a < own->count; a++) {
+            double change[W];
+            if (problem->map->bodies[own->bodies[a]].segment == CHAIN_GROUND) continue;
+            accelerated(problem, state, rows[i], a, change);
+            velocity[i] += inertia_velocity_along(own->wrenches[a], moving + FINGERFEM_MOVING * chain_load_of(problem->map, own->bodies[a]));
+            for (int j = 0; j < count; j++) {
+                const contact_arms *other = state->at.arms + rows[j];
+                for (int b = 0; b < other->count; b++)
+                    for (int l = 0; l < W && other->bodies[b] == own->bodies[a]; l++) matrix[count * i + j] += change[l] * other->wrenches[b][l];
+            }
+        }
+        matrix[count * i + i] *= 1.0 + SHARED;
+    }
+    if (!small_solve(count, matrix, 1, velocity)) return;
+    for (int i = 0; i < count; i++)
+        for (int a = 0; a < state->at.arms[rows[i]].count; a++) {
+            const int body = state->at.arms[rows[i]].bodies[a];
+            double change[W];
+            accelerated(problem, state, rows[i], a, change);
+            for (int l = 0; l < W; l++) change[l] *= -velocity[i];
+            if (problem->map->bodies[body].segment != CHAIN_GROUND)
+                inertia_add_velocity(change, moving + FINGERFEM_MOVING * chain_load_of(problem->map, body));
+        }
 }
 
 int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, double *moving)
@@ -82,8 +133,10 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
         *inside &= state.at.chain.bodies[b].end.inside;
         memcpy(begun, own, sizeof begun);
         inertia_moving(&step, begun, state.at.chain.bodies + b, own);
-        if (!inertia_leave_contact(&step, chain_load_of(&map, b), contact + W * b, own)) return -evaluations;
+        if (!inertia_accelerate(inertia, chain_load_of(&map, b), contact + W * b)) return -evaluations;
+        inertia_leave_contact(&step, contact + W * b, own);
     }
+    stop(&problem, &state, moving);
     chain_leave_loads(&map, state.wrench, loads);
     forces_along(&problem, &state, forces);
     *inside &= !placed_crowded(&state.at.contacts);
