@@ -285,7 +285,7 @@ int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *input
 int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                              double *corners);
 
-/* Mass of what bears loads, in the order of `fingerfem_chain_loads`: masses, (bodies) [kg], first moments, (bodies, 3) [kg m], and
+/* Mass of plates and sections, in the order of `fingerfem_chain_loads`: masses, (bodies) [kg], first moments, (bodies, 3) [kg m], and
  * moments of inertia, (bodies, 3, 3) [kg m^2], both about its centre in its own frame. */
 typedef struct {
     const double *masses, *moments, *inertias;

@@ -1,4 +1,4 @@
-/* A body of mass m, with the first moment s = m c and the moments J about its centre p, all in its frame, bears
+/* A body of mass m, with the first moment s = m c and the moments J about its centre p, all in its frame, loads the finger by
  *
  *     F = -(m A + al x s + om x (om x s)),    M = -(J al + om x J om + s x A),
  *

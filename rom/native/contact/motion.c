@@ -6,7 +6,7 @@
 
 #define SHARED 1e-9 /* added to the diagonal, over it, so that contacts of one normal share a force [-] */
 
-/* Make everything that bears a load a body; returns 0 if there is no room. */
+/* Make every plate and section a body; returns 0 if there is no room. */
 static int all_bodies(chain_rods *map)
 {
     for (int k = 0; k < map->chain->plates; k++)

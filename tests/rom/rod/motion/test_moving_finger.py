@@ -10,7 +10,8 @@ from scipy.spatial.transform import Rotation
 import rom
 from rom.checked_file import ModelError
 from rom.rod.compiled.motion import at_rest
-from rom.rod.motion import MovingFinger, lumps_of
+from rom.rod.motion.lumps import lumps_of
+from rom.rod.motion.moving_finger import MovingFinger
 
 DENSITY, AWAY = 1100.0, 0.03  # [kg/m^3], of the plane [m]
 
@@ -138,7 +139,7 @@ def test_a_finger_that_weighs_moves_to_where_its_weight_holds_it(finger):
     assert state.tip == pytest.approx(one.model.evaluate([0.0, 0.0, AWAY]).tip, abs=1e-8)
 
 
-def test_what_is_beyond_the_training_is_marked_and_a_state_can_be_told_from_none(finger):
+def test_what_is_beyond_the_training_is_marked(finger):
     one = moving(finger, parts=1)
     assert one.step([150.0, 0.0, AWAY], 1e-3).status == "out_of_domain"
 

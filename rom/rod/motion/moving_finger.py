@@ -1,13 +1,13 @@
-"""A finger that moves: steps of time before rigid objects, with the mass of its rubber at its sections.
+"""A finger that moves: steps of time before rigid objects.
 
-The rubber within half an element of a section moves with it as a rigid body. Between sections the finger is as compliant
-as it is at rest. What is left out is the elements' own vibration, far above the finger's first ones.
+Between sections the finger is as compliant as it is at rest. What is left out is the elements' own vibration, far above
+the finger's first ones.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,56 +17,13 @@ from rom.checked_file import ModelError
 from rom.rod.compiled import memory_of
 from rom.rod.compiled.motion import Stepped, at_rest, inertia_struct, step
 from rom.rod.compiled.touched import touches
-from rom.rod.rod import Rod
+from rom.rod.motion.lumps import lumps_of
 from rom.rod.touched_rod import TouchedRod
 
 HALVINGS = 8  # of a step that finds no answer
 ROUNDING = 1e-12  # of a step's length
 RADIUS = 0.8  # spectral radius of the method for high frequencies [-]
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
-
-
-class Lumps(NamedTuple):
-    """The mass of a finger at its bodies: plates from clamp to tip, then sections as loads have them.
-
-    Attributes:
-        masses: shape (n,) [kg].
-        moments: first moments about the bodies' centres, in their frames, shape (n, 3) [kg m].
-        inertias: likewise moments of inertia, shape (n, 3, 3) [kg m^2].
-    """
-
-    masses: np.ndarray
-    moments: np.ndarray
-    inertias: np.ndarray
-
-
-def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
-    """The mass of a finger by densities of its rubber and plates [kg/m^3]: halves of elements are their sections'."""
-    side, plates, sections = rod.scene["geometry"]["side"], list[np.ndarray](), list[np.ndarray]()
-    for segment, own in zip(rod.segments, rod.pieces, strict=True):
-        half, begins = segment.half_lengths[0], [segment.half_lengths[0], *[0.0] * (len(own) - 1)]
-        bodies = [_bar(plate_density, *2 * segment.half_lengths, -half)]
-        for piece, behind in zip(own, begins, strict=True):
-            length = (piece.length - behind) / 2  # an element of the plate begins at its centre, the rubber at its back
-            distal, proximal = (side * size for size in piece.ends)
-            bodies[-1] = bodies[-1] + _bar(density, length, distal, distal, -behind - length)
-            bodies.append(_bar(density, length, proximal, proximal, 0.0))
-        if plates:  # rubber at the segment's clamp moves with the plate before, of which it lies in front
-            front = rod.segments[len(plates) - 1].half_lengths[0]
-            proximal = side * own[-1].ends[1]
-            plates[-1] = plates[-1] + _bar(density, own[-1].length / 2, proximal, proximal, front)
-        plates.append(bodies[0])
-        sections += bodies[1:-1]
-    found = np.array(plates + sections)
-    return Lumps(found[:, 0], found[:, 1:4], found[:, 4:].reshape(-1, 3, 3))
-
-
-def _bar(density: float, length: float, width: float, height: float, begin: float) -> np.ndarray:
-    """Mass, first moment and moments of inertia, shape (13,), of a bar along x that begins at x [m]."""
-    mass, middle = density * length * width * height, begin + length / 2
-    along = length**2 / 12 + middle**2
-    y, z = width**2 / 12, height**2 / 12
-    return np.concatenate([[mass], [mass * middle, 0, 0], mass * np.diag([y + z, along + z, along + y]).ravel()])
 
 
 @brief
@@ -108,7 +65,7 @@ class MovingFinger:
         ModelError: no density, no equilibrium to begin with, or more sections than compiled code holds.
 
     Example:
-        >>> finger = MovingFinger(rom.load(), [0.0, 0.0, 0.02], density=1100.0)
+        >>> finger = rom.MovingFinger(rom.load(), [0.0, 0.0, 0.02], density=1100.0)
         >>> finger.step([20.0, 0.0, 0.02], 1e-3).tip
     """
 
@@ -130,8 +87,8 @@ class MovingFinger:
         model = replace(model, rod=replace(model.rod, parts=parts))
         self.model, self.radius, self.time = model, radius, 0.0
         self.lumps = lumps_of(model.rod, density, plate_density)
-        self._inertia = inertia_struct(*self.lumps)
-        self._memory, self._t = memory_of(model.touching.chain), len(model.rod.names)
+        self._t = len(model.rod.names)
+        self._compile()
         self._point = np.array(parameters, float)
         begun = touches(model.touching, self._point[None])
         if not begun.inside[0]:
@@ -141,8 +98,19 @@ class MovingFinger:
             raise ModelError(f"a moving finger must have fewer sections, got {len(self.lumps.masses)}")
         self._moving, self._loads = moving, begun.loads[0]
 
+    def _compile(self) -> None:
+        self._inertia, self._memory = inertia_struct(*self.lumps), memory_of(self.model.touching.chain)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what compiled code reads."""
+        return {name: one for name, one in vars(self).items() if name not in ("_inertia", "_memory")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._compile()
+
     def step(self, parameters: ArrayLike, length: float) -> MotionState:
-        """A step of time [s] to tensions [N] and d [m], which change linearly in it; halved where it finds no answer."""
+        """A step of time [s] to tensions [N] and d [m], which change linearly in it; without an answer it is halved."""
         goal, begun, point = np.array(parameters, float), self.time, self._point
         found, ahead = None, length
         while self.time < begun + length * (1 - ROUNDING):
