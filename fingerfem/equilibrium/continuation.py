@@ -238,7 +238,7 @@ class Continuation:
                     step = self._predict(loads)
             problem.set_loads(*loads)
             # Without the mixed formulation, the stress at the predicted displacement is an equally good start.
-            is_predicted = step is not None and problem.law.is_mixed
+            is_predicted = step is not None and any(law.is_mixed for law in problem.scene.laws)
             try:
                 needed, linearisation = newton.solve(strategy, is_predicted=is_predicted)
             except NotConverged as failure:

@@ -6,7 +6,14 @@ from abc import ABC, abstractmethod
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import (
+    Field,
+    SerializeAsAny,
+    SerializerFunctionWrapHandler,
+    WrapValidator,
+    model_serializer,
+    model_validator,
+)
 
 from fingerfem.scene.laws.formula import Invariants, Maths
 from fingerfem.scene.laws.hardness import with_modulus
@@ -142,3 +149,18 @@ class Law(SceneTable, ABC):
                 f"which lose stability at {lost[1]:.3f} in {lost[0]} stretch; narrow stretches, or fit anew"
             )
         return self
+
+
+def _by_name(table: Any, check: Any) -> Law:
+    """The law that a table names."""
+    if isinstance(table, Law) or not isinstance(table, dict):
+        return check(table)
+    name = table.get("law")
+    if name is None:
+        raise ValueError("law is required and missing")
+    if not isinstance(name, str) or name not in REGISTERED:
+        raise ValueError(f"law must be {' or '.join(map(repr, REGISTERED))}, got {name!r}")
+    return REGISTERED[name].model_validate(table)
+
+
+NamedLaw = Annotated[SerializeAsAny[Law], WrapValidator(_by_name)]  # a table of a scene
