@@ -11,17 +11,17 @@ from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
 from fingerfem.discretisation import regions
-from fingerfem.discretisation.actuators import Actuators
 from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.contact import contact_points
 from fingerfem.discretisation.contact.contact_points import ContactPoints
 from fingerfem.discretisation.contact.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.deformation_limits import DeformationLimits
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_measure
+from fingerfem.discretisation.loads.actuators import Actuators
+from fingerfem.discretisation.loads.plate_loads import LowRank, PlateLoads
+from fingerfem.discretisation.loads.weight import weight_forces
 from fingerfem.discretisation.mesh import build_mesh, section_sizes
-from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
 from fingerfem.discretisation.tangent import Tangent, VolumeTangent
-from fingerfem.discretisation.weight import weight_forces
 from fingerfem.mechanics import contact, obstacles
 from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene.scene import Scene
