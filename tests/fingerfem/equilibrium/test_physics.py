@@ -126,7 +126,7 @@ def test_a_file_for_paraview_holds_the_state(draft, tmp_path):
     grid = pyvista.read(tmp_path / "state.vtu")
     assert grid.n_points * 3 == state.unknowns
     assert (grid.points + grid.point_data["displacement"])[:, 1].max() == pytest.approx(0.015, abs=1e-6)
-    assert set(grid.cell_data) == {"S11", "von_mises", "J", "region"}
+    assert set(grid.cell_data) == {"S11", "von_mises", "J", "region", "material"}
     assert state.smallest_volume_ratio < np.nanmin(grid.cell_data["J"]) < 1.0  # corners see more than midpoints
     with pytest.raises(ValueError, match=r"must end in \.vtu"):
         write_vtu(draft, state, tmp_path / "state.vtk")
