@@ -34,12 +34,13 @@ class GuideLayers:
         section = 1.0 if size is None else size**2
         by_cell = fem.functionspace(mesh.mesh, ("DG", 0))
         test = ufl.TestFunction(by_cell)
-        channels = volume_measure(mesh, quadrature_degree(scene.mesh.order))(regions.CHANNELS)
+        kinds = regions.channels(len(scene.laws))
+        channels = volume_measure(mesh, quadrature_degree(scene.mesh.order))(kinds)
         stretch = ufl.sqrt(ufl.dot(path, path))
         wanted = [test * one / section * channels for one in (stretch, path[0], path[1], path[2])]
         self._lengths, *self._paths = form_cache.forms(wanted)
         layers = np.searchsorted(mesh.lines, mesh.midpoints[0]) - 1
-        in_channels = np.concatenate([mesh.cells.find(kind) for kind in regions.CHANNELS])
+        in_channels = np.concatenate([mesh.cells.find(kind) for kind in kinds])
         self.cells: list[list[np.ndarray]] = []
         self.middles: list[np.ndarray] = []
         self._areas: list[float] = []
