@@ -19,12 +19,13 @@ from studies.cores import on_cores
 from studies.parts import Run
 from studies.rods import plans
 
-COUNT, POINTS, INCREMENTS = 40, 5, 3  # histories; points of each, and increments between two
+COUNT, POINTS, INCREMENTS = 40, 4, 2  # histories; points of each, and increments between two
 PULLED, FRICTION = ((0.0, 80.0), (0.0, 40.0)), (0.1, 0.3)  # tensions [N], coefficients [-]
 PRESSED = 10  # more histories before a plane
 DISTANCE = (0.001, 0.031)  # of the plane [m]
 NEAR = (0.008, 0.014)  # d of the plane [m]
 TURNS, RUBBING = (0.0, 80.0, 20.0, 80.0, 0.0), 0.2  # of F1 in the hysteresis [N]; its coefficient [-]
+LEAST = 1e-9  # work that counts [J]
 STEP, FINE = 5.0, 64  # between points of the hysteresis [N]; increments that count as many
 
 
@@ -37,16 +38,25 @@ def draw(seed: int, is_pressed: bool) -> tuple[np.ndarray, float]:
     return points, float(random.uniform(*FRICTION))
 
 
-def errors(ours: list[GuideState], theirs: list[Any]) -> dict[str, list[float]]:
+def at_plate(rod: Rod, full: Any, state: Any) -> np.ndarray:
+    """Tensions of a full-order state where the middle of the rod's plate piece is, shape (t,) [N]."""
+    from fingerfem.discretisation.guides import GuideLayers
+
+    place = rod.segments[0].length - (rod.pieces[0][0].length + rod.segments[0].half_lengths[0]) / 2
+    middles = GuideLayers(full.problem).middles
+    return np.array([np.interp(place, *one) for one in zip(middles, state.layer_tensions, strict=True)])
+
+
+def errors(rod: Rod, full: Any, ours: list[GuideState], theirs: list[Any]) -> dict[str, list[float]]:
     """Of every point, over the largest value of the history."""
     tips, lost = (np.array([getattr(one, name) for one in theirs]) for name in ("tip", "dissipated"))
     shortened = np.array([one.shortenings for one in theirs])
-    reached = np.array([[own[-1] for own in one.layer_tensions] for one in theirs])
+    reached = np.array([at_plate(rod, full, one) for one in theirs])
     found = {
         "tip": np.linalg.norm([one.tip for one in ours] - tips, axis=1) / np.linalg.norm(tips, axis=1).max(),
         "shortening": np.abs([one.shortenings for one in ours] - shortened).max(axis=1) / np.abs(shortened).max(),
         "tension": np.abs([one.element_tensions[0] for one in ours] - reached).max(axis=1) / reached.max(),
-        "dissipated": np.abs([one.dissipated for one in ours] - lost) / lost.max(),
+        "dissipated": np.abs([one.dissipated for one in ours] - lost) / max(lost.max(), LEAST),
     }
     if theirs[0].contact_force or theirs[-1].contact_force:
         forces = np.array([one.contact_force for one in theirs])
@@ -93,8 +103,8 @@ def compared(rod: Rod, table: dict[str, Any], seed: int, is_pressed: bool) -> di
     return {
         "status": status,
         "friction": friction,
-        "errors": errors(ours, theirs),
-        "without": errors(free, without)["tip"],
+        "errors": errors(rod, full, ours, theirs),
+        "without": errors(rod, full, free, without)["tip"],
         "increments": (np.array(moved) / max(float(np.linalg.norm(one.tip)) for one in ours)).tolist(),
     }
 
@@ -124,11 +134,12 @@ def hysteresis(run: Run) -> dict[str, Any]:
     pulled = np.concatenate(parts)
     points = np.column_stack([pulled, np.zeros_like(pulled)])
     ours = guide_history(rod, points, RUBBING, increments=1)
-    theirs = full_order(full_model(table, False), points, RUBBING, increments=1)
+    full = full_model(table, False)
+    theirs = full_order(full, points, RUBBING, increments=1)
     return {
         "pulled": pulled.tolist(),
         "rod": [[one.element_tensions[0, 0], 1e3 * one.tip[1]] for one in ours],
-        "full": [[one.layer_tensions[0][-1], 1e3 * one.tip[1]] for one in theirs],
+        "full": [[at_plate(rod, full, one)[0], 1e3 * one.tip[1]] for one in theirs],
         "capstan": max(
             np.abs(one.layer_tensions[0] / one_pull / np.exp(-RUBBING * one.turned[0]) - 1).max()
             for one, one_pull in zip(theirs[: len(parts[0])], parts[0], strict=True)
