@@ -65,7 +65,7 @@ def _material(random: np.random.Generator, name: str) -> tuple[Table, float]:
     """A law's table, and Young's modulus at small strain [Pa]; some have no stability, or no such Poisson's ratio."""
     C1, nu = _log(random, STIFFNESS), float(random.choice(POISSON))
     sign = 1 if random.random() < 0.8 else -1
-    more = {
+    more: dict[str, Table] = {
         "mooney-rivlin": {"C01": float(sign * C1 * random.uniform(0, 0.5))},
         "ogden": {"alpha": [float(random.choice([-4.0, -2.0, 1.3, 2.0, 3.6, 6.0]))]},
         "yeoh": {"C2": float(sign * C1 * random.uniform(0, 0.3)), "C3": float(C1 * random.uniform(0, 0.03))},

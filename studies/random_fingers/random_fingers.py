@@ -76,9 +76,9 @@ def _weight(model: FingerModel) -> np.ndarray:
     return np.asarray(-(forces + reaction))
 
 
-def kind(reason: str) -> str:
-    """A reason without its numbers and names."""
-    return re.sub(r"\[.*?\]|-?\d[\w.+-]*", "#", reason)
+def kind(reason: str | None) -> str | None:
+    """A reason without its numbers."""
+    return reason and re.sub(r"\[.*?\]|-?\d[\w.+-]*", "#", reason)
 
 
 def rows(first: int) -> list[dict[str, Any]]:
@@ -93,7 +93,7 @@ def measure(run: Run) -> list[dict[str, Any]]:
         SystemExit: a finger is neither solved, nor marked, nor refused.
     """
     calls = [(first,) for first in range(0, COUNT, TOGETHER)]
-    found = [one for part in run.once("fingers", on_cores, rows, calls) for one in part]
+    found = [one | {"kind": kind(one["reason"])} for part in run.once("fingers", on_cores, rows, calls) for one in part]
     for one in found:
         if one["outcome"] == "ERROR":
             print(f"  {one}", flush=True)
