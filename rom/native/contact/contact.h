@@ -50,13 +50,21 @@ typedef struct {
     chain_matrix following, soft, yielding;
 } contact_state;
 
+/* A step of time from where bodies were, see inertia.c: its length [s], and the numbers of the generalised-alpha method [-]. */
+typedef struct {
+    const fingerfem_inertia *inertia;
+    const double *begun; /* (bodies, FINGERFEM_MOVING), by loads */
+    double length, mean_mass, mean_force, beta, gamma;
+    double contact; /* the share of contact forces that the balance at the step's end sees [-] */
+} contact_step;
+
 /* What the solve is about. All objects come together: where one is at d, object j is at d + ahead[j], and infinity says that it is
  * not there. */
 typedef struct {
     const fingerfem_touching *touching;
     chain_rods *map;
     double ahead[FINGERFEM_MOST_OBJECTS]; /* [m] */
-    const struct contact_step *step;      /* NULL at rest; else the bodies move, see inertia.h */
+    const contact_step *step;             /* NULL at rest; else the bodies move, see inertia.h */
     double share;                         /* of contact forces that the balance sees: 1 at rest [-] */
 } contact_problem;
 

@@ -25,7 +25,7 @@ enum { PLACE = 0, TURN = 3, VELOCITY = 12, CHANGE = 18, MEAN = 24 }; /* of a bod
 
 #define LITTLE 1e-8 /* sine of an angle below which its axis is not divided by it [-] */
 
-void inertia_method(double radius, struct contact_step *step)
+void inertia_method(double radius, contact_step *step)
 {
     step->mean_mass = (2.0 * radius - 1.0) / (radius + 1.0);
     step->mean_force = radius / (radius + 1.0);
@@ -52,7 +52,7 @@ static void turn_between(const double *from, const double *to, double *found)
     for (int i = 0; i < 3; i++) found[i] *= factor;
 }
 
-void inertia_moving(const struct contact_step *step, const double *begun, const chain_body *body, double *moving)
+void inertia_moving(const contact_step *step, const double *begun, const chain_body *body, double *moving)
 {
     const double h = step->length, share = 1.0 - step->mean_force;
     double way[W];
@@ -86,7 +86,7 @@ int inertia_accelerate(const fingerfem_inertia *inertia, int load, double *wrenc
     return small_solve(W, mass, 1, wrench);
 }
 
-void inertia_leave_contact(const struct contact_step *step, const double *change, double *moving)
+void inertia_leave_contact(const contact_step *step, const double *change, double *moving)
 {
     const double share = (1.0 - step->mean_mass) / (1.0 - step->mean_force), h = step->length, *R = moving + TURN;
     /* with change = r / M: a -= change / (2 beta), v' likewise, v += h change - gamma h change / (2 beta); those of the centre in space */
@@ -159,7 +159,7 @@ void inertia_wrenches(const contact_problem *problem, const chain_state *state, 
 
 void inertia_follow(const contact_problem *problem, const chain_state *state, chain_matrix following)
 {
-    const struct contact_step *step = problem->step;
+    const contact_step *step = problem->step;
     const double stiff = (1.0 - step->mean_mass) / ((1.0 - step->mean_force) * step->beta * step->length * step->length);
     for (int b = 0; b < problem->map->count; b++) {
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;

@@ -80,7 +80,7 @@ static void stop(const contact_problem *problem, const contact_state *state, dou
 int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, double *moving)
 {
     const fingerfem_segment *first = chain->segments[0];
-    const struct contact_step still = {.length = 1.0, .beta = 0.25, .gamma = 0.5};
+    const contact_step still = {.length = 1.0, .beta = 0.25, .gamma = 0.5};
     double held[TENSIONS_MOST], wrench[CHAIN_WRENCH];
     chain_rods map;
     chain_state state;
@@ -103,7 +103,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
 {
     const fingerfem_chain *chain = touching->chain;
     const int t = chain->tensions;
-    struct contact_step step = {.inertia = inertia, .begun = moving, .length = length};
+    contact_step step = {.inertia = inertia, .begun = moving, .length = length};
     double held[TENSIONS_MOST];
     chain_rods map;
     contact_state state;
