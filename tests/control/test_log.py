@@ -37,7 +37,7 @@ def test_the_order_of_columns_does_not_matter(tmp_path):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
 
 
-def test_the_unit_of_a_tendon_s_column_tells_tension_shortening_torque_and_angle(tmp_path):
+def test_the_unit_of_a_tendons_column_decides_what_was_measured(tmp_path):
     lines = ["F1 [N],F1 [mm],F1 [N mm],F1 [deg]", "10,2,100,90"]
     log = read_log(written(tmp_path, lines), ["F1"])
     found = [getattr(log, name)[0, 0] for name in ("tension", "shortening", "torque", "angle")]
