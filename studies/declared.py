@@ -31,6 +31,7 @@ STUDIES = {
     "rods": Study("accuracy", _same("accuracy", "objects")),
     "rubber": Study("accuracy", _same("indentation", "random_objects", "robustness")),
     "several": Study("accuracy", _same("several", "histories")),
+    "feeling": Study("accuracy", _same("feeling")),
     "assembled": Study("accuracy", _same("four", "fingers")),
     "tapered": Study("accuracy", _same("tapered")),
     "grasping": Study("grasping", _same("grasps", "pictures"), elsewhere=("grasps", "pictures")),
