@@ -32,6 +32,7 @@ STUDIES = {
     "rubber": Study("accuracy", _same("indentation", "random_objects", "robustness")),
     "several": Study("accuracy", _same("several", "histories")),
     "guides": Study("accuracy", _same("histories")),
+    "feeling": Study("accuracy", _same("feeling")),
     "assembled": Study("accuracy", _same("four", "fingers")),
     "tapered": Study("accuracy", _same("tapered")),
     "grasping": Study("grasping", _same("grasps", "pictures"), elsewhere=("grasps", "pictures")),
