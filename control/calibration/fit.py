@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from control.calibration.measured import GROUPS, Measured, Residuals
-from control.calibration.parameters import TOLD
+from control.calibration.parameters import DETERMINED
 from rom.brief import brief
 
 ITERATIONS, SETTLED = 60, 1e-13  # most steps; converged: decrease of the cost that a step predicts, over the cost [-]
@@ -182,11 +182,11 @@ def _minimise(
     for _ in range(ITERATIONS):
         values, axes = _spectrum(normal, spreads)
         gradient = axes.T @ (spreads * np.einsum("nmp,nm->p", normal.projected, normal.residuals))
-        told = values > TOLD**-2
-        predicted = normal.reducible + float((gradient[told] ** 2 / values[told]).sum())
+        determined = values > DETERMINED**-2
+        predicted = normal.reducible + float((gradient[determined] ** 2 / values[determined]).sum())
         if predicted <= settled * normal.cost or normal.cost < NOTHING or damping > LARGEST:
             return unknowns, tensions, normal, inside
-        scaled = axes @ np.where(told, -gradient / np.where(told, values + damping * values.max(), 1.0), 0.0)
+        scaled = axes @ np.where(determined, -gradient / np.where(determined, values + damping * values.max(), 1.0), 0.0)
         step = spreads * scaled
         inner = normal.residuals + np.einsum("nmp,p->nm", normal.by_unknown, step)
         tried = unknowns + step
@@ -221,9 +221,9 @@ def _solution(
     """What is known at the minimum."""
     spreads = measured.unknowns.spreads
     values, axes = _spectrum(normal, spreads)
-    told = values > TOLD**-2
-    own = spreads[:, None] * axes[:, told]
-    covariance = own @ np.diag(1 / values[told]) @ own.T
+    determined = values > DETERMINED**-2
+    own = spreads[:, None] * axes[:, determined]
+    covariance = own @ np.diag(1 / values[determined]) @ own.T
     projected = normal.projected
     redundancy = np.einsum("nii->ni", normal.projector) - np.einsum("nmp,pq,nmq->nm", projected, covariance, projected)
     return Fit(
@@ -234,7 +234,7 @@ def _solution(
         residuals=normal.residuals,
         redundancy=np.where(measured.used, redundancy, 0.0),
         covariance=covariance,
-        undetermined=(axes[:, ~told].T, 1 / np.maximum(values[~told], 1e-12)),
+        undetermined=(axes[:, ~determined].T, 1 / np.maximum(values[~determined], 1e-12)),
         whitening=normal.whitening,
         projector=normal.projector,
         projected=projected,

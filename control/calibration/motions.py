@@ -9,7 +9,7 @@ import numpy as np
 
 from control.calibration.fit import Fit, information
 from control.calibration.measured import GROUPS, MOTORS, Measured
-from control.calibration.parameters import TOLD
+from control.calibration.parameters import DETERMINED
 from control.log import Log
 from rom.brief import brief
 from rom.csv_table import Heading
@@ -70,7 +70,7 @@ def _remedy(measured: Measured, fit: Fit, direction: np.ndarray) -> str:
         other = replace(measured, log=log, excluded={})
         sigma = {name: fit.noise.get(name, GROUPS[name][1]) for name in other.groups}
         added = information(other, sigma, fit.unknowns, tensions)
-        if direction @ (spreads[:, None] * added * spreads) @ direction > TOLD**-2:
+        if direction @ (spreads[:, None] * added * spreads) @ direction > DETERMINED**-2:
             return words
     return ""
 

@@ -22,7 +22,7 @@ from rom.console.table import Table, as_html
 from rom.dataset.geometry import sizes_of, steepest, tip_at_rest
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
-from rom.elements.pieces import Piece
+from rom.elements.pieces import Piece, cut
 from rom.elements.taper import TaperedRubber, tapered_pieces
 from rom.native import PickledByFields
 from rom.parameter import Parameter
@@ -66,7 +66,9 @@ class Rod(PickledByFields):
         elements: the elements as trained.
         scene: of the finger: geometry, material and tendons, as plain data.
         accuracy: errors measured on held-out states; empty if not measured.
-        calibration: on which log and with which result, see `control.calibrate`; empty if not calibrated.
+        calibration: on which log and with which result (`control.calibrate`); empty if not calibrated.
+        parts: into which interior elements are cut: more have the mass of a moving finger at more sections, and its
+            answers at rest change by less than their errors.
 
     Raises:
         ModelError: the elements cannot make this finger; the message says what is missing.
@@ -80,6 +82,7 @@ class Rod(PickledByFields):
     scene: dict[str, Any]
     accuracy: dict[str, Any] = field(default_factory=dict)
     calibration: dict[str, Any] = field(default_factory=dict)
+    parts: int = 1
 
     def __post_init__(self) -> None:
         self.segments  # refuses what cannot be made  # noqa: B018
@@ -106,10 +109,9 @@ class Rod(PickledByFields):
         geometry, lengths = self.scene["geometry"], {kind: law.lengths for kind, law in self.own.laws.items()}
         found, half = [], geometry["plate"] / 2
         for k, (begin, end) in enumerate(pairwise(sizes_of(geometry).tolist())):
+            rubber = TaperedRubber(begin, end, geometry["segments"][k] - end * half, half)
             try:
-                found.append(
-                    tapered_pieces(lengths, TaperedRubber(begin, end, geometry["segments"][k] - end * half, half))
-                )
+                found.append(cut(tapered_pieces(lengths, rubber), self.parts))
             except ModelError as error:
                 raise ModelError(f"geometry.segments.{k}: {error}") from None
         return found
@@ -186,8 +188,7 @@ class Rod(PickledByFields):
         pulled = np.array(tensions, float)
         pressed = np.zeros((n, 6)) if wrenches is None else np.array(wrenches, float)
         if pulled.shape != (t,) or pressed.shape not in ((n, 6), (6 * sum(map(len, self.pieces)),)):
-            shapes = f"{pulled.shape} and {pressed.shape}"
-            raise ModelError(f"inputs must be {t} tensions and wrenches of shape ({n}, 6), got shapes {shapes}")
+            raise ModelError(f"inputs must have shapes ({t},) and ({n}, 6), got {pulled.shape} and {pressed.shape}")
         return pulled, pressed
 
     def shortening(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
