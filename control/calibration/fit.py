@@ -186,7 +186,8 @@ def _minimise(
         predicted = normal.reducible + float((gradient[determined] ** 2 / values[determined]).sum())
         if predicted <= settled * normal.cost or normal.cost < NOTHING or damping > LARGEST:
             return unknowns, tensions, normal, inside
-        scaled = axes @ np.where(determined, -gradient / np.where(determined, values + damping * values.max(), 1.0), 0.0)
+        stiffness = np.where(determined, values + damping * values.max(), np.inf)
+        scaled = -axes @ (gradient / stiffness)
         step = spreads * scaled
         inner = normal.residuals + np.einsum("nmp,p->nm", normal.by_unknown, step)
         tried = unknowns + step

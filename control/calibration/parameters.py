@@ -15,7 +15,7 @@ PLACE = ("base_x", "base_y", "base_z")  # of the clamp in the frame of the measu
 TURN = ("base_rx", "base_ry", "base_rz")  # rotation vector of its frame [rad]
 OTHERS = {**dict.fromkeys(PLACE, ("m", 0.1)), **dict.fromkeys(TURN, ("rad", 0.2))}  # of places over the length [-]
 NAMED = {**{name: (name,) for name in POSITIVE}, "base": (*PLACE, *TURN)}  # what a user names
-DETERMINED = 0.5  # a parameter is determined if its standard deviation is below this share of the plausible deviation [-]
+DETERMINED = 0.5  # largest standard deviation of a parameter that is determined, over its plausible deviation [-]
 
 
 @brief

@@ -188,7 +188,8 @@ class Rod(PickledByFields):
         pulled = np.array(tensions, float)
         pressed = np.zeros((n, 6)) if wrenches is None else np.array(wrenches, float)
         if pulled.shape != (t,) or pressed.shape not in ((n, 6), (6 * sum(map(len, self.pieces)),)):
-            raise ModelError(f"inputs must have shapes ({t},) and ({n}, 6), got {pulled.shape} and {pressed.shape}")
+            shapes = f"{pulled.shape} and {pressed.shape}"
+            raise ModelError(f"inputs must be {t} tensions and wrenches of shape ({n}, 6), got shapes {shapes}")
         return pulled, pressed
 
     def shortening(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
