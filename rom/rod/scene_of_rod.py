@@ -147,6 +147,31 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     return found
 
 
+def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str, Any]:
+    """The scene of a finger with its modulus and all lengths multiplied by factors [-].
+
+    Highest tensions fall where the trained ones do, and do not rise.
+    """
+
+    def longer(value: Any) -> Any:
+        return None if value is None else (size * np.asarray(value, float)).tolist()
+
+    lengths = {name: longer(one) for name, one in scene["geometry"].items() if name != "taper"}
+    material = {
+        name: (modulus ** MODULI[name] * np.asarray(one, float)).tolist() if name in MODULI else one
+        for name, one in scene["material"].items()
+    }
+    force = modulus * size**2
+    tendons = [
+        one
+        | {"offset": longer(one["offset"])}
+        | {"tension": [one["tension"][0] * force, one["tension"][1] * min(force, 1.0)]}
+        for one in scene["tendons"]
+    ]
+    geometry = scene["geometry"] | lengths
+    return dict(scene) | {"geometry": geometry, "material": material, "tendons": tendons}
+
+
 def _ratio(geometry: Mapping[str, Any], name: str) -> float:
     value = geometry.get(name)
     return 0.2 if value is None else value / geometry["side"]  # a channel is a fifth of the side
