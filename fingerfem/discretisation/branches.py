@@ -15,6 +15,8 @@ The law is the limit of slow loads. At once the distortional stress is 1 + sum o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import basix.ufl
 import numpy as np
 from dolfinx import fem
@@ -27,69 +29,78 @@ from fingerfem.mechanics import kinematics, strain_energy
 from fingerfem.scene.laws import Law
 
 
-def overstress_of(law: Law, mesh: FingerMesh, degree: int) -> Overstress | None:
-    """The fields through which branches act, zero at first; None of a law without any."""
-    if law.prony is None:
+def overstress_of(laws: Sequence[Law], mesh: FingerMesh, degree: int) -> Overstress | None:
+    """The fields through which branches act, zero at first; None of laws without any."""
+    if all(law.prony is None for law in laws):
         return None
     points = basix.ufl.quadrature_element(mesh.mesh.basix_cell(), (3, 3), "default", degree)
-    return Overstress(fem.Constant(mesh.mesh, 0.0), fem.Function(fem.functionspace(mesh.mesh, points)))
+    shares = [fem.Constant(mesh.mesh, 0.0) for _ in laws]
+    return Overstress(shares, fem.Function(fem.functionspace(mesh.mesh, points)))
 
 
 class Branches:
-    """The branches of a finger's rubber, all relaxed at first.
+    """The branches of a finger's materials, all relaxed at first.
 
     Args:
-        law: with branches.
+        laws: of the materials, one with branches at least.
         mesh: with its regions.
         u: displacement [m].
         overstress: the fields through which they act.
-        degree: of the Gauss rule that integrates the law's energy.
+        degree: of the Gauss rule that integrates the laws' energies.
 
     Attributes:
-        stresses: Q_k of this rank's cells, zero in plates, shape (branches, cells, points, 3, 3) [Pa].
+        stresses: Q_k of this rank's cells, zero where a material has no branch k, shape (branches, cells, points, 3, 3)
+            [Pa].
     """
 
-    def __init__(self, law: Law, mesh: FingerMesh, u: fem.Function, overstress: Overstress, degree: int):
-        assert law.prony is not None
-        self._share, self._times = np.array(law.prony).T
-        self._mesh, self._fields = mesh.mesh, overstress
-        points = gauss(degree)[0]
-        distortional, _ = strain_energy.parts(law, constants(mesh.mesh))
-        S = strain_energy.stress(distortional, kinematics.right_cauchy_green(u))
-        self._expression = form_cache.expression(S, points)
-        self._cells = mesh.cells.indices[np.isin(mesh.cells.values, regions.RUBBERS)]
+    def __init__(self, laws: Sequence[Law], mesh: FingerMesh, u: fem.Function, overstress: Overstress, degree: int):
+        points, self._mesh, self._fields = gauss(degree)[0], mesh.mesh, overstress
         self._shape = len(mesh.midpoints.T), len(points), 3, 3
+        most = max(len(law.prony or []) for law in laws)
+        self._moduli, self._times = np.zeros((most, self._shape[0])), np.ones((most, self._shape[0]))
+        self._parts: list[tuple[int, fem.Expression, np.ndarray]] = []  # material, its S, its cells
+        for k, law in enumerate(laws):
+            cells = mesh.cells.indices[np.isin(mesh.cells.values, regions.of_material(k))]
+            if law.prony is None or not cells.size:
+                continue
+            distortional, _ = strain_energy.parts(law, constants(mesh.mesh))
+            S = strain_energy.stress(distortional, kinematics.right_cauchy_green(u))
+            self._parts.append((k, form_cache.expression(S, points), cells))
+            own = np.array(law.prony)[:, :, None]
+            self._moduli[: len(own), cells], self._times[: len(own), cells] = own[:, 0], own[:, 1]
         self._before = np.zeros(self._shape)
-        self.stresses = np.zeros((len(self._times), *self._shape))
+        self.stresses = np.zeros((most, *self._shape))
 
     def elastic_stress(self) -> np.ndarray:
-        """S at the displacement of now, shape (cells, points, 3, 3) [Pa]."""
+        """S at the displacement of now where there are branches, shape (cells, points, 3, 3) [Pa]."""
         found = np.zeros(self._shape)
-        found[self._cells] = self._expression.eval(self._mesh, self._cells).reshape(-1, *self._shape[1:])
+        for _, expression, cells in self._parts:
+            found[cells] = expression.eval(self._mesh, cells).reshape(-1, *self._shape[1:])
         return found
 
     def stay(self) -> None:
         """Have the forms take the overstress as it is now, whatever the displacement."""
-        self._act(0.0, self.stresses.sum(axis=0))
+        self._act(np.zeros(self._shape[0]), self.stresses.sum(axis=0))
 
     def begin(self, step: float) -> None:
         """Have the forms take the overstress at the end of a step [s] that begins at the displacement of now."""
         self._before = self.elastic_stress()
         kept, shares = self._factors(step)
-        self._act(shares.sum(), np.tensordot(kept, self.stresses, 1) - shares.sum() * self._before)
+        relaxed = (kept[..., None, None, None] * self.stresses).sum(axis=0)
+        self._act(shares.sum(axis=0), relaxed - shares.sum(axis=0)[:, None, None, None] * self._before)
 
     def settle(self, step: float) -> None:
         """Take the displacement of now for the end of that step."""
-        kept, shares = self._factors(step)
-        change = self.elastic_stress() - self._before
-        self.stresses = kept[:, None, None, None, None] * self.stresses + np.multiply.outer(shares, change)
+        kept, shares = (factor[..., None, None, None] for factor in self._factors(step))
+        self.stresses = kept * self.stresses + shares * (self.elastic_stress() - self._before)
         self.stay()
 
     def _factors(self, step: float) -> tuple[np.ndarray, np.ndarray]:
-        """exp(-x) and g phi(x), shape (branches,) [-]."""
+        """exp(-x) and g phi(x), shapes (branches, cells) [-]."""
         x = step / self._times
-        return np.exp(-x), self._share * (-np.expm1(-x) / x if step else 1.0)
+        return np.exp(-x), self._moduli * (-np.expm1(-x) / x if step else 1.0)
 
-    def _act(self, share: float, stress: np.ndarray) -> None:
-        self._fields.share.value = share
+    def _act(self, shares: np.ndarray, stress: np.ndarray) -> None:
+        for k, _, cells in self._parts:
+            self._fields.shares[k].value = shares[cells[0]]
         self._fields.stress.x.array[:] = stress.ravel()

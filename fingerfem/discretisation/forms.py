@@ -90,11 +90,12 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
     space, u = fields.u.function_space, fields.u
     v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
     number, degree = constants(mesh.mesh), quadrature_degree(scene.mesh.order)
-    rubber = rubber_terms(scene.law, number, degree, fields.overstress)
+    rubber = rubber_terms(scene.laws, number, degree, fields.overstress)
+    channels = regions.channels(len(scene.laws))
     plates = Term(strain_energy.energy(plate_law(scene.law), number), regions.PLATES, degree)
     paths = {tendon.path for tendon in scene.tendons}
     pulled, probed = (
-        [Term(tendons.channelled(density, fields.size), regions.CHANNELS, degree)] if "channel" in paths else []
+        [Term(tendons.channelled(density, fields.size), channels, degree)] if "channel" in paths else []
         for density in (fields.tension_density, fields.probe_density)
     )
 
@@ -102,7 +103,7 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
         return [(term.energy, volume_measure(mesh, term.degree)(term.regions)) for term in terms]
 
     solids = integrals([*by_region(rubber), plates])
-    relaxed = integrals([*by_region(rubber_terms(scene.law, number, degree)), plates])
+    relaxed = integrals([*by_region(rubber_terms(scene.laws, number, degree)), plates])
     residual, tendon_energy = residual_of([*solids, *integrals(pulled)], u), total(integrals(probed), u)
     stiffening = []  # tangents of what is not in the moduli
     for pulling, probing in _other_actuators(scene, mesh, fields):

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
 from fingerfem.discretisation import regions
-from fingerfem.discretisation.actuators import Actuators
 from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.branches import overstress_of
 from fingerfem.discretisation.contact import contact_points
@@ -19,10 +18,11 @@ from fingerfem.discretisation.contact.contact_points import ContactPoints
 from fingerfem.discretisation.contact.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.deformation_limits import DeformationLimits
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_measure
+from fingerfem.discretisation.loads.actuators import Actuators
+from fingerfem.discretisation.loads.plate_loads import LowRank, PlateLoads
+from fingerfem.discretisation.loads.weight import weight_forces
 from fingerfem.discretisation.mesh import build_mesh, section_sizes
-from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
 from fingerfem.discretisation.tangent import Tangent, VolumeTangent
-from fingerfem.discretisation.weight import weight_forces
 from fingerfem.mechanics import contact, obstacles
 from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene.scene import Scene
@@ -53,11 +53,11 @@ class Problem(Assembly):
             distance=fem.Constant(self.mesh.mesh, FAR),
             stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
             size=section_sizes(self.mesh, scene.geometry),
-            overstress=overstress_of(self.law, self.mesh, degree),
+            overstress=overstress_of(scene.laws, self.mesh, degree),
             pad_share=self._pad_share(),
         )
         self.forms = compile_forms(scene, self.mesh, self.fields)
-        self.limits = DeformationLimits(self.law, self.mesh, self.fields.u, degree)
+        self.limits = DeformationLimits(scene, self.mesh, self.fields.u, degree)
         self.contact: ObstacleContact | None = None
         if scene.obstacle is not None:
             each = zip(self.forms.contact, self.bodies, strict=True)
@@ -297,4 +297,4 @@ class Problem(Assembly):
 
     def smallest_volume_ratio(self) -> float:
         """Min J that the law sees [-]: where rubber has a pressure of its own, at the points of that pressure."""
-        return self.limits.smallest_of_law()
+        return self.limits.smallest_of_laws()

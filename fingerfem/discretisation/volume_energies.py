@@ -52,12 +52,12 @@ class Term(NamedTuple):
 
 
 class Overstress(NamedTuple):
-    """What viscoelastic branches add to the stress of rubber in a step: share S(C) + stress, S of the law's W.
+    """What viscoelastic branches add to the stress of rubber in a step: share S(C) + stress, S of a law's W.
 
     That is the stress of an energy too, share W(C) + stress : C / 2, so that a step has a potential.
     """
 
-    share: fem.Constant  # [-]
+    shares: list[fem.Constant]  # by material [-]
     stress: fem.Function  # second Piola-Kirchhoff stress at the points of integration [Pa]
 
 
@@ -72,28 +72,35 @@ def constants(domain: Any) -> strain_energy.Number:
 
 
 def rubber_terms(
-    law: Law, number: strain_energy.Number, degree: int, overstress: Overstress | None = None
+    laws: Sequence[Law], number: strain_energy.Number, degree: int, overstress: Overstress | None = None
 ) -> list[Term]:
-    """The rubber's energy, split where its pressure is an unknown of its own, and what branches add to it."""
-    if not law.is_mixed and overstress is None:
-        return [Term(strain_energy.energy(law, number), regions.RUBBERS, degree)]
-    distortional, volumetric = strain_energy.parts(law, number)
-    assert volumetric is not None  # a law without one has no branches, and stays below where mixed begins
-    dilatational = strain_energy.of_strain(volumetric)
-    terms = [
-        Term(dilatational, regions.RUBBERS, degree - 1, volumetric)
-        if law.is_mixed
-        else Term(dilatational, regions.RUBBERS, degree)
-    ]
-    if overstress is None:
-        return [Term(distortional, regions.RUBBERS, degree), *terms]
-    share, stress = overstress
-    stiffer = strain_energy.Isotropic(lambda strain: (1 + share) * distortional.density(strain))
-    return [
-        Term(stiffer, regions.RUBBERS, degree),
-        *terms,
-        Term(lambda C: ufl.inner(stress, C) / 2, regions.RUBBERS, degree),
-    ]
+    """The energies of the rubber and of other materials, split where a pressure is an unknown of its own.
+
+    With what viscoelastic branches add to them, if there are any.
+    """
+    found = []
+    for k, law in enumerate(laws):
+        where = regions.of_material(k)
+        relaxes = overstress is not None and law.prony is not None
+        if not law.is_mixed and not relaxes:
+            found.append(Term(strain_energy.energy(law, number), where, degree))
+            continue
+        distortional, volumetric = strain_energy.parts(law, number)
+        assert volumetric is not None  # a law without one has no branches, and stays below where mixed begins
+        dilatational = strain_energy.of_strain(volumetric)
+        if overstress is not None and relaxes:
+            distortional = _stiffened(distortional, overstress.shares[k])
+            found.append(Term(lambda C: ufl.inner(overstress.stress, C) / 2, where, degree))
+        found.append(Term(distortional, where, degree))
+        found.append(
+            Term(dilatational, where, degree - 1, volumetric) if law.is_mixed else Term(dilatational, where, degree)
+        )
+    return found
+
+
+def _stiffened(energy: strain_energy.Isotropic, share: fem.Constant) -> strain_energy.Isotropic:
+    """The same energy and a share of it more."""
+    return strain_energy.Isotropic(lambda strain: (1 + share) * energy.density(strain))
 
 
 def by_region(terms: Sequence[Term]) -> list[Term]:

@@ -189,6 +189,7 @@ class Stepper:
     def _solve(self, before: np.ndarray, change: np.ndarray) -> None:
         """The displacement at the end of the step."""
         problem, reasons = self.problem, []
+        mixed = any(law.is_mixed for law in problem.scene.laws)
         for strategy, is_predicted in ATTEMPTS:
             problem.displacement[:] = before
             if is_predicted:
@@ -196,7 +197,7 @@ class Stepper:
                 self._newton.add(change)
                 self._plates.move(before)
             try:
-                self._newton.solve(strategy, is_predicted=is_predicted and problem.law.is_mixed)
+                self._newton.solve(strategy, is_predicted=is_predicted and mixed)
                 return
             except NotConverged as failure:
                 reasons.append(f"{strategy}: {failure.reason}")

@@ -19,12 +19,12 @@ from dolfinx.fem.petsc import assemble_matrix
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fingerfem.discretisation import form_cache, regions
+from fingerfem.discretisation import form_cache
 from fingerfem.discretisation.branches import Branches
 from fingerfem.discretisation.forms import quadrature_degree
+from fingerfem.discretisation.loads.weight import inertial_work
 from fingerfem.discretisation.problem import Problem
 from fingerfem.discretisation.volume_energies import volume_measure
-from fingerfem.discretisation.weight import inertial_work
 from fingerfem.dynamics.motion import BaseMotion
 from fingerfem.equilibrium.factorisation import Factorisation
 from fingerfem.mechanics import kinematics
@@ -76,7 +76,7 @@ class MovingProblem(Problem):
         super().__init__(scene, MPI.COMM_SELF)
         degree = quadrature_degree(scene.mesh.order)
         trial, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
-        form = form_cache.form(inertial_work(self.mesh, scene.densities, degree, trial, v))
+        form = form_cache.form(inertial_work(self.mesh, scene, degree, trial, v))
         self._whole = assemble_matrix(form)
         self.mass = assemble_matrix(form, bcs=self.supports, diagonal=0.0)
         for matrix in (self._whole, self.mass):
@@ -86,9 +86,9 @@ class MovingProblem(Problem):
         self.base: Base | None = None
         self.branches: Branches | None = None
         if self.fields.overstress is not None:
-            self.branches = Branches(self.law, self.mesh, self.fields.u, self.fields.overstress, degree)
+            self.branches = Branches(scene.laws, self.mesh, self.fields.u, self.fields.overstress, degree)
             dE, dx = kinematics.strain_variation(self.fields.u, v), volume_measure(self.mesh, degree)
-            self._of_branches = form_cache.form(ufl.inner(self.fields.overstress.stress, dE) * dx(regions.RUBBERS))
+            self._of_branches = form_cache.form(ufl.inner(self.fields.overstress.stress, dE) * dx)
 
     def times_mass(self, values: np.ndarray, *, whole: bool = False) -> np.ndarray:
         """M values, shape (owned values,); of the whole mass, the rows that supports hold too."""

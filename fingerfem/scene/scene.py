@@ -18,11 +18,19 @@ from pydantic import (
 
 from fingerfem.scene.chamber import Chamber
 from fingerfem.scene.grid_lines import fitting, lines_along, section_mesh
-from fingerfem.scene.laws import REGISTERED, Law
+from fingerfem.scene.laws import Law, NamedLaw
+from fingerfem.scene.material import Material
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.outline import GridOutline
 from fingerfem.scene.presets import KEYS, chosen
-from fingerfem.scene.rules import check_chambers, check_density, check_obstacle, check_section, ordered
+from fingerfem.scene.rules import (
+    check_chambers,
+    check_density,
+    check_materials,
+    check_obstacle,
+    check_section,
+    ordered,
+)
 from fingerfem.scene.sections import SHAPES, FromFile, Section
 from fingerfem.scene.tables import (
     Coarse,
@@ -58,7 +66,8 @@ class Scene(SceneTable):
     expected: Expected | None = None
     section: SerializeAsAny[Section] | None = None  # before geometry, which it is put into
     geometry: Geometry
-    material: SerializeAsAny[Law]
+    material: NamedLaw
+    materials: Annotated[list[Material], Field(max_length=8)] = []
     tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
     chambers: Annotated[list[Chamber], Field(max_length=8)] = []
     density: Density | None = None
@@ -93,18 +102,6 @@ class Scene(SceneTable):
             raise ValueError(f"section must be a table [section] of its own, got {table['section']!r} in geometry")
         return table | {"section": section}
 
-    @field_validator("material", mode="wrap")
-    @classmethod
-    def _by_law(cls, table: Any, check: Any) -> Law:
-        if isinstance(table, Law) or not isinstance(table, dict):
-            return check(table)
-        name = table.get("law")
-        if name is None:
-            raise ValueError("law is required and missing")
-        if not isinstance(name, str) or name not in REGISTERED:
-            raise ValueError(f"law must be {' or '.join(map(repr, REGISTERED))}, got {name!r}")
-        return REGISTERED[name].model_validate(table)
-
     @model_validator(mode="before")
     @classmethod
     def _choose(cls, table: Any) -> Any:
@@ -120,11 +117,12 @@ class Scene(SceneTable):
                 f"{key} must be left out with [section]: meshes are measured on square fingers; give mesh.cells, "
                 f"got {table[key]!r}"
             )
-        if key and table.get("chambers"):
-            raise ValueError(
-                f"{key} must be left out with [[chambers]]: meshes are measured on fingers without; give mesh.cells, "
-                f"got {table[key]!r}"
-            )
+        for name in ("chambers", "materials"):
+            if key and table.get(name):
+                raise ValueError(
+                    f"{key} must be left out with [[{name}]]: meshes are measured on fingers without; give mesh.cells, "
+                    f"got {table[key]!r}"
+                )
         return chosen(table, lambda cells: cls._fitting(table, cells))
 
     @classmethod
@@ -155,8 +153,11 @@ class Scene(SceneTable):
             ordered(f"tendons.{k}.tension", tendon.tension)
         check_chambers(self)
         check_density(self)
+        check_materials(self)
         if self.mesh.symmetry and not self.outline.is_planar:
-            raise ValueError("mesh.symmetry must be false where a tendon or chamber is off the plane z = 0, got true")
+            raise ValueError(
+                "mesh.symmetry must be false where a tendon, chamber or material is off the plane z = 0, got true"
+            )
         if self.load is not None and (self.obstacle is not None or self.mesh.symmetry):
             where = "obstacle" if self.obstacle is not None else "mesh.symmetry"
             raise ValueError(f"{where} must be left out where load says what may press, got both")
@@ -189,7 +190,8 @@ class Scene(SceneTable):
     @property
     def outline(self) -> GridOutline:
         """What the mesh's grid lines have to meet."""
-        return GridOutline(self.geometry, self.tendons, self.obstacle.pad if self.obstacle else None, self.chambers)
+        pad = self.obstacle.pad if self.obstacle else None
+        return GridOutline(self.geometry, self.tendons, pad, self.chambers, self.materials)
 
     @property
     def _is_mirrored(self) -> bool:
@@ -211,13 +213,20 @@ class Scene(SceneTable):
         return self.material
 
     @property
-    def densities(self) -> tuple[float, float] | None:
-        """Of rubber and plates [kg/m^3]; None of a scene that gives none."""
+    def densities(self) -> tuple[list[float], float] | None:
+        """Of the rubber and the other materials, and of plates [kg/m^3]; None of a scene that gives none."""
         if self.density is not None:
-            return self.density.rubber, self.density.plates
-        if self.gravity is None or self.gravity.density is None:
+            rubber, plates = self.density.rubber, self.density.plates
+        elif self.gravity is not None and self.gravity.density is not None:
+            rubber, plates = self.gravity.density, self.gravity.plate_density
+        else:
             return None
-        return self.gravity.density, self.gravity.plate_density
+        return [rubber, *(one.density or rubber for one in self.materials)], plates
+
+    @property
+    def laws(self) -> list[Law]:
+        """The rubber's law, then those of the other materials."""
+        return [self.material, *(one.material for one in self.materials)]
 
     @property
     def actuators(self) -> list[str]:
@@ -249,11 +258,12 @@ class Scene(SceneTable):
 
     @model_serializer(mode="wrap")
     def _without_what_is_not_named(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A scene without load, weight, section, chambers or coarse mesh is as before; a square is geometry.side's."""
+        """A scene without what came later is as before; a square is geometry.side's."""
         later = "load", "coarse", "density", "gravity", "section"
         written = {key: value for key, value in serialise(self).items() if key not in later or value is not None}
-        if not self.chambers:
-            written.pop("chambers", None)
+        for name in ("chambers", "materials"):
+            if not getattr(self, name):
+                written.pop(name, None)
         if self.section is not None and self.section.is_square:
             written.pop("section", None)
         return written

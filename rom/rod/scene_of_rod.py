@@ -72,6 +72,11 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
             "chambers must be left out of a rod's scene: elements have no voids; "
             f"the full-order model solves it (python3 -m fingerfem solve), got {scene['chambers']}"
         )
+    if scene.get("materials"):
+        raise ModelError(
+            "materials must be left out of a rod's scene: elements are of one material; "
+            f"the full-order model solves it (python3 -m fingerfem solve), got {len(scene['materials'])} materials"
+        )
     try:
         return {
             "name": str(scene.get("name", "finger")),
@@ -140,6 +145,31 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     for segment in range(1, count + 1):
         _check_sums(trained["tendons"], scene["tendons"], found, (segment, size * sizes[segment - 1 : segment + 1]))
     return found
+
+
+def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str, Any]:
+    """The scene of a finger with its modulus and all lengths multiplied by factors [-].
+
+    Highest tensions fall where the trained ones do, and do not rise.
+    """
+
+    def longer(value: Any) -> Any:
+        return None if value is None else (size * np.asarray(value, float)).tolist()
+
+    lengths = {name: longer(one) for name, one in scene["geometry"].items() if name != "taper"}
+    material = {
+        name: (modulus ** MODULI[name] * np.asarray(one, float)).tolist() if name in MODULI else one
+        for name, one in scene["material"].items()
+    }
+    force = modulus * size**2
+    tendons = [
+        one
+        | {"offset": longer(one["offset"])}
+        | {"tension": [one["tension"][0] * force, one["tension"][1] * min(force, 1.0)]}
+        for one in scene["tendons"]
+    ]
+    geometry = scene["geometry"] | lengths
+    return dict(scene) | {"geometry": geometry, "material": material, "tendons": tendons}
 
 
 def _ratio(geometry: Mapping[str, Any], name: str) -> float:

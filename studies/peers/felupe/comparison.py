@@ -53,7 +53,7 @@ def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]
     arrays = {
         "points": problem.space.tabulate_dof_coordinates(),
         "cells": problem.space.dofmap.list,
-        "rubber": np.isin(problem.mesh.cells.values, regions.RUBBERS),  # of every cell, in their order
+        "rubber": np.isin(problem.mesh.cells.values, regions.of_material(0)),  # of every cell, in their order
         "channels": np.array([problem.mesh.pulled(scene, k)[0] for k in range(len(scene.tendons))]),
     }
     return arrays, {
@@ -63,7 +63,7 @@ def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]
         "channel_area": scene.geometry.channel_width**2,
         "law": scene.law.model_dump(),
         "mixed": int(scene.law.is_mixed),
-        "densities": scene.densities or [0.0, 0.0],
+        "densities": [0.0, 0.0] if weight is None else [weight.density, weight.plate_density],
         "acceleration": [0.0, 0.0, 0.0] if weight is None else weight.vector.tolist(),
         "plate_law": plate_law(scene.law).model_dump(),
         "stiffness": float(problem.fields.stiffness.value),

@@ -13,23 +13,23 @@ from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.mesh import FingerMesh
 from fingerfem.scene.scene import Scene
 
-Densities = tuple[float, float]  # of rubber and plates [kg/m^3]
 
-
-def inertial_work(mesh: FingerMesh, densities: Densities, degree: int, acceleration: Any, v: Any) -> Any:
+def inertial_work(mesh: FingerMesh, scene: Scene, degree: int, acceleration: Any, v: Any) -> Any:
     """The integral of density a . v [J], in UFL; of a trial function a it is the consistent mass.
 
     Args:
         mesh: with its regions.
-        densities: of rubber and plates [kg/m^3].
+        scene: with densities.
         degree: of the Gauss rule.
         acceleration: a [m/s^2].
         v: test function [m].
     """
+    assert scene.densities is not None
+    materials, steel = scene.densities
     dx = ufl.Measure("dx", mesh.mesh, subdomain_data=mesh.cells, metadata={"quadrature_degree": degree})
-    rubber, steel = (fem.Constant(mesh.mesh, value) for value in densities)
-    density = ufl.inner(acceleration, v)
-    return rubber * density * dx(regions.RUBBERS) + steel * density * dx(regions.PLATES)
+    parts: list[tuple[float, tuple[int, ...]]] = [(steel, regions.PLATES)]
+    parts += [(density, regions.of_material(k)) for k, density in enumerate(materials)]
+    return sum(fem.Constant(mesh.mesh, density) * ufl.inner(acceleration, v) * dx(where) for density, where in parts)
 
 
 def weight_forces(assembly: Assembly, mesh: FingerMesh, scene: Scene, degree: int) -> np.ndarray | None:
@@ -38,13 +38,13 @@ def weight_forces(assembly: Assembly, mesh: FingerMesh, scene: Scene, degree: in
     Args:
         assembly: of the displacement's space.
         mesh: with its regions.
-        scene: with its densities.
+        scene: with densities and acceleration.
         degree: of the Gauss rule.
     """
-    if scene.gravity is None or scene.densities is None:
+    if scene.gravity is None:
         return None
     g, v = fem.Constant(mesh.mesh, scene.gravity.vector), ufl.TestFunction(assembly.space)
-    b = assembly.vector(form_cache.form(inertial_work(mesh, scene.densities, degree, g, v)))
+    b = assembly.vector(form_cache.form(inertial_work(mesh, scene, degree, g, v)))
     forces = b.array_r.copy()
     b.destroy()
     return forces
