@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -112,13 +112,13 @@ class Simulation:
             report(self.row(moment), moment)
         ledger = self._ledger(moment)
         for end in self.motion.breaks[self.motion.breaks > moment.state.time]:
+            if self.motion.jumps(moment.state.time):
+                moment = replace(moment, state=self._stepper.started(moment.state), step=self.motion.time.step)
+                self._stepper.place(moment.state, after=True)
+                ledger.take(moment.state)
             while moment.state.time < end:
                 moment = self._advance(moment, float(end), ledger)
                 report(self.row(moment), moment)
-            if self.motion.jumps(end):
-                moment = Moment(self._stepper.started(moment.state), moment.balance, self.motion.time.step)
-                self._stepper.place(moment.state, after=True)
-                ledger.take(moment.state)
         return moment
 
     def _ledger(self, moment: Moment) -> EnergyBalance:

@@ -94,3 +94,20 @@ def test_the_tangent_of_a_step_is_the_residual_s_derivative(table, formulation):
 def test_branches_that_a_law_cannot_have_are_refused(table, changes, rule):
     with pytest.raises(ValidationError, match=rule):
         scene(table, **changes)
+
+
+def test_every_material_relaxes_by_its_own_branches(table):
+    other = {"law": "yeoh", "E": 5e5, "nu": 0.3, "prony": [[0.8, 0.05]]}
+    layer = {"name": "layer", "region": "section", "x": [0.01, 0.03], "material": other}
+    problem = MovingProblem(scene(table | {"materials": [layer]}))
+    branches, fields = problem.branches, problem.fields.overstress
+    branches.begin(1e-12)
+    assert [float(one.value) for one in fields.shares] == pytest.approx([0.75, 0.8], rel=1e-9)
+    problem.displacement[:] = 1e-4 * np.sin(1e3 * problem.rest).ravel()
+    branches.settle(1e-12)
+    S, x = branches.elastic_stress(), problem.mesh.midpoints[0]
+    within, rubber = (x > 0.01) & (x < 0.03), (x < 0.01) | ((x > 0.03) & (x < 0.049))
+    assert branches.stresses[0][within] == pytest.approx(0.8 * S[within], rel=1e-9, abs=1e-6)
+    assert not branches.stresses[1][within].any()
+    assert branches.stresses[1][rubber] == pytest.approx(0.25 * S[rubber], rel=1e-9, abs=1e-6)
+    assert not branches.stresses[:, x > 0.049].any()
