@@ -42,10 +42,10 @@ class HeldOut:
         if not has_obstacle and self.distances > 1:
             raise SceneError(f"distances must be 1 where the scene has no obstacle, got {self.distances}")
         if scene.load is not None:
-            random, tendons = np.random.default_rng(self.seed), len(scene.tendons)
-            pulled = box[:tendons, 0] + random.random((self.count, tendons)) * (box[:tendons, 1] - box[:tendons, 0])
+            random, own = np.random.default_rng(self.seed), box[: len(scene.actuators)]
+            loads = own[:, 0] + random.random((self.count, len(own))) * (own[:, 1] - own[:, 0])
             pressed = wrenches.on_plates(scene, random.random((self.count, wrenches.draws(scene))))
-            return np.column_stack([pulled, pressed]).tolist()
+            return np.column_stack([loads, pressed]).tolist()
         axes = np.arange(len(box) + self.distances - 1).clip(max=len(box) - 1)
         draw = np.random.default_rng(self.seed).random((self.count, len(axes)))
         drawn = box[axes, 0] + draw * (box[axes, 1] - box[axes, 0])
@@ -75,8 +75,8 @@ def describe(
         grows: whether lines are added, of a scene with a load, as the error of its elements needs them.
 
     Raises:
-        SceneError: the section is no square, there are chambers, no tendon bends the finger towards its plane, the
-            obstacle is not the plane y = side/2 + d, or lines are asked for without a load.
+        SceneError: the section is no square, a chamber no rectangle, no actuator bends the finger towards its plane,
+            the obstacle is not the plane y = side/2 + d, or lines are asked for without a load.
     """
     _check_kind(scene)
     sampling, lead = scene.sampling, _lead(scene)
@@ -87,7 +87,7 @@ def describe(
         )
     parameters = scene.parameters
     box = np.array([[parameter["lower"], parameter["upper"]] for parameter in parameters])
-    tensions = box[: len(scene.tendons)]
+    tensions = box[: len(scene.actuators)]
     along_tension, along_contact = sampling.tension_nodes, sampling.contact_nodes
     scattered: list[list[float]] = []
     if scene.load is not None and held_out is None:
@@ -116,11 +116,8 @@ def _check_kind(scene: Scene) -> None:
             "section must be a square to train on it, as reduced models are read by geometry.side "
             f"(fingerfem solve takes any), got {scene.geometry.shape.shape}"
         )
-    if scene.chambers:
-        raise SceneError(
-            "chambers must be left out of a scene for snapshots, which have tensions alone; the full-order model "
-            f"solves it (python3 -m fingerfem solve), got {len(scene.chambers)} chambers"
-        )
+    if others := [one.name for one in scene.chambers if one.region != "rectangle"]:
+        raise SceneError(f"chambers must be rectangles of a scene for snapshots, got {others[0]} of another region")
     if scene.obstacle is not None and not scene.obstacle.is_facing_plane:
         bodies = scene.obstacle.bodies
         got = f"another {bodies[0].shape}" if len(bodies) == 1 else f"{len(bodies)} bodies"
@@ -150,13 +147,26 @@ def _pressing(scene: Scene, lines: int) -> list[list[list[float]]]:
 
 
 def _lead(scene: Scene) -> int:
-    """The tendon that bends the finger most towards the plane."""
+    """The actuator that bends the finger most towards the plane: by its largest load, lever and length [N m^2]."""
     ends = np.cumsum(scene.geometry.segments)
-    lever = [tendon.offset[0] * ends[tendon.segment - 1] for tendon in scene.tendons]
-    lead = int(np.argmax(lever))
-    if scene.obstacle is not None and lever[lead] <= 0:
-        raise SceneError("tendons must have one on the plane's side (offset y > 0) to sample contact, got none")
+    bends = [one.tension[1] * one.offset[0] * ends[one.segment - 1] for one in scene.tendons]
+    for one in scene.chambers:
+        centre, size = np.array(one.centre), np.array(one.size)
+        bends.append(-one.pressure[1] * float(size.prod() * centre[0]) * (one.x[1] - one.x[0]))
+    lead = int(np.argmax(bends))
+    if scene.obstacle is not None and bends[lead] <= 0:
+        raise SceneError(
+            "tendons must have one on the plane's side (offset y > 0), or chambers one on the other, to sample "
+            "contact, got none"
+        )
     return lead
+
+
+def sections_of(scene: Scene, nodes: np.ndarray) -> CrossSections:
+    """The cross-sections of a scene's finger, whose mesh has these nodes, shape (nodes, 3) [m]."""
+    halves = [(np.array(one.centre), np.array(one.size) / 2) for one in scene.chambers]
+    voids = [np.array([centre - half, centre + half]) for centre, half in halves]
+    return CrossSections(nodes, scene.mesh.order, scene.is_half, voids)
 
 
 def body(scene: Scene, nodes: np.ndarray) -> RestBody:
@@ -164,7 +174,7 @@ def body(scene: Scene, nodes: np.ndarray) -> RestBody:
     geometry = scene.geometry
     return RestBody(
         nodes=nodes,
-        sections=CrossSections(nodes, scene.mesh.order, scene.is_half).positions,
+        sections=sections_of(scene, nodes).positions,
         plates=np.array(scene.outline.plates),
         half_lengths=geometry.half_lengths[-1],
         is_half=scene.is_half,

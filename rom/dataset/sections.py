@@ -8,16 +8,20 @@ rotation R is that of the polar decomposition M = R U of
 where the weights w [-], of sum 1, are the integrals of the nodes' shape functions over the plane. X - X_c lies in the
 plane, so M has rank 2; R is unique all the same, and `rigid_motion.turns` differentiates it.
 
+Of a section with voids it is the rubber around them, everywhere along the finger: also where a void is filled.
+
 Of half a finger, z >= 0, the sections are whole: of the mirror image, c and M have the same entries with an even number
 of z, and the others cancel.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from rom.dataset import rigid_motion
-from rom.dataset.grid import levels
+from rom.dataset.grid import SHARE, levels
 
 
 def line_weights(line: np.ndarray, order: int) -> np.ndarray:
@@ -37,6 +41,24 @@ def line_weights(line: np.ndarray, order: int) -> np.ndarray:
     return found / lengths.sum()
 
 
+def _weights(y: np.ndarray, z: np.ndarray, order: int, voids: Sequence[np.ndarray]) -> np.ndarray:
+    """Integrals of the shape functions over a section without its voids, over their sum, shape (ys, zs) [-].
+
+    They vanish within a void, where it has no nodes.
+    """
+    whole = np.outer(line_weights(y, order), line_weights(z, order)) * np.ptp(y) * np.ptp(z)
+    found, near = whole.copy(), SHARE * float(np.ptp(y))
+    for ends in voids:
+        at_y, at_z = (
+            np.flatnonzero((low - near < line) & (line < high + near))
+            for line, low, high in zip((y, z), *ends, strict=True)
+        )
+        own = np.outer(line_weights(y[at_y], order), line_weights(z[at_z], order))
+        found[np.ix_(at_y, at_z)] -= own * np.ptp(y[at_y]) * np.ptp(z[at_z])
+    found[found < SHARE * whole] = 0.0
+    return np.asarray(found / found.sum())
+
+
 class CrossSections:
     """The cross-sections of a finger: element boundaries along the axis, so no mid-planes of order 2.
 
@@ -44,6 +66,7 @@ class CrossSections:
         nodes: of the finger at rest, sorted by x, then y, then z, shape (nodes, 3) [m].
         order: Lagrange order of the mesh.
         is_half: whether only the half z >= 0 is modelled.
+        voids: rectangles along grid lines that are left out, each [[least y, least z], [largest y, largest z]] [m].
 
     Attributes:
         positions: along the axis at rest, shape (sections,) [m].
@@ -55,13 +78,15 @@ class CrossSections:
         array([0.  , 0.01])
     """
 
-    def __init__(self, nodes: np.ndarray, order: int, is_half: bool):
-        layers, _ = levels(nodes[:, 0])
-        plane = nodes.reshape(len(layers), -1, 3)[0]
-        (y, at_y), (z, at_z) = levels(plane[:, 1]), levels(plane[:, 2])
+    def __init__(self, nodes: np.ndarray, order: int, is_half: bool, voids: Sequence[np.ndarray] = ()):
+        layers, at_x = levels(nodes[:, 0])
+        (y, at_y), (z, at_z) = levels(nodes[:, 1]), levels(nodes[:, 2])
+        weights = _weights(y, z, order, voids)
+        self._kept = weights[at_y, at_z] > 0
         self.positions = layers[::order]
+        plane = nodes[self._kept & (at_x == 0)]
         self._shape, self._order, self._is_half = (len(layers), len(plane), 3), order, is_half
-        self._weights = line_weights(y, order)[at_y] * line_weights(z, order)[at_z]
+        self._weights = weights[at_y, at_z][self._kept & (at_x == 0)]
         across = self._on_sections(nodes) * [0, 1, 1]
         middle = self._mean(across)
         self._arms = across - middle[:, None]
@@ -76,7 +101,8 @@ class CrossSections:
 
     def _on_sections(self, fields: np.ndarray) -> np.ndarray:
         """Vectors at all nodes by section, shapes (..., nodes, 3) and (..., sections, nodes of one, 3)."""
-        return fields.reshape(*fields.shape[:-2], *self._shape)[..., :: self._order, :, :]
+        own = fields[..., self._kept, :]
+        return own.reshape(*fields.shape[:-2], *self._shape)[..., :: self._order, :, :]
 
     def _mean(self, fields: np.ndarray) -> np.ndarray:
         """Mean of vectors at the nodes of a section, shapes (..., nodes of one, 3) and (..., 3)."""

@@ -11,13 +11,14 @@ import numpy as np
 
 from rom import checked_file
 from rom.brief import brief
+from rom.dataset.actuators import count_of, pressures_of
 from rom.elements.law import ElementLaw
 from rom.elements.outline import OutlineLaw
 from rom.elements.polynomial import Polynomial
 
 CLAMP, INTERIOR, PLATE, WHOLE = "clamp", "interior", "plate", "whole"  # kinds of elements
 UNCALIBRATED = 2.0  # times the variants' deviation: 95 % of a normal distribution [-]
-UNITS = "place m, Rodrigues vector -, shortening m; of interior elements per m"
+UNITS = "place m, Rodrigues vector -, shortening m, growth m^3; of interior elements per m"
 
 
 @brief
@@ -47,8 +48,8 @@ class Elements:
 
     @property
     def tensions(self) -> int:
-        """Number of tensions."""
-        return len(self.scene["tendons"])
+        """Number of loads, tensions and then pressures."""
+        return count_of(self.scene)
 
     def error_factor(self, quantity: str) -> float:
         """How many times the variants' deviation the estimated error of a quantity is [-]."""
@@ -69,7 +70,7 @@ class Elements:
             group, outline = file.create_group(kind), self.outlines[kind]
             group.attrs["lengths"] = law.lengths
             checked_file.dataset(group, "tension_map", law.tension_map, "-")
-            checked_file.dataset(group, "tensions", law.tensions, "N")
+            checked_file.dataset(group, "tensions", law.tensions, "N, Pa")
             _write(group, law.polynomial, UNITS)
             if law.deviations is not None:
                 _write(group.create_group("variants"), law.deviations, UNITS)
@@ -81,6 +82,7 @@ class Elements:
     def read(cls, file: h5py.Group) -> Elements:
         """The elements in an open file."""
         laws, outlines = {}, {}
+        scene, provenance = (json.loads(file.attrs[name]) for name in ("scene", "provenance"))
         for kind in file:
             group, outline = file[kind], file[kind]["outline"]
             shortest, longest = map(float, group.attrs["lengths"])
@@ -91,12 +93,17 @@ class Elements:
                 polynomial=_read(group),
                 lengths=(shortest, longest),
                 deviations=_read(group["variants"]) if "variants" in group else None,
+                pressures=pressures_of(scene),
             )
             half, error = (float(outline.attrs[name]) for name in ("half", "error"))
             outlines[kind] = OutlineLaw(
-                tension_map=tension_map, tensions=tensions, polynomial=_read(outline), half=half, error=error
+                tension_map=tension_map,
+                tensions=tensions,
+                polynomial=_read(outline),
+                half=half,
+                error=error,
+                pressures=pressures_of(scene),
             )
-        scene, provenance = (json.loads(file.attrs[name]) for name in ("scene", "provenance"))
         force, factors = float(file.attrs["force"]), json.loads(file.attrs["error_factors"])
         return cls(laws=laws, outlines=outlines, scene=scene, force=force, provenance=provenance, error_factors=factors)
 

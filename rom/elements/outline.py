@@ -15,7 +15,7 @@ from rom.brief import brief
 from rom.dataset.grid import SHARE, levels
 from rom.elements.fitting.candidates import box, weights_of
 from rom.elements.fitting.regression import NormalEquations, index_set
-from rom.elements.law import combined
+from rom.elements.law import combined, scales_of, wrench_scales
 from rom.elements.polynomial import Polynomial
 from rom.elements.samples.element_samples import Samples, own_samples
 from rom.elements.samples.section_states import SectionStates
@@ -33,15 +33,16 @@ MOST_PAIRS = 30  # positions of one kind of element that are fitted
 @brief
 @dataclass(frozen=True, kw_only=True)
 class OutlineLaw:
-    """Corners of a cross-section by tensions, the wrench through the distal section, and the distance from that.
+    """Corners of a cross-section by loads, the wrench through the distal section, and the distance from that.
 
     Attributes:
-        tension_map: orthogonal; the first t inputs of the polynomial are tension_map @ tensions, shape (t, t).
-        tensions: lowest and highest, shape (2, t) [N].
-        polynomial: of t + 7 inputs [N, N m, m]; of 12 values: how far the corners are from where they were at rest,
+        tension_map: orthogonal; the first t inputs of the polynomial are tension_map @ loads, shape (t, t).
+        tensions: lowest and highest loads, shape (2, t) [N, Pa].
+        polynomial: of t + 7 inputs [N, Pa, N m, m]; of 12 values: how far the corners are from where they were at rest,
             seen from the distal section [m].
         half: of the section's side [m].
         error: of the corners in lines that were left out, 95th percentile [m].
+        pressures: how many of the loads are pressures, the last ones.
     """
 
     tension_map: np.ndarray
@@ -49,6 +50,7 @@ class OutlineLaw:
     polynomial: Polynomial
     half: float
     error: float
+    pressures: int = 0
 
     @property
     def distances(self) -> tuple[float, float]:
@@ -80,13 +82,12 @@ class OutlineLaw:
 
     def scaled(self, size: float, modulus: float) -> OutlineLaw:
         """The law of an element `size` times as large, of rubber `modulus` times as stiff: exact by similarity."""
-        law, force = self.polynomial, modulus * size**2
-        inputs = np.full(len(law.lower), force)
-        inputs[-4:-1], inputs[-1] = force * size, size
+        law, loads = self.polynomial, scales_of(self.tensions.shape[1], self.pressures, size, modulus)
+        inputs = np.concatenate([loads, wrench_scales(size, modulus), [size]])
         scaled = replace(law, lower=law.lower * inputs, upper=law.upper * inputs, coefficients=law.coefficients * size)
         return replace(
             self,
-            tensions=self.tensions * force,
+            tensions=self.tensions * loads,
             polynomial=scaled,
             half=self.half * size,
             error=self.error * size,
@@ -153,6 +154,7 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
         polynomial=equations.fit(every),
         half=states.scene["geometry"]["side"] / 2,
         error=float(np.quantile(np.concatenate(off), 0.95)),
+        pressures=states.pressures,
     )
 
 

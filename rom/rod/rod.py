@@ -19,6 +19,7 @@ from rom import checked_file
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.console.table import Table, as_html
+from rom.dataset.actuators import actuators_of
 from rom.dataset.geometry import sizes_of, steepest, tip_at_rest
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
@@ -114,26 +115,30 @@ class Rod(PickledByFields):
 
     @cached_property
     def segments(self) -> list[Segment]:
-        """Segments from clamp to tip; a tendon passes all segments up to its plate."""
-        found = []
+        """Segments from clamp to tip; a tendon passes all segments up to its plate, chambers are in the only one."""
+        found, pulled = [], len(self.elements.scene["tendons"])
+        chambers = [
+            (chamber["name"], pulled + trained)
+            for chamber, trained in zip(self.scene.get("chambers") or [], self.similarity.chambers, strict=True)
+        ]
         for k, own in enumerate(self.pieces):
             passing = [
                 (tendon["name"], trained)
                 for tendon, trained in zip(self.scene["tendons"], self.similarity.tendons, strict=True)
                 if tendon["segment"] > k
-            ]
+            ] + chambers
             found.append(segment_of(self.own, own, [name for name, _ in passing], [which for _, which in passing]))
         return found
 
     @property
     def parameters(self) -> list[Parameter]:
-        """The tensions."""
-        return [Parameter(one["name"], "N", *one["tension"]) for one in self.scene["tendons"]]
+        """The tensions, then the pressures."""
+        return [Parameter(one.name, one.unit, one.lower, one.upper) for one in actuators_of(self.scene)]
 
     @property
     def names(self) -> list[str]:
-        """Names of the tensions."""
-        return [one["name"] for one in self.scene["tendons"]]
+        """Names of the tensions, then of the pressures."""
+        return [one.name for one in actuators_of(self.scene)]
 
     @property
     def half_lengths(self) -> np.ndarray:
@@ -169,11 +174,11 @@ class Rod(PickledByFields):
         """Poses of the plates.
 
         Args:
-            tensions: shape (t,) [N].
+            tensions: of the tendons [N], then pressures of the chambers [Pa], shape (t,).
             wrenches: on the plates in their own frames, shape (n, 6) [N, N m]; none if omitted.
 
         Raises:
-            ModelError: the wrong number of tensions or wrenches.
+            ModelError: the wrong number of tensions and pressures, or of wrenches.
         """
         return Plates(*compiled.place_chain(self.struct, *self._inputs(tensions, wrenches)))
 
@@ -190,7 +195,15 @@ class Rod(PickledByFields):
         return pulled, pressed
 
     def shortening(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
-        """Shortening of the tendons between clamp and plate, shape (t,) [m]; arguments of `place`."""
+        """Shortening of the tendons between clamp and plate, shape (tendons,) [m]; arguments of `place`."""
+        return self.strokes(tensions, wrenches)[: len(self.scene["tendons"])]
+
+    def growth(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
+        """Growth of the chambers' volumes, shape (chambers,) [m^3]; arguments of `place`."""
+        return self.strokes(tensions, wrenches)[len(self.scene["tendons"]) :]
+
+    def strokes(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
+        """What the loads do work on: shortenings, then growths, shape (t,) [m, m^3]; arguments of `place`."""
         return reports.shortenings(self.struct, *self._inputs(tensions, wrenches))[0]
 
     def displacement(
@@ -244,7 +257,8 @@ class Rod(PickledByFields):
             ModelError: not a valid scene, or the elements cannot make it; the message says what is missing.
         """
         tables = of_tables(scene) if isinstance(scene, Mapping) else read_scene(scene)
-        return Rod(elements=self.elements, scene=self.elements.scene | tables)
+        own = {name: table for name, table in self.elements.scene.items() if name != "chambers"}
+        return Rod(elements=self.elements, scene=own | tables)
 
     def with_gravity(self, direction: ArrayLike, acceleration: float | None = None) -> Rod:
         """The same finger on a turned base; the compiled data of its segments are shared.

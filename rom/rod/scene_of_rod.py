@@ -15,11 +15,12 @@ import numpy as np
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.dataset.actuators import actuators_of
 from rom.dataset.geometry import sizes_of
 from rom.file_kinds import uses_of
+from rom.rod.chambers_of_rod import NEAR, chambers_of, matched
 from rom.rod.weight import gravity_of
 
-NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
 MOST_SEGMENTS = 8
 # Powers of a modulus that a law's constants go with: 1 [Pa], -1 [1/Pa]; others have no unit.
 MODULI = {"C1": 1, "C2": 1, "C3": 1, "C10": 1, "C01": 1, "mu": 1, "D1": -1, "E": 1}
@@ -29,11 +30,12 @@ PLAIN = ("nu", "alpha")  # constants without a unit
 
 @brief
 class Similarity(NamedTuple):
-    """By how much elements are scaled [-], and which of their tendons every tendon of the finger is."""
+    """By how much elements are scaled [-], and which of their tendons and chambers every one of the finger is."""
 
     size: float
     modulus: float
     tendons: list[int]
+    chambers: list[int]
 
 
 def read_scene(path: str | Path) -> dict[str, Any]:
@@ -67,23 +69,21 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
             "section must be left out of a rod's scene: elements have square sections, whose side is geometry.side; "
             f"the full-order model solves it (python3 -m fingerfem solve), got {scene['section']}"
         )
-    if scene.get("chambers"):
-        raise ModelError(
-            "chambers must be left out of a rod's scene: elements have no voids; "
-            f"the full-order model solves it (python3 -m fingerfem solve), got {scene['chambers']}"
-        )
     try:
-        return {
+        found: dict[str, Any] = {
             "name": str(scene.get("name", "finger")),
             "geometry": _geometry(scene["geometry"]),
             "material": dict(scene["material"]),
             "tendons": [_tendon(one) for one in scene["tendons"]],
-        } | ({} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"])})
+        }
+        if scene.get("chambers"):
+            found["chambers"] = chambers_of(scene)
+        return found | ({} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"])})
     except ModelError:
         raise
     except (KeyError, TypeError, ValueError) as error:
         raise ModelError(
-            f"scene must have geometry and tendons as docs/reference/scene.md says, got {error!r}"
+            f"scene must have geometry, tendons and chambers as docs/reference/scene.md says, got {error!r}"
         ) from None
 
 
@@ -118,7 +118,7 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     """By how much elements of a trained scene must be scaled for another.
 
     Raises:
-        ModelError: they are of another section, rubber or plate, or lack a tendon: one line with both values.
+        ModelError: another section, rubber or plate, or a tendon or chamber that is missing: one line with both values.
     """
     size = scene["geometry"]["side"] / trained["geometry"]["side"]
     for name in ("plate", "channel"):
@@ -128,15 +128,15 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     count = len(scene["geometry"]["segments"])
     if not 1 <= count <= MOST_SEGMENTS:
         raise ModelError(f"geometry.segments must be at least one and at most {MOST_SEGMENTS}, got {count}")
-    names = [one["name"] for one in scene["tendons"]]
+    names = [one.name for one in actuators_of(scene)]
     if len(set(names)) < len(names):
-        raise ModelError(f"tendons must have names of their own, got {', '.join(names)}")
+        raise ModelError(f"tendons and chambers must have names of their own, got {', '.join(names)}")
     sizes = sizes_of(scene["geometry"])
     tendons = [_tendon_of(trained["tendons"], one, size * sizes, modulus) for one in scene["tendons"]]
     last = max((one["segment"] for one in scene["tendons"]), default=0)
     if last < count:
         raise ModelError(f"tendons must pass all segments, one at least of segment {count}, got {last}")
-    found = Similarity(size, modulus, tendons)
+    found = Similarity(size, modulus, tendons, matched(trained, scene, size, modulus))
     for segment in range(1, count + 1):
         _check_sums(trained["tendons"], scene["tendons"], found, (segment, size * sizes[segment - 1 : segment + 1]))
     return found

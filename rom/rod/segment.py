@@ -29,11 +29,11 @@ class Segment(PickledByFields):
     """One segment of a finger, condensed to its plate when it is asked for.
 
     Attributes:
-        elements: laws by the segment's tensions and the wrench that each transmits, from the plate to the clamp: pose,
-            then shortenings of the trained tendons. Elements that share a law are one object.
+        elements: laws by the segment's loads and the wrench that each transmits, from the plate to the clamp: pose,
+            then strokes of the trained actuators. Elements that share a law are one object.
         outlines: of every element, shared as its law is.
-        names: of its tensions.
-        trained: which trained tendon each of these is.
+        names: of its tensions, then of its pressures.
+        trained: which trained load each of these is.
         offsets: of the tendons in channels from the axis along y and z, shape (t, 2) [m]; 0 of those without a channel.
         half_lengths: of the plate along its own axes, shape (3,) [m].
         begins: size of the section where it begins over that of the plate's [-].
@@ -156,7 +156,7 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         outlines=[outlines[one] for one in pieces],
         names=names,
         trained=trained,
-        offsets=elements.size * end * np.array([_offset(elements.scene["tendons"][k]) for k in trained]).reshape(-1, 2),
+        offsets=elements.size * end * np.array([_offset(elements.scene["tendons"], k) for k in trained]).reshape(-1, 2),
         half_lengths=half,
         begins=begin / end,
         length=sum(one.length for one in pieces),
@@ -178,8 +178,10 @@ def _in_one_box(laws: dict[Piece, ElementMap], outlines: dict[Piece, compiled.Ou
         outlines[piece] = replace(own, polynomial=on_tensions(own.polynomial, lower, upper))
 
 
-def _offset(tendon: dict[str, Any]) -> list[float]:
-    return tendon["offset"] if tendon.get("path", "channel") == "channel" else [0.0, 0.0]
+def _offset(tendons: Sequence[dict[str, Any]], k: int) -> list[float]:
+    """Of load k's channel; 0 of a straight tendon and of a chamber, which come after the tendons."""
+    has_channel = k < len(tendons) and tendons[k].get("path", "channel") == "channel"
+    return tendons[k]["offset"] if has_channel else [0.0, 0.0]
 
 
 def _pose_of(element: ElementMap) -> ElementMap:

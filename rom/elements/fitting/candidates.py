@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
+from rom.dataset.actuators import actuators_of, pressures_of
 from rom.dataset.grid import levels
 from rom.elements.fitting.regression import NormalEquations, chosen, index_set
 from rom.elements.law import POSE, ElementLaw, combined
@@ -36,12 +37,13 @@ class Candidates:
 
     Attributes:
         equations: of its samples, in the largest set of products.
-        tension_map: its variables in place of tensions, shape (t, t).
-        tensions: lowest and highest, shape (2, t) [N].
+        tension_map: its variables in place of loads, shape (t, t).
+        tensions: lowest and highest loads, shape (2, t) [N, Pa].
         weights: of the powers of every input [-].
         lengths: shortest and longest [m].
         highest: weighted degree of the largest set.
         corrected: laws that these correct, with their degree; None if they stand alone.
+        pressures: how many of the loads are pressures, the last ones.
     """
 
     equations: NormalEquations
@@ -51,6 +53,7 @@ class Candidates:
     lengths: tuple[float, float]
     highest: float
     corrected: tuple[Candidates, float] | None = None
+    pressures: int = 0
 
     def supports(self, degree: float) -> bool:
         """Whether all products of a degree are there, and enough rows for them."""
@@ -87,7 +90,11 @@ class Candidates:
 
     def _law(self, polynomial: Polynomial) -> ElementLaw:
         return ElementLaw(
-            tension_map=self.tension_map, tensions=self.tensions, polynomial=polynomial, lengths=self.lengths
+            tension_map=self.tension_map,
+            tensions=self.tensions,
+            polynomial=polynomial,
+            lengths=self.lengths,
+            pressures=self.pressures,
         )
 
     def _positions(self, degree: float) -> np.ndarray:
@@ -114,7 +121,7 @@ def candidates(
     several = distinct > 1
     tension_map = of_scene(scene)
     images = [mirror.combined(tension_map) for mirror in mirrors(scene)]
-    tensions = np.array([tendon["tension"] for tendon in scene["tendons"]], float).T
+    tensions = np.array([(one.lower, one.upper) for one in actuators_of(scene)]).T
     lower, upper = box(samples, tension_map.matrix, tensions, images)
     weights = weights_of(tension_map)
     if several:
@@ -137,6 +144,7 @@ def candidates(
         weights=weights,
         lengths=(min(lengths), max(lengths)) if several else (lengths[0], lengths[0]),
         highest=highest,
+        pressures=pressures_of(scene),
     )
 
 
