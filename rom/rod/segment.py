@@ -19,6 +19,7 @@ from rom.elements.polynomial import Polynomial
 from rom.elements.taper import Prism, shear_compliance, tapered
 from rom.native import PickledByFields
 from rom.rod import compiled
+from rom.rod.bulges import bulges_of
 
 UNDER = 0.4  # over half the side: largest depth of a tendon that raises a ridge on the face above it [-]
 
@@ -38,6 +39,7 @@ class Segment(PickledByFields):
         half_lengths: of the plate along its own axes, shape (3,) [m].
         begins: size of the section where it begins over that of the plate's [-].
         length: from the clamp to the plate's centre at rest [m].
+        bulges: see `bulges_of`; None without chambers.
     """
 
     elements: Sequence[ElementMap]
@@ -48,6 +50,7 @@ class Segment(PickledByFields):
     half_lengths: np.ndarray
     length: float
     begins: float = 1.0
+    bulges: np.ndarray | None = None
 
     @property
     def tensions(self) -> int:
@@ -106,6 +109,7 @@ class Segment(PickledByFields):
             poisson=0.0 if self.outlines is None else self.poisson,
             ridges=np.where(np.abs(self.offsets) > (1 - UNDER) * self.half_lengths[1:], np.sign(self.offsets), 0.0)
             / self.young_modulus,
+            bulges=self.bulges,
         )
 
     def place(self, inputs: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
@@ -160,6 +164,9 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         half_lengths=half,
         begins=begin / end,
         length=sum(one.length for one in pieces),
+        bulges=bulges_of([laws[one] for one in pieces], elements.scene, elements.size, trained)
+        if elements.scene.get("chambers")
+        else None,
     )
 
 
