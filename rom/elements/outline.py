@@ -22,7 +22,7 @@ from rom.elements.samples.section_states import SectionStates
 from rom.elements.samples.symmetry import Mirror, mirrors
 from rom.elements.samples.tension_map import TensionMap, of_scene
 
-CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])  # y and z of corners, over half the side [-]
+CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])  # y and z of corners, over the halves of the box [-]
 NUMBERS = 3 * len(CORNERS)
 DEGREE, ALONG = 4.0, 0.8  # weighted degree; weight of the distance's powers [-]
 MOST = 1500  # products of an outline
@@ -40,14 +40,14 @@ class OutlineLaw:
         tensions: lowest and highest, shape (2, t) [N].
         polynomial: of t + 7 inputs [N, N m, m]; of 12 values: how far the corners are from where they were at rest,
             seen from the distal section [m].
-        half: of the section's side [m].
+        half: of the section's box along y and z, shape (2,) [m].
         error: of the corners in lines that were left out, 95th percentile [m].
     """
 
     tension_map: np.ndarray
     tensions: np.ndarray
     polynomial: Polynomial
-    half: float
+    half: np.ndarray
     error: float
 
     @property
@@ -151,7 +151,7 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
         tension_map=tension_map.matrix,
         tensions=tensions,
         polynomial=equations.fit(every),
-        half=states.scene["geometry"]["side"] / 2,
+        half=np.full(2, states.scene["geometry"]["side"] / 2),
         error=float(np.quantile(np.concatenate(off), 0.95)),
     )
 

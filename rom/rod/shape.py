@@ -191,28 +191,28 @@ def _fit(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarray
 
 def _corners(rod: Rod, one: Placed, distance: float) -> np.ndarray:
     """Corners of a section at a distance from its element's distal section [m], seen from that; shape (4, 3) [m]."""
-    law = replace(rod.sized[one.piece.size].outlines[one.piece.kind], half=float(half_at(rod, one.at - distance)))
+    law = replace(rod.sized[one.piece.size].outlines[one.piece.kind], half=half_at(rod, one.at - distance))
     return law.corners(one.inputs[None], distance)[0]
 
 
 def half_at(rod: Rod, x: ArrayLike) -> np.ndarray:
-    """Half the side of the sections at x along the finger at rest [m]."""
-    geometry = rod.scene["geometry"]
-    return geometry["side"] / 2 * size_at(geometry, np.asarray(x))
+    """Halves along y and z of the boxes of the sections at x along the finger at rest, shape (..., 2) [m]."""
+    geometry, box = rod.scene["geometry"], rod.elements.section.box
+    return geometry["side"] / 2 * size_at(geometry, np.asarray(x))[..., None] * (box / box.max())
 
 
 def edges(rod: Rod) -> np.ndarray:
     """Points of the long edges at rest, every half side of the clamp's section, shape (points, 3) [m]."""
     length, side = sum(rod.scene["geometry"]["segments"]), rod.scene["geometry"]["side"]
     along = np.linspace(0.0, length, round(2 * length / side) + 1)
-    corners = half_at(rod, along)[:, None, None] * CORNERS
+    corners = half_at(rod, along)[:, None] * CORNERS
     return np.concatenate([np.repeat(along, len(CORNERS))[:, None], corners.reshape(-1, 2)], axis=1)
 
 
 def _outside(points: np.ndarray, length: float, half: ArrayLike) -> bool:
     """Whether some points or positions at rest, shape (n, 3) or (n, 1) [m], are none of the finger's."""
-    along, across = np.abs(points[:, 0] - length / 2) * 2 / length, np.abs(points[:, 1:]).max(axis=1, initial=0.0)
-    return not ((along <= 1 + SHARE) & (across <= np.asarray(half) * (1 + SHARE))).all()
+    along, across = np.abs(points[:, 0] - length / 2) * 2 / length, np.abs(points[:, 1:])
+    return not ((along <= 1 + SHARE).all() and (across <= np.asarray(half) * (1 + SHARE)).all())
 
 
 def _at(elements: list[Placed], x: float) -> Placed:

@@ -15,6 +15,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.console.terminal import Progress, quiet
+from rom.dataset.section_outline import SectionOutline
 from rom.dataset.snapshot_set import SnapshotError
 from rom.elements.elements import Elements
 from rom.elements.fitting.calibration import error_factors, floors_of
@@ -165,9 +166,11 @@ def train(
         "shortening_m": quantiles(np.abs(shorter - training.states.shortenings[:, -1]).max(axis=1)),
     }
     progress("fitting elements", 2, 2)
+    half = states.scene["geometry"]["side"] / 2
     return Elements(
         laws=training.laws(of_laws),
         outlines={kind: train_outline(states, fold, pairs) for kind, pairs in outlines.items()},
+        section=SectionOutline.rectangle(half, half),
         scene=states.scene,
         force=float(states.scene["load"]["force"]),
         provenance=provenance | {"degrees": degrees, "left_out": left_out},
