@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 from scipy.stats import qmc
 
+from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene, SceneError
+from fingerfem.scene.sections import PlaneMesh
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.given_points import GivenPoints
 from rom.dataset.body import RestBody
-from rom.dataset.sections import CrossSections
+from rom.dataset.plane_nodes import plane_nodes
+from rom.dataset.section import outline
+from rom.dataset.sections import CrossSections, positions_of
 from rom.dataset.snapshot_set import Description
 
 
@@ -75,8 +79,8 @@ def describe(
         grows: whether lines are added, of a scene with a load, as the error of its elements needs them.
 
     Raises:
-        SceneError: the section is no square, a chamber no rectangle, no actuator bends the finger towards its plane,
-            the obstacle is not the plane y = side/2 + d, or lines are asked for without a load.
+        SceneError: a chamber no rectangle of a square, no actuator bends the finger towards its plane, the obstacle is
+            not the plane y = side/2 + d, or lines are asked for without a load.
     """
     _check_kind(scene)
     sampling, lead = scene.sampling, _lead(scene)
@@ -111,13 +115,11 @@ def describe(
 
 def _check_kind(scene: Scene) -> None:
     """Raise SceneError for what no set of states can have."""
-    if not scene.geometry.shape.is_square:
+    if scene.chambers and not scene.geometry.shape.is_square:
         raise SceneError(
-            "section must be a square to train on it, as reduced models are read by geometry.side "
-            f"(fingerfem solve takes any), got {scene.geometry.shape.shape}"
+            "section must be a square of a scene with chambers for snapshots (fingerfem solve takes any), "
+            f"got {scene.geometry.shape.shape}"
         )
-    if others := [one.name for one in scene.chambers if one.region != "rectangle"]:
-        raise SceneError(f"chambers must be rectangles of a scene for snapshots, got {others[0]} of another region")
     if scene.obstacle is not None and not scene.obstacle.is_facing_plane:
         bodies = scene.obstacle.bodies
         got = f"another {bodies[0].shape}" if len(bodies) == 1 else f"{len(bodies)} bodies"
@@ -162,11 +164,11 @@ def _lead(scene: Scene) -> int:
     return lead
 
 
-def sections_of(scene: Scene, nodes: np.ndarray) -> CrossSections:
-    """The cross-sections of a scene's finger, whose mesh has these nodes, shape (nodes, 3) [m]."""
-    halves = [(np.array(one.centre), np.array(one.size) / 2) for one in scene.chambers]
-    voids = [np.array([centre - half, centre + half]) for centre, half in halves]
-    return CrossSections(nodes, scene.mesh.order, scene.is_half, voids)
+def _rubber(scene: Scene) -> PlaneMesh:
+    """The mesh of a section without its chambers."""
+    mesh = section_mesh(scene.outline, scene.mesh.cells[1], scene.is_half)
+    solid = ~np.isin(mesh.tags, [cavity.tag for cavity in scene.outline.cavities])
+    return replace(mesh, quads=mesh.quads[solid], tags=mesh.tags[solid])
 
 
 def body(scene: Scene, nodes: np.ndarray) -> RestBody:
@@ -174,8 +176,17 @@ def body(scene: Scene, nodes: np.ndarray) -> RestBody:
     geometry = scene.geometry
     return RestBody(
         nodes=nodes,
-        sections=sections_of(scene, nodes).positions,
+        sections=positions_of(nodes, scene.mesh.order),
         plates=np.array(scene.outline.plates),
         half_lengths=geometry.half_lengths[-1],
         is_half=scene.is_half,
     )
+
+
+def cross_sections(scene: Scene, nodes: np.ndarray) -> CrossSections:
+    """The cross-sections of that finger: of the rubber around its chambers, also where that fills them."""
+    mesh = _rubber(scene)
+    first = nodes[nodes[:, 0] <= nodes[0, 0] + scene.outline.tolerance, 1:]
+    box = outline(scene.model_dump(mode="json")).box
+    plane = plane_nodes(first, mesh.points, mesh.quads, box, scene.is_half)
+    return CrossSections(nodes, scene.mesh.order, plane)

@@ -16,7 +16,7 @@ from fingerfem.equilibrium.state import channel_shortening, pad_pressure, stretc
 from fingerfem.mechanics.rigid_plate import Pose
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.design import body as finger_at_rest
-from fingerfem.snapshots.design import sections_of
+from fingerfem.snapshots.design import cross_sections
 from fingerfem.snapshots.strokes import Strokes
 from rom.dataset import schema
 
@@ -38,7 +38,7 @@ class Recorder:
         scopes |= {name for name in ("obstacle", "load") if getattr(scene, name) is not None}
         self._sections = self._strokes = None
         if scene.load is not None:
-            self._sections = sections_of(scene, numbering.nodes)
+            self._sections = cross_sections(scene, numbering.nodes)
             if all(tendon.path == "channel" for tendon in scene.tendons):
                 scopes.add("load in channels")
                 self._strokes = Strokes(model, self._sections, numbering)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.dataset.section import extent
 from rom.elements.law import POSE, ElementMap
 
 SHAPE = 1.1  # height of the middle over growth per length and width [-]
@@ -36,7 +37,7 @@ def bulges_of(
     for j, k in enumerate(trained):
         if k < tendons:
             continue
-        chamber, half = scene["chambers"][k - tendons], scene["geometry"]["side"] / 2
+        chamber, half = scene["chambers"][k - tendons], extent(scene) / 2
         inputs = np.zeros((1, len(trained) + 6))
         inputs[0, j] = elements[0].tensions[1, j]
         growth = sum(float(one.value(inputs)[0, POSE + k]) for one in elements)

@@ -9,8 +9,8 @@ import numpy as np
 
 from rom.checked_file import ModelError
 from rom.dataset.geometry import plates_of
-
-NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
+from rom.dataset.section import extent
+from rom.rod.section_of_rod import NEAR
 
 
 def chambers_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -65,7 +65,7 @@ def _matching(
 ) -> int:
     """The elements' chamber at a chamber's place, if that is like it."""
     name, ends = f"chambers.{one['name']}", _ends(scene, one)
-    near = NEAR * scene["geometry"]["side"]
+    near = NEAR * extent(scene)
     for k, other in enumerate(trained.get("chambers") or []):
         if np.abs(np.subtract(one["centre"], size * np.array(other["centre"]))).max() > near:
             continue

@@ -15,7 +15,7 @@ from rom.elements.fitting.regression import NormalEquations, chosen, index_set
 from rom.elements.law import POSE, ElementLaw, combined
 from rom.elements.polynomial import Polynomial
 from rom.elements.samples.element_samples import Samples
-from rom.elements.samples.symmetry import Mirror, mirrors
+from rom.elements.samples.symmetry import Mirror
 from rom.elements.samples.tension_map import TensionMap, of_scene
 
 # Weights of powers, measured [-]: of combinations of tensions by the order of their moment, and of higher ones; of a
@@ -42,6 +42,7 @@ class Candidates:
         weights: of the powers of every input [-].
         lengths: shortest and longest [m].
         highest: weighted degree of the largest set.
+        images: mirrors of the samples, by the equations' inputs.
         corrected: laws that these correct, with their degree; None if they stand alone.
         pressures: how many of the loads are pressures, the last ones.
     """
@@ -52,6 +53,7 @@ class Candidates:
     weights: np.ndarray
     lengths: tuple[float, float]
     highest: float
+    images: Sequence[Mirror]
     corrected: tuple[Candidates, float] | None = None
     pressures: int = 0
 
@@ -106,21 +108,26 @@ def _left_out(fold: int | None) -> list[int]:
 
 
 def candidates(
-    samples: Sequence[Samples], fold_of: dict[int, int], scene: dict[str, Any], highest: float
+    samples: Sequence[Samples],
+    fold_of: dict[int, int],
+    scene: dict[str, Any],
+    mirrors: Sequence[Mirror],
+    highest: float,
 ) -> Candidates:
     """The laws of an element up to a weighted degree.
 
     Args:
         samples: of one length each.
         fold_of: of every line.
-        scene: of the finger, as plain data: its tendons and their symmetry.
+        scene: of the finger, as plain data.
+        mirrors: of the samples.
         highest: weighted degree; a lower one if it has more than MOST products.
     """
     lengths = [one.length for one in samples]
     distinct = len(levels(np.array(lengths))[0])
     several = distinct > 1
     tension_map = of_scene(scene)
-    images = [mirror.combined(tension_map) for mirror in mirrors(scene)]
+    images = [mirror.combined(tension_map) for mirror in mirrors]
     tensions = np.array([(one.lower, one.upper) for one in actuators_of(scene)]).T
     lower, upper = box(samples, tension_map.matrix, tensions, images)
     weights = weights_of(tension_map)
@@ -145,6 +152,7 @@ def candidates(
         lengths=(min(lengths), max(lengths)) if several else (lengths[0], lengths[0]),
         highest=highest,
         pressures=pressures_of(scene),
+        images=images,
     )
 
 

@@ -7,6 +7,7 @@ tensions [N] and then pressures [Pa], and by the plate's wrench.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ from rom.dataset.actuators import actuators_of, pressures_of
 from rom.dataset.geometry import tip_at_rest
 from rom.dataset.rigid_motion import motions, rotations
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
+from rom.elements.samples.symmetry import Mirror, mirrors
 from rom.file_kinds import uses_of
 
 WRENCH = 6  # force [N] and moment [N m]
@@ -58,9 +60,10 @@ class SectionStates:
         plate: the plate, by its centre.
         shortenings: strokes of the actuators between clamp and cross-section, shape (n, m, t) [m, m^3].
         shortening_changes: by the inputs, shape (n, m, t, t + 6).
-        corners: how far the corners of cross-sections are from those of a square, in their own frames, in the order
+        corners: how far the corners of cross-sections are from those at rest, in their own frames, in the order
             -y -z, -y z, y -z, y z, shape (n, m, 4, 3) [m].
         corner_changes: by the inputs, shape (n, m, 4, 3, t + 6).
+        mirrors: that map the finger onto itself.
     """
 
     scene: dict[str, Any]
@@ -73,6 +76,7 @@ class SectionStates:
     shortening_changes: np.ndarray
     corners: np.ndarray
     corner_changes: np.ndarray
+    mirrors: Sequence[Mirror]
 
     @property
     def tensions(self) -> int:
@@ -177,6 +181,7 @@ def read_section_states(snapshots: SnapshotSet, at: np.ndarray | None = None) ->
         shortening_changes=shorter_changes,
         corners=corners,
         corner_changes=corner_changes,
+        mirrors=mirrors(description.scene, snapshots.body.section_nodes),
     )
 
 

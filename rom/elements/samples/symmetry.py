@@ -1,4 +1,4 @@
-"""Mirrors and turns of the section that map a finger onto itself: every sample of an element has images.
+"""Mirrors and turns of the section that map a finger's mesh onto itself: every sample of an element has images.
 
 Of a map S of space that keeps the axis, with det S = -1 for a mirror, forces and places go with S, and moments and
 turns, which are axial vectors, with det(S) S.
@@ -6,13 +6,14 @@ turns, which are axial vectors, with det(S) S.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
+from scipy.spatial import cKDTree
 
 from rom.brief import brief
 from rom.dataset.grid import SHARE
@@ -47,45 +48,43 @@ class Mirror:
         return replace(self, inputs=block_diag(self.inputs, 1.0))
 
 
-def mirrors(scene: dict[str, Any]) -> list[Mirror]:
-    """Of a square section, all that exchange tendons of one range and path, and chambers of one size, span and range.
+def mirrors(scene: Mapping[str, Any], nodes: np.ndarray | None = None) -> list[Mirror]:
+    """Those maps of a square that exchange nodes, tendons of one range and path, and chambers of one span and range.
 
     The identity is left out.
+
+    Args:
+        scene: with the tendons and chambers.
+        nodes: of a section's mesh, y and z, shape (nodes, 2) [m]; a square's if None.
     """
-    chambers = scene.get("chambers") or []
-    return [found for S in _square()[1:] if (found := _of_section(S, scene["tendons"], chambers)) is not None]
-
-
-def _square() -> list[np.ndarray]:
-    """The maps of a square onto itself, shapes (2, 2), the identity first."""
     signs = [np.diag(pair) for pair in product((1.0, -1.0), repeat=2)]
-    return [*signs, *(sign[:, ::-1] for sign in signs)]
+    maps = [*signs, *(sign[:, ::-1] for sign in signs)][1:]
+    if nodes is not None:
+        near, tree = SHARE * np.abs(nodes).max(), cKDTree(nodes)
+        maps = [S for S in maps if tree.query(nodes @ S.T)[0].max() < near]
+    return [found for S in maps if (found := _of_section(S, scene["tendons"], scene.get("chambers") or [])) is not None]
 
 
 def _of_section(S: np.ndarray, tendons: list[dict[str, Any]], chambers: list[dict[str, Any]]) -> Mirror | None:
     """The mirror by a map of the section, if it takes every tendon and every chamber to one like it."""
-    near = SHARE * np.max(np.abs([one["offset"] for one in tendons] + [one["size"] for one in chambers]))
-    pulled = _exchange(S, tendons, "offset", lambda one: [one[key] for key in ("tension", "path", "segment")], near)
-    turned = np.abs(S)  # what becomes of a rectangle's size
-    pushed = _exchange(S, chambers, "centre", lambda one: [*one["x"], *one["pressure"]], near)
+    pulled = _exchange(
+        S, [one["offset"] for one in tendons], [(one["tension"], one["path"], one["segment"]) for one in tendons]
+    )
+    pushed = _exchange(S, [one["centre"] for one in chambers], [(one["x"], one["pressure"]) for one in chambers])
     sizes = np.array([one["size"] for one in chambers]).reshape(-1, 2)
-    if not ((pulled.sum(axis=0) == 1).all() and (pushed.sum(axis=0) == 1).all()):
-        return None
-    if not np.allclose(pushed.T @ sizes, sizes @ turned.T, rtol=0, atol=near):
-        return None
     exchange = block_diag(pulled, pushed) if chambers else pulled
+    if not (exchange.sum(axis=0) == 1).all() or not np.allclose(
+        pushed.T @ sizes, sizes @ np.abs(S), rtol=SHARE, atol=0
+    ):
+        return None
     polar = block_diag(1.0, S)
     axial = np.linalg.det(S) * polar
     return Mirror(inputs=block_diag(exchange, polar, axial), values=block_diag(polar, axial, exchange), section=S)
 
 
-def _exchange(
-    S: np.ndarray, actuators: list[dict[str, Any]], place: str, alike: Callable[[dict[str, Any]], list], near: float
-) -> np.ndarray:
-    """Which of actuators, as rows, every one becomes: that at its mapped place, if it is alike; shape (k, k)."""
-    found = np.zeros((len(actuators), len(actuators)))
-    for k, one in enumerate(actuators):
-        there = S @ one[place]
-        for j, other in enumerate(actuators):
-            found[j, k] = alike(one) == alike(other) and np.allclose(there, other[place], rtol=0, atol=near)
-    return found
+def _exchange(S: np.ndarray, places: Sequence[Sequence[float]], kinds: Sequence[tuple]) -> np.ndarray:
+    """Which actuators, as rows, everyone becomes: those at its mapped place that are of its kind, shape (k, k)."""
+    at = np.array(places, float).reshape(-1, 2)
+    apart = np.abs(at[:, None] - at @ S.T).max(axis=2, initial=0.0)
+    alike = np.array([[one == other for other in kinds] for one in kinds], bool).reshape(apart.shape)
+    return (alike & (apart <= SHARE * np.abs(at).max(initial=0.0))).astype(float)

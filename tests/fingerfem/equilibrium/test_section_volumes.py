@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.model import FingerModel
 from fingerfem.scene.scene import Scene
-from fingerfem.snapshots.design import sections_of
+from fingerfem.snapshots.design import cross_sections
 from fingerfem.snapshots.recorder import Recorder
 
 CHAMBERS = [
@@ -91,7 +91,7 @@ def test_the_volume_between_two_sections_does_not_change_with_a_rigid_motion(fin
     """Of the part of the finger beyond a section, which is then an element's own."""
     problem, nodes = finger.problem, numbering.nodes
     draw = np.random.default_rng(0).uniform(-1, 1, nodes.shape) * 2e-4
-    turn, sections = Rotation.from_rotvec([0.3, -0.5, 0.8]), sections_of(finger.scene, nodes)
+    turn, sections = Rotation.from_rotvec([0.3, -0.5, 0.8]), cross_sections(finger.scene, nodes)
     found = []
     for field in (draw, turn.apply(nodes + draw) - nodes + np.array([0.01, -0.02, 0.005])):
         problem.displacement[:] = numbering.scatter(field)
@@ -106,12 +106,25 @@ def test_the_volume_between_two_sections_does_not_change_with_a_rigid_motion(fin
 def test_a_section_s_position_is_that_of_its_rubber(finger, numbering):
     """Sections beside the chambers and through them have one definition: nodes within a void count nowhere."""
     nodes = numbering.nodes
-    sections = sections_of(finger.scene, nodes)
+    sections = cross_sections(finger.scene, nodes)
     field = np.zeros_like(nodes)
     inside = (np.abs(np.abs(nodes[:, 1]) - 0.0055) < 0.0024) & (np.abs(nodes[:, 2]) < 0.0059)
     field[inside] = [1e-3, 2e-3, 3e-3]
     at_rest = sections.quantities(0 * nodes, np.zeros((0, *nodes.shape)))["section_place"]
     assert sections.quantities(field, np.zeros((0, *nodes.shape)))["section_place"] == pytest.approx(at_rest, abs=1e-15)
-    stretched = nodes * [0.0, 0.1, 0.0] * nodes[:, 1:2] * 1e2  # u_y = 10 y^2: its mean is 10 times that of y^2
-    moved = sections.quantities(stretched, np.zeros((0, *nodes.shape)))["section_place"][:, 1]
-    assert np.ptp(moved) < 1e-15 and moved[0] > 0
+
+
+def test_a_section_s_position_is_that_of_the_axis_where_a_chamber_lies_on_one_side():
+    """A rigid motion moves it as the axis itself moves, and its derivatives are differences."""
+    one = FingerModel(Scene.model_validate(TABLE | {"chambers": TABLE["chambers"][:1]}))
+    nodes = NodeOrder(one.problem).nodes
+    sections, none = cross_sections(one.scene, nodes), np.zeros((0, *nodes.shape))
+    turn, shift = Rotation.from_rotvec([0.3, -0.5, 0.8]), np.array([0.01, -0.02, 0.005])
+    moved = turn.apply(nodes) + shift - nodes
+    axis = np.outer(sections.positions, [1.0, 0.0, 0.0])
+    assert sections.quantities(0 * nodes, none)["section_place"] == pytest.approx(axis, abs=1e-15)
+    assert sections.quantities(moved, none)["section_place"] == pytest.approx(turn.apply(axis) + shift, abs=1e-15)
+    draw = np.random.default_rng(1).standard_normal((2, *nodes.shape)) * 1e-3
+    ends = [sections.quantities(draw[0] + step * draw[1], none)["section_place"] for step in (-1e-3, 1e-3)]
+    found = sections.quantities(draw[0], draw[1:])["section_place_jacobian"][..., 0]
+    assert found == pytest.approx((ends[1] - ends[0]) / 2e-3, abs=1e-6 * np.abs(found).max())
