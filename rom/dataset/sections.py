@@ -5,9 +5,9 @@ that of the polar decomposition M = R U of
 
     M = sum of w (x - c) (X - X_c)^T     [m^2],
 
-and its position is where this rigid motion brings its point on the axis, c - R m, m being that from the axis to X_c. Here
-the weights w [-], of sum 1, are the integrals of the nodes' shape functions over the plane. X - X_c lies in the
-plane, so M has rank 2; R is unique all the same, and `rigid_motion.turns` differentiates it.
+and its position is where this rigid motion brings its point on the axis, c - R m, with m from there to X_c. The weights
+w [-], of sum 1, are the integrals of the nodes' shape functions over the plane. X - X_c lies in the plane, so M has
+rank 2; R is unique all the same, and `rigid_motion.turns` differentiates it.
 
 Nodes within a chamber, where it is filled, have no weight: sections have one definition along the whole finger.
 
