@@ -118,7 +118,7 @@ class Answer:
             ("growth", self.growths, "m^3", self.growth_error),
         )
         every = [(word, one, unit, off) for word, values, unit, off in parts if values is not None for one in values]
-        names = actuators or range(1, 1 + len(every))
+        names = actuators[: len(every)] or range(1, 1 + len(every))
         return [
             row(f"{word} {name}", one, unit, off) for name, (word, one, unit, off) in zip(names, every, strict=True)
         ]
