@@ -154,7 +154,8 @@ class Limits:
         found = np.maximum(own[0], lower), np.minimum(own[1], upper)
         if not np.all(found[0] <= found[1]):
             raise ValueError(
-                f"limits must leave some of the trained loads, {lower.tolist()} to {upper.tolist()} N or Pa, "
+                f"limits must leave some of the trained tensions [N] and pressures [Pa], {lower.tolist()} to "
+                f"{upper.tolist()}, "
                 f"got {own[0].tolist()} to {own[1].tolist()}"
             )
         if not self.rate > 0:
