@@ -110,6 +110,8 @@ typedef struct {
     double young_modulus, poisson;       /* of the rubber [Pa], [-] */
     const double *ridges;                /* (tensions, 2): height of the ridge above each tendon, over its tension and the curvature, for
                                             faces across y and across z; negative for the faces at -y and -z [1/Pa] */
+    const double *bulges;                /* (tensions, 2): how high the highest pressure in a chamber lifts the middle of a face over it, at most,
+                                            for faces across y and across z; negative for those at -y and -z; 0 of tendons [m] */
     int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */
     const double *corner_coefficients;   /* (corner_monomials, FINGERFEM_CORNERS) */
 } fingerfem_segment;
