@@ -36,10 +36,11 @@ def simulate(
     Interrupted, the same command goes on. A step that fails is repeated smaller.
     """
     require(*SOLVING, "matplotlib")
+    from fingerfem.dynamics.generalised_alpha import MotionStopped
     from fingerfem.dynamics.motion import read_motion
     from fingerfem.dynamics.plots import write_motion
     from fingerfem.dynamics.records import Records
-    from fingerfem.dynamics.simulation import MotionStopped, Simulation
+    from fingerfem.dynamics.simulation import Simulation
 
     _check_ranks()
     scene = fingerfem.load_scene(scene_file)
@@ -58,9 +59,10 @@ def simulate(
         except MotionStopped as failure:
             reason = str(failure)
             say(reason)
-    write_motion(records.rows, output / "motion.png")
-    last = {name: None if np.isnan(value) else value for name, value in records.rows[-1].items()}
-    found = {"converged": reason is None, "steps": len(records.rows) - 1} | last
+    found: dict[str, Any] = {"converged": reason is None, "steps": max(len(records.rows) - 1, 0)}
+    if records.rows:
+        write_motion(records.rows, output / "motion.png")
+        found |= {name: None if np.isnan(value) else value for name, value in records.rows[-1].items()}
     finish(found | ({} if reason is None else {"reason": reason}), as_json, 0 if reason is None else NOTHING_USABLE)
 
 
