@@ -2,8 +2,9 @@
 
 `studies/tradeoff` measures the front with rod elements of the draft finger, its page writes front.json beside this
 module, and docs/speed.md shows it. Other fingers get cells of the same shape and more lines of states for more
-tensions. The cost is scaled by cells and lines. The error is promised up to the number of tensions that it was measured
-with. A scene without a load gets the mesh alone: its sampling is its own, and its cost is not known.
+tensions. The cost is scaled by cells and lines. The error is promised for the law of rubber and up to the number of
+tensions that it was measured with, without weight. A scene without a load gets the mesh alone: its sampling is its own,
+and its cost is not known.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ OF_LINES: dict[str, tuple[str, ...]] = {
     "coarse": (*OF_MESH, "lines"),
 }
 TENSIONS, SLENDERNESS = 2, 5.0  # of the finger the front was measured on; its length over its side [-]
+LAW = "neo-hookean"  # of its rubber
 # By number of tensions: lines of states over those of one tension, and errors of fingers of elements over those of two.
 # Products of polynomials grow faster than tensions. More tensions than errors here have no promise.
 GROWTH, ERRORS = (1.0, 2.0, 4.0, 8.0), (1.0, 1.0, 1.0, 2.0)
@@ -72,14 +74,14 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
         return table | {"mesh": PLAIN}  # their checks report what is wrong with finger or tendons
     quantity = "contact_force" if pressed or table.get("obstacle") else "displacement"
     choices = [_fitted(one, longest, fitting, bodies, tensions, quantity) for one in front()]
-    is_promised = tensions <= len(ERRORS)
-    if asked[0] == "accuracy" and not is_promised:
+    unmeasured = _unmeasured(table, tensions)
+    if asked[0] == "accuracy" and unmeasured:
         raise ValueError(
-            f"accuracy must be left out with more than {len(ERRORS)} tendons, whose errors are not measured "
+            f"accuracy must be left out with {unmeasured}, whose errors are not measured "
             f"(preset or budget choose a mesh, rom build estimates the error), got {table['accuracy']!r}"
         )
     one = _choice(asked[0], table[asked[0]], choices)
-    if not is_promised:
+    if unmeasured:
         one["expected"]["error"] = None
     found = table | {"mesh": table.get("mesh", {}) | {key: one[key] for key in OF_MESH}}
     if not pressed:
@@ -89,6 +91,17 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
         | {"sampling": table.get("sampling", {}) | {"lines": one["lines"]}, "expected": one["expected"]}
         | ({"coarse": one["coarse"]} if one["coarse"] else {})
     )
+
+
+def _unmeasured(table: dict[str, Any], tensions: int) -> str:
+    """What a scene has that the front was not measured with; nothing where its error is promised."""
+    material = table.get("material")
+    law = material.get("law", LAW) if isinstance(material, dict) else LAW
+    if tensions > len(ERRORS):
+        return f"more than {len(ERRORS)} tendons"
+    if table.get("gravity"):
+        return "gravity"
+    return "" if law == LAW else f'material.law = "{law}"'
 
 
 def _check_left_out(table: dict[str, Any], parts: dict[str, tuple[str, ...]], by: str) -> None:

@@ -27,16 +27,6 @@ def check_section(scene: Scene) -> None:
                     f"the channel of a tendon that ends at another plate, "
                     f"got {column.offset.tolist()} beside {other.name} at {other.offset.tolist()}"
                 )
-    if scene.load is not None and not section.is_square:
-        raise ValueError(
-            f"load must be left out of a scene with a {section.shape} section: rod elements have square ones "
-            f"(geometry.side); solve it without, or in front of an obstacle, got force {scene.load.force:g}"
-        )
-    if scene.coarse is not None and not section.is_square:
-        raise ValueError(
-            f"coarse must be left out of a scene with a {section.shape} section: snapshots have square ones "
-            f"(geometry.side), got cells {scene.coarse.cells}"
-        )
     if scene.obstacle is not None and scene.obstacle.pad is not None and not section.has_face:
         raise ValueError(
             f"obstacle.pad must be left out of a scene with a {section.shape} section: a pad lies on the flat face "

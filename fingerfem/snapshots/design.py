@@ -8,11 +8,14 @@ from itertools import product
 import numpy as np
 from scipy.stats import qmc
 
+from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene, SceneError
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.given_points import GivenPoints
 from rom.dataset.body import RestBody
-from rom.dataset.sections import CrossSections
+from rom.dataset.plane_nodes import plane_nodes
+from rom.dataset.section import outline
+from rom.dataset.sections import CrossSections, positions_of
 from rom.dataset.snapshot_set import Description
 
 
@@ -60,6 +63,7 @@ FIRST_LINES, MOST_LINES = 16, 512  # of a sequence that grows
 # Lines per tension where a scene with a load says nothing of them; seed; tensions whose corners come first.
 LINES, SEED, CORNERED = 40, 0, 2
 NO_GRID = 2, 8  # nodes that a set without a grid names: few, as products of them are formed
+OFF_AXIS = 1e-4  # of a section's centroid over its extent: a rod's clamp is taken to be on the axis [-]
 FIRST = 0.02  # contact node next to touch: forces there are far above the solver's tolerance [-]
 
 
@@ -75,8 +79,8 @@ def describe(
         grows: whether lines are added, of a scene with a load, as the error of its elements needs them.
 
     Raises:
-        SceneError: the section is no square, there are chambers, no tendon bends the finger towards its plane, the
-            obstacle is not the plane y = side/2 + d, or lines are asked for without a load.
+        SceneError: there are chambers, no tendon bends the finger towards its plane, the obstacle is not the plane
+            y = side/2 + d, lines are asked for without a load, or rod elements would not be about the axis.
     """
     _check_kind(scene)
     sampling, lead = scene.sampling, _lead(scene)
@@ -111,11 +115,6 @@ def describe(
 
 def _check_kind(scene: Scene) -> None:
     """Raise SceneError for what no set of states can have."""
-    if not scene.geometry.shape.is_square:
-        raise SceneError(
-            "section must be a square to train on it, as reduced models are read by geometry.side "
-            f"(fingerfem solve takes any), got {scene.geometry.shape.shape}"
-        )
     if scene.chambers:
         raise SceneError(
             "chambers must be left out of a scene for snapshots, which have tensions alone; the full-order model "
@@ -125,6 +124,14 @@ def _check_kind(scene: Scene) -> None:
         bodies = scene.obstacle.bodies
         got = f"another {bodies[0].shape}" if len(bodies) == 1 else f"{len(bodies)} bodies"
         raise SceneError(f"obstacle must be the plane y = side/2 + d to train on it, got {got}")
+    if scene.load is not None:
+        mesh = section_mesh(scene.outline, scene.mesh.cells[1])
+        centre, most = mesh.centroid, OFF_AXIS * scene.geometry.side
+        if np.abs(centre).max() > most:
+            raise SceneError(
+                f"{scene.geometry.shape.meshed_by} must give a centroid within {most:.2g} m of the axis to train rod "
+                f"elements, got y = {centre[0]:.3g}, z = {centre[1]:.3g} m"
+            )
 
 
 def _scattered(box: np.ndarray, lines: int) -> list[list[float]]:
@@ -164,8 +171,17 @@ def body(scene: Scene, nodes: np.ndarray) -> RestBody:
     geometry = scene.geometry
     return RestBody(
         nodes=nodes,
-        sections=CrossSections(nodes, scene.mesh.order, scene.is_half).positions,
+        sections=positions_of(nodes, scene.mesh.order),
         plates=np.array(scene.outline.plates),
         half_lengths=geometry.half_lengths[-1],
         is_half=scene.is_half,
     )
+
+
+def cross_sections(scene: Scene, nodes: np.ndarray) -> CrossSections:
+    """The cross-sections of that finger."""
+    mesh = section_mesh(scene.outline, scene.mesh.cells[1], scene.is_half)
+    first = nodes[: len(nodes) // len(np.unique(nodes[:, 0])), 1:]
+    box = outline(scene.model_dump(mode="json")).box
+    plane = plane_nodes(first, mesh.points, mesh.quads, box, scene.is_half)
+    return CrossSections(nodes, scene.mesh.order, plane)

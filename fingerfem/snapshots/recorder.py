@@ -16,8 +16,8 @@ from fingerfem.equilibrium.state import channel_shortening, pad_pressure, stretc
 from fingerfem.mechanics.rigid_plate import Pose
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.design import body as finger_at_rest
+from fingerfem.snapshots.design import cross_sections
 from rom.dataset import schema
-from rom.dataset.sections import CrossSections
 
 logger = logging.getLogger(__name__)
 
@@ -37,7 +37,7 @@ class Recorder:
         scopes |= {name for name in ("obstacle", "load") if getattr(scene, name) is not None}
         self._sections = self._channels = None
         if scene.load is not None:
-            self._sections = CrossSections(numbering.nodes, scene.mesh.order, scene.is_half)
+            self._sections = cross_sections(scene, numbering.nodes)
             if all(tendon.path == "channel" for tendon in scene.tendons):
                 scopes.add("load in channels")
                 self._channels = model.channel_lengths

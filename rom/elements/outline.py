@@ -13,16 +13,17 @@ import numpy as np
 
 from rom.brief import brief
 from rom.dataset.grid import SHARE, levels
+from rom.dataset.plane_nodes import CORNERS
+from rom.dataset.section import outline
 from rom.elements.fitting.candidates import box, weights_of
 from rom.elements.fitting.regression import NormalEquations, index_set
 from rom.elements.law import combined
 from rom.elements.polynomial import Polynomial
 from rom.elements.samples.element_samples import Samples, own_samples
 from rom.elements.samples.section_states import SectionStates
-from rom.elements.samples.symmetry import Mirror, mirrors
-from rom.elements.samples.tension_map import TensionMap, of_scene
+from rom.elements.samples.symmetry import Mirror
+from rom.elements.samples.tension_map import TensionMap, of_tendons
 
-CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])  # y and z of corners, over the halves of the box [-]
 NUMBERS = 3 * len(CORNERS)
 DEGREE, ALONG = 4.0, 0.8  # weighted degree; weight of the distance's powers [-]
 MOST = 1500  # products of an outline
@@ -98,7 +99,7 @@ def outline_samples(states: SectionStates, section: int, distal: int) -> Samples
 
     A corner at y = c + R r is seen at R_d^T (y - c_d).
     """
-    half = states.scene["geometry"]["side"] / 2
+    half = outline(states.scene).box
     near, far = states.sections[section], states.body(distal)
     own = states.corners[:, section] + np.column_stack([np.zeros(len(CORNERS)), half * CORNERS])
     relative = np.einsum("nji,njk->nik", far.rotations, near.rotations)
@@ -117,7 +118,7 @@ def outline_samples(states: SectionStates, section: int, distal: int) -> Samples
 def _images(states: SectionStates, tension_map: TensionMap) -> list[Mirror]:
     """The mirrors of a finger, which exchange the corners of its cross-sections."""
     found, t = [], states.tensions
-    for mirror in mirrors(states.scene):
+    for mirror in states.mirrors:
         exchange = ((CORNERS @ mirror.section.T)[:, None] == CORNERS[None]).all(axis=2)  # where each corner goes
         polar = mirror.inputs[t : t + 3, t : t + 3]
         values = np.kron(exchange.T.astype(float), polar)
@@ -135,7 +136,7 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
     """
     chosen = [pairs[k] for k in np.unique(np.linspace(0, len(pairs) - 1, MOST_PAIRS).round().astype(int))]
     samples = [outline_samples(states, *pair) for pair in chosen]
-    tension_map, tensions = of_scene(states.scene), states.ranges.T
+    tension_map, tensions = of_tendons(states.scene["tendons"]), states.ranges.T
     images = _images(states, tension_map)
     equations = _equations(samples, tension_map, tensions, images, int(fold.max()) + 1)
     inputs = [_along(one, tension_map.matrix) for one in samples]
@@ -151,7 +152,7 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
         tension_map=tension_map.matrix,
         tensions=tensions,
         polynomial=equations.fit(every),
-        half=np.full(2, states.scene["geometry"]["side"] / 2),
+        half=outline(states.scene).box,
         error=float(np.quantile(np.concatenate(off), 0.95)),
     )
 

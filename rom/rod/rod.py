@@ -20,6 +20,7 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.console.table import Table, as_html
 from rom.dataset.geometry import sizes_of, steepest, tip_at_rest
+from rom.dataset.section import extent
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
 from rom.elements.pieces import Piece
@@ -156,7 +157,7 @@ class Rod(PickledByFields):
         trained, geometry = sum(self.elements.scene["geometry"]["segments"]), self.scene["geometry"]
         thinner = [sum(one.length / one.size for one in own) / sum(one.length for one in own) for own in self.pieces]
         longer = float(np.dot(thinner, geometry["segments"]) / (self.similarity.size * trained))
-        kinds, slope = {piece.kind for own in self.pieces for piece in own}, steepest(geometry)
+        kinds, slope = {piece.kind for own in self.pieces for piece in own}, steepest(geometry, extent(self.scene))
         tapered = slope, slope * sum(geometry["segments"])
         return expected_errors(self.elements, kinds, self.similarity.size, longer, tapered)
 
@@ -244,7 +245,11 @@ class Rod(PickledByFields):
             ModelError: not a valid scene, or the elements cannot make it; the message says what is missing.
         """
         tables = of_tables(scene) if isinstance(scene, Mapping) else read_scene(scene)
-        return Rod(elements=self.elements, scene=self.elements.scene | tables)
+        trained = dict(self.elements.scene)
+        section = trained.pop("section", None)
+        if section and "digest" in section and section["digest"] == tables.get("section", {}).get("digest"):
+            tables["section"] = section  # with what was measured of the file
+        return Rod(elements=self.elements, scene=trained | tables)
 
     def with_gravity(self, direction: ArrayLike, acceleration: float | None = None) -> Rod:
         """The same finger on a turned base; the compiled data of its segments are shared.

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.dataset.section import area
 from rom.dataset.section_outline import SectionOutline
 from rom.elements.elements import INTERIOR, Elements
 from rom.elements.law import POSE, ElementMap, on_tensions
@@ -38,6 +39,7 @@ class Segment(PickledByFields):
         offsets: of the tendons in channels from the axis along y and z, shape (t, 2) [m]; 0 of those without a channel.
         half_lengths: of the plate along its own axes, shape (3,) [m].
         section: outline of the plate's section at rest.
+        area: of the section at the plate [m^2].
         begins: size of the section where it begins over that of the plate's [-].
         length: from the clamp to the plate's centre at rest [m].
     """
@@ -49,6 +51,7 @@ class Segment(PickledByFields):
     offsets: np.ndarray
     half_lengths: np.ndarray
     section: SectionOutline
+    area: float
     length: float
     begins: float = 1.0
 
@@ -70,7 +73,7 @@ class Segment(PickledByFields):
         inputs[:, -6] = -pull, pull
         longer = sum(np.ptp(one.value(inputs)[:, 0]) for one in self.elements)
         rubber = self.length - self.half_lengths[0]
-        area = 4 * self.half_lengths[1] * self.half_lengths[2] * self.begins  # its inverse is the mean of all sections'
+        area = self.area * self.begins  # its inverse is the mean of all sections'
         return float(2 * pull * rubber / (longer * area))
 
     @cached_property
@@ -82,7 +85,7 @@ class Segment(PickledByFields):
         inputs[:, -6] = -pull, pull
         corners = outline.polynomial.value(inputs).reshape(2, -1, 4, 3)[:, len(outline.distances) // 2]
         pressed, pulled = (corners[:, 2:, 1] - corners[:, :2, 1]).mean(axis=1)
-        strain = 2 * pull / (self.young_modulus * 4 * self.half_lengths[1] * self.half_lengths[2])
+        strain = 2 * pull / (self.young_modulus * self.area)
         return float((pressed - pulled) / (0.5 * (pressed + pulled)) / strain)
 
     @cached_property
@@ -169,7 +172,7 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     if any(one.ends[0] != one.ends[1] for one in pieces):
         longest = elements.laws[INTERIOR].lengths[1]
         shear = shear_compliance(elements.laws[INTERIOR].of_length(longest), longest)
-        prism = Prism(elements.size * geometry["side"], shear)
+        prism = Prism(2 * elements.section.box[0], shear)
         laws = {one: tapered(law, one, prism) for one, law in laws.items()}
     end, begin = pieces[0].ends[0], pieces[-1].ends[1]
     section = elements.section.scaled(end)
@@ -188,6 +191,7 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         offsets=elements.size * end * np.array([_offset(elements.scene["tendons"][k]) for k in trained]).reshape(-1, 2),
         half_lengths=half,
         section=section,
+        area=area(elements.scene) * (elements.size * end) ** 2,
         begins=begin / end,
         length=sum(one.length for one in pieces),
     )

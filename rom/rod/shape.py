@@ -182,9 +182,9 @@ def _estimate(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.nd
 
 def _fit(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarray]:
     """The rigid motion that fits a section's corners best, seen from its element's distal section (Kabsch 1976)."""
-    corners = _corners(rod, one, distance)
+    corners, rest = _corners(rod, one, distance), half_at(rod, one.at - distance) * CORNERS
     centre = corners.mean(axis=0)
-    left, _, right = np.linalg.svd(np.insert(CORNERS, 0, 0.0, axis=1).T @ (corners - centre))
+    left, _, right = np.linalg.svd(np.insert(rest, 0, 0.0, axis=1).T @ (corners - centre))
     sign = np.linalg.det(left @ right)
     return centre, right.T @ np.diag([1.0, 1.0, sign]) @ left.T
 
@@ -197,16 +197,19 @@ def _corners(rod: Rod, one: Placed, distance: float) -> np.ndarray:
 
 def half_at(rod: Rod, x: ArrayLike) -> np.ndarray:
     """Halves along y and z of the boxes of the sections at x along the finger at rest, shape (..., 2) [m]."""
-    geometry, box = rod.scene["geometry"], rod.elements.section.box
-    return geometry["side"] / 2 * size_at(geometry, np.asarray(x))[..., None] * (box / box.max())
+    return size_at(rod.scene["geometry"], np.asarray(x))[..., None] * rod.own.section.box
 
 
 def edges(rod: Rod) -> np.ndarray:
-    """Points of the long edges at rest, every half side of the clamp's section, shape (points, 3) [m]."""
-    length, side = sum(rod.scene["geometry"]["segments"]), rod.scene["geometry"]["side"]
-    along = np.linspace(0.0, length, round(2 * length / side) + 1)
-    corners = half_at(rod, along)[:, None] * CORNERS
-    return np.concatenate([np.repeat(along, len(CORNERS))[:, None], corners.reshape(-1, 2)], axis=1)
+    """Points of the long edges at rest, every half side of the clamp's section, shape (points, 3) [m].
+
+    A section without corners has as many lines along its border.
+    """
+    length, section = sum(rod.scene["geometry"]["segments"]), rod.own.section
+    along = np.linspace(0.0, length, round(length / section.box.max()) + 1)
+    border = section.support(section.box * CORNERS) if section.radius or section.is_rectangle else section.vertices
+    points = size_at(rod.scene["geometry"], along)[:, None, None] * border
+    return np.concatenate([np.repeat(along, len(border))[:, None], points.reshape(-1, 2)], axis=1)
 
 
 def _outside(points: np.ndarray, length: float, half: ArrayLike) -> bool:

@@ -14,8 +14,8 @@ from rom.elements.fitting.regression import NormalEquations, chosen, index_set
 from rom.elements.law import POSE, ElementLaw, combined
 from rom.elements.polynomial import Polynomial
 from rom.elements.samples.element_samples import Samples
-from rom.elements.samples.symmetry import Mirror, mirrors
-from rom.elements.samples.tension_map import TensionMap, of_scene
+from rom.elements.samples.symmetry import Mirror
+from rom.elements.samples.tension_map import TensionMap, of_tendons
 
 # Weights of powers, measured [-]: of combinations of tensions by the order of their moment, and of higher ones; of a
 # wrench's force and moment.
@@ -41,6 +41,7 @@ class Candidates:
         weights: of the powers of every input [-].
         lengths: shortest and longest [m].
         highest: weighted degree of the largest set.
+        images: mirrors of the samples, by the equations' inputs.
         corrected: laws that these correct, with their degree; None if they stand alone.
     """
 
@@ -50,6 +51,7 @@ class Candidates:
     weights: np.ndarray
     lengths: tuple[float, float]
     highest: float
+    images: Sequence[Mirror]
     corrected: tuple[Candidates, float] | None = None
 
     def supports(self, degree: float) -> bool:
@@ -99,22 +101,27 @@ def _left_out(fold: int | None) -> list[int]:
 
 
 def candidates(
-    samples: Sequence[Samples], fold_of: dict[int, int], scene: dict[str, Any], highest: float
+    samples: Sequence[Samples],
+    fold_of: dict[int, int],
+    tendons: list[dict[str, Any]],
+    mirrors: Sequence[Mirror],
+    highest: float,
 ) -> Candidates:
     """The laws of an element up to a weighted degree.
 
     Args:
         samples: of one length each.
         fold_of: of every line.
-        scene: of the finger, as plain data: its tendons and their symmetry.
+        tendons: of the finger, as plain data.
+        mirrors: of the samples.
         highest: weighted degree; a lower one if it has more than MOST products.
     """
     lengths = [one.length for one in samples]
     distinct = len(levels(np.array(lengths))[0])
     several = distinct > 1
-    tension_map = of_scene(scene)
-    images = [mirror.combined(tension_map) for mirror in mirrors(scene)]
-    tensions = np.array([tendon["tension"] for tendon in scene["tendons"]], float).T
+    tension_map = of_tendons(tendons)
+    images = [mirror.combined(tension_map) for mirror in mirrors]
+    tensions = np.array([tendon["tension"] for tendon in tendons], float).T
     lower, upper = box(samples, tension_map.matrix, tensions, images)
     weights = weights_of(tension_map)
     if several:
@@ -137,6 +144,7 @@ def candidates(
         weights=weights,
         lengths=(min(lengths), max(lengths)) if several else (lengths[0], lengths[0]),
         highest=highest,
+        images=images,
     )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.console.terminal import Progress, quiet
-from rom.dataset.section_outline import SectionOutline
+from rom.dataset.section import extent, outline
 from rom.dataset.snapshot_set import SnapshotError
 from rom.elements.elements import Elements
 from rom.elements.fitting.calibration import error_factors, floors_of
@@ -109,9 +109,9 @@ def prepare(states: SectionStates, highest: float = HIGHEST) -> Training:
         raise SnapshotError("geometry.taper must be left out to train elements: those of a straight finger are scaled")
     of_line, fold = fold_of(states)
     kinds = {}
-    for kind, pairs in cut(states.at, states.scene["geometry"]["side"]).items():
+    for kind, pairs in cut(states.at, extent(states.scene)).items():
         samples = [element_samples(states, *pair) for pair in pairs]
-        kinds[kind] = candidates(samples, of_line, states.scene, highest)
+        kinds[kind] = candidates(samples, of_line, states.scene["tendons"], states.mirrors, highest)
     return Training(states=states, fold=fold, kinds=kinds)
 
 
@@ -156,7 +156,7 @@ def train(
         trainings.append((corrections(training, degrees, finer), dict.fromkeys(degrees, DEGREE)))
     training, of_laws = trainings[-1]
     places, turned, shorter = training.left_out(of_laws)
-    outlines, fold = outline_pairs(states.at, states.scene["geometry"]["side"]), fold_of(states)[1]
+    outlines, fold = outline_pairs(states.at, extent(states.scene)), fold_of(states)[1]
     off = np.linalg.norm(places - training.states.plate.places, axis=1)
     left_out = {
         "contact_force": quantiles(relative_force_errors(training.states, places, turned)),
@@ -166,11 +166,10 @@ def train(
         "shortening_m": quantiles(np.abs(shorter - training.states.shortenings[:, -1]).max(axis=1)),
     }
     progress("fitting elements", 2, 2)
-    half = states.scene["geometry"]["side"] / 2
     return Elements(
         laws=training.laws(of_laws),
         outlines={kind: train_outline(states, fold, pairs) for kind, pairs in outlines.items()},
-        section=SectionOutline.rectangle(half, half),
+        section=outline(states.scene),
         scene=states.scene,
         force=float(states.scene["load"]["force"]),
         provenance=provenance | {"degrees": degrees, "left_out": left_out},
@@ -188,7 +187,7 @@ def corrections(training: Training, degrees: dict[str, float], finer: SectionSta
     """
     of_line, fold = fold_of(finer)
     kinds = {}
-    for kind, pairs in cut(finer.at, finer.scene["geometry"]["side"]).items():
+    for kind, pairs in cut(finer.at, extent(finer.scene)).items():
         samples = [element_samples(finer, *pair) for pair in pairs]
-        kinds[kind] = correcting(training.kinds[kind], degrees[kind], samples, of_line, finer.scene)
+        kinds[kind] = correcting(training.kinds[kind], degrees[kind], samples, of_line)
     return Training(states=finer, fold=fold, kinds=kinds)

@@ -20,7 +20,7 @@ def cut(at: np.ndarray, side: float) -> dict[str, list[Pair]]:
 
     Args:
         at: where cross-sections are, from the clamp to the plate's near face, shape (m,) [m].
-        side: of the section [m].
+        side: largest extent of the section [m].
     """
     end, longest = END * side * (1 - SHARE), LONGEST * side
     plate = len(at)

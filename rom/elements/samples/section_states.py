@@ -6,6 +6,7 @@ are internal to the finger, so they add nothing. Each comes with its derivatives
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +17,7 @@ from rom.brief import brief
 from rom.dataset.geometry import tip_at_rest
 from rom.dataset.rigid_motion import motions, rotations
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
+from rom.elements.samples.symmetry import Mirror, mirrors
 from rom.file_kinds import uses_of
 
 WRENCH = 6  # force [N] and moment [N m]
@@ -56,9 +58,10 @@ class SectionStates:
         plate: the plate, by its centre.
         shortenings: of the tendons between clamp and cross-section, shape (n, m, t) [m].
         shortening_changes: by the inputs, shape (n, m, t, t + 6).
-        corners: how far the corners of cross-sections are from those of a square, in their own frames, in the order
+        corners: how far the corners of cross-sections are from those at rest, in their own frames, in the order
             -y -z, -y z, y -z, y z, shape (n, m, 4, 3) [m].
         corner_changes: by the inputs, shape (n, m, 4, 3, t + 6).
+        mirrors: that map the finger onto itself.
     """
 
     scene: dict[str, Any]
@@ -71,6 +74,7 @@ class SectionStates:
     shortening_changes: np.ndarray
     corners: np.ndarray
     corner_changes: np.ndarray
+    mirrors: Sequence[Mirror]
 
     @property
     def tensions(self) -> int:
@@ -170,6 +174,7 @@ def read_section_states(snapshots: SnapshotSet, at: np.ndarray | None = None) ->
         shortening_changes=shorter_changes,
         corners=corners,
         corner_changes=corner_changes,
+        mirrors=mirrors(description.scene["tendons"], snapshots.body.section_nodes),
     )
 
 

@@ -1,4 +1,4 @@
-"""Mirrors and turns of the section that map a finger onto itself: every sample of an element has images.
+"""Mirrors and turns of the section that map a finger's mesh onto itself: every sample of an element has images.
 
 Of a map S of space that keeps the axis, with det S = -1 for a mirror, forces and places go with S, and moments and
 turns, which are axial vectors, with det(S) S.
@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
+from scipy.spatial import cKDTree
 
 from rom.brief import brief
 from rom.dataset.grid import SHARE
@@ -46,15 +47,19 @@ class Mirror:
         return replace(self, inputs=block_diag(self.inputs, 1.0))
 
 
-def mirrors(scene: dict[str, Any]) -> list[Mirror]:
-    """Of a square section, all that exchange tendons of one range and path; the identity is left out."""
-    return [found for S in _square()[1:] if (found := _of_section(S, scene["tendons"])) is not None]
+def mirrors(tendons: list[dict[str, Any]], nodes: np.ndarray | None = None) -> list[Mirror]:
+    """Those maps of a square that exchange tendons of one range and path, and nodes; the identity is left out.
 
-
-def _square() -> list[np.ndarray]:
-    """The maps of a square onto itself, shapes (2, 2), the identity first."""
+    Args:
+        tendons: of a scene.
+        nodes: of a section's mesh, y and z, shape (nodes, 2) [m]; a square's if None.
+    """
     signs = [np.diag(pair) for pair in product((1.0, -1.0), repeat=2)]
-    return [*signs, *(sign[:, ::-1] for sign in signs)]
+    maps = [*signs, *(sign[:, ::-1] for sign in signs)][1:]
+    if nodes is not None:
+        near, tree = SHARE * np.abs(nodes).max(), cKDTree(nodes)
+        maps = [S for S in maps if tree.query(nodes @ S.T)[0].max() < near]
+    return [found for S in maps if (found := _of_section(S, tendons)) is not None]
 
 
 def _of_section(S: np.ndarray, tendons: list[dict[str, Any]]) -> Mirror | None:

@@ -57,9 +57,9 @@ def tension_map(offsets: np.ndarray) -> TensionMap:
     return TensionMap(rows, np.array(orders))
 
 
-def of_scene(scene: dict[str, Any]) -> TensionMap:
+def of_tendons(tendons: list[dict[str, Any]]) -> TensionMap:
     """The variables for the tendons of a scene."""
-    return tension_map(np.array([tendon["offset"] for tendon in scene["tendons"]]))
+    return tension_map(np.array([tendon["offset"] for tendon in tendons]))
 
 
 def _orthonormal(moments: np.ndarray) -> np.ndarray:

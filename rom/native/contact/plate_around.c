@@ -1,6 +1,6 @@
 /* Contacts of a plate whose section has an outline, with a convex object: a prism as thick as the plate. An object may touch its side
- * between both rims, a rim where the gap along it has a minimum, or, beyond the front, the face. Flush on the face it bears on points
- * around the front rim that stay where they are. */
+ * between both rims, a rim where the gap along it has a minimum, or, beyond the front, the face. Where the face lies flush, points around the
+ * front rim press, which stay where they are. */
 #include <math.h>
 #include "plate_around.h"
 #include "slice_points.h"

@@ -120,6 +120,20 @@ def test_an_error_is_promised_up_to_the_number_of_tendons_that_it_was_measured_w
                 Scene.model_validate(pulled | {"accuracy": "5 %"})
 
 
+@pytest.mark.parametrize(
+    ("more", "named"),
+    [
+        ({"material": {"law": "yeoh", "C1": 1e5, "D1": 4e-7}}, 'material.law = "yeoh"'),
+        ({"gravity": {"direction": [-1, 0, 0], "density": 1080.0}}, "gravity"),
+    ],
+)
+def test_no_error_is_promised_for_other_rubber_or_with_weight(open_table, more, named):
+    table = open_table | more
+    assert Scene.model_validate(table | {"preset": "standard"}).expected.error is None
+    with pytest.raises(ValueError, match=f"accuracy must be left out with {named}"):
+        Scene.model_validate(table | {"accuracy": "5 %"})
+
+
 def test_other_fingers_get_cells_of_the_same_shape_and_as_many_lines_a_tension(pressed):
     usual = Scene.model_validate(pressed | {"preset": "standard"})
     longer = pressed | {"geometry": pressed["geometry"] | {"segments": [0.1]}, "preset": "standard"}

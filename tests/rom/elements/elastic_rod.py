@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from rom.elements.samples.section_states import Bodies, SectionStates
+from rom.elements.samples.symmetry import mirrors
 from rom.rod.rod import Rod
 
 LENGTH, PLATE, SIDE, YOUNG, OFFSET = 0.050, 0.001, 0.010, 1.1e7, 0.004
@@ -177,4 +178,5 @@ def states(count: int, seed: int, length: float = LENGTH, offsets: np.ndarray = 
         shortening_changes=shorter_change[:, :m],
         corners=np.zeros((len(inputs), m, 4, 3)),
         corner_changes=np.zeros((len(inputs), m, 4, 3, inputs.shape[1])),
+        mirrors=mirrors(scene(length, offsets)["tendons"]),
     )
