@@ -82,7 +82,8 @@ static double side_end(const rubber_slice *slice, const fingerfem_object *object
 static int is_long(const fingerfem_segment *segment, int k)
 {
     const double *from = segment->polygon + 2 * k, *to = segment->polygon + 2 * ((k + 1) % segment->vertices);
-    return hypot(to[0] - from[0], to[1] - from[1]) > LONG * fmin(segment->half_lengths[1], segment->half_lengths[2]);
+    const double along[2] = {to[0] - from[0], to[1] - from[1]};
+    return sqrt(along[0] * along[0] + along[1] * along[1]) > LONG * fmin(segment->half_lengths[1], segment->half_lengths[2]);
 }
 
 void slice_find_around(const rubber_slice *slice, const fingerfem_object *object, double d, double near, objects_contacts *all)

@@ -25,7 +25,21 @@ COMPILER = shutil.which("cc") or shutil.which("gcc")
 pytestmark = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
 NUMBERS = 1e-13  # [m, N and what derivatives have]: rounding, as compilers may take sums in another order
 # What a program without an operating system has, too.
-LIBRARY = {"memcpy", "memset", "memmove", "abs", "fabs", "sqrt", "fmin", "fmax", "copysign", "atan2"}
+LIBRARY = {
+    "memcpy",
+    "memset",
+    "memmove",
+    "abs",
+    "fabs",
+    "sqrt",
+    "fmin",
+    "fmax",
+    "copysign",
+    "atan2",
+    "floor",
+    "cos",
+    "sin",
+}
 FLAT = """
 #define FINGER_IMPLEMENTATION
 #include "finger.h"
