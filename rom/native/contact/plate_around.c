@@ -14,7 +14,10 @@
 
 /* Names of contacts, beside those of objects' points on the face: of the side, of up to two minima of each rim, and of points of each
  * rim that stay. */
-enum { SIDE = OBJECTS_SIDE, RIMS = SIDE - 1, MINIMA = 2, STAYING = RIMS - 2 * MINIMA, MOST = 2 * FINGERFEM_MOST_VERTICES };
+enum { SIDE = OBJECTS_SIDE, RIMS = SIDE - 1, MINIMA = 2, STAYING = RIMS - 2 * MINIMA };
+
+/* Points of a rim at most: one of every part, or of few parts less than 2 AROUND. */
+enum { MOST = 2 * (FINGERFEM_MOST_VERTICES + AROUND) };
 
 /* A plate as a slice: its corners in space, in the order of bits (end, y, z). */
 static void as_slice(const fingerfem_segment *segment, const chain_body *body, rubber_slice *found)

@@ -12,7 +12,7 @@
 
 /* Names of a slice's contacts: its edges, or ends of the sides of its outline; points of its faces across y and across z, or of
  * the outline; and the lines across faces. */
-enum { SLICE_FACES = 2 * FINGERFEM_MOST_VERTICES, SLICE_LINES = SLICE_FACES + OUTLINE_CORNERS };
+enum { SLICE_FACES = OUTLINE_CORNERS * FINGERFEM_MOST_VERTICES, SLICE_LINES = SLICE_FACES + OUTLINE_CORNERS };
 
 /* The place of a slice of a segment by its number; -1 if it is another one's. */
 int slices_place(const chain_rods *map, int segment, int number);
