@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rom.answer import Answer
     from rom.rod.friction.history import friction_history
+    from rom.rod.motion.moving_finger import MovingFinger
     from rom.rod.objects.search import find_object
     from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
     from rom.rod.rod import Rod
@@ -23,6 +24,7 @@ _HOMES = {
     "Rod": "rom.rod.rod",
     "Cylinder": "rom.rod.objects.shapes",
     "Hull": "rom.rod.objects.shapes",
+    "MovingFinger": "rom.rod.motion.moving_finger",
     "Plane": "rom.rod.objects.shapes",
     "Sphere": "rom.rod.objects.shapes",
     "SeparatedModel": "rom.separated.model",
@@ -38,6 +40,7 @@ __all__ = [
     "Rod",
     "Cylinder",
     "Hull",
+    "MovingFinger",
     "Plane",
     "SeparatedModel",
     "Sphere",
