@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from control.grasping.gripper import Grasp, Gripper
     from control.loop import run
     from control.motion import Limits, Motion
+    from control.moving_plant import MovingPlant
     from control.plant import Flaws, Plant, SimulatedPlant
 
 _HOMES = {
@@ -24,6 +25,7 @@ _HOMES = {
     "Gripper": "grasping.gripper",
     "Limits": "motion",
     "Motion": "motion",
+    "MovingPlant": "moving_plant",
     "Object": "grasping.grasp_forces",
     "Plant": "plant",
     "SimulatedPlant": "plant",
@@ -39,6 +41,7 @@ __all__ = [
     "Gripper",
     "Limits",
     "Motion",
+    "MovingPlant",
     "Object",
     "Plant",
     "SimulatedPlant",

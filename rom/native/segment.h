@@ -291,6 +291,27 @@ int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *input
 int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                              double *corners);
 
+/* Mass of plates and sections, in the order of `fingerfem_chain_loads`: masses, (bodies) [kg], first moments, (bodies, 3) [kg m], and
+ * moments of inertia, (bodies, 3, 3) [kg m^2], both about its centre in its own frame. */
+typedef struct {
+    const double *masses, *moments, *inertias;
+} fingerfem_inertia;
+
+/* How each of them moves, (bodies, FINGERFEM_MOVING): centre [m] and rotation, in space; velocity and acceleration of the centre in
+ * space [m/s, m/s^2], with those of the turn in its own frame [rad/s, rad/s^2] behind each; and the method's mean acceleration. */
+enum { FINGERFEM_MOVING = 30 };
+
+/* A step of time, `length` [s], to tensions and the d of every object, (tensions + count), at the step's end: `moving` is where it begins
+ * and what it ends with, as are the loads on all bodies, contacts' and inertia's. `radius` is the spectral radius of
+ * the method for high frequencies, 0 to 1 [-]; 1 keeps them, less damps them. Takes the force of every object, (count) [N], along its
+ * direction, and the contacts that press unless NULL. Returns the number of evaluations of the map, negative without an answer: then
+ * `moving` and loads stay; `inside` is as that of `fingerfem_touch`. */
+int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, double length, double radius,
+                   double *memory, double *moving, double *loads, double *forces, int32_t *inside, fingerfem_pressing *pressing);
+
+/* The bodies at rest at tensions and loads, as `moving` of a first step; returns 0 if there are more than there is room for. */
+int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, double *moving);
+
 /* An answer with its errors: that of `fingerfem_touch`; errors, (1 + 2 count) [m, N, m], are the estimated ones of the tip, the forces and the touch
  * distances: infinite without an equilibrium. The report is computed unless it is NULL. */
 int fingerfem_evaluate(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,

@@ -23,7 +23,7 @@ from rom.dataset.geometry import sizes_of, steepest, tip_at_rest
 from rom.dataset.section import extent
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
-from rom.elements.pieces import Piece
+from rom.elements.pieces import Piece, cut
 from rom.elements.taper import TaperedRubber, tapered_pieces
 from rom.native import PickledByFields
 from rom.parameter import Parameter
@@ -67,6 +67,8 @@ class Rod(PickledByFields):
         elements: the elements as trained.
         scene: of the finger: geometry, material and tendons, as plain data.
         accuracy: errors measured on held-out states; empty if not measured.
+        parts: into which interior elements are cut: more have the mass of a moving finger at more sections, and its
+            answers at rest change by less than their errors.
 
     Raises:
         ModelError: the elements cannot make this finger; the message says what is missing.
@@ -79,6 +81,7 @@ class Rod(PickledByFields):
     elements: Elements
     scene: dict[str, Any]
     accuracy: dict[str, Any] = field(default_factory=dict)
+    parts: int = 1
 
     def __post_init__(self) -> None:
         self.segments  # refuses what cannot be made  # noqa: B018
@@ -105,10 +108,9 @@ class Rod(PickledByFields):
         geometry, lengths = self.scene["geometry"], {kind: law.lengths for kind, law in self.own.laws.items()}
         found, half = [], geometry["plate"] / 2
         for k, (begin, end) in enumerate(pairwise(sizes_of(geometry).tolist())):
+            rubber = TaperedRubber(begin, end, geometry["segments"][k] - end * half, half)
             try:
-                found.append(
-                    tapered_pieces(lengths, TaperedRubber(begin, end, geometry["segments"][k] - end * half, half))
-                )
+                found.append(cut(tapered_pieces(lengths, rubber), self.parts))
             except ModelError as error:
                 raise ModelError(f"geometry.segments.{k}: {error}") from None
         return found

@@ -68,6 +68,11 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
             "chambers must be left out of a rod's scene: elements have no voids; "
             f"the full-order model solves it (python3 -m fingerfem solve), got {scene['chambers']}"
         )
+    if scene.get("materials"):
+        raise ModelError(
+            "materials must be left out of a rod's scene: elements are of one material; "
+            f"the full-order model solves it (python3 -m fingerfem solve), got {len(scene['materials'])} materials"
+        )
     scene = without_square(scene)
     try:
         found = {

@@ -47,6 +47,11 @@ CLASSES = {
     "Answer": (lambda table: table.evaluate(POINT), lambda one: [one.tip, one.contact_force]),
     "Cylinder": (lambda table: rom.Cylinder(radius=0.01, **WHERE), lambda one: [one.numbers()["axis"]]),
     "Hull": (lambda table: rom.Hull(**HULL, **WHERE), lambda one: [one.numbers()["heights"]]),
+    "MovingFinger": (
+        lambda table: rom.MovingFinger(rom.load(), [0.0, 0.0, 0.02], density=1100.0),
+        lambda one: [one.step([5.0, 0.0, 0.02], 1e-3).tip],
+    ),
+    "MovingPlant": (lambda table: control.MovingPlant(rom.load(), 0.02, 1100.0), lambda one: [one.pull([4.0, 1.0])]),
     "Plane": (lambda table: rom.Plane(normal=(0.0, -1.0, 0.0), **WHERE), lambda one: [one.numbers()["axis"]]),
     "Rod": (lambda table: in_series(rod(), 2), lambda one: [one.struct.plates, one.place([20.0, 0.0]).centres]),
     "Sphere": (lambda table: rom.Sphere(radius=0.01, **WHERE), lambda one: [one.numbers()["radius"]]),

@@ -70,6 +70,7 @@ def tables(annotation: object) -> Iterator[type[BaseModel]]:
 def test_every_key_of_a_scene_is_in_the_reference_and_no_other():
     listed = re.findall(r"^\| `([\w.]+)` \|", (REFERENCE / "scene.md").read_text(), re.MULTILINE)
     written = {key for key in keys(Scene) if not key.startswith("geometry.section.")}  # a table of its own in a scene
+    written = {re.sub(r"^materials\.material\..*", "materials.material", key) for key in written}  # keys of material
     assert set(listed) == {*written, "material.shore_A"}  # which stands for a modulus
     assert len(listed) == len(set(listed))
 
@@ -94,7 +95,7 @@ def test_every_command_and_option_is_in_the_reference(program):
 
 def test_the_navigation_has_every_page_once_and_no_other():
     listed = re.findall(r"^ +- [^#\n]*?([\w./-]+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE)
-    assert sorted(listed) == sorted(map(named, PAGES)) and len(listed) <= 28
+    assert sorted(listed) == sorted(map(named, PAGES)) and len(listed) <= 29
 
 
 @pytest.mark.parametrize("page", BY_HAND, ids=named)

@@ -369,7 +369,7 @@ double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *po
     double held[TENSIONS_MOST], d = point[chain->tensions], least = INFINITY;
     chain_rods map;
     placed at;
-    const contact_problem problem = {touching, &map, {0.0}};
+    const contact_problem problem = {touching, &map, {0.0}, NULL, 1.0};
     if (d == INFINITY) return INFINITY;
     d = fmax(touching->objects[0]->nearest, fmin(touching->objects[0]->farthest, d));
     /* bodies under the loads, and the contacts of all slices with the object */
