@@ -1,12 +1,14 @@
-"""Rules between a scene's tables: of section, chambers and obstacle. They raise ValueError: name, rule, value."""
+"""Rules between a scene's tables, of section, chambers, materials and obstacle: ValueError with name, rule, value."""
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fingerfem.scene.chamber import Chamber
+from fingerfem.scene.material import Material
 from fingerfem.scene.obstacle import Obstacle
 from rom.dataset.geometry import END
 
@@ -120,6 +122,56 @@ def _check_block(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
             )
 
 
+def check_materials(scene: Scene) -> None:
+    """Other materials lie in the finger and have no cells in common."""
+    for name in ("load", "coarse"):
+        if scene.materials and getattr(scene, name) is not None:
+            raise ValueError(
+                f"{name} must be left out of a scene with several materials: rod elements have one; solve it "
+                f"without, or in front of an obstacle, got {len(scene.materials)} materials"
+            )
+    shape, least = scene.geometry.shape, scene.geometry.side / 100
+    regions = ["section", *(one for one in ("rectangle", "group") if one == shape.chamber_region)]
+    for k, one in enumerate(scene.materials):
+        if one.name == "rubber" or [other.name for other in scene.materials].count(one.name) > 1:
+            raise ValueError(f"materials.{k}.name must be unique and not 'rubber', that of [material], got {one.name}")
+        if one.region not in regions:
+            raise ValueError(
+                f"materials.{k}.region must be {' or '.join(map(repr, regions))} with a {shape.shape} section, "
+                f"got {one.region!r}"
+            )
+        if one.x is not None:
+            ordered(f"materials.{k}.x", one.x)
+            if one.x[1] - one.x[0] < least * (1 - 1e-9) or one.x[1] > scene.geometry.length + scene.outline.tolerance:
+                raise ValueError(
+                    f"materials.{k}.x must be at least a hundredth of the side ({least:g} m) long and end on the "
+                    f"finger, at most at {scene.geometry.length:g} m, got {one.x}"
+                )
+        if one.centre is not None and one.size is not None:
+            beyond = np.abs(one.centre) + np.array(one.size) / 2 - np.array(shape.extents) / 2
+            if beyond.max() > scene.outline.tolerance:
+                raise ValueError(f"materials.{k}.size must end within the section, got {beyond.max():.3g} m beyond it")
+    for (_, one), (k, other) in combinations(enumerate(scene.materials), 2):
+        if _overlap(one, other, scene.outline.tolerance):
+            raise ValueError(
+                f"materials.{k}.region must have no cells of another material, as other limits x or another centre "
+                f"give, got some of {one.name}"
+            )
+
+
+def _overlap(one: Material, other: Material, near: float) -> bool:
+    """Whether two materials share cells; groups of a file do not."""
+    spans = [(0.0, np.inf) if part.x is None else part.x for part in (one, other)]
+    if min(span[1] for span in spans) - max(span[0] for span in spans) <= near:
+        return False
+    if "section" in (one.region, other.region):
+        return True
+    if one.centre is None or other.centre is None or one.size is None or other.size is None:
+        return False
+    apart = np.abs(np.subtract(one.centre, other.centre)) - np.add(one.size, other.size) / 2
+    return bool(apart.max() < -near)
+
+
 def check_obstacle(scene: Scene, obstacle: Obstacle) -> None:
     """An obstacle fits the finger, its rubber and its pad."""
     ordered("obstacle.distance", obstacle.distance)
@@ -127,6 +179,11 @@ def check_obstacle(scene: Scene, obstacle: Obstacle) -> None:
         raise ValueError(
             "obstacle.method must be penalty where the rubber is nearly incompressible: its stress on the surface, "
             "which nitsche needs, is not that of the displacements, got nitsche"
+        )
+    if obstacle.method == "nitsche" and scene.materials:
+        raise ValueError(
+            "obstacle.method must be penalty with several materials: nitsche takes the surface's stress by one law, "
+            "got nitsche"
         )
     if obstacle.method == "nitsche" and obstacle.stiffness_factor < 20:
         raise ValueError(

@@ -45,7 +45,8 @@ def check(rod: Rod) -> None:
     for name in ("contact_force", "position", "surface", "turn", "shortening", "growth"):
         value = getattr(rod.errors, name)
         require(0 <= value < np.inf, f"the expected error of {name} must be finite and at least 0", value)
-    require(isinstance(rod.accuracy, dict), "accuracy must be a table", rod.accuracy)
+    for name in ("accuracy", "calibration"):
+        require(isinstance(getattr(rod, name), dict), f"{name} must be a table", getattr(rod, name))
 
 
 def _ends_of_free_plate(segment: Segment) -> np.ndarray:

@@ -19,7 +19,7 @@ from rom.dataset.actuators import actuators_of
 from rom.dataset.geometry import sizes_of
 from rom.dataset.section import channel_width, extent
 from rom.file_kinds import uses_of
-from rom.rod.chambers_of_rod import chambers_of, matched
+from rom.rod.chambers_of_rod import chambers_of, matched, rescaled_chamber
 from rom.rod.section_of_rod import NEAR, equal, size_of_section, with_digest, without_square
 from rom.rod.weight import gravity_of
 
@@ -66,6 +66,11 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
     for name, kind in (("geometry", dict), ("material", dict), ("tendons", list)):
         if not isinstance(scene.get(name), kind):
             raise ModelError(f"{name} must be given, got {scene.get(name)}")
+    if scene.get("materials"):
+        raise ModelError(
+            "materials must be left out of a rod's scene: elements are of one material; "
+            f"the full-order model solves it (python3 -m fingerfem solve), got {len(scene['materials'])} materials"
+        )
     scene = without_square(scene)
     try:
         found: dict[str, Any] = {
@@ -145,6 +150,34 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     found = Similarity(size, modulus, tendons, matched(trained, scene, size, modulus))
     for segment in range(1, count + 1):
         _check_sums(trained["tendons"], scene["tendons"], found, (segment, size * sizes[segment - 1 : segment + 1]))
+    return found
+
+
+def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str, Any]:
+    """The scene of a finger with its modulus and all lengths multiplied by factors [-].
+
+    Highest tensions and pressures fall where the trained ones do, and do not rise.
+    """
+
+    def longer(value: Any) -> Any:
+        return None if value is None else (size * np.asarray(value, float)).tolist()
+
+    lengths = {name: longer(one) for name, one in scene["geometry"].items() if name != "taper"}
+    material = {
+        name: (modulus ** MODULI[name] * np.asarray(one, float)).tolist() if name in MODULI else one
+        for name, one in scene["material"].items()
+    }
+    force = modulus * size**2
+    tendons = [
+        one
+        | {"offset": longer(one["offset"])}
+        | {"tension": [one["tension"][0] * force, one["tension"][1] * min(force, 1.0)]}
+        for one in scene["tendons"]
+    ]
+    geometry = scene["geometry"] | lengths
+    found = dict(scene) | {"geometry": geometry, "material": material, "tendons": tendons}
+    if scene.get("chambers"):
+        found["chambers"] = [rescaled_chamber(one, modulus, size) for one in scene["chambers"]]
     return found
 
 

@@ -13,7 +13,7 @@ from scipy.spatial import ConvexHull
 
 from fingerfem.scene.sections.gmsh_file import FileMesh, read_gmsh
 from fingerfem.scene.sections.plane_mesh import RUBBER, PlaneMesh
-from fingerfem.scene.sections.section import Cavity, Column, Section, Wanted
+from fingerfem.scene.sections.section import Column, Inside, Section, Wanted
 from rom.dataset.section_outline import MOST_VERTICES
 
 GROUPS = {"channel": "channel", "straight": "hole"}  # of a tendon's path: the first word of its group's name
@@ -105,7 +105,8 @@ class FromFile(Section):
     def mesh(self, wanted: Wanted) -> PlaneMesh:
         """The file's mesh, every edge divided into as many parts as cells are asked for."""
         columns = {f"{GROUPS[one.path]} {one.name}": one for one in reversed(wanted.columns)}
-        names: dict[str, Column | Cavity] = columns | {f"chamber {one.name}": one for one in wanted.cavities}
+        names: dict[str, Column | Inside] = {**columns, **{f"chamber {one.name}": one for one in wanted.cavities}}
+        names |= {f"material {one.name}": one for one in wanted.inlays if one.region == "group"}
         shared = {
             f"{GROUPS[one.path]} {one.name}" for one in wanted.columns if wanted.columns[one.tag].name != one.name
         }

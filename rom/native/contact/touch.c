@@ -203,8 +203,7 @@ typedef struct {
     reported_change changes[TENSIONS_MOST + FINGERFEM_MOST_OBJECTS];
 } reported;
 
-/* Contacts that press at a solved state: places and normals in space, forces [N]. */
-static void report_pressing(const placed *at, const double *forces, fingerfem_pressing *found)
+void report_pressing(const placed *at, const double *forces, fingerfem_pressing *found)
 {
     const objects_contacts *contacts = &at->contacts;
     found->count = 0;
@@ -273,7 +272,7 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     contact_state state;
     touched_point first[FINGERFEM_MOST_OBJECTS];
     approached now;
-    contact_problem problem = {touching, &map, {0.0}};
+    contact_problem problem = {touching, &map, {0.0}, NULL, 1.0};
     /* derivatives are zero where nothing below sets them */
     memset(jacobian, 0, (size_t)(rows * p) * sizeof *jacobian);
     if (by_object) memset(by_object, 0, (size_t)(W * m * rows) * sizeof *by_object);

@@ -54,7 +54,7 @@ def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]
     arrays = {
         "points": problem.space.tabulate_dof_coordinates(),
         "cells": problem.space.dofmap.list,
-        "rubber": np.isin(problem.mesh.cells.values, regions.RUBBERS),  # of every cell, in their order
+        "rubber": np.isin(problem.mesh.cells.values, regions.of_material(0)),  # of every cell, in their order
         "channels": np.array([problem.mesh.pulled(scene, k)[0] for k in range(len(scene.tendons))]),
         "walls": np.zeros((len(scene.chambers), len(problem.space.tabulate_dof_coordinates())), bool),  # their nodes
     }

@@ -84,7 +84,7 @@ def with_chambers(*changes: dict, **others: Any) -> dict:
         ({"preset": "draft", "mesh": None}, r"preset must be left out with \[\[chambers\]\]"),
         (
             with_chambers({"centre": [-0.0045, 0.001]}, mesh={"cells": [10, 11], "symmetry": True}),
-            "mesh.symmetry must be false where a tendon or chamber is off the plane z = 0",
+            "mesh.symmetry must be false where a tendon, chamber or material is off the plane z = 0",
         ),
     ],
 )
