@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,9 +15,7 @@ from studies import sets
 from studies.parts import Run
 from studies.rods import plans
 
-# Tapers, and into how many parts interior elements are cut.
-CASES = (1.0, 1), (0.9, 1), (0.7, 1), (0.7, 2), (0.5, 1), (0.5, 2), (0.5, 3)
-COUNT, SEED = 20, 5
+TAPERS, COUNT, SEED = (1.0, 0.9, 0.7, 0.5), 20, 5
 PLAN = plans.LARGE
 
 
@@ -41,13 +38,13 @@ def held_out(run: Run, name: str, table: dict[str, Any]) -> SnapshotSet:
     return SnapshotSet(place)
 
 
-def row(run: Run, taper: float, cut: int) -> dict:
-    """A finger of one taper, its interior elements cut: pressed on its plate by all forces, and before a plane."""
+def row(run: Run, taper: float) -> dict:
+    """A finger of one taper: pressed on its plate by forces of all directions, and before a plane."""
     straight = plans.rod(run, PLAN)
     table = scene(straight, taper)
     load = {"load": {"force": PLAN.force * taper**2}, "sampling": {"lines": PLAN.lines}}
     plane = table | {"obstacle": {"distance": [0.001, 0.031], "method": "penalty"}}
-    finger = replace(straight.assembled(tomllib.loads(sets.as_toml(plane))), parts=cut)
+    finger = straight.assembled(tomllib.loads(sets.as_toml(plane)))
     before = check(finger, held_out(run, f"plane {taper}", plane))
     under = check_pressed(finger, held_out(run, f"pressed {taper}", table | load))
     return {
@@ -65,5 +62,5 @@ def row(run: Run, taper: float, cut: int) -> dict:
 
 
 def measure(run: Run) -> list[dict]:
-    """A row a taper and a number of elements."""
-    return [run.once(f"taper {taper} {cut}", row, run, taper, cut) for taper, cut in CASES]
+    """A row a taper."""
+    return [run.once(f"taper {taper}", row, run, taper) for taper in TAPERS]
