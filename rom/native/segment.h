@@ -110,6 +110,8 @@ typedef struct {
     double young_modulus, poisson;       /* of the rubber [Pa], [-] */
     const double *ridges;                /* (tensions, 2): height of the ridge above each tendon, over its tension and the curvature, for
                                             faces across y and across z; negative for the faces at -y and -z [1/Pa] */
+    const double *bulges;                /* (tensions, 2): how high the highest pressure in a chamber lifts the middle of a face over it, at most,
+                                            for faces across y and across z; negative for those at -y and -z; 0 of tendons [m] */
     int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */
     const double *corner_coefficients;   /* (corner_monomials, FINGERFEM_CORNERS) */
 } fingerfem_segment;
@@ -217,6 +219,12 @@ int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, 
  * tensions and wrenches, (tensions, tensions + 6 plates). Inputs and the returned value as in `fingerfem_chain_place`. */
 int fingerfem_chain_shortenings(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                                 double *shortenings, double *changes);
+
+/* The same shortenings where one force across the finger presses: at a position along its axis at rest, from the clamp [m], with the
+ * components (2) along y and z of the cross-section there [N]. The derivatives are by tensions, position and both components,
+ * (tensions, tensions + 3). Returns 1 if all inputs lie in their boxes and the position on the finger, on which it is clamped. */
+int fingerfem_chain_point_force(const fingerfem_chain *chain, const double *tensions, double position, const double *force,
+                                double *memory, double *shortenings, double *changes);
 
 /* The distal sections of all elements, segment by segment, each from its plate to its clamp: places (elements, 3) [m] and
  * rotations, (elements, 3, 3), in space, and the wrenches that they transmit, in their own frames, (elements, 6). Inputs and
