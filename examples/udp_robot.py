@@ -6,11 +6,9 @@ python3 examples/udp_robot.py [PICTURE.png]
 import sys
 import threading
 
-import numpy as np
-
 import rom
 from control import GraspOptions, Gripper, Limits, run
-from control.feel import KnownObjects, Noise
+from control.feel import Felt, KnownObjects, Noise
 from control.robot import Link, LinkedPlant, Losses, SimulatedMotors
 
 model = rom.load()  # the bundled finger before the plane y = side/2 + d
@@ -36,13 +34,13 @@ robot.start()
 
 # The controller. A contact force is felt from tensions and shortenings.
 sensed = KnownObjects(model, noise)
-hint: list[np.ndarray] = []
+last: list[Felt] = []
 
 
 def felt(reading) -> float:
     """The contact force [N], sought near the last contact."""
-    found = sensed.feel(reading.tensions, reading.shortenings, hint=hint[-1] if hint else None)
-    hint[:] = [found.values] if found.converged else []
+    found = sensed.feel(reading.tensions, reading.shortenings, hint=last[-1] if last else None)
+    last[:] = [found] if found.converged else []
     return float(found.contact_forces[0])
 
 
@@ -58,7 +56,7 @@ motors.close()
 counts = link.counts
 print(f"{report.status[0]}: {motors.contact_force:.3f} N for {target:g} N, felt {report.felt[-1, 0]:.3f} N")
 print(f"readings: {counts.missing} missing, {counts.late} late, {counts.overtaken} overtaken, {counts.refused} refused")
-print(f"felt distance {1000 * hint[-1][0]:.2f} mm, true {1000 * distance:g} mm")
+print(f"felt distance {1000 * last[-1].values[0]:.2f} mm, true {1000 * distance:g} mm")
 print(f"events: {report.events}")
 assert report.status == ["converged"] and abs(motors.contact_force - target) < 0.1 and not link.stopped
 assert counts.missing >= 6
