@@ -7,15 +7,20 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from control.calibration.calibrate import CalibrationOptions, calibrate
+    from control.calibration.calibration import Calibration
     from control.finger import Finger
     from control.grasping.grasp_controller import GraspOptions, Grip
     from control.grasping.grasp_forces import Object, Targets
     from control.grasping.gripper import Grasp, Gripper
     from control.loop import run
     from control.motion import Limits, Motion
+    from control.moving_plant import MovingPlant
     from control.plant import Flaws, Plant, SimulatedPlant
 
 _HOMES = {
+    "Calibration": "calibration.calibration",
+    "CalibrationOptions": "calibration.calibrate",
     "Finger": "finger",
     "Flaws": "plant",
     "Grasp": "grasping.gripper",
@@ -24,13 +29,17 @@ _HOMES = {
     "Gripper": "grasping.gripper",
     "Limits": "motion",
     "Motion": "motion",
+    "MovingPlant": "moving_plant",
     "Object": "grasping.grasp_forces",
     "Plant": "plant",
     "SimulatedPlant": "plant",
     "Targets": "grasping.grasp_forces",
+    "calibrate": "calibration.calibrate",
     "run": "loop",
 }
 __all__ = [
+    "Calibration",
+    "CalibrationOptions",
     "Finger",
     "Flaws",
     "Grasp",
@@ -39,10 +48,12 @@ __all__ = [
     "Gripper",
     "Limits",
     "Motion",
+    "MovingPlant",
     "Object",
     "Plant",
     "SimulatedPlant",
     "Targets",
+    "calibrate",
     "run",
 ]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rom.console.packages import require
 
@@ -18,8 +19,11 @@ import gymnasium  # noqa: E402
 
 from control.finger import Finger  # noqa: E402
 from control.model import Model  # noqa: E402
+from control.motion import for_each  # noqa: E402
+from control.moving_plant import MovingPlant  # noqa: E402
 from control.plant import Flaws, SimulatedPlant  # noqa: E402
 from rom import load  # noqa: E402
+from rom.rod.touched_rod import TouchedRod  # noqa: E402
 
 NAME = "fingerfem/Hold-v0"
 FELT = 10.0  # times the largest target: what a sensor says beyond is not observed
@@ -37,12 +41,14 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
     Args:
         model: of a finger before an obstacle; the bundled one by default.
         targets: least and largest contact force [N].
-        change: most that a tension changes in a step [N].
+        change: most that a tension changes in a step [N]; of a finger with chambers one for each load [N, Pa].
         steps: of an episode.
         flaws: of the simulated finger.
+        density: of its rubber [kg/m^3]: a finger of elements moves as its mass lets it, in steps of the flaws' period.
+            Without one it is at rest after every change. Where it moves out of its elements' domain the episode ends.
 
     Raises:
-        ValueError: a model without an obstacle, or targets that are not in order above 0.
+        ValueError: a model without an obstacle, a table with a density, or targets that are not in order above 0.
     """
 
     metadata = {"render_modes": []}
@@ -51,17 +57,22 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         self,
         model: Model | None = None,
         targets: tuple[float, float] = (0.5, 3.0),
-        change: float = 2.0,
+        change: ArrayLike = 2.0,
         steps: int = 200,
         flaws: Flaws | None = None,
+        density: float | None = None,
     ):
         model = load() if model is None else model
         if not model.has_obstacle:
             raise ValueError("model must have an obstacle to press on, got a scene without one")
         if not 0 < targets[0] <= targets[1] < np.inf:
             raise ValueError(f"targets must be in order above 0 N, got {targets}")
-        self._model, self._targets, self._change, self._steps, self._flaws = model, targets, change, steps, flaws
+        self._model, self._targets, self._steps, self._flaws = model, targets, steps, flaws
+        if density is not None and not isinstance(model, TouchedRod):
+            raise ValueError(f"density must be left out: only fingers of elements move, got {density}")
+        self._density = density
         self._finger = Finger(model)
+        self._change = for_each("change", change, model.parameters[:-1])
         n = len(self._finger.lower)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (n,), np.float32)
         high = np.array([*np.ones(n), FELT, 1.0], np.float32)
@@ -87,10 +98,15 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
                 raise ValueError(f"target must be within reach at d = {distance:g} m, got {self._target:g} N")
         else:
             raise ValueError(f"target and distance must leave something within reach, got {given or self._targets}")
-        self._plant = SimulatedPlant(self._model, distance, self._flaws, seed=int(self.np_random.integers(2**31)))
+        self._plant = self._plant_at(distance, int(self.np_random.integers(2**31)))
         self._tensions, self._taken = self._finger.lower.copy(), 0
         self._felt = self._plant.pull(self._tensions)
         return self._observation(), {"distance": distance, "target": self._target}
+
+    def _plant_at(self, distance: float, seed: int) -> SimulatedPlant | MovingPlant:
+        if self._density is None or not isinstance(self._model, TouchedRod):
+            return SimulatedPlant(self._model, distance, self._flaws, seed=seed)
+        return MovingPlant(self._model, distance, self._density, self._flaws, seed=seed)
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Change the tensions; what is felt then."""
@@ -99,11 +115,17 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
             raise ValueError(f"action must be {len(self._tensions)} finite numbers, got {action}")
         change = self._change * np.clip(wanted, -1.0, 1.0)
         self._tensions = np.clip(self._tensions + change, self._finger.lower, self._finger.upper)
-        self._felt, self._taken = self._plant.pull(self._tensions), self._taken + 1
+        self._taken += 1
+        try:
+            self._felt, lost = self._plant.pull(self._tensions), False
+        except ValueError:
+            if self._density is None:
+                raise
+            lost = True
         crushed = self._plant.contact_force > CRUSHED * self._target
-        reward = -10.0 if crushed else -min(abs(self._felt - self._target) / self._target, 1.0)
-        info = {"contact_force": self._plant.contact_force, "crushed": crushed}
-        return self._observation(), reward, crushed, self._taken >= self._steps, info
+        reward = -10.0 if crushed or lost else -min(abs(self._felt - self._target) / self._target, 1.0)
+        info = {"contact_force": self._plant.contact_force, "crushed": crushed, "lost": lost}
+        return self._observation(), reward, crushed or lost, self._taken >= self._steps, info
 
     def _observation(self) -> np.ndarray:
         scaled = self._tensions / np.maximum(self._finger.upper, 1e-9)

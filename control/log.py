@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +26,7 @@ OTHERS = {
     "d": LENGTHS,
 }
 TOGETHER = QUATERNION, VECTOR  # columns that must all be given or all be left out
+BY_ROW = ("lines", "time", *TENDON, "position", "orientation", "contact_force", "distance")  # fields of a value a row
 UNIT = 0.05  # how far the norm of a measured quaternion may be from 1 [-]
 
 
@@ -68,6 +70,15 @@ class Log:
     def has(self, quantity: str) -> bool:
         """Whether the file has a column of a quantity, such as "tension", "x", "qw" or "contact force"."""
         return any(name == quantity or name.split()[0] == quantity for name in self.headings)
+
+    def only(self, rows: np.ndarray) -> Log:
+        """The same with some of the rows, by their numbers or a mask."""
+        return replace(self, **{one.name: getattr(self, one.name)[rows] for one in fields(self) if one.name in BY_ROW})
+
+    def having(self, **values: np.ndarray) -> Log:
+        """The same with other values of some quantities."""
+        changed: dict[str, Any] = dict(values)
+        return replace(self, **changed)
 
     def where(self, row: int, quantity: str = "") -> str:
         """The beginning of a message about a row, and about one of its columns."""

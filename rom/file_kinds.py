@@ -46,7 +46,7 @@ ROD = Kind(
             "rom export .h",
             "rom export .fmu",
         ),
-        *(*_CONTROL, "fingerfem certify"),
+        *(*_CONTROL, "control calibrate", "fingerfem certify"),
     ),
 )
 AGAIN = "no command: solve its scene again by fingerfem snapshots SCENE.toml SET/, then rom build SET/ -o FINGER.h5"

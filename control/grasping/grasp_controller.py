@@ -114,6 +114,11 @@ class Grip:
     """
 
     def __init__(self, finger: Finger, target: float, options: GraspOptions):
+        if finger.pressures:
+            raise ValueError(
+                "finger must have tendons alone to grasp, as steps and rates are of tensions, got a finger with "
+                f"{finger.pressures} chambers (hold and reach control it)"
+            )
         self._finger, self._options = finger, options
         self.tensions = finger.lower.copy()
         self.stage, self.status, self.felt, self.distance = "approach", "moving", 0.0, np.nan

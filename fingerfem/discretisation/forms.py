@@ -88,11 +88,11 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
     space, u = fields.u.function_space, fields.u
     v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
     number, degree = constants(mesh.mesh), quadrature_degree(scene.mesh.order)
-    rubber = rubber_terms(scene.law, number, degree)
+    rubber, channels = rubber_terms(scene.laws, number, degree), regions.channels(len(scene.laws))
     plates = Term(strain_energy.energy(plate_law(scene.law), number), regions.PLATES, degree)
     paths = {tendon.path for tendon in scene.tendons}
     pulled, probed = (
-        [Term(tendons.channelled(density, fields.size), regions.CHANNELS, degree)] if "channel" in paths else []
+        [Term(tendons.channelled(density, fields.size), channels, degree)] if "channel" in paths else []
         for density in (fields.tension_density, fields.probe_density)
     )
 

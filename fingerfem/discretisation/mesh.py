@@ -12,7 +12,7 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from fingerfem.discretisation import chambers, regions
-from fingerfem.scene.grid_lines import lines_along, section_mesh
+from fingerfem.scene.grid_lines import lines_along, materials_of_cells, section_mesh
 from fingerfem.scene.scene import Scene
 from fingerfem.scene.sections import PlaneMesh
 from fingerfem.scene.tables import Geometry
@@ -54,8 +54,10 @@ def build_mesh(scene: Scene, comm: MPI.Comm) -> FingerMesh:
     dim = mesh.topology.dim
     cells = np.arange(mesh.topology.index_map(dim).size_local + mesh.topology.index_map(dim).num_ghosts, dtype=np.int32)
     midpoints = dolfinx.mesh.compute_midpoints(mesh, dim, cells).T
-    columns = section.tags[solid[mesh.topology.original_cell_index] // (len(lines) - 1)]
-    cell_tags = dolfinx.mesh.meshtags(mesh, dim, cells, _regions(scene, midpoints[0], columns))
+    swept_from = solid[mesh.topology.original_cell_index]
+    columns = section.tags[swept_from // (len(lines) - 1)]
+    materials = materials_of_cells(scene.outline, section, lines).ravel()[swept_from]
+    cell_tags = dolfinx.mesh.meshtags(mesh, dim, cells, _regions(scene, midpoints[0], columns, materials))
     mesh.topology.create_connectivity(dim - 1, dim)
     facets = np.sort(dolfinx.mesh.exterior_facet_indices(mesh.topology))
     centres = dolfinx.mesh.compute_midpoints(mesh, dim - 1, facets).T
@@ -104,8 +106,8 @@ def _of_tendon(scene: Scene, k: int, x: np.ndarray, columns: np.ndarray) -> np.n
     return np.asarray((columns == scene.outline.columns[k].tag) & inside)
 
 
-def _regions(scene: Scene, x: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Region of the cells whose midpoints are at x [m], shape (n,)."""
+def _regions(scene: Scene, x: np.ndarray, columns: np.ndarray, materials: np.ndarray) -> np.ndarray:
+    """Region of the cells whose midpoints are at x [m], shape (n,); materials are numbers, 0 of the rubber."""
 
     def anywhere(path: str) -> np.ndarray:
         own = [k for k, tendon in enumerate(scene.tendons) if tendon.path == path]
@@ -114,7 +116,7 @@ def _regions(scene: Scene, x: np.ndarray, columns: np.ndarray) -> np.ndarray:
     channel, hole = anywhere("channel"), anywhere("straight")
     in_plate = np.any([(x > a) & (x < b) for a, b in scene.outline.plates], axis=0)
     in_tip = x > scene.outline.plates[-1][0]
-    found = np.where(channel, regions.RUBBER_CHANNEL, regions.RUBBER)
+    found = np.where(channel, regions.RUBBER_CHANNEL, regions.RUBBER) + regions.OF_MATERIAL * materials
     plate = np.where(channel, regions.PLATE_CHANNEL, np.where(hole, regions.PLATE_HOLE, regions.PLATE))
     found[in_plate] = plate[in_plate]
     found[in_tip] = np.where(hole, regions.TIP_HOLE, regions.TIP_PLATE)[in_tip]

@@ -11,17 +11,17 @@ from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
 from fingerfem.discretisation import regions
-from fingerfem.discretisation.actuators import Actuators
 from fingerfem.discretisation.assembly import Assembly
 from fingerfem.discretisation.contact import contact_points
 from fingerfem.discretisation.contact.contact_points import ContactPoints
 from fingerfem.discretisation.contact.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
 from fingerfem.discretisation.deformation_limits import DeformationLimits
 from fingerfem.discretisation.forms import Fields, compile_forms, pad_areas, quadrature_degree, surface_measure
+from fingerfem.discretisation.loads.actuators import Actuators
+from fingerfem.discretisation.loads.plate_loads import LowRank, PlateLoads
+from fingerfem.discretisation.loads.weight import weight_forces
 from fingerfem.discretisation.mesh import build_mesh, section_sizes
-from fingerfem.discretisation.plate_loads import LowRank, PlateLoads
 from fingerfem.discretisation.tangent import Tangent, VolumeTangent
-from fingerfem.discretisation.weight import weight_forces
 from fingerfem.mechanics import contact, obstacles
 from fingerfem.mechanics.obstacles import Body
 from fingerfem.scene.scene import Scene
@@ -56,7 +56,7 @@ class Problem(Assembly):
         )
         self.forms = compile_forms(scene, self.mesh, self.fields)
         degree = quadrature_degree(scene.mesh.order)
-        self.limits = DeformationLimits(self.law, self.mesh, self.fields.u, degree)
+        self.limits = DeformationLimits(scene, self.mesh, self.fields.u, degree)
         self.contact: ObstacleContact | None = None
         if scene.obstacle is not None:
             each = zip(self.forms.contact, self.bodies, strict=True)
@@ -68,7 +68,7 @@ class Problem(Assembly):
         self.tensions = np.zeros(len(scene.actuators))  # then pressures of chambers [Pa]
         self.distance: float | None = None  # None: the plane is away
         self.weight = 1.0  # share of the weight that acts [-]
-        self._weight = None if scene.gravity is None else weight_forces(self, self.mesh, scene.gravity, degree)
+        self._weight = weight_forces(self, self.mesh, scene, degree)
         self.plates = PlateLoads(scene, self.mesh, self.space) if scene.load is not None else None
         self.wrenches = np.zeros((len(scene.geometry.segments), 6))
         self._tip_volume = self.mesh.section.area * scene.geometry.plate * float(scene.geometry.sizes[-1]) ** 3
@@ -296,4 +296,4 @@ class Problem(Assembly):
 
     def smallest_volume_ratio(self) -> float:
         """Min J that the law sees [-]: where rubber has a pressure of its own, at the points of that pressure."""
-        return self.limits.smallest_of_law()
+        return self.limits.smallest_of_laws()

@@ -61,17 +61,19 @@ def constants(domain: Any) -> strain_energy.Number:
     return lambda value: fem.Constant(domain, value)
 
 
-def rubber_terms(law: Law, number: strain_energy.Number, degree: int) -> list[Term]:
-    """The rubber's energy, split where its pressure is an unknown of its own."""
-    if not law.is_mixed:
-        return [Term(strain_energy.energy(law, number), regions.RUBBERS, degree)]
-    distortional, volumetric = strain_energy.parts(law, number)
-    assert volumetric is not None  # a law without one stays below where mixed begins
-    dilatational = strain_energy.of_strain(volumetric)
-    return [
-        Term(distortional, regions.RUBBERS, degree),
-        Term(dilatational, regions.RUBBERS, degree - 1, volumetric),
-    ]
+def rubber_terms(laws: Sequence[Law], number: strain_energy.Number, degree: int) -> list[Term]:
+    """The energies of the rubber and of other materials, split where a pressure is an unknown of its own."""
+    found = []
+    for k, law in enumerate(laws):
+        where = regions.of_material(k)
+        if not law.is_mixed:
+            found.append(Term(strain_energy.energy(law, number), where, degree))
+            continue
+        distortional, volumetric = strain_energy.parts(law, number)
+        assert volumetric is not None  # a law without one stays below where mixed begins
+        dilatational = strain_energy.of_strain(volumetric)
+        found += [Term(distortional, where, degree), Term(dilatational, where, degree - 1, volumetric)]
+    return found
 
 
 def by_region(terms: Sequence[Term]) -> list[Term]:

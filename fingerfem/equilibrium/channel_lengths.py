@@ -31,7 +31,7 @@ class ChannelLengths:
         u, by_cell = problem.fields.u, fem.functionspace(mesh.mesh, ("DG", 0))
         stretch = tendons.channelled(1.0, problem.fields.size)(kinematics.right_cauchy_green(u))
         dx = volume_measure(mesh, quadrature_degree(scene.mesh.order))
-        lengths = ufl.TestFunction(by_cell) * stretch * dx(regions.CHANNELS)
+        lengths = ufl.TestFunction(by_cell) * stretch * dx(regions.channels(len(scene.laws)))
         wanted = [lengths, ufl.derivative(lengths, u, self._change)]
         self._lengths, self._length_changes = form_cache.forms(wanted)
         owned = by_cell.dofmap.index_map.size_local

@@ -16,6 +16,7 @@ from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
 from fingerfem.equilibrium.linearisation import Linearisation
 from fingerfem.equilibrium.newton import Newton, Strategy
 from fingerfem.equilibrium.rigid_plates import RigidPlates
+from fingerfem.equilibrium.turns import turns
 
 STRATEGIES: tuple[Strategy, ...] = ("mixed", "plain", "line search")  # in the order they are tried
 
@@ -25,8 +26,7 @@ class StepOptions:
     """How far one step goes.
 
     Attributes:
-        turn: largest rotation of a slender finger's tip in one step, by tensions (F e L / EI), pressures (p A e L / EI)
-            and wrenches [rad].
+        turn: largest rotation of a slender finger's tip in one step, see `turns` [rad].
         first_turn: the same for the first step [rad].
         approach: most the plane may move in a step, over the finger's length [-].
         touch: how far the plane moves past the first node it meets, over the finger's side [-].
@@ -47,6 +47,19 @@ class Loads(NamedTuple):
     distance: float | None
     wrenches: np.ndarray
     weight: float
+
+    def towards(self, target: Loads, share: float) -> Loads:
+        """Those at a share of the straight path to others [-]."""
+        if share == 1:
+            return target
+        tensions, wrenches = (
+            one + share * (other - one)
+            for one, other in ((self.tensions, target.tensions), (self.wrenches, target.wrenches))
+        )
+        distance, weight = target.distance, self.weight + share * (target.weight - self.weight)
+        if distance is not None and self.distance is not None:
+            distance = self.distance + share * (distance - self.distance)
+        return Loads(tensions, distance, wrenches, weight)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,36 +104,8 @@ class Continuation:
 
     def __init__(self, problem: Problem, options: StepOptions | None = None):
         self.problem, self.options, self.newton = problem, options or StepOptions(), Newton(problem)
-        self._plates = RigidPlates(problem)
-        geometry, scene = problem.scene.geometry, problem.scene
-        compliance = np.mean(geometry.size_at(np.linspace(0.0, geometry.length, 100)) ** -4.0)  # of all sections [-]
-        bending = problem.law.young_modulus * geometry.shape.second_moment / compliance  # [N m^2]
-        ends = np.cumsum(geometry.segments)
-        self._turn = np.array(
-            [float(np.linalg.norm(tendon.offset)) * ends[tendon.segment - 1] / bending for tendon in scene.tendons]
-        )  # [rad/N]
-        # A tendon on the axis does not bend the finger but shortens it: the axial strain counts as a rotation.
-        self._turn += 1 / problem.force_scale
-        self._turn = np.concatenate([self._turn, self._turn_by_pressure(float(bending))])
-        length = geometry.length
-        self._turn_by_weight = 0.0  # [rad]
-        if scene.gravity is not None:
-            heaviest = max(scene.gravity.density, scene.gravity.plate_density) * scene.gravity.acceleration
-            self._turn_by_weight = float(heaviest * geometry.shape.area * geometry.length**3 / 6 / bending)
-        self._turn_by_wrench = np.repeat([length**2 / 2, length], 3) / bending  # [rad/N, rad/(N m)]
+        self._plates, self._turns = RigidPlates(problem), turns(problem)
         self.rest()
-
-    def _turn_by_pressure(self, bending: float) -> np.ndarray:
-        """Of the finger by every chamber's pressure on its end, beside the axial strain, shape (chambers,) [rad/Pa]."""
-        problem, section = self.problem, self.problem.mesh.section
-        found = []
-        for chamber, cavity in zip(problem.scene.chambers, problem.scene.outline.cavities, strict=True):
-            area, offset = section.column_area(cavity.tag), section.column_centroid(cavity.tag)
-            if problem.scene.is_half:
-                offset[1] = 0.0
-            lever = float(np.linalg.norm(offset)) * (chamber.x[1] - chamber.x[0])
-            found.append(area * (lever / bending + 1 / problem.force_scale))
-        return np.array(found)
 
     def rest(self) -> None:
         """Back to the undeformed finger without loads, its weight among them, which the next `advance` adds."""
@@ -162,58 +147,62 @@ class Continuation:
             LoadNotReached: the problem is then left at the last good load.
             ValueError: distance is None although an obstacle is there.
         """
-        target = np.array(tensions, float)
         if self.distance is not None and distance is None:
             raise ValueError("distance must be a number while a plane is there, got None")
-        comes = self.distance is None
-        if self.distance is None and distance is not None:
-            # A hair inside what touches first, so that the tangent moves those nodes with the plane.
-            self.distance = max(self.problem.reach() - self.options.touch * self.problem.scene.geometry.side, distance)
-            self._set_loads()
-            self._linearisation, self._last = None, None
         pressed = np.zeros_like(self.wrenches) if wrenches is None else np.array(wrenches, float)
-        origin, origin_distance, origin_wrenches = self.tensions.copy(), self.distance, self.wrenches.copy()
-        origin_weight = self.weight
-
-        largest, first = self._sizes(target, distance, pressed)
+        target = Loads(np.array(tensions, float), distance, pressed, 1.0)
+        comes = self._place_obstacle(distance)
+        origin = self._loads
+        largest, first = self._sizes(target)
         fraction, size, failed = 0.0, first, False
         while fraction < 1.0:
             # Share the remainder evenly, so that the last step is not needlessly short.
             remaining = 1.0 - fraction
             share = remaining / max(1.0, np.ceil(remaining / size - 0.05)) if fraction else size
-            nearly = fraction + share > 1 - 1e-12
-            ahead = 1.0 if nearly else fraction + share
-            goal = target if nearly else origin + ahead * (target - origin)
-            goal_wrenches = pressed if nearly else origin_wrenches + ahead * (pressed - origin_wrenches)
-            goal_weight = 1.0 if nearly else origin_weight + ahead * (1.0 - origin_weight)
-            goal_distance = distance
-            if distance is not None and origin_distance is not None and not nearly:
-                goal_distance = origin_distance + ahead * (distance - origin_distance)
+            ahead = 1.0 if fraction + share > 1 - 1e-12 else fraction + share
             halvings = int(np.log2(max(first / share, 1.0)) + 0.5)
             try:
-                needed = self._step(Loads(goal, goal_distance, goal_wrenches, goal_weight), _strategies(halvings))
+                needed = self._step(origin.towards(target, ahead), _strategies(halvings))
             except NotConverged as failure:
                 if halvings >= self.options.halvings:
-                    if comes and not fraction:
-                        self.distance = None  # nothing was solved with the plane
-                        self._set_loads()
-                    chambers = len(self.problem.scene.chambers)
-                    part = "" if self.weight == 1 else f" ({self.weight:.0%} of the weight acts there)"
-                    raise LoadNotReached(failure.reason + part, self.tensions.copy(), self.distance, chambers) from None
+                    raise self._failure(failure.reason, without_obstacle=comes and not fraction) from None
                 size, failed = share / 2, True
                 continue
             if needed <= 6 and not failed:
                 size = min(2 * share, largest)
             fraction, failed = ahead, False
 
-    def _sizes(self, target: np.ndarray, distance: float | None, wrenches: np.ndarray) -> tuple[float, float]:
+    @property
+    def _loads(self) -> Loads:
+        return Loads(self.tensions.copy(), self.distance, self.wrenches.copy(), self.weight)
+
+    def _place_obstacle(self, distance: float | None) -> bool:
+        """Place an obstacle that was absent where it touches the finger; whether it was absent."""
+        if distance is None or self.distance is not None:
+            return self.distance is None
+        # A hair inside what touches first, so that the tangent moves those nodes with the plane.
+        self.distance = max(self.problem.reach() - self.options.touch * self.problem.scene.geometry.side, distance)
+        self._set_loads()
+        self._linearisation, self._last = None, None
+        return True
+
+    def _failure(self, reason: str, *, without_obstacle: bool) -> LoadNotReached:
+        """What is raised at the last good load; without an obstacle where nothing was solved with it."""
+        if without_obstacle:
+            self.distance = None
+            self._set_loads()
+        part = "" if self.weight == 1 else f" ({self.weight:.0%} of the weight acts there)"
+        return LoadNotReached(reason + part, self.tensions.copy(), self.distance, len(self.problem.scene.chambers))
+
+    def _sizes(self, target: Loads) -> tuple[float, float]:
         """Largest and first step, as fractions of the path."""
-        turn = float(np.abs(target - self.tensions) @ self._turn)
-        turn += float(np.abs(wrenches - self.wrenches).sum(axis=0) @ self._turn_by_wrench)
-        turn += (1.0 - self.weight) * self._turn_by_weight
+        turn = float(np.abs(target.tensions - self.tensions) @ self._turns.actuators)
+        turn += float(np.abs(target.wrenches - self.wrenches).sum(axis=0) @ self._turns.wrench)
+        turn += (1.0 - self.weight) * self._turns.weight
         approach = 0.0
-        if distance is not None and self.distance is not None:
-            approach = abs(distance - self.distance) / (self.options.approach * self.problem.scene.geometry.length)
+        if target.distance is not None and self.distance is not None:
+            moved = abs(target.distance - self.distance)
+            approach = moved / (self.options.approach * self.problem.scene.geometry.length)
         first_turn = self.options.first_turn if self._last is None else self.options.turn
         return 1 / max(1.0, turn / self.options.turn + approach), 1 / max(1.0, turn / first_turn + approach)
 
@@ -238,7 +227,7 @@ class Continuation:
                     step = self._predict(loads)
             problem.set_loads(*loads)
             # Without the mixed formulation, the stress at the predicted displacement is an equally good start.
-            is_predicted = step is not None and problem.law.is_mixed
+            is_predicted = step is not None and any(law.is_mixed for law in problem.scene.laws)
             try:
                 needed, linearisation = newton.solve(strategy, is_predicted=is_predicted)
             except NotConverged as failure:

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from petsc4py import PETSc
 
-from fingerfem.discretisation.plate_loads import LowRank
+from fingerfem.discretisation.loads.plate_loads import LowRank
 
 SINGULAR = 1e14  # condition of the small matrix beyond which it has no inverse [-]
 

@@ -14,7 +14,7 @@ from dolfinx import fem
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fingerfem.discretisation.plate_loads import PlateLoads
+from fingerfem.discretisation.loads.plate_loads import PlateLoads
 from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.linearisation import Linearisation
 

@@ -40,8 +40,10 @@ class State:
         plate_motion: their derivatives by all parameters, see equilibrium.sensitivities.
         energy: total potential [J], of a chamber -p (V - V0), without that of wrenches, which have none.
         smallest_volume_ratio: min J that the law sees [-]: of the mixed form at the points of its pressure.
-        stretches: least and largest principal stretch of the rubber [-], if the law names those of its data.
-        beyond_data: whether they exceed the data's, so that the law is a guess there; None without such a range.
+        stretches: least and largest principal stretch of the rubber [-], if the law names those of its data; of several
+            materials, of all whose law does.
+        beyond_data: whether a material's exceed its data's, so that its law is a guess; None without such a range.
+        guesses: by material whose law is a guess, its least and largest stretch [-]; None where none is.
         self_intersecting: whether the surface passes through itself, which the model does not prevent.
         stable: whether the potential has a minimum here, by the signs of the factorised tangent, against motions of the
             whole finger; None if sensitivities were not asked for.
@@ -74,6 +76,7 @@ class State:
     smallest_volume_ratio: float
     stretches: list[float] | None = None
     beyond_data: bool | None = None
+    guesses: dict[str, list[float]] | None = None
     self_intersecting: bool
     stable: bool | None = None
     sensitivities: dict[str, dict[str, Any]] | None = None
@@ -97,9 +100,9 @@ class State:
         found = ["the finger passes through itself: contact with itself is not modelled"] * self.self_intersecting
         if self.stable is False:
             found.append("the equilibrium is not stable: the finger would leave it")
-        if self.beyond_data and self.stretches:
-            low, high = self.stretches
-            found.append(f"the law is a guess at stretches of {low:.3g} to {high:.3g}: see material.stretches")
+        for name, (low, high) in (self.guesses or {}).items():
+            law = "the law" if name == "rubber" else f"the law of {name}"
+            found.append(f"{law} is a guess at stretches of {low:.3g} to {high:.3g}: see material.stretches")
         return found
 
     def tables(self) -> list[Table | str]:
@@ -160,12 +163,13 @@ def observe(
 
 
 def stretches(problem: Problem) -> dict[str, Any]:
-    """How far the rubber is stretched, and whether that is beyond the data of its law; empty without such a range."""
-    data, found = problem.law.stretches, problem.limits.extreme_stretches()
-    if data is None or found is None:
+    """How far the rubber is stretched, and whether that is beyond the data of a law; empty without such a range."""
+    found = problem.limits.beyond_data()
+    if not found:
         return {}
-    within = data[0] <= found[0] and found[1] <= data[1]
-    return {"stretches": [float(one) for one in found], "beyond_data": not within}
+    lows, highs = zip(*(extremes for extremes, _ in found.values()), strict=True)
+    guesses = {name: list(extremes) for name, (extremes, is_beyond) in found.items() if is_beyond}
+    return {"stretches": [min(lows), max(highs)], "beyond_data": bool(guesses), "guesses": guesses or None}
 
 
 def _plates(problem: Problem) -> dict[str, Any]:

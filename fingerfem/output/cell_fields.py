@@ -11,26 +11,37 @@ from fingerfem.discretisation import form_cache, forms, regions
 from fingerfem.discretisation.tangent import gauss
 from fingerfem.discretisation.volume_energies import constants, slopes
 from fingerfem.mechanics import kinematics, strain_energy
+from fingerfem.scene.laws import Law
 
 if TYPE_CHECKING:
     from fingerfem.model import FingerModel
 
 
 def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
-    """Fields of the rubber at the cells' midpoints, nan in plates, each of shape (cells,) of this rank.
+    """Fields of the rubber and other materials at the cells' midpoints, nan in plates, shape (cells,) of this rank.
 
     S11 is the axial second Piola-Kirchhoff stress [Pa], von_mises that of the Cauchy stress [Pa], both without the
     tendons' own tension; J is the volume ratio [-]. Of rubber with a pressure of its own, pressure and J are means over
     the points of that pressure: elsewhere the bulk modulus times J - 1 is none.
     """
+    found: dict[str, np.ndarray] = {}
+    for k, law in enumerate(model.scene.laws):
+        tags = model.problem.mesh.cells
+        cells = np.sort(np.concatenate([tags.find(region) for region in regions.of_material(k)]))
+        for name, values in _fields_of_material(model, law, cells).items():
+            found.setdefault(name, np.full(len(tags.indices), np.nan))[cells] = values
+    return found
+
+
+def _fields_of_material(model: FingerModel, law: Law, cells: np.ndarray) -> dict[str, np.ndarray]:
+    """The same of the cells of one material, each of shape (cells,)."""
     problem = model.problem
-    u, mesh, law, number = problem.fields.u, problem.mesh.mesh, problem.law, constants(problem.mesh.mesh)
+    u, mesh, number = problem.fields.u, problem.mesh.mesh, constants(problem.mesh.mesh)
     whole = strain_energy.energy(law, number), None
     energy, volumetric = strain_energy.parts(law, number) if law.is_mixed else whole
     C, F = kinematics.right_cauchy_green(u), kinematics.deformation_gradient(u)
     S, J = strain_energy.stress(energy, C), ufl.det(F)
     deviator = ufl.dev(F * S * F.T / J)
-    cells = np.arange(len(problem.mesh.midpoints.T), dtype=np.int32)
 
     def mean(value: Any, points: np.ndarray) -> np.ndarray:
         return form_cache.expression(value, points).eval(mesh, cells).reshape(len(cells), -1).mean(axis=1)
@@ -43,9 +54,6 @@ def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
         pressure, _ = slopes(volumetric, J)
         found["S11"] += mean(pressure, points) * mean(J * ufl.inv(C)[0, 0], middle)
         found["J"] = mean(J, points)
-    tags = model.problem.mesh.cells
-    for values in found.values():
-        values[tags.indices[tags.values >= regions.PLATE]] = np.nan
     return found
 
 

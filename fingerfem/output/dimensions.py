@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 MM = 1e3  # millimetres per metre
-RUBBER, PAD = "#f3e9dc", "#d50000"  # colours
+RUBBER, INLAY, PAD = "#f3e9dc", "#c2a878", "#d50000"  # colours
 FONT = 12  # [points]: at half size still 9 pixels high
 LINE = {"color": "0.25", "lw": 1.0}  # of dimensions
 

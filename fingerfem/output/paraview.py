@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fingerfem.discretisation import regions
 from fingerfem.output.cell_fields import cell_fields, contact_pressure
 
 if TYPE_CHECKING:
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
 def write_vtu(model: FingerModel, state: State, file: str | Path) -> None:
     """Write a state as a VTK unstructured grid; ParaView's filter Warp By Vector shows the finger deformed.
 
-    Points at rest [m] with displacement [m], contact_pressure [Pa]; cells with S11, von_mises [Pa], J [-], region.
+    Points at rest [m] with displacement [m], contact_pressure [Pa]; cells with S11, von_mises [Pa], J [-], region, and
+    material: 0 the rubber, k the k-th of the others, -1 in plates.
 
     Raises:
         ValueError: the file is no .vtu, or the finger is shared by ranks.
@@ -38,5 +40,6 @@ def write_vtu(model: FingerModel, state: State, file: str | Path) -> None:
     region = np.zeros(grid.n_cells, np.int32)
     region[model.problem.mesh.cells.indices] = model.problem.mesh.cells.values
     grid.cell_data["region"] = region
+    grid.cell_data["material"] = regions.materials(region)
     Path(file).parent.mkdir(parents=True, exist_ok=True)
     grid.save(file)

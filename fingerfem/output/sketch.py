@@ -11,15 +11,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from fingerfem.output.dimensions import FONT, MM, PAD, RUBBER, arrow, dimension, finish, label, millimetres
+from fingerfem.output.dimensions import FONT, INLAY, MM, PAD, RUBBER, arrow, dimension, finish, label, millimetres
 from fingerfem.output.section_view import draw_section
+from fingerfem.scene.material import Material
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.scene import Scene
 from fingerfem.scene.sections import FromFile
 from fingerfem.scene.tables import Geometry, Tendon
 
 COLOURS = ("#1565c0", "#2e7d32", "#e07000", "#6a1b9a", "#5d4037", "#00838f", "#827717", "#ad1457")  # of tendons
-PLATE, PLANE, ON_PLANE = "#6b6b6b", "#8fa3ad", "#455a64"
+PLATE, PLANE, ON_PLANE, MATERIAL = "#6b6b6b", "#8fa3ad", "#455a64", "#8a6d35"
 WIDTH, SECTION, DOTS_PER_INCH = 9.0, 3.4, 110  # of the drawing, and what its lower half is high [inches]
 
 
@@ -74,6 +75,7 @@ def sketch(scene: Scene) -> Figure:
     grid = figure.add_gridspec(2, 2, height_ratios=[above, SECTION], width_ratios=[1, 1.6])
     side, section, words = (figure.add_subplot(cell) for cell in (grid[0, :], grid[1, 0], grid[1, 1]))
     _finger(side, frame)
+    _materials(side, frame, scene.materials)
     _pulls(side, frame)
     _dimensions(side, frame)
     if scene.obstacle is not None:
@@ -147,6 +149,23 @@ def _finger(axes: Axes, frame: Frame) -> None:
     axes.plot([0], [0], "o", ms=10, mfc="white", mec="0.1", zorder=5)
     axes.plot([0], [0], ".", ms=4, color="0.1", zorder=6)
     axes.text(0.5 * unit, -0.2 * unit, "z", ha="left", va="top", style="italic", fontsize=FONT, zorder=6)
+
+
+def _materials(axes: Axes, frame: Frame, materials: Sequence[Material]) -> None:
+    """Other materials between the plates, seen along -z; groups of a file are in the section alone."""
+    begins = [0.0, *(end for _, end in frame.geometry.plates)]
+    for one in materials:
+        if one.region == "group":
+            continue
+        middle, half = (one.centre[0], one.size[0] / 2) if one.centre and one.size else (0.0, frame.side / 2 / MM)
+        low, high = (0.0, np.inf) if one.x is None else one.x
+        for begin, (end, _) in zip(begins, frame.geometry.plates, strict=False):
+            x = np.clip([begin, end], low, high)
+            y = np.outer([middle - half, middle + half], frame.geometry.size_at(x))
+            if x[0] < x[1]:
+                axes.fill(
+                    MM * np.concatenate([x, x[::-1]]), MM * np.concatenate([y[0], y[1][::-1]]), fc=INLAY, ec="0.4"
+                )
 
 
 def _pulls(axes: Axes, frame: Frame) -> None:
@@ -241,6 +260,8 @@ def _explain(axes: Axes, scene: Scene, frame: Frame) -> None:
         wide = f", {millimetres(MM * frame.geometry.channel_width)} wide"
         is_read = isinstance(frame.geometry.shape, FromFile)
         lines.append((f"{shapes}: channels{'' if is_read else wide}", "0.25"))
+    for one in scene.materials:
+        lines.append((f"{one.name}: {one.material.law}, E = {one.material.young_modulus / 1e6:.3g} MPa", MATERIAL))
     obstacle = scene.obstacle
     if obstacle is not None and obstacle.is_facing_plane:
         drawn = millimetres(frame.height(obstacle))

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from fingerfem.scene.outline import GridOutline
-from fingerfem.scene.sections import PlaneMesh, check_cavities
+from fingerfem.scene.sections import PlaneMesh, check_cavities, material_of
 from fingerfem.scene.subdivision import EQUAL, merged, subdivide
 from fingerfem.scene.tables import Geometry, Mesh
 
@@ -56,9 +56,25 @@ def section_mesh(outline: GridOutline, across: int, half: bool = False) -> Plane
     """
     section, wanted = outline.geometry.shape, outline.wanted(across, half)
     try:
-        return check_cavities(section.mesh(wanted), wanted.cavities)
+        mesh = check_cavities(section.mesh(wanted), wanted.cavities)
+        for inlay in wanted.inlays:
+            material_of(mesh, inlay)
+        return mesh
     except ValueError as error:
         raise ValueError(f"{section.meshed_by} {error}") from None
+
+
+def materials_of_cells(outline: GridOutline, section: PlaneMesh, lines: np.ndarray) -> np.ndarray:
+    """Number of the material of every quadrilateral between the lines along x, shape (quads, lines - 1).
+
+    0 is the rubber, k the k-th of the other materials. Plates and chambers have numbers too, without a meaning.
+    """
+    middles = (lines[1:] + lines[:-1]) / 2
+    found = np.zeros((len(section.quads), len(middles)), int)
+    for k, (one, inlay) in enumerate(zip(outline.materials, outline.inlays, strict=True)):
+        begin, end = (0.0, np.inf) if one.x is None else one.x
+        found[np.ix_(material_of(section, inlay), (middles > begin) & (middles < end))] = k + 1
+    return found
 
 
 def _with_cells(segments: list[list[float]], along: int) -> list[tuple[list[float], int]]:
@@ -93,7 +109,8 @@ def fitting(outline: GridOutline, across: int) -> int:
 def _along(outline: GridOutline) -> list[list[float]]:
     """Per segment, what must lie on grid lines along x [m]."""
     ends = outline.plates
-    edges = [*(outline.pad.x if outline.pad else []), *(edge for chamber in outline.chambers for edge in chamber.x)]
+    parts = [outline.pad, *outline.chambers, *outline.materials]
+    edges = [edge for part in parts if part is not None and part.x is not None for edge in part.x]
     segments = []
     for start, (inner, outer) in zip([0.0, *[outer for _, outer in ends[:-1]]], ends, strict=True):
         inside = [edge for edge in edges if start < edge < outer]

@@ -1,4 +1,4 @@
-"""What the mesh of a finger has to meet: plates, channels, chambers and a pad."""
+"""What the mesh of a finger has to meet: plates, channels, chambers, other materials and a pad."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fingerfem.scene.chamber import Chamber
-from fingerfem.scene.sections import RUBBER, Cavity, Column, Wanted
+from fingerfem.scene.material import Material
+from fingerfem.scene.sections import RUBBER, Cavity, Column, Inlay, Wanted
 from fingerfem.scene.tables import Geometry, Pad, Tendon
 from rom.dataset.grid import SHARE
 
@@ -20,11 +21,12 @@ class GridOutline(NamedTuple):
     tendons: Sequence[Tendon]
     pad: Pad | None
     chambers: Sequence[Chamber] = ()
+    materials: Sequence[Material] = ()
 
     @property
     def is_planar(self) -> bool:
-        """Whether all tendons and chambers have mirror images in z = 0, so that the finger's two halves are alike."""
-        mirrored = all(chamber.is_mirrored for chamber in self.chambers)
+        """Whether all that is inside has a mirror image in z = 0, so that the finger's two halves are alike."""
+        mirrored = all(one.is_mirrored for one in [*self.chambers, *self.materials])
         return mirrored and all(tendon.offset[1] == 0 for tendon in self.tendons)
 
     @property
@@ -69,8 +71,29 @@ class GridOutline(NamedTuple):
             for one, key in zip(self.chambers, own, strict=True)
         ]
 
+    @property
+    def inlays(self) -> list[Inlay]:
+        """What the section's mesh has of every other material."""
+        last = RUBBER - 1 - len(self.chambers)
+        return [
+            Inlay(
+                name=one.name,
+                region=one.region,
+                centre=np.array(one.centre or [0.0, 0.0]),
+                size=np.array(one.size or [0.0, 0.0]),
+                tag=last - k,
+            )
+            for k, one in enumerate(self.materials)
+        ]
+
     def wanted(self, across: int, half: bool) -> Wanted:
         """What the section's mesh has to meet, with cells across."""
-        pad = None if self.pad is None else self.pad.width
-        width, cavities = self.geometry.channel_width, self.cavities
-        return Wanted(columns=self.columns, width=width, across=across, pad=pad, half=half, cavities=cavities)
+        return Wanted(
+            columns=self.columns,
+            width=self.geometry.channel_width,
+            across=across,
+            pad=None if self.pad is None else self.pad.width,
+            half=half,
+            cavities=self.cavities,
+            inlays=self.inlays,
+        )

@@ -1,13 +1,16 @@
-"""Rules between a scene's tables: of section, chambers and obstacle. They raise ValueError: name, rule, value."""
+"""Rules between a scene's tables, of section, chambers, materials and obstacle: ValueError with name, rule, value."""
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fingerfem.scene.chamber import Chamber
+from fingerfem.scene.material import Material
 from fingerfem.scene.obstacle import Obstacle
+from rom.dataset.geometry import END
 
 if TYPE_CHECKING:
     from fingerfem.scene.scene import Scene
@@ -27,16 +30,6 @@ def check_section(scene: Scene) -> None:
                     f"the channel of a tendon that ends at another plate, "
                     f"got {column.offset.tolist()} beside {other.name} at {other.offset.tolist()}"
                 )
-    if scene.load is not None and not section.is_square:
-        raise ValueError(
-            f"load must be left out of a scene with a {section.shape} section: rod elements have square ones "
-            f"(geometry.side); solve it without, or in front of an obstacle, got force {scene.load.force:g}"
-        )
-    if scene.coarse is not None and not section.is_square:
-        raise ValueError(
-            f"coarse must be left out of a scene with a {section.shape} section: snapshots have square ones "
-            f"(geometry.side), got cells {scene.coarse.cells}"
-        )
     if scene.obstacle is not None and scene.obstacle.pad is not None and not section.has_face:
         raise ValueError(
             f"obstacle.pad must be left out of a scene with a {section.shape} section: a pad lies on the flat face "
@@ -48,12 +41,11 @@ def check_chambers(scene: Scene) -> None:
     """Chambers lie in a segment's rubber, apart from channels and from each other."""
     if not scene.chambers:
         return
-    for name in ("load", "coarse"):
-        if getattr(scene, name) is not None:
-            raise ValueError(
-                f"{name} must be left out of a scene with chambers: rod elements and snapshots have none; solve it "
-                f"without, or in front of an obstacle, got {len(scene.chambers)} chambers"
-            )
+    if scene.coarse is not None:
+        raise ValueError(
+            "coarse must be left out of a scene with chambers: states are brought to other meshes without voids alone, "
+            f"got cells {scene.coarse.cells}"
+        )
     region, least = scene.geometry.shape.chamber_region, scene.geometry.side / 100
     for k, chamber in enumerate(scene.chambers):
         if scene.parameter_names.count(chamber.name) > 1 or chamber.name == "d":
@@ -67,6 +59,8 @@ def check_chambers(scene: Scene) -> None:
             )
         _check_span(scene, k, chamber, least)
         _check_block(scene, k, chamber, least)
+        if scene.load is not None:
+            _check_ends(scene, k, chamber)
 
 
 def _check_span(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
@@ -89,6 +83,17 @@ def _check_span(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
                 f"chambers.{k}.x must be at least a hundredth of the side ({least:g} m) long, and as far from another "
                 f"chamber of the same region, got {value:g}"
             )
+
+
+def _check_ends(scene: Scene, k: int, chamber: Chamber) -> None:
+    """Of a finger that elements are trained on, a chamber ends within their end pieces, and not at the clamp."""
+    side, last = END * scene.geometry.side, scene.outline.plates[-1][0]
+    near = scene.outline.tolerance
+    if not (near < chamber.x[0] < side + near and last - side - near < chamber.x[1]):
+        raise ValueError(
+            f"chambers.{k}.x must begin within one side of the clamp, not at it, and end within one side of the plate, "
+            f"(0, {side:g}] and [{last - side:g}, {last:g}] m, where elements are trained (load), got {chamber.x}"
+        )
 
 
 def _check_block(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
@@ -117,6 +122,56 @@ def _check_block(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
             )
 
 
+def check_materials(scene: Scene) -> None:
+    """Other materials lie in the finger and have no cells in common."""
+    for name in ("load", "coarse"):
+        if scene.materials and getattr(scene, name) is not None:
+            raise ValueError(
+                f"{name} must be left out of a scene with several materials: rod elements have one; solve it "
+                f"without, or in front of an obstacle, got {len(scene.materials)} materials"
+            )
+    shape, least = scene.geometry.shape, scene.geometry.side / 100
+    regions = ["section", *(one for one in ("rectangle", "group") if one == shape.chamber_region)]
+    for k, one in enumerate(scene.materials):
+        if one.name == "rubber" or [other.name for other in scene.materials].count(one.name) > 1:
+            raise ValueError(f"materials.{k}.name must be unique and not 'rubber', that of [material], got {one.name}")
+        if one.region not in regions:
+            raise ValueError(
+                f"materials.{k}.region must be {' or '.join(map(repr, regions))} with a {shape.shape} section, "
+                f"got {one.region!r}"
+            )
+        if one.x is not None:
+            ordered(f"materials.{k}.x", one.x)
+            if one.x[1] - one.x[0] < least * (1 - 1e-9) or one.x[1] > scene.geometry.length + scene.outline.tolerance:
+                raise ValueError(
+                    f"materials.{k}.x must be at least a hundredth of the side ({least:g} m) long and end on the "
+                    f"finger, at most at {scene.geometry.length:g} m, got {one.x}"
+                )
+        if one.centre is not None and one.size is not None:
+            beyond = np.abs(one.centre) + np.array(one.size) / 2 - np.array(shape.extents) / 2
+            if beyond.max() > scene.outline.tolerance:
+                raise ValueError(f"materials.{k}.size must end within the section, got {beyond.max():.3g} m beyond it")
+    for (_, one), (k, other) in combinations(enumerate(scene.materials), 2):
+        if _overlap(one, other, scene.outline.tolerance):
+            raise ValueError(
+                f"materials.{k}.region must have no cells of another material, as other limits x or another centre "
+                f"give, got some of {one.name}"
+            )
+
+
+def _overlap(one: Material, other: Material, near: float) -> bool:
+    """Whether two materials share cells; groups of a file do not."""
+    spans = [(0.0, np.inf) if part.x is None else part.x for part in (one, other)]
+    if min(span[1] for span in spans) - max(span[0] for span in spans) <= near:
+        return False
+    if "section" in (one.region, other.region):
+        return True
+    if one.centre is None or other.centre is None or one.size is None or other.size is None:
+        return False
+    apart = np.abs(np.subtract(one.centre, other.centre)) - np.add(one.size, other.size) / 2
+    return bool(apart.max() < -near)
+
+
 def check_obstacle(scene: Scene, obstacle: Obstacle) -> None:
     """An obstacle fits the finger, its rubber and its pad."""
     ordered("obstacle.distance", obstacle.distance)
@@ -124,6 +179,11 @@ def check_obstacle(scene: Scene, obstacle: Obstacle) -> None:
         raise ValueError(
             "obstacle.method must be penalty where the rubber is nearly incompressible: its stress on the surface, "
             "which nitsche needs, is not that of the displacements, got nitsche"
+        )
+    if obstacle.method == "nitsche" and scene.materials:
+        raise ValueError(
+            "obstacle.method must be penalty with several materials: nitsche takes the surface's stress by one law, "
+            "got nitsche"
         )
     if obstacle.method == "nitsche" and obstacle.stiffness_factor < 20:
         raise ValueError(

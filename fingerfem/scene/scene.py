@@ -18,11 +18,12 @@ from pydantic import (
 
 from fingerfem.scene.chamber import Chamber
 from fingerfem.scene.grid_lines import fitting, lines_along, section_mesh
-from fingerfem.scene.laws import REGISTERED, Law
+from fingerfem.scene.laws import Law, NamedLaw
+from fingerfem.scene.material import Material
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.outline import GridOutline
 from fingerfem.scene.presets import KEYS, chosen
-from fingerfem.scene.rules import check_chambers, check_obstacle, check_section, ordered
+from fingerfem.scene.rules import check_chambers, check_materials, check_obstacle, check_section, ordered
 from fingerfem.scene.sections import SHAPES, FromFile, Section
 from fingerfem.scene.tables import (
     Coarse,
@@ -57,7 +58,8 @@ class Scene(SceneTable):
     expected: Expected | None = None
     section: SerializeAsAny[Section] | None = None  # before geometry, which it is put into
     geometry: Geometry
-    material: SerializeAsAny[Law]
+    material: NamedLaw
+    materials: Annotated[list[Material], Field(max_length=8)] = []
     tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
     chambers: Annotated[list[Chamber], Field(max_length=8)] = []
     gravity: Gravity | None = None
@@ -91,18 +93,6 @@ class Scene(SceneTable):
             raise ValueError(f"section must be a table [section] of its own, got {table['section']!r} in geometry")
         return table | {"section": section}
 
-    @field_validator("material", mode="wrap")
-    @classmethod
-    def _by_law(cls, table: Any, check: Any) -> Law:
-        if isinstance(table, Law) or not isinstance(table, dict):
-            return check(table)
-        name = table.get("law")
-        if name is None:
-            raise ValueError("law is required and missing")
-        if not isinstance(name, str) or name not in REGISTERED:
-            raise ValueError(f"law must be {' or '.join(map(repr, REGISTERED))}, got {name!r}")
-        return REGISTERED[name].model_validate(table)
-
     @model_validator(mode="before")
     @classmethod
     def _choose(cls, table: Any) -> Any:
@@ -118,11 +108,12 @@ class Scene(SceneTable):
                 f"{key} must be left out with [section]: meshes are measured on square fingers; give mesh.cells, "
                 f"got {table[key]!r}"
             )
-        if key and table.get("chambers"):
-            raise ValueError(
-                f"{key} must be left out with [[chambers]]: meshes are measured on fingers without; give mesh.cells, "
-                f"got {table[key]!r}"
-            )
+        for name in ("chambers", "materials"):
+            if key and table.get(name):
+                raise ValueError(
+                    f"{key} must be left out with [[{name}]]: meshes are measured on fingers without; give mesh.cells, "
+                    f"got {table[key]!r}"
+                )
         return chosen(table, lambda cells: cls._fitting(table, cells))
 
     @classmethod
@@ -152,8 +143,11 @@ class Scene(SceneTable):
                 )
             ordered(f"tendons.{k}.tension", tendon.tension)
         check_chambers(self)
+        check_materials(self)
         if self.mesh.symmetry and not self.outline.is_planar:
-            raise ValueError("mesh.symmetry must be false where a tendon or chamber is off the plane z = 0, got true")
+            raise ValueError(
+                "mesh.symmetry must be false where a tendon, chamber or material is off the plane z = 0, got true"
+            )
         if self.load is not None and (self.obstacle is not None or self.mesh.symmetry):
             where = "obstacle" if self.obstacle is not None else "mesh.symmetry"
             raise ValueError(f"{where} must be left out where load says what may press, got both")
@@ -186,7 +180,8 @@ class Scene(SceneTable):
     @property
     def outline(self) -> GridOutline:
         """What the mesh's grid lines have to meet."""
-        return GridOutline(self.geometry, self.tendons, self.obstacle.pad if self.obstacle else None, self.chambers)
+        pad = self.obstacle.pad if self.obstacle else None
+        return GridOutline(self.geometry, self.tendons, pad, self.chambers, self.materials)
 
     @property
     def _is_mirrored(self) -> bool:
@@ -206,6 +201,11 @@ class Scene(SceneTable):
     def law(self) -> Law:
         """The rubber's law."""
         return self.material
+
+    @property
+    def laws(self) -> list[Law]:
+        """The rubber's law, then those of the other materials."""
+        return [self.material, *(one.material for one in self.materials)]
 
     @property
     def actuators(self) -> list[str]:
@@ -237,11 +237,12 @@ class Scene(SceneTable):
 
     @model_serializer(mode="wrap")
     def _without_what_is_not_named(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A scene without load, weight, section, chambers or coarse mesh is as before; a square is geometry.side's."""
+        """A scene without what came later is as before; a square is geometry.side's."""
         later = "load", "coarse", "gravity", "section"
         written = {key: value for key, value in serialise(self).items() if key not in later or value is not None}
-        if not self.chambers:
-            written.pop("chambers", None)
+        for name in ("chambers", "materials"):
+            if not getattr(self, name):
+                written.pop(name, None)
         if self.section is not None and self.section.is_square:
             written.pop("section", None)
         return written

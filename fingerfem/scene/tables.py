@@ -117,6 +117,29 @@ class Geometry(SceneTable):
         return {key: value for key, value in serialise(self).items() if key not in left_out}
 
 
+class Placed(SceneTable):
+    """What has a region in the section: a rectangle has a centre and a size, others have neither."""
+
+    region: str
+    centre: Annotated[list[Offset], Field(min_length=2, max_length=2)] | None = None  # of a rectangle, (y, z) [m]
+    size: Annotated[list[Length], Field(min_length=2, max_length=2)] | None = None  # of it, along y and z [m]
+
+    @property
+    def is_mirrored(self) -> bool:
+        """Whether it is its own mirror image in z = 0; of a group, the file decides."""
+        return self.centre is None or self.centre[1] == 0
+
+    @model_validator(mode="after")
+    def _is_placed(self) -> Placed:
+        for key in ("centre", "size"):
+            given = getattr(self, key)
+            if self.region == "rectangle" and given is None:
+                raise ValueError(f"{key} must be given where region is 'rectangle', got none")
+            if self.region != "rectangle" and given is not None:
+                raise ValueError(f"{key} must be left out where region is {self.region!r}, got {given}")
+        return self
+
+
 class Tendon(SceneTable):
     """A tendon parallel to the axis, anchored in the clamp and in a segment's plate.
 

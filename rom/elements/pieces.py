@@ -76,3 +76,13 @@ def pieces(lengths: Mapping[str, tuple[float, float]], length: float) -> list[Pi
     count = max(int(np.ceil(rest / lengths[INTERIOR][1] - SHARE)), 1) if rest > slack else 0
     interior = [Piece(INTERIOR, rest / max(count, 1))] * count
     return [Piece(PLATE, lengths[PLATE][0]), *interior, Piece(CLAMP, lengths[CLAMP][0])]
+
+
+def cut(own: list[Piece], parts: int) -> list[Piece]:
+    """The same elements with every interior one in equal parts; sections between them have the sizes on the way."""
+    found = []
+    for piece in own:
+        count = parts if piece.kind == INTERIOR else 1
+        sizes = np.linspace(*piece.ends, count + 1).tolist()
+        found += [Piece(piece.kind, piece.length / count, (sizes[k], sizes[k + 1])) for k in range(count)]
+    return found

@@ -110,6 +110,8 @@ typedef struct {
     double young_modulus, poisson;       /* of the rubber [Pa], [-] */
     const double *ridges;                /* (tensions, 2): height of the ridge above each tendon, over its tension and the curvature, for
                                             faces across y and across z; negative for the faces at -y and -z [1/Pa] */
+    const double *bulges;                /* (tensions, 2): how high the highest pressure in a chamber lifts the middle of a face over it, at most,
+                                            for faces across y and across z; negative for those at -y and -z; 0 of tendons [m] */
     int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */
     const double *corner_coefficients;   /* (corner_monomials, FINGERFEM_CORNERS) */
 } fingerfem_segment;
@@ -137,6 +139,17 @@ typedef struct {
     const int32_t *triangle_faces;   /* (triangles) */
 } fingerfem_object;
 
+/* Friction of tendons in their guides: every element has its own tensions. Elements are counted segment by segment, each from its
+ * plate to its clamp. See rod/guides.c for the law. */
+typedef struct {
+    const double *friction; /* (tensions): coefficients mu [-]; 0 of a tendon that runs straight */
+    const double *drag;     /* (elements, tensions): friction besides that of turning, per length, times the element's length [N] */
+    double *tensions;       /* (elements, tensions): in the middle of every element [N] */
+    double *rates;          /* (elements, tensions, tensions): their derivatives by the tensions at the motors [-] */
+    double *bends;          /* (elements): by how much each is bent [rad] */
+    double *slips;          /* (elements, tensions): how far a tendon has moved through the end of an element towards the clamp [m] */
+} fingerfem_guides;
+
 /* Segments one after another, from clamp to tip. */
 typedef struct {
     int32_t plates, tensions;
@@ -146,6 +159,7 @@ typedef struct {
     double gravity[3];   /* acceleration by weight, seen from the clamp [m/s^2]; zeros: nothing weighs */
     const double *masses;  /* of every segment: its plate's, then those of its elements, from the plate to the clamp [kg]; NULL: nothing weighs */
     const double *rubber;  /* likewise, lengths of rubber at rest: 0, then those of its elements [m] */
+    const fingerfem_guides *guides; /* NULL: a tendon has the same tension in all elements */
     double surface_error;   /* [m] */
     /* An estimated error is a factor times the root of the sum of squares of what all variants change, and of a floor. */
     double tip_factor, force_factor, touch_factor; /* [-] */
@@ -228,6 +242,16 @@ int fingerfem_chain_elements(const fingerfem_chain *chain, const double *tension
 int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
                     double *jacobian, double *by_object, int32_t *inside);
 
+/* An increment of a chain with guides: from the tensions and slips at the end of the last one, and those tensions at the motors, `motors`,
+ * (tensions) [N], to the end of this one, all in place. At a point, (tensions + count): as of `fingerfem_touch`, but shortenings [m]
+ * of the tendons that are `wound`, (tensions). The loads are where the solve begins and end; of a chain without objects they are given. Work,
+ * (2) [J]: of the motors in the increment, and what friction took of it. Returns the number of steps; 0 if shortenings are not known,
+ * negative if it found no equilibrium, and what it changes is of no use. Inside is 0 if a tension goes beyond its box. `memory` has
+ * fingerfem_guides_memory's size. */
+int32_t fingerfem_guides_memory(const fingerfem_chain *chain);
+int fingerfem_guides_advance(const fingerfem_touching *touching, const double *point, const int32_t *wound, double *memory, double *loads,
+                             double *motors, double *work, int32_t *inside);
+
 /* Contacts that press: of which plate, or of the rubber of which segment, with which object, place [m] and normal in space, out of the object, and
  * the force along it on the finger [N]. */
 typedef struct {
@@ -290,6 +314,27 @@ int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *input
  * (sections, 4, 3) [m]. Returns 0 where nothing is known of a segment's rubber. */
 int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                              double *corners);
+
+/* Mass of plates and sections, in the order of `fingerfem_chain_loads`: masses, (bodies) [kg], first moments, (bodies, 3) [kg m], and
+ * moments of inertia, (bodies, 3, 3) [kg m^2], both about its centre in its own frame. */
+typedef struct {
+    const double *masses, *moments, *inertias;
+} fingerfem_inertia;
+
+/* How each of them moves, (bodies, FINGERFEM_MOVING): centre [m] and rotation, in space; velocity and acceleration of the centre in
+ * space [m/s, m/s^2], with those of the turn in its own frame [rad/s, rad/s^2] behind each; and the method's mean acceleration. */
+enum { FINGERFEM_MOVING = 30 };
+
+/* A step of time, `length` [s], to tensions and the d of every object, (tensions + count), at the step's end: `moving` is where it begins
+ * and what it ends with, as are the loads on all bodies, contacts' and inertia's. `radius` is the spectral radius of
+ * the method for high frequencies, 0 to 1 [-]; 1 keeps them, less damps them. Takes the force of every object, (count) [N], along its
+ * direction, and the contacts that press unless NULL. Returns the number of evaluations of the map, negative without an answer: then
+ * `moving` and loads stay; `inside` is as that of `fingerfem_touch`. */
+int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, double length, double radius,
+                   double *memory, double *moving, double *loads, double *forces, int32_t *inside, fingerfem_pressing *pressing);
+
+/* The bodies at rest at tensions and loads, as `moving` of a first step; returns 0 if there are more than there is room for. */
+int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, double *moving);
 
 /* An answer with its errors: that of `fingerfem_touch`; errors, (1 + 2 count) [m, N, m], are the estimated ones of the tip, the forces and the touch
  * distances: infinite without an equilibrium. The report is computed unless it is NULL. */

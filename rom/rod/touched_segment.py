@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from rom.answer import Answer
 from rom.brief import brief
+from rom.dataset.section import top
 from rom.native import LIBRARY
 from rom.rod import compiled
 from rom.rod.objects.shapes import RigidObject, facing_plane
@@ -49,8 +50,8 @@ class TouchedSegment(TouchedRod):
             >>> model.evaluate([30.0, 0.0, 0.010]).contact_force
         """
         rod = Rod.load(path or SHIPPED)
-        geometry = rod.scene["geometry"]
-        return cls(rod=rod, obstacle=facing_plane(geometry["side"], (0.0, sum(geometry["segments"]))))
+        length = sum(rod.scene["geometry"]["segments"])
+        return cls(rod=rod, obstacle=facing_plane(2 * top(rod.scene), (0.0, length)))
 
     @property
     def objects(self) -> tuple[RigidObject, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.dataset.section import area
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod
@@ -75,12 +76,12 @@ def weight_of(rod: Rod) -> Weight | None:
     table = rod.scene.get("gravity")
     if table is None:
         return None
-    side, masses, rubber = rod.scene["geometry"]["side"], list[float](), list[float]()
+    whole, masses, rubber = area(rod.scene), list[float](), list[float]()
     for segment, own in zip(rod.segments, rod.pieces, strict=True):
-        plate = 8 * float(np.prod(segment.half_lengths))
+        plate = 2 * float(segment.half_lengths[0]) * segment.area
         lengths = np.array([piece.length for piece in own])
         lengths[0] -= segment.half_lengths[0]  # its distal section is the plate's centre
-        areas = [side**2 * sum(a * b for a, b in _pairs(piece.ends)) / 3 for piece in own]
+        areas = [whole * sum(a * b for a, b in _pairs(piece.ends)) / 3 for piece in own]
         masses += [table["plate_density"] * plate, *(table["density"] * lengths * areas).tolist()]
         rubber += [0.0, *lengths.tolist()]
     direction = np.array(table["direction"])

@@ -74,3 +74,14 @@ def test_it_is_registered_and_presses_the_bundled_finger_by_default():
     observation, drawn = made.reset(seed=3)
     assert 1.0 <= drawn["target"] <= 2.0
     assert observation.shape == (len(rom.load().names) + 1,)
+
+
+def test_a_finger_with_mass_swings_and_an_episode_ends_where_it_leaves_its_domain():
+    environment = HoldEnvironment(rom.load(), flaws=Flaws(period=1e-3), density=1100.0, change=1.0)
+    environment.reset(seed=1, options={"distance": 0.01, "target": 1.0})
+    felt = [environment.step(np.array([0.5, 0.0]))[0][2] for _ in range(60)]
+    assert felt[0] == 0.0 < max(felt)
+    wild = HoldEnvironment(rom.load(), density=1100.0, change=100.0)
+    wild.reset(seed=1, options={"distance": 0.01, "target": 1.0})
+    ends = [wild.step(np.array([sign, -sign], float)) for sign in (1, -1, 1, -1)]
+    assert any(reward == -10.0 and ended and info["lost"] for _, reward, ended, _, info in ends)

@@ -70,6 +70,7 @@ def tables(annotation: object) -> Iterator[type[BaseModel]]:
 def test_every_key_of_a_scene_is_in_the_reference_and_no_other():
     listed = re.findall(r"^\| `([\w.]+)` \|", (REFERENCE / "scene.md").read_text(), re.MULTILINE)
     written = {key for key in keys(Scene) if not key.startswith("geometry.section.")}  # a table of its own in a scene
+    written = {re.sub(r"^materials\.material\..*", "materials.material", key) for key in written}  # keys of material
     assert set(listed) == {*written, "material.shore_A"}  # which stands for a modulus
     assert len(listed) == len(set(listed))
 

@@ -17,7 +17,7 @@ from dolfinx import fem, la
 
 from fingerfem.discretisation.contact.closest_points import NONE, ClosestPoints, Springs
 from fingerfem.discretisation.contact.contact_points import FixedPoints, PressingPoints
-from fingerfem.discretisation.plate_loads import LowRank
+from fingerfem.discretisation.loads.plate_loads import LowRank
 from fingerfem.mechanics import friction
 from fingerfem.mechanics.obstacles import Body
 

@@ -1,7 +1,7 @@
 """Laws of the rubber, a file each: constants, moduli, energy. `registered` makes scenes accept a law."""
 
 from fingerfem.scene.laws.formula import NUMPY, Invariants, Maths
-from fingerfem.scene.laws.law import NEARLY_INCOMPRESSIBLE, REGISTERED, Law, registered
+from fingerfem.scene.laws.law import NEARLY_INCOMPRESSIBLE, REGISTERED, Law, NamedLaw, registered
 from fingerfem.scene.laws.mooney_rivlin import MooneyRivlin
 from fingerfem.scene.laws.neo_hookean import STEEL, NeoHookean, neo_hookean_from, plate_law
 from fingerfem.scene.laws.ogden import Ogden
@@ -17,6 +17,7 @@ __all__ = [
     "Law",
     "Maths",
     "MooneyRivlin",
+    "NamedLaw",
     "NeoHookean",
     "Ogden",
     "SaintVenantKirchhoff",

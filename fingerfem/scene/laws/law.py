@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from abc import ABC, abstractmethod
+from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import (
+    Field,
+    SerializeAsAny,
+    SerializerFunctionWrapHandler,
+    WrapValidator,
+    model_serializer,
+    model_validator,
+)
 
 from fingerfem.scene.laws.formula import Invariants, Maths
 from fingerfem.scene.laws.hardness import with_modulus
@@ -129,7 +138,8 @@ class Law(SceneTable, ABC):
         low, high = self.stretches or USUAL_STRETCHES
         if not low < 1 < high:
             raise ValueError(f"stretches must be [lowest, highest] with 1 between them, got {[low, high]}")
-        lost = None if self.is_always_stable else first_loss(self, (low, high))
+        constants = self.model_dump_json(exclude={"stretches", "formulation"})
+        lost = None if self.is_always_stable else loss_of_constants(type(self), constants, (low, high))
         if lost is not None:
             fixed = {"law", "formulation", "stretches"}
             own = ", ".join(
@@ -142,3 +152,24 @@ class Law(SceneTable, ABC):
                 f"which lose stability at {lost[1]:.3f} in {lost[0]} stretch; narrow stretches, or fit anew"
             )
         return self
+
+
+@lru_cache(maxsize=1000)
+def loss_of_constants(law: type[Law], constants: str, stretches: tuple[float, float]) -> tuple[str, float] | None:
+    """`first_loss` of a law by its constants as JSON: it takes up to a second, and scenes are validated often."""
+    return first_loss(law.model_construct(**json.loads(constants)), stretches)
+
+
+def _by_name(table: Any, check: Any) -> Law:
+    """The law that a table names."""
+    if isinstance(table, Law) or not isinstance(table, dict):
+        return check(table)
+    name = table.get("law")
+    if name is None:
+        raise ValueError("law is required and missing")
+    if not isinstance(name, str) or name not in REGISTERED:
+        raise ValueError(f"law must be {' or '.join(map(repr, REGISTERED))}, got {name!r}")
+    return REGISTERED[name].model_validate(table)
+
+
+NamedLaw = Annotated[SerializeAsAny[Law], WrapValidator(_by_name)]  # a table of a scene

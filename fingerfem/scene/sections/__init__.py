@@ -4,7 +4,7 @@ from fingerfem.scene.sections.circle import Circle, Ring
 from fingerfem.scene.sections.file import FromFile
 from fingerfem.scene.sections.plane_mesh import RUBBER, PlaneMesh
 from fingerfem.scene.sections.rectangle import Rectangle, Square
-from fingerfem.scene.sections.section import Cavity, Column, Section, Wanted, check_cavities
+from fingerfem.scene.sections.section import Cavity, Column, Inlay, Inside, Section, Wanted, check_cavities, material_of
 
 SHAPES: dict[str, type[Section]] = {"square": Square, "rectangle": Rectangle, "circle": Circle, "ring": Ring}
 
@@ -15,6 +15,8 @@ __all__ = [
     "Circle",
     "Column",
     "FromFile",
+    "Inlay",
+    "Inside",
     "PlaneMesh",
     "Rectangle",
     "Ring",
@@ -22,4 +24,5 @@ __all__ = [
     "Square",
     "Wanted",
     "check_cavities",
+    "material_of",
 ]

@@ -96,6 +96,7 @@ class Rectangular(Section):
         """
         blocks = [(column.offset, np.full(2, wanted.width)) for column in wanted.columns]
         blocks += [(cavity.centre, cavity.size) for cavity in wanted.cavities]
+        blocks += [(inlay.centre, inlay.size) for inlay in wanted.inlays if inlay.region == "rectangle"]
         edges = [
             abs(float(middle[axis] + side * size[axis] / 2))
             for axis in axes

@@ -32,14 +32,14 @@ class Column:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cavity:
-    """What the section's mesh has of a chamber: its cells, which the finger lacks along the chamber.
+class Inside:
+    """What is inside a section and no tendon's.
 
     Attributes:
-        name: the chamber's.
-        region: "rectangle", "bore" or "group".
+        name: the chamber's or the material's.
+        region: "rectangle", "bore", "group" or "section".
         centre, size: of a rectangle along (y, z), shape (2,) [m].
-        tag: below RUBBER; that of the first chamber that has the same cells.
+        tag: below RUBBER, of the cells that are a chamber's or a group's alone.
     """
 
     name: str
@@ -47,6 +47,17 @@ class Cavity:
     centre: np.ndarray
     size: np.ndarray
     tag: int
+
+
+class Cavity(Inside):
+    """What the section's mesh has of a chamber: its cells, which the finger lacks along the chamber.
+
+    Chambers of one region have the tag of the first.
+    """
+
+
+class Inlay(Inside):
+    """What the section's mesh has of another material; it may share cells with a tendon, unless it is a group."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,6 +71,7 @@ class Wanted:
         pad: width of the pad [m], if it has one of its own.
         half: whether the half z >= 0 is meshed.
         cavities: of the chambers.
+        inlays: of the other materials.
     """
 
     columns: Sequence[Column]
@@ -68,11 +80,13 @@ class Wanted:
     pad: float | None = None
     half: bool = False
     cavities: Sequence[Cavity] = ()
+    inlays: Sequence[Inlay] = ()
 
     @property
     def is_planar(self) -> bool:
-        """Whether tendons and chambers are such that the section's two halves are mirror images."""
-        mirrored = all(cavity.centre[1] == 0 for cavity in self.cavities)
+        """Whether all that is inside is such that the section's two halves are mirror images."""
+        inside: list[Inside] = [*self.cavities, *self.inlays]
+        mirrored = all(one.centre[1] == 0 for one in inside)
         return mirrored and all(column.offset[1] == 0 for column in self.columns)
 
 
@@ -192,3 +206,19 @@ def check_cavities(mesh: PlaneMesh, cavities: Sequence[Cavity]) -> PlaneMesh:
             if other.tag != one.tag and np.intersect1d(points[one.tag], points[other.tag]).size:
                 raise ValueError(f"must have rubber between chambers, got {one.name} beside {other.name}")
     return mesh
+
+
+def material_of(mesh: PlaneMesh, inlay: Inlay) -> np.ndarray:
+    """Which quadrilaterals another material has where it is present, shape (quads,).
+
+    Raises:
+        ValueError: it has none.
+    """
+    if inlay.region == "section":
+        return np.ones(len(mesh.quads), bool)
+    inside = mesh.tags == inlay.tag
+    if inlay.region == "rectangle":
+        inside = (np.abs(mesh.centroids - inlay.centre) < inlay.size / 2).all(axis=1)
+    if not inside.any():
+        raise ValueError(f"must have cells of material {inlay.name}, as more cells or a larger size may do, got none")
+    return np.asarray(inside)

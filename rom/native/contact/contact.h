@@ -46,8 +46,17 @@ typedef struct {
 typedef struct {
     placed at;
     double wrench[CHAIN_WRENCH], forces[FINGERFEM_MOST_CONTACTS];
+    double pressed[CHAIN_WRENCH]; /* of the wrenches what contacts must bear: all but inertia's */
     chain_matrix following, soft, yielding;
 } contact_state;
+
+/* A step of time from where bodies were, see inertia.c: its length [s], and the numbers of the generalised-alpha method [-]. */
+typedef struct {
+    const fingerfem_inertia *inertia;
+    const double *begun; /* (bodies, FINGERFEM_MOVING), by loads */
+    double length, mean_mass, mean_force, beta, gamma;
+    double contact; /* the share of contact forces that the balance at the step's end sees [-] */
+} contact_step;
 
 /* What the solve is about. All objects come together: where one is at d, object j is at d + ahead[j], and infinity says that it is
  * not there. */
@@ -55,6 +64,8 @@ typedef struct {
     const fingerfem_touching *touching;
     chain_rods *map;
     double ahead[FINGERFEM_MOST_OBJECTS]; /* [m] */
+    const contact_step *step;             /* NULL at rest; else the bodies move, see inertia.h */
+    double share;                         /* of contact forces that the balance sees: 1 at rest [-] */
 } contact_problem;
 
 static inline const fingerfem_object *contact_object(const contact_problem *problem, int j) { return problem->touching->objects[j]; }
@@ -102,4 +113,7 @@ double placed_touch_distance(const contact_problem *problem, int j, placed *at);
 /* Solve at d: from wrenches that are known, if they are not zero; or at once, where d is near the touch distance; or from
  * where the object touches. Returns the number of evaluations of the map, negative without an answer. */
 int contact_solve(const contact_problem *problem, double touch, double d, contact_state *state);
+
+/* The same from a state's wrenches and forces, which must be near. */
+int contact_solve_from(const contact_problem *problem, double d, contact_state *state);
 #endif

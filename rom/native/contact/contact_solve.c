@@ -9,7 +9,7 @@
  */
 #include <math.h>
 #include <stdlib.h>
-#include "contact.h"
+#include "inertia.h"
 #include "response.h"
 
 /* steps of the wrench are measured by the trained box */
@@ -56,20 +56,24 @@ static double step(const contact_problem *problem, double most, contact_state *s
     const objects_contacts *contacts = &state->at.contacts;
     const int w = contact_size(problem);
     double forces[FINGERFEM_MOST_CONTACTS], target[CHAIN_WRENCH], change[CHAIN_WRENCH], size = 0.0;
+    /* what contacts must bear, w - I, with the inertial wrenches I */
+    memcpy(state->pressed, state->wrench, (size_t)w * sizeof *state->wrench);
+    if (problem->step) inertia_wrenches(problem, &state->at.chain, target);
+    for (int i = 0; i < w && problem->step; i++) state->pressed[i] -= target[i];
     /* G and S by the last forces; then the forces of the linear complementarity problem */
     if (!response_find(problem, state)) return -1.0;
     memcpy(forces, state->forces, sizeof forces);
     if (!response_balance(problem, state, forces)) return -1.0;
     /* a wrench was given, but no forces: find G by the forces just found, and solve again */
-    if (any(w, state->wrench) && !any(contacts->count, state->forces)) {
+    if (any(w, state->wrench) && any(contacts->count, forces) && !any(contacts->count, state->forces)) {
         memcpy(state->forces, forces, sizeof forces);
         response_indent(problem, state);
         if (!response_find(problem, state) || !response_balance(problem, state, forces)) return -1.0;
     }
-    /* dw = S (W f - w) */
-    for (int i = 0; i < w; i++) target[i] = -state->wrench[i];
+    /* dw = S (W f - (w - I)) */
+    for (int i = 0; i < w; i++) target[i] = -state->pressed[i];
     for (int k = 0; k < contacts->count; k++)
-        if (forces[k] > 0.0) response_press(&state->at, k, forces[k], target);
+        if (forces[k] > 0.0) response_press(&state->at, k, problem->share * forces[k], target);
     response_product(w, state->soft, target, change);
     /* size of the step, max_i |dw_i| / upper_i [-] */
     for (int i = 0; i < w; i++) {
@@ -98,7 +102,7 @@ static double step(const contact_problem *problem, double most, contact_state *s
 /* Newton's method from a state's wrenches and forces. Returns the number of evaluations, negative if it did not
  * converge. Contacts of rubber without force change nothing. So plates are solved for alone, unless rubber has loads
  * already, and rubber takes part once an object lies in it at the plates' solution. */
-static int solve_from(const contact_problem *problem, double d, contact_state *state)
+int contact_solve_from(const contact_problem *problem, double d, contact_state *state)
 {
     objects_contacts before = state->at.contacts;
     int rubber = problem->map->count > problem->touching->chain->plates;
@@ -139,7 +143,7 @@ static int far_beyond(const contact_problem *problem, const contact_state *state
 
 /* Continuation in d, from first touch of the free finger to d: of several equilibria this finds the one on the objects'
  * approach. No step is longer than `most` [m], so that a plate's corner does not leave an object by another of its sides.
- * Returns as `solve_from`. */
+ * Returns as `contact_solve_from`. */
 static int approach(const contact_problem *problem, double touch, double d, double most, contact_state *state)
 {
     int evaluations = 0;
@@ -163,7 +167,7 @@ static int approach(const contact_problem *problem, double touch, double d, doub
         memcpy(bodies, map->bodies, sizeof bodies);
         /* solve at the next distance; the last step ends at d */
         const double next = at + size > d + least ? at + size : d;
-        const int used = solve_from(problem, next, state);
+        const int used = contact_solve_from(problem, next, state);
         evaluations += abs(used);
         /* converged: a step 1.5 times as long is next; give up far beyond the trained loads */
         if (used > 0) {
@@ -196,7 +200,7 @@ int contact_solve(const contact_problem *problem, double touch, double d, contac
     /* directly, from given wrenches or at such a depth */
     if (any(contact_size(problem), state->wrench) || touch - d < shallow) {
         state->at.contacts.count = 0;
-        evaluations = solve_from(problem, d, state);
+        evaluations = contact_solve_from(problem, d, state);
         if (evaluations > 0) return evaluations;
     }
     /* by an approach; evaluations of a direct failure count too */

@@ -102,7 +102,7 @@ int fingerfem_find_contacts(const fingerfem_touching *touching, const double *te
     const fingerfem_touching there = {chain, 1, objects};
     chain_rods map;
     contact_state state;
-    const contact_problem problem = {&there, &map, {0.0}};
+    const contact_problem problem = {&there, &map, {0.0}, NULL, 1.0};
     double held[TENSIONS_MOST];
     /* the first object, displaced */
     for (int i = 0; i < 3; i++) object.centre[i] += moved[i];

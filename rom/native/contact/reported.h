@@ -12,4 +12,7 @@ typedef struct {
  * count), by tensions and the objects' d. */
 void reported_rows(const contact_problem *problem, const contact_state *state, int free, const reported_change *changes,
                    const fingerfem_report *report);
+
+/* Contacts that press at a solved state: places and normals in space, forces [N]. */
+void report_pressing(const placed *at, const double *forces, fingerfem_pressing *found);
 #endif

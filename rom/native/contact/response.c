@@ -1,4 +1,5 @@
 /* Response of the bodies to contact forces: G, S and C S, derivatives, and stability. */
+#include "inertia.h"
 #include "response.h"
 #include "slices.h"
 #include "../linear_algebra/small.h"
@@ -28,13 +29,14 @@ static void follow(const contact_problem *problem, contact_state *state)
         double own[SLICE_INPUTS][SLICE_INPUTS];
         if (state->forces[k] == 0.0) continue;
         changes_of(problem, state, k, own);
+        const double force = problem->share * state->forces[k];
         /* G += f_k dW_k, in the blocks of the contact's bodies a, b */
         for (int a = 0; a < arms->count; a++)
             for (int b = 0; b < arms->count; b++)
                 for (int i = 0; i < W; i++)
                     for (int j = 0; j < W; j++)
                         state->following[W * arms->bodies[a] + i][W * arms->bodies[b] + j] +=
-                            state->forces[k] * own[W * a + i][W * b + j];
+                            force * own[W * a + i][W * b + j];
     }
 }
 
@@ -89,6 +91,7 @@ INLINE int find(int size, contact_state *state)
 int response_find(const contact_problem *problem, contact_state *state)
 {
     follow(problem, state);
+    if (problem->step) inertia_follow(problem, &state->at.chain, state->following);
     return contact_size(problem) == W ? find(W, state) : find(contact_size(problem), state); /* the loops of one plate are unrolled */
 }
 

@@ -3,7 +3,7 @@
 #define FINGERFEM_RESPONSE_H
 #include "contact.h"
 
-/* C S W_k: the motion of all bodies with a unit force at contact k. */
+/* C S W_k: the motion of all bodies with a unit force at contact k, or the share of it that the balance sees. */
 static inline void response_yield(const contact_problem *problem, const contact_state *state, int k, double *out)
 {
     const contact_arms *arms = state->at.arms + k;
@@ -11,7 +11,7 @@ static inline void response_yield(const contact_problem *problem, const contact_
     for (int i = 0; i < size; i++) {
         out[i] = 0.0;
         for (int a = 0; a < arms->count; a++)
-            for (int j = 0; j < W; j++) out[i] += state->yielding[i][W * arms->bodies[a] + j] * arms->wrenches[a][j];
+            for (int j = 0; j < W; j++) out[i] += problem->share * state->yielding[i][W * arms->bodies[a] + j] * arms->wrenches[a][j];
     }
 }
 

@@ -51,10 +51,10 @@ def term_by_term(model: FingerModel) -> scipy.sparse.csr_matrix:
     v, w, step = ufl.TestFunction(problem.space), ufl.TrialFunction(problem.space), problem.fields.change
     number, degree = volume_energies.constants(problem.mesh.mesh), quadrature_degree(scene.mesh.order)
     terms = [
-        *volume_energies.by_region(volume_energies.rubber_terms(scene.law, number, degree)),
+        *volume_energies.by_region(volume_energies.rubber_terms(scene.laws, number, degree)),
         volume_energies.Term(strain_energy.energy(plate_law(scene.law), number), regions.PLATES, degree),
         volume_energies.Term(
-            tendons.channelled(problem.fields.tension_density, problem.fields.size), regions.CHANNELS, degree
+            tendons.channelled(problem.fields.tension_density, problem.fields.size), regions.channels(1), degree
         ),
     ]
     if scene.tendons[0].path == "straight":

@@ -31,10 +31,10 @@ def resultants(model: FingerModel) -> tuple[np.ndarray, np.ndarray]:
     inside = fem.Function(fem.functionspace(mesh.mesh, ("DG", 0)))
     F, C = kinematics.deformation_gradient(u), kinematics.right_cauchy_green(u)
     terms = [
-        *volume_energies.rubber_terms(law, number, degree),
+        *volume_energies.rubber_terms([law], number, degree),
         volume_energies.Term(strain_energy.energy(plate_law(law), number), regions.PLATES, degree),
         volume_energies.Term(
-            tendons.channelled(problem.fields.tension_density, problem.fields.size), regions.CHANNELS, degree
+            tendons.channelled(problem.fields.tension_density, problem.fields.size), regions.channels(1), degree
         ),
     ]
     forms = [

@@ -126,7 +126,7 @@ def test_a_file_for_paraview_holds_the_state(draft, tmp_path):
     grid = pyvista.read(tmp_path / "state.vtu")
     assert grid.n_points * 3 == state.unknowns
     assert (grid.points + grid.point_data["displacement"])[:, 1].max() == pytest.approx(0.015, abs=1e-6)
-    assert set(grid.cell_data) == {"S11", "von_mises", "J", "region"}
+    assert set(grid.cell_data) == {"S11", "von_mises", "J", "region", "material"}
     assert state.smallest_volume_ratio < np.nanmin(grid.cell_data["J"]) < 1.0  # corners see more than midpoints
     with pytest.raises(ValueError, match=r"must end in \.vtu"):
         write_vtu(draft, state, tmp_path / "state.vtk")
@@ -236,12 +236,12 @@ def test_the_eliminated_pressure_is_the_unknown_of_a_saddle_point(planar):
     # The pressure's own equation, cell by cell, gives p; with it the displacements' must be in equilibrium.
     constraint = fem.assemble_vector(fem.form((J - 1) * q * one_point)).array
     volume = fem.assemble_vector(fem.form(q * one_point)).array
-    rubber = np.isin(model.problem.mesh.cells.values, regions.RUBBERS)
+    rubber = np.isin(model.problem.mesh.cells.values, regions.of_material(0))
     p.x.array[model.problem.mesh.cells.indices] = np.where(rubber, 2 * constraint / volume / law.D1, 0.0)
     # With it, the rubber's other part, the plates' and the tendon's forces must be those of the model.
     distortional, _ = strain_energy.parts(law)
     dx = ufl.Measure("dx", mesh, subdomain_data=model.problem.mesh.cells, metadata={"quadrature_degree": 2})
-    body = distortional(C) * dx(regions.RUBBERS) + strain_energy.energy(STEEL)(C) * dx(regions.PLATES)
+    body = distortional(C) * dx(regions.of_material(0)) + strain_energy.energy(STEEL)(C) * dx(regions.PLATES)
     pressure = fem.assemble_vector(fem.form(ufl.derivative(p * J * one_point, u, v))).array
     explicit = pressure + fem.assemble_vector(fem.form(ufl.derivative(body, u, v))).array
     explicit += fem.assemble_vector(model.problem.forms.tendon_force).array

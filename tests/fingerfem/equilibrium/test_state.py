@@ -41,16 +41,19 @@ def test_plain_data_has_no_fields_and_leaves_out_what_a_scene_does_not_have():
     assert set(NEEDED) - {"displacement"} <= set(found)
 
 
-@pytest.mark.parametrize(
-    ("found", "beyond"), [((0.8, 1.5), False), ((0.7, 2.0), False), ((0.69, 1.5), True), ((0.8, 2.01), True)]
-)
-def test_rubber_is_beyond_the_data_of_its_law_on_either_side(found, beyond):
-    def problem(data, extremes):
-        limits = SimpleNamespace(extreme_stretches=lambda: extremes)
-        return SimpleNamespace(law=SimpleNamespace(stretches=data), limits=limits)
+def test_a_state_is_marked_by_the_materials_that_are_beyond_their_data_and_stretches_are_of_all_with_data():
+    def problem(**found):
+        return SimpleNamespace(limits=SimpleNamespace(beyond_data=lambda: found))
 
-    assert stretches(problem((0.7, 2.0), found)) == {"stretches": list(found), "beyond_data": beyond}
-    assert stretches(problem(None, found)) == {} == stretches(problem((0.7, 2.0), None))
+    within, beyond = ((0.8, 1.5), False), ((0.9, 2.01), True)
+    assert stretches(problem()) == {}
+    one = {"stretches": [0.8, 1.5], "beyond_data": False, "guesses": None}
+    assert stretches(problem(rubber=within)) == one
+    several = {"stretches": [0.8, 2.01], "beyond_data": True, "guesses": {"paper": [0.9, 2.01]}}
+    assert stretches(problem(rubber=within, paper=beyond)) == several
+    assert State(**NEEDED, **several).marks == [
+        "the law of paper is a guess at stretches of 0.9 to 2.01: see material.stretches"
+    ]
 
 
 def test_complementarity_is_the_pressure_s_work_over_force_and_side_and_zero_without_a_force():

@@ -54,7 +54,7 @@ class Block:
         self.space = fem.functionspace(mesh, ("Lagrange", order, (3,)))
         self.u = fem.Function(self.space)
         v, w = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
-        terms = rubber_terms(law, float, 2 * order if law.is_mixed else 4 * order)
+        terms = rubber_terms([law], float, 2 * order if law.is_mixed else 4 * order)
         measures = [ufl.dx(mesh, metadata={"quadrature_degree": term.degree}) for term in terms]
         energies = [term.energy for term in terms]
         residual = residual_of(list(zip(energies, measures, strict=True)), self.u)

@@ -53,6 +53,15 @@ KINDS: dict[str, dict[str, Any]] = {
         "geometry": NO_SIDE,
         "chambers": [CHAMBER | {"region": "bore"}],
     },
+    "section of another material": {
+        "materials": [{"name": "joint", "region": "section", "material": {"law": "neo-hookean", "E": 1e8, "nu": 0.3}}]
+    },
+    "layer": {
+        "materials": [
+            {"name": "layer", "region": "rectangle", "centre": [-0.002, 0.0], "size": [0.002, 0.002]}
+            | {"material": {"law": "neo-hookean", "E": 1e8, "nu": 0.3}}
+        ]
+    },
     "weight": {"gravity": {"density": 1070.0, "direction": [0.0, -1.0, 0.0]}},
     "load": {"load": {"force": 5.0}},
     "coarse": {"coarse": {"cells": [10, 5]}},
@@ -70,6 +79,8 @@ ADDED: dict[str, tuple[str, Any]] = {
     "material.C3": ("yeoh", 1e3),
     "material.stretches": ("smallest", [0.6, 2.0]),
     "material.formulation": ("smallest", "mixed"),
+    "materials.x": ("layer", [0.01, 0.02]),
+    "materials.density": ("layer", 1200.0),
     "tendons.path": ("smallest", "straight"),
     "gravity.plate_density": ("weight", 8000.0),
     "gravity.acceleration": ("weight", 1.62),

@@ -84,9 +84,9 @@ def inner_forces(problem: Problem) -> tuple[fem.Form, fem.Function]:
     u, mesh, degree = problem.fields.u, problem.mesh, quadrature_degree(problem.scene.mesh.order)
     number, indicator = constants(mesh.mesh), fem.Function(problem.fields.tension_density.function_space)
     terms = [
-        *rubber_terms(problem.law, number, degree),
+        *rubber_terms(problem.scene.laws, number, degree),
         Term(strain_energy.energy(plate_law(problem.law), number), regions.PLATES, degree),
-        Term(tendons.channelled(problem.fields.tension_density, problem.fields.size), regions.CHANNELS, degree),
+        Term(tendons.channelled(problem.fields.tension_density, problem.fields.size), regions.channels(1), degree),
     ]
     marked = [
         (lambda C, energy=term.energy: indicator * energy(C), volume_measure(mesh, degree)(term.regions))

@@ -5,7 +5,7 @@ import pytest
 from pydantic import ValidationError
 
 from fingerfem.scene.laws import MooneyRivlin, Ogden, Yeoh
-from fingerfem.scene.laws.law import USUAL_STRETCHES
+from fingerfem.scene.laws.law import USUAL_STRETCHES, loss_of_constants
 from fingerfem.scene.laws.stability import MODES, ends, first_loss, loss, stress
 
 SILICONE = {"C10": 10.6e3, "C01": -4.2e3, "D1": 3e-7}  # a published fit
@@ -127,3 +127,13 @@ def test_ogden_s_law_of_powers_two_and_minus_two_is_mooney_rivlin_s():
     assert tau - tau.mean() == pytest.approx(other - other.mean(), rel=1e-12)
     found = loss(ogden, "uniaxial", USUAL_STRETCHES)
     assert found == pytest.approx(loss(unchecked(1e4, -0.8e4, INCOMPRESSIBLE), "uniaxial", USUAL_STRETCHES), rel=1e-5)
+
+
+def test_equal_constants_are_checked_once_and_other_ones_or_stretches_anew():
+    table = {"mu": [1.1e5], "alpha": [2.3], "D1": 1e-7}
+    loss_of_constants.cache_clear()
+    checks = []
+    for change in ({}, {}, {"formulation": "mixed"}, {"alpha": [2.4]}, {"stretches": [0.6, 1.4]}):
+        Ogden(**table | change)
+        checks.append(loss_of_constants.cache_info().misses)
+    assert checks == [1, 1, 1, 2, 3]

@@ -1,0 +1,1 @@
+"""What acts on the finger: actuators, weight, and wrenches on its plates."""

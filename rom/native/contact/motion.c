@@ -1,0 +1,145 @@
+/* A step of time: the balance of contact_solve.c at the step's end, with inertia. */
+#include "inertia.h"
+#include "reported.h"
+#include "response.h"
+#include "../linear_algebra/small.h"
+
+#define SHARED 1e-9 /* added to the diagonal, over it, so that contacts of one normal share a force [-] */
+
+/* Make every plate and section a body; returns 0 if there is no room. */
+static int all_bodies(chain_rods *map)
+{
+    for (int k = 0; k < map->chain->plates; k++)
+        for (int e = 1; e < map->chain->segments[k]->elements; e++)
+            if (chain_add_body(map, k, e) < 0) return 0;
+    return 1;
+}
+
+/* N_j = -sum_q e . f_q over all bodies q: force of object j against its direction e [N], (count). */
+static void forces_along(const contact_problem *problem, const contact_state *state, double *forces)
+{
+    for (int j = 0; j < problem->touching->count; j++) {
+        double wrench[CHAIN_WRENCH], e[3];
+        response_wrenches(problem, state, j, wrench);
+        forces[j] = 0.0;
+        for (int q = 0; q < problem->map->count; q++) {
+            placed_leaving(problem, j, state->at.chain.bodies + q, e);
+            forces[j] -= objects_dot(e, wrench + W * q);
+        }
+    }
+}
+
+/* W_k / M of contact k on its body a, (6), in the body's frame; zero on the ground. */
+static void accelerated(const contact_problem *problem, const contact_state *state, int k, int a, double *found)
+{
+    const contact_arms *arms = state->at.arms + k;
+    const int body = arms->bodies[a];
+    memset(found, 0, W * sizeof *found);
+    if (problem->map->bodies[body].segment == CHAIN_GROUND) return;
+    memcpy(found, arms->wrenches[a], W * sizeof *found);
+    inertia_accelerate(problem->step->inertia, chain_load_of(problem->map, body), found);
+}
+
+/* v -= W (W^T W / M)^-1 W^T v / M over the contacts that press, where several on one body share what one would do. */
+static void stop(const contact_problem *problem, const contact_state *state, double *moving)
+{
+    double matrix[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], velocity[FINGERFEM_MOST_CONTACTS];
+    int rows[FINGERFEM_MOST_CONTACTS], count = 0;
+    for (int k = 0; k < state->at.contacts.count; k++)
+        if (state->forces[k] > 0.0) rows[count++] = k;
+    /* W^T W / M and W^T v */
+    for (int i = 0; i < count; i++) {
+        const contact_arms *own = state->at.arms + rows[i];
+        velocity[i] = 0.0;
+        for (int j = 0; j < count; j++) matrix[count * i + j] = 0.0;
+        for (int a = 0; a < own->count; a++) {
+            double change[W];
+            if (problem->map->bodies[own->bodies[a]].segment == CHAIN_GROUND) continue;
+            accelerated(problem, state, rows[i], a, change);
+            velocity[i] += inertia_velocity_along(own->wrenches[a], moving + FINGERFEM_MOVING * chain_load_of(problem->map, own->bodies[a]));
+            for (int j = 0; j < count; j++) {
+                const contact_arms *other = state->at.arms + rows[j];
+                for (int b = 0; b < other->count; b++)
+                    for (int l = 0; l < W && other->bodies[b] == own->bodies[a]; l++) matrix[count * i + j] += change[l] * other->wrenches[b][l];
+            }
+        }
+        matrix[count * i + i] *= 1.0 + SHARED;
+    }
+    if (!small_solve(count, matrix, 1, velocity)) return;
+    for (int i = 0; i < count; i++)
+        for (int a = 0; a < state->at.arms[rows[i]].count; a++) {
+            const int body = state->at.arms[rows[i]].bodies[a];
+            double change[W];
+            accelerated(problem, state, rows[i], a, change);
+            for (int l = 0; l < W; l++) change[l] *= -velocity[i];
+            if (problem->map->bodies[body].segment != CHAIN_GROUND)
+                inertia_add_velocity(change, moving + FINGERFEM_MOVING * chain_load_of(problem->map, body));
+        }
+}
+
+int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, double *moving)
+{
+    const fingerfem_segment *first = chain->segments[0];
+    const contact_step still = {.length = 1.0, .beta = 0.25, .gamma = 0.5};
+    double held[TENSIONS_MOST], wrench[CHAIN_WRENCH];
+    chain_rods map;
+    chain_state state;
+    tensions_all_clamped(first, tensions, held);
+    chain_set_tensions(chain, held, memory, &map);
+    chain_contract(&map);
+    if (!all_bodies(&map) || !chain_take_loads(&map, loads, wrench) || !chain_under(&map, wrench, &state)) return 0;
+    for (int b = 0; b < map.count; b++) {
+        /* begun where it is, without a velocity */
+        double begun[FINGERFEM_MOVING] = {0.0};
+        memcpy(begun, state.bodies[b].centre, sizeof state.bodies[b].centre);
+        memcpy(begun + 3, state.bodies[b].rotation, sizeof state.bodies[b].rotation);
+        inertia_moving(&still, begun, state.bodies + b, moving + FINGERFEM_MOVING * chain_load_of(&map, b));
+    }
+    return 1;
+}
+
+int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, double length, double radius,
+                   double *memory, double *moving, double *loads, double *forces, int32_t *inside, fingerfem_pressing *pressing)
+{
+    const fingerfem_chain *chain = touching->chain;
+    const int t = chain->tensions;
+    contact_step step = {.inertia = inertia, .begun = moving, .length = length};
+    double held[TENSIONS_MOST];
+    chain_rods map;
+    contact_state state;
+    inertia_method(radius, &step);
+    contact_problem problem = {touching, &map, {0.0}, &step, step.contact};
+    /* objects at their d: all come as the first one that is there */
+    double d = 0.0;
+    for (int j = touching->count - 1; j >= 0; j--) d = isfinite(point[t + j]) ? point[t + j] : d;
+    for (int j = 0; j < touching->count; j++) problem.ahead[j] = isfinite(point[t + j]) ? point[t + j] - d : INFINITY;
+    /* bodies, and the wrenches of the last step */
+    *inside = tensions_all_clamped(chain->segments[0], point, held);
+    chain_set_tensions(chain, held, memory, &map);
+    chain_contract(&map);
+    memset(state.forces, 0, sizeof state.forces);
+    state.at.contacts.count = 0;
+    if (!all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
+    const int evaluations = contact_solve_from(&problem, d, &state);
+    if (evaluations <= 0) return evaluations;
+    /* wrenches of contact */
+    double contact[CHAIN_WRENCH] = {0.0};
+    for (int k = 0; k < state.at.contacts.count; k++)
+        if (state.forces[k] > 0.0) response_press(&state.at, k, state.forces[k], contact);
+    /* where the step ends */
+    for (int b = 0; b < map.count; b++) {
+        double *own = moving + FINGERFEM_MOVING * chain_load_of(&map, b), begun[FINGERFEM_MOVING];
+        if (map.bodies[b].segment == CHAIN_GROUND) continue;
+        *inside &= state.at.chain.bodies[b].end.inside;
+        memcpy(begun, own, sizeof begun);
+        inertia_moving(&step, begun, state.at.chain.bodies + b, own);
+        if (!inertia_accelerate(inertia, chain_load_of(&map, b), contact + W * b)) return -evaluations;
+        inertia_leave_contact(&step, contact + W * b, own);
+    }
+    stop(&problem, &state, moving);
+    chain_leave_loads(&map, state.wrench, loads);
+    forces_along(&problem, &state, forces);
+    *inside &= !placed_crowded(&state.at.contacts);
+    if (pressing) report_pressing(&state.at, state.forces, pressing);
+    return evaluations;
+}

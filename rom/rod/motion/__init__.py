@@ -1,0 +1,1 @@
+"""A finger in steps of time."""

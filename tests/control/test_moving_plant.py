@@ -1,0 +1,40 @@
+"""A finger with mass as a plant: it comes to the model's force, later than the pull; its failures have a reason."""
+
+import numpy as np
+import pytest
+
+import rom
+from control.moving_plant import MovingPlant
+from control.plant import Flaws
+from rom.checked_file import ModelError
+
+DENSITY, PLANE, PULL = 1100.0, 0.003, [20.0, 0.0]  # [kg/m^3], [m], [N]
+
+
+@pytest.fixture(scope="module")
+def finger():
+    return rom.load()
+
+
+def test_the_force_comes_after_the_pull_and_is_the_model_s_at_the_end(finger):
+    plant = MovingPlant(finger, PLANE, DENSITY, Flaws(period=2e-3), steps=2)
+    felt = np.array([plant.pull(PULL) for _ in range(600)])
+    wanted = finger.evaluate([*PULL, PLANE]).contact_force
+    assert felt[0] == 0.0 < wanted
+    assert felt.max() > 1.05 * wanted  # it swings
+    assert felt[-300:].mean() == pytest.approx(wanted, rel=0.01)
+    assert felt[-300:].std() < felt[:300].std()
+    assert plant.state.time == pytest.approx(1.2)
+
+
+def test_flaws_of_the_sensor_are_in_what_is_felt_alone(finger):
+    plant = MovingPlant(finger, PLANE, DENSITY, Flaws(noise=0.1, delay=3), seed=2)
+    felt = [plant.pull(PULL) for _ in range(20)]
+    assert plant.contact_force != felt[-1] and plant.age == pytest.approx(3e-3)
+
+
+def test_a_pull_out_of_the_domain_and_a_finger_without_density_are_refused(finger):
+    with pytest.raises(ValueError, match="got out_of_domain at"):
+        MovingPlant(finger, PLANE, DENSITY).pull([200.0, 0.0])
+    with pytest.raises(ModelError, match="density must be above 0"):
+        MovingPlant(finger, PLANE)

@@ -1,0 +1,159 @@
+"""Steps of time: frequencies, order, rest, weight, contact that takes energy, and what is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+from scipy.spatial.transform import Rotation
+
+import rom
+from rom.checked_file import ModelError
+from rom.rod.compiled.motion import at_rest
+from rom.rod.motion.lumps import lumps_of
+from rom.rod.motion.moving_finger import MovingFinger
+
+DENSITY, AWAY = 1100.0, 0.03  # [kg/m^3], of the plane [m]
+
+
+@pytest.fixture(scope="module")
+def finger():
+    return rom.load()
+
+
+def moving(finger, point=(0.0, 0.0, AWAY), **more) -> MovingFinger:
+    return MovingFinger(finger, point, **({"density": DENSITY} | more))
+
+
+def compliance(one: MovingFinger) -> np.ndarray:
+    """Motions of all bodies by wrenches on them, by central differences."""
+    chain, loads = one.model.touching.chain, np.zeros(6 * len(one.lumps.masses))
+    begun = at_rest(chain, np.zeros(2), loads)
+    columns = []
+    for k in range(len(loads)):
+        size = 1e-4 if k % 6 < 3 else 1e-6  # [N], [N m]
+        ends = []
+        for sign in (size, -size):
+            there = at_rest(chain, np.zeros(2), loads + sign * np.eye(len(loads))[k])
+            turns = Rotation.from_matrix(there[:, 3:12].reshape(-1, 3, 3)).as_rotvec()
+            ends.append(np.hstack([there[:, :3] - begun[:, :3], turns]).ravel())
+        columns.append((ends[0] - ends[1]) / (2 * size))
+    return np.array(columns).T
+
+
+def mass(one: MovingFinger) -> np.ndarray:
+    found = np.zeros((6 * len(one.lumps.masses),) * 2)
+    for b, (own, s, inertia) in enumerate(zip(*one.lumps, strict=True)):
+        arm = np.cross(np.eye(3), s)  # rows e x s, so that arm v = s x v
+        found[6 * b : 6 * b + 6, 6 * b : 6 * b + 6] = np.block([[own * np.eye(3), arm.T], [arm, inertia]])
+    return found
+
+
+def frequencies(finger, parts: int) -> np.ndarray:
+    one = moving(finger, parts=parts)
+    known = compliance(one)
+    values = eigh(np.linalg.inv((known + known.T) / 2), mass(one), eigvals_only=True)
+    return np.sqrt(values) / (2 * np.pi)
+
+
+def test_all_mass_but_that_at_the_clamp_is_at_the_sections(finger):
+    masses = lumps_of(finger.rod, DENSITY, 7850.0).masses
+    side, clamp = 0.010, finger.rod.pieces[0][-1].length
+    assert masses.sum() == pytest.approx(side**2 * (DENSITY * (0.049 - clamp / 2) + 7850 * 0.001))
+
+
+def test_the_first_frequencies_converge_with_the_parts_of_elements(finger):
+    first, second, fine = (frequencies(finger, parts)[[0, 3, 6]] for parts in (1, 2, 4))  # in bending towards +y
+    assert np.abs(second / fine - 1) == pytest.approx(0, abs=0.005)
+    assert (np.abs(first / fine - 1)[1:] > 2 * np.abs(second / fine - 1)[1:]).all()
+
+
+def test_a_small_vibration_has_the_frequency_of_compliance_and_mass(finger):
+    wanted, length = frequencies(finger, 1)[0], 1e-4
+    one = moving(finger, (0.5, 0.0, AWAY), radius=1.0, parts=1)
+    tips = np.array([one.step([0.0, 0.0, AWAY], length).tip[1] for _ in range(1000)])
+    crossings = np.flatnonzero(np.diff(np.sign(tips - tips.mean())) > 0)
+    assert len(crossings) == 5
+    found = (len(crossings) - 1) / ((crossings[-1] - crossings[0]) * length)
+    assert found == pytest.approx(wanted, rel=0.01)
+
+
+def test_it_comes_to_rest_where_it_rests(finger):
+    for d in (AWAY, 0.003):
+        one = moving(finger, (0.0, 0.0, AWAY), radius=0.0)
+        for point in ([40.0, 5.0, AWAY], [40.0, 5.0, d], [40.0, 5.0, d], [40.0, 5.0, d]):
+            for _ in range(20):
+                state = one.step(point, 0.1)
+        at = one.model.evaluate([40.0, 5.0, d])
+        assert state.status == "converged"
+        assert state.tip == pytest.approx(at.tip, abs=1e-8)
+        assert state.contact_forces == pytest.approx(at.contact_force, abs=1e-4)
+        assert np.abs(state.velocity).max() < 1e-6
+
+
+def test_the_error_falls_with_the_square_of_the_step(finger):
+    def tip(length: float) -> np.ndarray:
+        one, count = moving(finger, parts=1), round(0.01 / length)
+        for k in range(1, count + 1):
+            pull = 20 * np.sin(0.5 * np.pi * k / count) ** 2
+            state = one.step([pull, 0.3 * pull, AWAY], length)
+        return state.tip
+
+    coarse, fine, finest = (tip(length) for length in (5e-4, 2.5e-4, 2.5e-5))
+    ratio = np.linalg.norm(coarse - finest) / np.linalg.norm(fine - finest)
+    assert 3 < ratio < 5.5
+
+
+def test_contact_takes_energy_and_never_gives_any(finger):
+    one = moving(finger, (0.0, 0.0, 0.003), parts=1)
+    energies, forces = [], []
+    for _ in range(1500):
+        state = one.step([20.0, 0.0, 0.003], 1e-3)  # swings against the plane, and rebounds by its own elasticity
+        assert state.status == "converged" and (state.contact_forces >= 0).all()
+        energies.append(state.kinetic_energy)
+        forces.append(float(state.contact_forces[0]))
+    windows = np.array(energies).reshape(10, -1).max(axis=1)
+    assert windows[1] < 0.5 * windows[0] and (np.diff(windows) < 0).all()
+    assert 0.0 in forces[15:] and np.mean(forces[-200:]) == pytest.approx(
+        finger.evaluate([20.0, 0.0, 0.003]).contact_force, rel=0.01
+    )
+
+
+def test_energy_of_a_free_vibration_stays_and_with_damping_never_grows(finger):
+    for radius in (1.0, 0.0):
+        one = moving(finger, (5.0, 0.0, AWAY), radius=radius, parts=1)
+        energies = np.array([one.step([0.0, 0.0, AWAY], 1e-3).kinetic_energy for _ in range(1500)])
+        windows = energies.reshape(10, -1).max(axis=1)
+        assert windows[-1] < windows[0] * 1.02
+        assert (windows[-1] > 0.5 * windows[0]) == (radius == 1.0)
+
+
+def test_a_finger_that_weighs_moves_to_where_its_weight_holds_it(finger):
+    heavy = replace(
+        finger, rod=finger.rod.assembled(finger.rod.scene | {"gravity": {"density": DENSITY, "direction": [0, -1, 0]}})
+    )
+    one = MovingFinger(heavy.with_gravity([0, 0, 1]), [0.0, 0.0, AWAY], radius=0.0)
+    one.model = replace(one.model, rod=one.model.rod.with_gravity([0, -1, 0]))
+    for _ in range(20):
+        state = one.step([0.0, 0.0, AWAY], 0.1)
+    assert state.tip == pytest.approx(one.model.evaluate([0.0, 0.0, AWAY]).tip, abs=1e-8)
+
+
+def test_what_is_beyond_the_training_is_marked(finger):
+    one = moving(finger, parts=1)
+    assert one.step([150.0, 0.0, AWAY], 1e-3).status == "out_of_domain"
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"density": None}, "density must be above 0"),
+        ({"density": -1.0}, "density must be above 0"),
+        ({"radius": 1.1}, "radius must be from 0 to 1"),
+        ({"point": [300.0, 0.0, AWAY]}, "parameters must be where the finger can rest"),
+        ({"parts": 6}, "must have fewer sections, got 20"),
+    ],
+)
+def test_what_cannot_move_is_refused(finger, more, message):
+    with pytest.raises(ModelError, match=message):
+        moving(finger, **more)
