@@ -34,7 +34,7 @@ class Unknowns:
         touching: a struct fingerfem_touching with objects whose distances are unknown; None: a force is.
 
     Raises:
-        ValueError: a finger without laws of shortenings.
+        ValueError: a finger without laws of shortenings, or with chambers.
     """
 
     names: tuple[str, ...]
@@ -45,6 +45,9 @@ class Unknowns:
     def __post_init__(self) -> None:
         if not self.rod.struct.segments[0].sixes:
             raise ValueError("model must have laws of shortenings to feel a contact, got one without: train it again")
+
+        if self.rod.scene.get("chambers"):
+            raise ValueError("model must have tendons alone to feel a contact, got one with chambers")
 
     @cached_property
     def felt(self) -> Any:
