@@ -19,8 +19,8 @@ from rom.rod.rod import Rod
 
 EVEN = np.sqrt(12.0)  # range over the standard deviation of an even distribution on it [-]
 ITERATIONS = 40  # most evaluations from one start
-# a residual of 0.03 standard deviations is none; steps end at 1e-4 of a range
-RULES = Rules(residual=0.03, longest=0.4, step=1e-4, nearest=1.0, null_space_iterations=0, iterations=ITERATIONS)
+# a residual of 0.03 standard deviations is none; steps end at 0.3 % of a range and of the cost
+RULES = Rules(residual=0.03, longest=0.4, step=3e-3, nearest=1.0, null_space_iterations=0, iterations=ITERATIONS)
 
 
 @brief
@@ -35,7 +35,7 @@ class Unknowns:
         touching: a struct fingerfem_touching with objects whose distances are unknown; None: a force is.
 
     Raises:
-        ValueError: a finger without laws of shortenings.
+        ValueError: a finger without laws of shortenings, or with chambers.
     """
 
     names: tuple[str, ...]
@@ -47,6 +47,9 @@ class Unknowns:
         refuse_chambers(self.rod.scene, "a contact felt by tendons")
         if not self.rod.struct.segments[0].sixes:
             raise ValueError("model must have laws of shortenings to feel a contact, got one without: train it again")
+
+        if self.rod.scene.get("chambers"):
+            raise ValueError("model must have tendons alone to feel a contact, got one with chambers")
 
     @cached_property
     def felt(self) -> Any:
