@@ -20,6 +20,7 @@ from rom.elements.samples.section_states import read_section_states
 from rom.elements.samples.symmetry import mirrors
 from rom.rod.pressed_check import check_pressed
 from rom.rod.rod import Rod
+from studies.sets import as_toml
 
 CIRCLE: dict[str, Any] = {"shape": "circle", "diameter": 0.020}
 SECTIONS: dict[str, dict[str, Any]] = {
@@ -63,32 +64,14 @@ def sheared(file: Path) -> Path:
     return write_mesh(file, mesh, names)
 
 
-def text_of(value: Any) -> str:
-    """A value in TOML."""
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {text_of(one)}" for key, one in value.items()) + "}"
-    return str([*value]) if isinstance(value, list) and not isinstance(value[0], dict) else repr(value)
-
-
-def written(whole: dict[str, Any], file: Path) -> Path:
-    """A scene's file."""
-    tendons = "".join(f"[[tendons]]\n{lines(one)}" for one in whole["tendons"])
-    rest = "".join(f"[{key}]\n{lines(one)}" for key, one in whole.items() if isinstance(one, dict))
-    file.write_text(f'name = "{whole["name"]}"\n{rest}{tendons}'.replace("'", '"'))
-    return file
-
-
-def lines(one: dict[str, Any]) -> str:
-    return "".join(f"{key} = {text_of(value)}\n" for key, value in one.items())
-
-
 @pytest.fixture(
     scope="module",
     params=["circle", *(pytest.param(one, marks=pytest.mark.long) for one in ("ring", "rectangle", "file"))],
 )
 def trained(request, tmp_path_factory) -> tuple[str, Path, Rod]:
     folder = tmp_path_factory.mktemp(request.param)
-    scene = written(table(request.param, folder), folder / "scene.toml")
+    scene = folder / "scene.toml"
+    scene.write_text(as_toml(table(request.param, folder)))
     assert run(1, scene, folder / "set")["failed"] == 0
     return request.param, folder, train_rod(SnapshotSet(folder / "set"), {}, [])
 
