@@ -7,6 +7,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from control.calibration.calibrate import CalibrationOptions, calibrate
+    from control.calibration.calibration import Calibration
     from control.finger import Finger
     from control.grasping.grasp_controller import GraspOptions, Grip
     from control.grasping.grasp_forces import Object, Targets
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
     from control.plant import Flaws, Plant, SimulatedPlant
 
 _HOMES = {
+    "Calibration": "calibration.calibration",
+    "CalibrationOptions": "calibration.calibrate",
     "Finger": "finger",
     "Flaws": "plant",
     "Grasp": "grasping.gripper",
@@ -30,9 +34,12 @@ _HOMES = {
     "Plant": "plant",
     "SimulatedPlant": "plant",
     "Targets": "grasping.grasp_forces",
+    "calibrate": "calibration.calibrate",
     "run": "loop",
 }
 __all__ = [
+    "Calibration",
+    "CalibrationOptions",
     "Finger",
     "Flaws",
     "Grasp",
@@ -46,6 +53,7 @@ __all__ = [
     "Plant",
     "SimulatedPlant",
     "Targets",
+    "calibrate",
     "run",
 ]
 

@@ -1,4 +1,4 @@
-"""python3 -m control reach | hold | grasp | campaign | export."""
+"""python3 -m control reach | hold | grasp | campaign | calibrate | export."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import numpy as np
 import typer
 
 from control import Finger, Gripper, Object, SimulatedPlant
+from control.calibration.command import calibrate
 from control.grasping.gripper import Grasp
 from control.model import Model
 from control.motion import Motion
@@ -150,6 +151,9 @@ def campaign(
         Table(header=["time per hold [µs]", "mean", "median", "99 % below", "longest"], rows=times),
     ]
     show(result, parts, as_json, 0 if result["converged"] else NOTHING_USABLE)
+
+
+app.command()(calibrate)
 
 
 @app.command("export")

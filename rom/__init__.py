@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rom.answer import Answer
     from rom.rod.friction.history import friction_history
+    from rom.rod.guide_history import guide_history
+    from rom.rod.guides import GuidedFinger
     from rom.rod.motion.moving_finger import MovingFinger
     from rom.rod.objects.search import find_object
     from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
@@ -33,6 +35,8 @@ _HOMES = {
     "box": "rom.rod.objects.shapes",
     "find_object": "rom.rod.objects.search",
     "friction_history": "rom.rod.friction.history",
+    "GuidedFinger": "rom.rod.guides",
+    "guide_history": "rom.rod.guide_history",
     "specialise": "rom.separated.rod_source",
 }
 __all__ = [
@@ -49,6 +53,8 @@ __all__ = [
     "box",
     "find_object",
     "friction_history",
+    "GuidedFinger",
+    "guide_history",
     "load",
     "specialise",
 ]

@@ -46,7 +46,7 @@ ROD = Kind(
             "rom export .h",
             "rom export .fmu",
         ),
-        *(*_CONTROL, "fingerfem certify"),
+        *(*_CONTROL, "control calibrate", "fingerfem certify"),
     ),
 )
 AGAIN = "no command: solve its scene again by fingerfem snapshots SCENE.toml SET/, then rom build SET/ -o FINGER.h5"
@@ -58,7 +58,16 @@ SURROGATE = Kind(
 TRAINING_SET = Kind("a training set", ("rom build", "rom check", *_SET))
 HELD_OUT_SET = Kind("a held-out set", ("rom check", "rom build --held-out", *_SET))
 SCENE = Kind(
-    "a scene", ("fingerfem solve", "fingerfem snapshots", "fingerfem render", "fingerfem sketch", "rom assemble")
+    "a scene",
+    (
+        "fingerfem solve",
+        "fingerfem simulate",
+        "fingerfem modes",
+        "fingerfem snapshots",
+        "fingerfem render",
+        "fingerfem sketch",
+        "rom assemble",
+    ),
 )
 FMU = Kind("an FMU", ("a simulation tool that imports FMI 2 or 3",))
 HEADER = Kind("a C header", ("a C compiler",))

@@ -29,6 +29,7 @@ def rod_summary(finger: Rod) -> dict[str, Any]:
         "contact_force_error": finger.errors.contact_force,
         "place_error_m": finger.errors.position,
         "accuracy": finger.accuracy or "not measured: build with --held-out",
+        "calibration": finger.calibration or None,
         "size": finger.similarity.size,
         "modulus": finger.similarity.modulus,
         "trained_on": finger.elements.scene["name"],

@@ -32,8 +32,13 @@ def write(model: SeparatedModel | TouchedSegment, path: Path) -> None:
     """Write the page of a model.
 
     Raises:
-        ModelError: no name of a page.
+        ModelError: no name of a page, or a finger with chambers.
     """
+    if model.scene.get("chambers"):
+        raise ModelError(
+            "page must be of a finger without chambers, as its sliders are tensions (a header .h or an FMU has "
+            f"pressures), got {len(model.scene['chambers'])} chambers"
+        )
     if path.suffix.lower() not in (".html", ".htm"):
         raise ModelError(f"page must be a file named .html, got {path}")
     text = json.dumps(about(model), allow_nan=False).replace("<", "\\u003c")

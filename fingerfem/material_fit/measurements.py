@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import csv
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, NoReturn
+from typing import NamedTuple
 
 import numpy as np
 
 from fingerfem.scene.laws.stability import MODES
 from rom.brief import brief
-from rom.file_kinds import uses_of
+from rom.csv_table import CsvTable, Heading, Refused, factor, heading, read_table
 
 NAMES = {**{mode: mode for mode in MODES}, "biaxial": "equibiaxial", "pure shear": "planar"}
 STRAIN_UNITS = {"-": 1.0, "1": 1.0, "mm/mm": 1.0, "m/m": 1.0, "%": 0.01}
@@ -73,10 +71,6 @@ class Row(NamedTuple):
     line: int
 
 
-class Refused(ValueError):
-    """Input of a file that is not accepted: one line with file, line, rule and value."""
-
-
 def read_measurements(path: str | Path, test: str | None = None, to: float | None = None) -> list[Measurement]:
     """Read the tests of a file.
 
@@ -94,37 +88,17 @@ def read_measurements(path: str | Path, test: str | None = None, to: float | Non
     """
     if to is not None and not to > 1:
         raise ValueError(f"to must be a stretch above 1, got {to:g}")
-    if use := uses_of(path):
-        raise Refused(f"{path}: must be a CSV file{use}")
-    try:
-        lines = Path(path).read_text("utf-8-sig").splitlines()
-    except OSError as error:
-        raise Refused(f"{path}: {error.strerror or error}") from None
-    except UnicodeDecodeError as error:
-        raise Refused(f"{path}: must be a CSV file in UTF-8, got {error}") from None
-    numbered = [(k, line) for k, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
-    if not numbered:
-        raise Refused(f"{path}: must have a line that names the columns, got no line")
-    first, names = numbered[0]
-    delimiter = next((one for one in "\t;" if one in names), ",")
-    where = f"{path}, line {first}"
-    header = _header(where, _cells(where, names, delimiter), test)
-    rows = list(_rows(path, header, numbered[1:], delimiter))
+    table = read_table(path)
+    header = _header(table, test)
+    rows = list(_rows(table, header))
     kept = [row for row in rows if to is None or 1 / to <= row.stretch <= to]
     modes = list(dict.fromkeys(row.mode for row in rows)) or [header.mode or "a"]
     return [_measurement(path, mode, [row for row in kept if row.mode == mode]) for mode in modes]
 
 
-def _cells(where: str, line: str, delimiter: str) -> list[str]:
-    """The cells of a line."""
-    try:
-        return next(csv.reader([line], delimiter=delimiter))
-    except csv.Error as error:
-        raise Refused(f"{where}: must be cells of CSV, got {error}") from None
-
-
-def _header(where: str, names: Sequence[str], test: str | None) -> Header:
+def _header(table: CsvTable, test: str | None) -> Header:
     """What the columns are."""
+    where, names = table.where(table.first), table.names
     found: dict[str, list[int]] = {"test": [], "elongation": [], "stress": []}
     true = []
     for index, name in enumerate(names):
@@ -154,11 +128,10 @@ def _header(where: str, names: Sequence[str], test: str | None) -> Header:
 
 def _column(where: str, name: str, index: int, units: Mapping[str, float]) -> Column:
     """A column by its name, which ends in a unit."""
-    parts = re.fullmatch(r"\s*(.*?)\s*[\[(]\s*([^])]*?)\s*[\])]\s*", name)
-    if parts is None or parts[2] not in units:
-        raise Refused(f"{where}: {name.strip()} must name its unit in brackets, one of {', '.join(units)}")
-    kind = "stress" if units is STRESS_UNITS else "stretch" if "stretch" in parts[1].lower() else "strain"
-    return Column(kind, index, parts[2], units[parts[2]])
+    parts = heading(name)
+    scale = factor(where, parts, units)
+    kind = "stress" if units is STRESS_UNITS else "stretch" if "stretch" in parts.name.lower() else "strain"
+    return Column(kind, index, parts.unit, scale)
 
 
 def _mode(name: str, text: str) -> str:
@@ -169,37 +142,23 @@ def _mode(name: str, text: str) -> str:
     return found
 
 
-def _rows(path: str | Path, header: Header, lines: Sequence[tuple[int, str]], delimiter: str) -> Iterator[Row]:
+def _rows(table: CsvTable, header: Header) -> Iterator[Row]:
     """The points of all lines."""
     last = max(header.elongation.position, header.stress.position, header.test or 0)
-    for number, line in lines:
-        where = f"{path}, line {number}"
-        cells = _cells(where, line, delimiter)
+    for number, cells in table.rows:
+        where = table.where(number)
         if len(cells) <= last:
             raise Refused(f"{where}: must have at least {last + 1} cells, got {len(cells)}")
-        elongation, stress = (_number(where, column, cells, delimiter) for column in (header.elongation, header.stress))
+        elongation, stress = (
+            table.number(number, Heading(one.name, one.unit), cells[one.position]) * one.factor
+            for one in (header.elongation, header.stress)
+        )
         stretch = elongation + (header.elongation.name == "strain")
         low, high = STRETCHES
         if not low < stretch < high:
             raise Refused(f"{where}: stretch must be above {low:g} and below {high:g}, got {stretch:g}")
         mode = header.mode or _mode(f"{where}: test", cells[header.test or 0])
         yield Row(mode, stretch, stress, number)
-
-
-def _number(where: str, column: Column, cells: Sequence[str], delimiter: str) -> float:
-    """A cell's number in SI units."""
-    text = cells[column.position].strip()
-
-    def refuse() -> NoReturn:
-        raise Refused(f"{where}: {column.name} must be a finite number, [{column.unit}], got {text!r}") from None
-
-    try:
-        number = float(text if delimiter == "," else text.replace(",", "."))
-    except ValueError:
-        refuse()
-    if not math.isfinite(number):
-        refuse()
-    return number * column.factor
 
 
 def _measurement(path: str | Path, mode: str, rows: Sequence[Row]) -> Measurement:

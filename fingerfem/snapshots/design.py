@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -10,6 +10,7 @@ from scipy.stats import qmc
 
 from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene, SceneError
+from fingerfem.scene.sections import PlaneMesh
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.given_points import GivenPoints
 from rom.dataset.body import RestBody
@@ -45,10 +46,10 @@ class HeldOut:
         if not has_obstacle and self.distances > 1:
             raise SceneError(f"distances must be 1 where the scene has no obstacle, got {self.distances}")
         if scene.load is not None:
-            random, tendons = np.random.default_rng(self.seed), len(scene.tendons)
-            pulled = box[:tendons, 0] + random.random((self.count, tendons)) * (box[:tendons, 1] - box[:tendons, 0])
+            random, own = np.random.default_rng(self.seed), box[: len(scene.actuators)]
+            loads = own[:, 0] + random.random((self.count, len(own))) * (own[:, 1] - own[:, 0])
             pressed = wrenches.on_plates(scene, random.random((self.count, wrenches.draws(scene))))
-            return np.column_stack([pulled, pressed]).tolist()
+            return np.column_stack([loads, pressed]).tolist()
         axes = np.arange(len(box) + self.distances - 1).clip(max=len(box) - 1)
         draw = np.random.default_rng(self.seed).random((self.count, len(axes)))
         drawn = box[axes, 0] + draw * (box[axes, 1] - box[axes, 0])
@@ -63,7 +64,6 @@ FIRST_LINES, MOST_LINES = 16, 512  # of a sequence that grows
 # Lines per tension where a scene with a load says nothing of them; seed; tensions whose corners come first.
 LINES, SEED, CORNERED = 40, 0, 2
 NO_GRID = 2, 8  # nodes that a set without a grid names: few, as products of them are formed
-OFF_AXIS = 1e-4  # of a section's centroid over its extent: a rod's clamp is taken to be on the axis [-]
 FIRST = 0.02  # contact node next to touch: forces there are far above the solver's tolerance [-]
 
 
@@ -79,8 +79,8 @@ def describe(
         grows: whether lines are added, of a scene with a load, as the error of its elements needs them.
 
     Raises:
-        SceneError: there are chambers, no tendon bends the finger towards its plane, the obstacle is not the plane
-            y = side/2 + d, lines are asked for without a load, or rod elements would not be about the axis.
+        SceneError: a chamber no rectangle of a square, no actuator bends the finger towards its plane, the obstacle is
+            not the plane y = side/2 + d, or lines are asked for without a load.
     """
     _check_kind(scene)
     sampling, lead = scene.sampling, _lead(scene)
@@ -91,7 +91,7 @@ def describe(
         )
     parameters = scene.parameters
     box = np.array([[parameter["lower"], parameter["upper"]] for parameter in parameters])
-    tensions = box[: len(scene.tendons)]
+    tensions = box[: len(scene.actuators)]
     along_tension, along_contact = sampling.tension_nodes, sampling.contact_nodes
     scattered: list[list[float]] = []
     if scene.load is not None and held_out is None:
@@ -115,23 +115,15 @@ def describe(
 
 def _check_kind(scene: Scene) -> None:
     """Raise SceneError for what no set of states can have."""
-    if scene.chambers:
+    if scene.chambers and not scene.geometry.shape.is_square:
         raise SceneError(
-            "chambers must be left out of a scene for snapshots, which have tensions alone; the full-order model "
-            f"solves it (python3 -m fingerfem solve), got {len(scene.chambers)} chambers"
+            "section must be a square of a scene with chambers for snapshots (fingerfem solve takes any), "
+            f"got {scene.geometry.shape.shape}"
         )
     if scene.obstacle is not None and not scene.obstacle.is_facing_plane:
         bodies = scene.obstacle.bodies
         got = f"another {bodies[0].shape}" if len(bodies) == 1 else f"{len(bodies)} bodies"
         raise SceneError(f"obstacle must be the plane y = side/2 + d to train on it, got {got}")
-    if scene.load is not None:
-        mesh = section_mesh(scene.outline, scene.mesh.cells[1])
-        centre, most = mesh.centroid, OFF_AXIS * scene.geometry.side
-        if np.abs(centre).max() > most:
-            raise SceneError(
-                f"{scene.geometry.shape.meshed_by} must give a centroid within {most:.2g} m of the axis to train rod "
-                f"elements, got y = {centre[0]:.3g}, z = {centre[1]:.3g} m"
-            )
 
 
 def _scattered(box: np.ndarray, lines: int) -> list[list[float]]:
@@ -157,13 +149,26 @@ def _pressing(scene: Scene, lines: int) -> list[list[list[float]]]:
 
 
 def _lead(scene: Scene) -> int:
-    """The tendon that bends the finger most towards the plane."""
+    """The actuator that bends the finger most towards the plane: by its largest load, lever and length [N m^2]."""
     ends = np.cumsum(scene.geometry.segments)
-    lever = [tendon.offset[0] * ends[tendon.segment - 1] for tendon in scene.tendons]
-    lead = int(np.argmax(lever))
-    if scene.obstacle is not None and lever[lead] <= 0:
-        raise SceneError("tendons must have one on the plane's side (offset y > 0) to sample contact, got none")
+    bends = [one.tension[1] * one.offset[0] * ends[one.segment - 1] for one in scene.tendons]
+    for one in scene.chambers:
+        centre, size = np.array(one.centre), np.array(one.size)
+        bends.append(-one.pressure[1] * float(size.prod() * centre[0]) * (one.x[1] - one.x[0]))
+    lead = int(np.argmax(bends))
+    if scene.obstacle is not None and bends[lead] <= 0:
+        raise SceneError(
+            "tendons must have one on the plane's side (offset y > 0), or chambers one on the other, to sample "
+            "contact, got none"
+        )
     return lead
+
+
+def _rubber(scene: Scene) -> PlaneMesh:
+    """The mesh of a section without its chambers."""
+    mesh = section_mesh(scene.outline, scene.mesh.cells[1], scene.is_half)
+    solid = ~np.isin(mesh.tags, [cavity.tag for cavity in scene.outline.cavities])
+    return replace(mesh, quads=mesh.quads[solid], tags=mesh.tags[solid])
 
 
 def body(scene: Scene, nodes: np.ndarray) -> RestBody:
@@ -179,9 +184,9 @@ def body(scene: Scene, nodes: np.ndarray) -> RestBody:
 
 
 def cross_sections(scene: Scene, nodes: np.ndarray) -> CrossSections:
-    """The cross-sections of that finger."""
-    mesh = section_mesh(scene.outline, scene.mesh.cells[1], scene.is_half)
-    first = nodes[: len(nodes) // len(np.unique(nodes[:, 0])), 1:]
+    """The cross-sections of that finger: of the rubber around its chambers, also where that fills them."""
+    mesh = _rubber(scene)
+    first = nodes[nodes[:, 0] <= nodes[0, 0] + scene.outline.tolerance, 1:]
     box = outline(scene.model_dump(mode="json")).box
     plane = plane_nodes(first, mesh.points, mesh.quads, box, scene.is_half)
     return CrossSections(nodes, scene.mesh.order, plane)

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+END = 1.0  # length of rubber in a clamp or plate piece, over the side: nearer, the section cannot warp freely [-]
+
 
 def sizes_of(geometry: Mapping[str, Any]) -> np.ndarray:
     """Sizes of the segments' sections from the clamp to every plate, shape (segments + 1,), over the clamp's [-]."""

@@ -1,12 +1,15 @@
 """The motion of a finger's cross-sections, from the displacement of its nodes.
 
-A section is a plane of element boundaries across the axis. Its position is the mean c of its nodes' positions x, and
-its rotation R is that of the polar decomposition M = R U of
+A section is a plane of element boundaries across the axis. With the mean c of its nodes' positions x, its rotation R is
+that of the polar decomposition M = R U of
 
     M = sum of w (x - c) (X - X_c)^T     [m^2],
 
-where the weights w [-], of sum 1, are the integrals of the nodes' shape functions over the plane. X - X_c lies in the
-plane, so M has rank 2; R is unique all the same, and `rigid_motion.turns` differentiates it.
+and its position is where this rigid motion brings its point on the axis, c - R m, with m from there to X_c. The weights
+w [-], of sum 1, are the integrals of the nodes' shape functions over the plane. X - X_c lies in the plane, so M has
+rank 2; R is unique all the same, and `rigid_motion.turns` differentiates it.
+
+Nodes within a chamber, where it is filled, have no weight: sections have one definition along the whole finger.
 
 Of half a finger, z >= 0, the sections are whole: of the mirror image, c and M have the same entries with an even number
 of z, and the others cancel.
@@ -15,6 +18,7 @@ of z, and the others cancel.
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from rom.dataset import rigid_motion
 from rom.dataset.grid import levels
@@ -30,7 +34,8 @@ class CrossSections:
     """The cross-sections of a finger: element boundaries along the axis, so no mid-planes of order 2.
 
     Args:
-        nodes: of the finger at rest, sorted by x, then y, then z, shape (nodes, 3) [m].
+        nodes: of the finger at rest, sorted by x, then y, then z, shape (nodes, 3) [m]. The first section has all of
+            the plane's.
         order: Lagrange order of the mesh.
         plane: the nodes of one section.
 
@@ -47,20 +52,25 @@ class CrossSections:
 
     def __init__(self, nodes: np.ndarray, order: int, plane: PlaneNodes):
         self.positions, layers = positions_of(nodes, order), len(levels(nodes[:, 0])[0])
-        self._shape, self._order, self._is_half = (layers, len(plane.weights), 3), order, plane.is_half
-        self._weights = plane.weights
+        own = plane.weights > 0
+        _, at = cKDTree(nodes[: len(own), 1:]).query(nodes[:, 1:])
+        self._kept = slice(None) if own.all() else own[at]
+        self._shape, self._order, self._is_half = (layers, int(own.sum()), 3), order, plane.is_half
+        self._weights = plane.weights[own]
         across = self._on_sections(nodes) * [0, 1, 1]
         middle = self._mean(across)
         self._arms = across - middle[:, None]
         self._weighted_arms = self._weights[:, None] * self._arms
+        self._middle = middle
         self._centres = self.positions[:, None] * [1, 0, 0] + middle
         self._inertia = self._moment(self._arms)
-        self._fit = plane.corners
+        self._fit = plane.corners[:, :, own]
         self._corner_arms = self._corners(self._arms)
 
     def _on_sections(self, fields: np.ndarray) -> np.ndarray:
         """Vectors at all nodes by section, shapes (..., nodes, 3) and (..., sections, nodes of one, 3)."""
-        return fields.reshape(*fields.shape[:-2], *self._shape)[..., :: self._order, :, :]
+        own = fields[..., self._kept, :]
+        return own.reshape(*fields.shape[:-2], *self._shape)[..., :: self._order, :, :]
 
     def _mean(self, fields: np.ndarray) -> np.ndarray:
         """Mean of vectors at the nodes of a section, shapes (..., nodes of one, 3) and (..., 3)."""
@@ -96,13 +106,14 @@ class CrossSections:
         corners = (self._corner_arms + self._corners(moved) - shift[:, None]) @ rotation  # rows R^T (x - c)
         corner_change = (self._corners(change) - shift_change[:, :, None]) @ rotation
         corner_change -= np.cross(turn[:, :, None], corners)
+        swung = np.cross(turn, self._middle)  # of the mean about the axis, in the section's frame
         derivatives = {
-            "section_place": shift_change,
+            "section_place": shift_change - np.einsum("sij,psj->psi", rotation, swung),
             "section_rotation": rigid_motion.quaternion_changes(quaternion, turn),
             "section_corners": corner_change,
         }
         return {
-            "section_place": self._centres + shift,
+            "section_place": self._centres + shift - np.einsum("sij,sj->si", rotation, self._middle),
             "section_rotation": quaternion,
             "section_corners": corners - self._corner_arms,
             **{f"{name}_jacobian": np.moveaxis(values, 0, -1) for name, values in derivatives.items()},

@@ -11,6 +11,7 @@ import numpy as np
 
 from rom import checked_file
 from rom.brief import brief
+from rom.dataset.actuators import count_of, pressures_of
 from rom.dataset.section_outline import SectionOutline
 from rom.elements.law import ElementLaw
 from rom.elements.outline import OutlineLaw
@@ -19,7 +20,7 @@ from rom.elements.polynomial import Polynomial
 CLAMP, INTERIOR, PLATE, WHOLE = "clamp", "interior", "plate", "whole"  # kinds of elements
 SECTION = "section"  # the group of a file that holds the section's outline
 UNCALIBRATED = 2.0  # times the variants' deviation: 95 % of a normal distribution [-]
-UNITS = "place m, Rodrigues vector -, shortening m; of interior elements per m"
+UNITS = "place m, Rodrigues vector -, shortening m, growth m^3; of interior elements per m"
 
 
 @brief
@@ -51,8 +52,8 @@ class Elements:
 
     @property
     def tensions(self) -> int:
-        """Number of tensions."""
-        return len(self.scene["tendons"])
+        """Number of loads, tensions and then pressures."""
+        return count_of(self.scene)
 
     def error_factor(self, quantity: str) -> float:
         """How many times the variants' deviation the estimated error of a quantity is [-]."""
@@ -74,7 +75,7 @@ class Elements:
             group, outline = file.create_group(kind), self.outlines[kind]
             group.attrs["lengths"] = law.lengths
             checked_file.dataset(group, "tension_map", law.tension_map, "-")
-            checked_file.dataset(group, "tensions", law.tensions, "N")
+            checked_file.dataset(group, "tensions", law.tensions, "N, Pa")
             _write(group, law.polynomial, UNITS)
             if law.deviations is not None:
                 _write(group.create_group("variants"), law.deviations, UNITS)
@@ -86,6 +87,7 @@ class Elements:
     def read(cls, file: h5py.Group) -> Elements:
         """The elements in an open file; one that names no section has a square, as files of earlier versions do."""
         laws, outlines = {}, {}
+        scene, provenance = (json.loads(file.attrs[name]) for name in ("scene", "provenance"))
         for kind in file:
             if kind == SECTION:
                 continue
@@ -98,6 +100,7 @@ class Elements:
                 polynomial=_read(group),
                 lengths=(shortest, longest),
                 deviations=_read(group["variants"]) if "variants" in group else None,
+                pressures=pressures_of(scene),
             )
             outlines[kind] = OutlineLaw(
                 tension_map=tension_map,
@@ -105,8 +108,8 @@ class Elements:
                 polynomial=_read(outline),
                 half=np.broadcast_to(outline.attrs["half"], 2).astype(float),
                 error=float(outline.attrs["error"]),
+                pressures=pressures_of(scene),
             )
-        scene, provenance = (json.loads(file.attrs[name]) for name in ("scene", "provenance"))
         force, factors = float(file.attrs["force"]), json.loads(file.attrs["error_factors"])
         known = SECTION in file
         section = SectionOutline.read(file[SECTION]) if known else SectionOutline.rectangle(*outlines[kind].half)

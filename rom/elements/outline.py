@@ -17,12 +17,12 @@ from rom.dataset.plane_nodes import CORNERS
 from rom.dataset.section import outline
 from rom.elements.fitting.candidates import box, weights_of
 from rom.elements.fitting.regression import NormalEquations, index_set
-from rom.elements.law import combined
+from rom.elements.law import combined, scales_of, wrench_scales
 from rom.elements.polynomial import Polynomial
 from rom.elements.samples.element_samples import Samples, own_samples
 from rom.elements.samples.section_states import SectionStates
 from rom.elements.samples.symmetry import Mirror
-from rom.elements.samples.tension_map import TensionMap, of_tendons
+from rom.elements.samples.tension_map import TensionMap, of_scene
 
 NUMBERS = 3 * len(CORNERS)
 DEGREE, ALONG = 4.0, 0.8  # weighted degree; weight of the distance's powers [-]
@@ -34,15 +34,16 @@ MOST_PAIRS = 30  # positions of one kind of element that are fitted
 @brief
 @dataclass(frozen=True, kw_only=True)
 class OutlineLaw:
-    """Corners of a cross-section by tensions, the wrench through the distal section, and the distance from that.
+    """Corners of a cross-section by loads, the wrench through the distal section, and the distance from that.
 
     Attributes:
-        tension_map: orthogonal; the first t inputs of the polynomial are tension_map @ tensions, shape (t, t).
-        tensions: lowest and highest, shape (2, t) [N].
-        polynomial: of t + 7 inputs [N, N m, m]; of 12 values: how far the corners are from where they were at rest,
+        tension_map: orthogonal; the first t inputs of the polynomial are tension_map @ loads, shape (t, t).
+        tensions: lowest and highest loads, shape (2, t) [N, Pa].
+        polynomial: of t + 7 inputs [N, Pa, N m, m]; of 12 values: how far the corners are from where they were at rest,
             seen from the distal section [m].
         half: of the section's box along y and z, shape (2,) [m].
         error: of the corners in lines that were left out, 95th percentile [m].
+        pressures: how many of the loads are pressures, the last ones.
     """
 
     tension_map: np.ndarray
@@ -50,6 +51,7 @@ class OutlineLaw:
     polynomial: Polynomial
     half: np.ndarray
     error: float
+    pressures: int = 0
 
     @property
     def distances(self) -> tuple[float, float]:
@@ -81,13 +83,12 @@ class OutlineLaw:
 
     def scaled(self, size: float, modulus: float) -> OutlineLaw:
         """The law of an element `size` times as large, of rubber `modulus` times as stiff: exact by similarity."""
-        law, force = self.polynomial, modulus * size**2
-        inputs = np.full(len(law.lower), force)
-        inputs[-4:-1], inputs[-1] = force * size, size
+        law, loads = self.polynomial, scales_of(self.tensions.shape[1], self.pressures, size, modulus)
+        inputs = np.concatenate([loads, wrench_scales(size, modulus), [size]])
         scaled = replace(law, lower=law.lower * inputs, upper=law.upper * inputs, coefficients=law.coefficients * size)
         return replace(
             self,
-            tensions=self.tensions * force,
+            tensions=self.tensions * loads,
             polynomial=scaled,
             half=self.half * size,
             error=self.error * size,
@@ -136,7 +137,7 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
     """
     chosen = [pairs[k] for k in np.unique(np.linspace(0, len(pairs) - 1, MOST_PAIRS).round().astype(int))]
     samples = [outline_samples(states, *pair) for pair in chosen]
-    tension_map, tensions = of_tendons(states.scene["tendons"]), states.ranges.T
+    tension_map, tensions = of_scene(states.scene), states.ranges.T
     images = _images(states, tension_map)
     equations = _equations(samples, tension_map, tensions, images, int(fold.max()) + 1)
     inputs = [_along(one, tension_map.matrix) for one in samples]
@@ -154,6 +155,7 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
         polynomial=equations.fit(every),
         half=outline(states.scene).box,
         error=float(np.quantile(np.concatenate(off), 0.95)),
+        pressures=states.pressures,
     )
 
 

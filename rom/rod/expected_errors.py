@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 from rom.brief import brief
 from rom.elements.elements import Elements
@@ -12,6 +12,7 @@ from rom.elements.fitting.calibration import Floors, floors_of
 # What a taper adds, over the steepest change of the side per length: to the error of contact forces [-], of places and
 # of shortenings, over the finger's length [-], and of turns [rad]. Measured on tapers to 1:2 (docs/accuracy.md).
 FORCE, PLACE, SHORTENING, TURN = 0.05, 5e-3, 4e-3, 0.03
+AXES = 3  # along each of which the floor of a place acts
 
 
 @brief
@@ -27,6 +28,7 @@ class ExpectedErrors:
         position: of the free tip plate [m].
         turn: of the tip plate's orientation [rad].
         shortening: of tendons [m].
+        growth: of chambers [m^3].
         surface: of the rubber's surface, that of its outlines and of the sections' positions [m].
         floors: what estimated errors are not below.
     """
@@ -35,8 +37,24 @@ class ExpectedErrors:
     position: float
     turn: float
     shortening: float
+    growth: float
     surface: float
     floors: Floors
+
+    def at_least(self, measured: Mapping[str, float], elements: Elements) -> ExpectedErrors:
+        """The same, nowhere below errors that a calibration measured, nor are the estimates of answers.
+
+        Args:
+            measured: 95th percentiles, by the names of these attributes; what is absent was not measured.
+            elements: as they were trained.
+        """
+        if not measured:
+            return self
+        own = {name: max(getattr(self, name), float(value)) for name, value in measured.items()}
+        place = float(measured.get("position", 0.0)) / (AXES**0.5 * elements.error_factor("tip"))
+        force = float(measured.get("contact_force", 0.0)) / elements.error_factor("contact_force")
+        floors = Floors(max(self.floors.place, place), max(self.floors.force, force))
+        return replace(self, **own, floors=floors)
 
 
 def expected_errors(
@@ -61,6 +79,7 @@ def expected_errors(
         position=position,
         turn=float(left_out["turn_rad"]["p95"]) * longer + TURN * slope,
         shortening=float(left_out["shortening_m"]["p95"]) * size * longer + SHORTENING * change,
+        growth=float(left_out.get("growth_m3", {"p95": 0.0})["p95"]) * size**3 * longer,
         surface=max(size * elements.outlines[kind].error for kind in kinds) + position,
         floors=Floors(place * lever + PLACE * change, force + FORCE * slope),
     )

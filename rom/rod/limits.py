@@ -42,10 +42,11 @@ def check(rod: Rod) -> None:
             away = np.linalg.norm(_ends_of_free_plate(one), axis=1)
         near = bool((away < FARTHEST * one.length).all())  # not where it is nan
         require(near, f"free plate {k + 1} must be within {FARTHEST:g} lengths of its clamp", away.tolist())
-    for name in ("contact_force", "position", "surface", "turn", "shortening"):
+    for name in ("contact_force", "position", "surface", "turn", "shortening", "growth"):
         value = getattr(rod.errors, name)
         require(0 <= value < np.inf, f"the expected error of {name} must be finite and at least 0", value)
-    require(isinstance(rod.accuracy, dict), "accuracy must be a table", rod.accuracy)
+    for name in ("accuracy", "calibration"):
+        require(isinstance(getattr(rod, name), dict), f"{name} must be a table", getattr(rod, name))
 
 
 def _ends_of_free_plate(segment: Segment) -> np.ndarray:

@@ -19,6 +19,7 @@ from rom import checked_file
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.console.table import Table, as_html
+from rom.dataset.actuators import actuators_of
 from rom.dataset.geometry import sizes_of, steepest, tip_at_rest
 from rom.dataset.section import extent
 from rom.elements.elements import Elements
@@ -37,7 +38,7 @@ from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
 from rom.rod.weight import turned
 
-KIND, FORMAT, PLAIN = "fingerfem rod", 2, ("scene", "accuracy")
+KIND, FORMAT, PLAIN = "fingerfem rod", 2, ("scene", "accuracy", "calibration")
 
 
 @brief
@@ -67,6 +68,7 @@ class Rod(PickledByFields):
         elements: the elements as trained.
         scene: of the finger: geometry, material and tendons, as plain data.
         accuracy: errors measured on held-out states; empty if not measured.
+        calibration: on which log and with which result (`control.calibrate`); empty if not calibrated.
         parts: into which interior elements are cut: more have the mass of a moving finger at more sections, and its
             answers at rest change by less than their errors.
 
@@ -81,6 +83,7 @@ class Rod(PickledByFields):
     elements: Elements
     scene: dict[str, Any]
     accuracy: dict[str, Any] = field(default_factory=dict)
+    calibration: dict[str, Any] = field(default_factory=dict)
     parts: int = 1
 
     def __post_init__(self) -> None:
@@ -117,26 +120,30 @@ class Rod(PickledByFields):
 
     @cached_property
     def segments(self) -> list[Segment]:
-        """Segments from clamp to tip; a tendon passes all segments up to its plate."""
-        found = []
+        """Segments from clamp to tip; a tendon passes all segments up to its plate, chambers are in the only one."""
+        found, pulled = [], len(self.elements.scene["tendons"])
+        chambers = [
+            (chamber["name"], pulled + trained)
+            for chamber, trained in zip(self.scene.get("chambers") or [], self.similarity.chambers, strict=True)
+        ]
         for k, own in enumerate(self.pieces):
             passing = [
                 (tendon["name"], trained)
                 for tendon, trained in zip(self.scene["tendons"], self.similarity.tendons, strict=True)
                 if tendon["segment"] > k
-            ]
+            ] + chambers
             found.append(segment_of(self.own, own, [name for name, _ in passing], [which for _, which in passing]))
         return found
 
     @property
     def parameters(self) -> list[Parameter]:
-        """The tensions."""
-        return [Parameter(one["name"], "N", *one["tension"]) for one in self.scene["tendons"]]
+        """The tensions, then the pressures."""
+        return [Parameter(one.name, one.unit, one.lower, one.upper) for one in actuators_of(self.scene)]
 
     @property
     def names(self) -> list[str]:
-        """Names of the tensions."""
-        return [one["name"] for one in self.scene["tendons"]]
+        """Names of the tensions, then of the pressures."""
+        return [one.name for one in actuators_of(self.scene)]
 
     @property
     def half_lengths(self) -> np.ndarray:
@@ -155,13 +162,14 @@ class Rod(PickledByFields):
 
     @cached_property
     def errors(self) -> ExpectedErrors:
-        """The expected errors, from lines that were left out of the training."""
+        """The expected errors, from lines left out of the training; at least those on the log of a calibration."""
         trained, geometry = sum(self.elements.scene["geometry"]["segments"]), self.scene["geometry"]
         thinner = [sum(one.length / one.size for one in own) / sum(one.length for one in own) for own in self.pieces]
         longer = float(np.dot(thinner, geometry["segments"]) / (self.similarity.size * trained))
         kinds, slope = {piece.kind for own in self.pieces for piece in own}, steepest(geometry, extent(self.scene))
         tapered = slope, slope * sum(geometry["segments"])
-        return expected_errors(self.elements, kinds, self.similarity.size, longer, tapered)
+        found = expected_errors(self.elements, kinds, self.similarity.size, longer, tapered)
+        return found.at_least(self.calibration.get("errors", {}), self.elements)
 
     @cached_property
     def struct(self) -> Any:
@@ -172,11 +180,11 @@ class Rod(PickledByFields):
         """Poses of the plates.
 
         Args:
-            tensions: shape (t,) [N].
+            tensions: of the tendons [N], then pressures of the chambers [Pa], shape (t,).
             wrenches: on the plates in their own frames, shape (n, 6) [N, N m]; none if omitted.
 
         Raises:
-            ModelError: the wrong number of tensions or wrenches.
+            ModelError: the wrong number of tensions and pressures, or of wrenches.
         """
         return Plates(*compiled.place_chain(self.struct, *self._inputs(tensions, wrenches)))
 
@@ -186,14 +194,20 @@ class Rod(PickledByFields):
         pulled = np.array(tensions, float)
         pressed = np.zeros((n, 6)) if wrenches is None else np.array(wrenches, float)
         if pulled.shape != (t,) or pressed.shape not in ((n, 6), (6 * sum(map(len, self.pieces)),)):
-            raise ModelError(
-                f"inputs must be {t} tensions and wrenches of shape ({n}, 6), "
-                f"got shapes {pulled.shape} and {pressed.shape}"
-            )
+            shapes = f"{pulled.shape} and {pressed.shape}"
+            raise ModelError(f"inputs must be {t} tensions and wrenches of shape ({n}, 6), got shapes {shapes}")
         return pulled, pressed
 
     def shortening(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
-        """Shortening of the tendons between clamp and plate, shape (t,) [m]; arguments of `place`."""
+        """Shortening of the tendons between clamp and plate, shape (tendons,) [m]; arguments of `place`."""
+        return self.strokes(tensions, wrenches)[: len(self.scene["tendons"])]
+
+    def growth(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
+        """Growth of the chambers' volumes, shape (chambers,) [m^3]; arguments of `place`."""
+        return self.strokes(tensions, wrenches)[len(self.scene["tendons"]) :]
+
+    def strokes(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
+        """What the loads do work on: shortenings, then growths, shape (t,) [m, m^3]; arguments of `place`."""
         return reports.shortenings(self.struct, *self._inputs(tensions, wrenches))[0]
 
     def displacement(
@@ -247,7 +261,7 @@ class Rod(PickledByFields):
             ModelError: not a valid scene, or the elements cannot make it; the message says what is missing.
         """
         tables = of_tables(scene) if isinstance(scene, Mapping) else read_scene(scene)
-        trained = dict(self.elements.scene)
+        trained = {name: table for name, table in self.elements.scene.items() if name != "chambers"}
         section = trained.pop("section", None)
         if section and "digest" in section and section["digest"] == tables.get("section", {}).get("digest"):
             tables["section"] = section  # with what was measured of the file
@@ -298,10 +312,9 @@ class Rod(PickledByFields):
 
     @classmethod
     def _read(cls, file: h5py.File) -> Rod:
-        plain = {name: json.loads(file.attrs[name]) for name in PLAIN}
+        plain = {name: json.loads(file.attrs.get(name, "{}")) for name in PLAIN}
         plain["scene"] = plain["scene"] | of_tables(plain["scene"])
         elements = Elements.read(file["elements"])
         check_elements(elements)
-        found = cls(elements=elements, **plain)
-        check_rod(found)
+        check_rod(found := cls(elements=elements, **plain))
         return found

@@ -15,9 +15,11 @@ import numpy as np
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.dataset.actuators import actuators_of
 from rom.dataset.geometry import sizes_of
 from rom.dataset.section import channel_width, extent
 from rom.file_kinds import uses_of
+from rom.rod.chambers_of_rod import chambers_of, matched, rescaled_chamber
 from rom.rod.section_of_rod import NEAR, equal, size_of_section, with_digest, without_square
 from rom.rod.weight import gravity_of
 
@@ -30,11 +32,12 @@ PLAIN = ("nu", "alpha")  # constants without a unit
 
 @brief
 class Similarity(NamedTuple):
-    """By how much elements are scaled [-], and which of their tendons every tendon of the finger is."""
+    """By how much elements are scaled [-], and which of their tendons and chambers every one of the finger is."""
 
     size: float
     modulus: float
     tendons: list[int]
+    chambers: list[int]
 
 
 def read_scene(path: str | Path) -> dict[str, Any]:
@@ -63,11 +66,6 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
     for name, kind in (("geometry", dict), ("material", dict), ("tendons", list)):
         if not isinstance(scene.get(name), kind):
             raise ModelError(f"{name} must be given, got {scene.get(name)}")
-    if scene.get("chambers"):
-        raise ModelError(
-            "chambers must be left out of a rod's scene: elements have no voids; "
-            f"the full-order model solves it (python3 -m fingerfem solve), got {scene['chambers']}"
-        )
     if scene.get("materials"):
         raise ModelError(
             "materials must be left out of a rod's scene: elements are of one material; "
@@ -75,19 +73,21 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
         )
     scene = without_square(scene)
     try:
-        found = {
+        found: dict[str, Any] = {
             "name": str(scene.get("name", "finger")),
             "geometry": _geometry(scene["geometry"], has_side=scene.get("section") is None),
             "material": dict(scene["material"]),
             "tendons": [_tendon(one) for one in scene["tendons"]],
         }
         found |= {} if scene.get("section") is None else {"section": scene["section"]}
-        return found | ({} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"])})
+        found |= {"chambers": chambers_of(scene)} if scene.get("chambers") else {}
+        weight = {} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"], scene.get("density"))}
+        return found | weight
     except ModelError:
         raise
     except (KeyError, TypeError, ValueError) as error:
         raise ModelError(
-            f"scene must have geometry and tendons as docs/reference/scene.md says, got {error!r}"
+            f"scene must have geometry, tendons and chambers as docs/reference/scene.md says, got {error!r}"
         ) from None
 
 
@@ -126,7 +126,7 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     """By how much elements of a trained scene must be scaled for another.
 
     Raises:
-        ModelError: they are of another section, rubber or plate, or lack a tendon: one line with both values.
+        ModelError: another section, rubber or plate, or a tendon or chamber that is missing: one line with both values.
     """
     size = size_of_section(trained, scene)
     over = "geometry.side" if "side" in scene["geometry"] else "the section's extent"
@@ -140,17 +140,45 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     count = len(scene["geometry"]["segments"])
     if not 1 <= count <= MOST_SEGMENTS:
         raise ModelError(f"geometry.segments must be at least one and at most {MOST_SEGMENTS}, got {count}")
-    names = [one["name"] for one in scene["tendons"]]
+    names = [one.name for one in actuators_of(scene)]
     if len(set(names)) < len(names):
-        raise ModelError(f"tendons must have names of their own, got {', '.join(names)}")
+        raise ModelError(f"tendons and chambers must have names of their own, got {', '.join(names)}")
     sizes = sizes_of(scene["geometry"])
     tendons = [_tendon_of(trained["tendons"], one, size * sizes, modulus) for one in scene["tendons"]]
     last = max((one["segment"] for one in scene["tendons"]), default=0)
     if last < count:
         raise ModelError(f"tendons must pass all segments, one at least of segment {count}, got {last}")
-    found = Similarity(size, modulus, tendons)
+    found = Similarity(size, modulus, tendons, matched(trained, scene, size, modulus))
     for segment in range(1, count + 1):
         _check_sums(trained["tendons"], scene["tendons"], found, (segment, size * sizes[segment - 1 : segment + 1]))
+    return found
+
+
+def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str, Any]:
+    """The scene of a finger with its modulus and all lengths multiplied by factors [-].
+
+    Highest tensions and pressures fall where the trained ones do, and do not rise.
+    """
+
+    def longer(value: Any) -> Any:
+        return None if value is None else (size * np.asarray(value, float)).tolist()
+
+    lengths = {name: longer(one) for name, one in scene["geometry"].items() if name != "taper"}
+    material = {
+        name: (modulus ** MODULI[name] * np.asarray(one, float)).tolist() if name in MODULI else one
+        for name, one in scene["material"].items()
+    }
+    force = modulus * size**2
+    tendons = [
+        one
+        | {"offset": longer(one["offset"])}
+        | {"tension": [one["tension"][0] * force, one["tension"][1] * min(force, 1.0)]}
+        for one in scene["tendons"]
+    ]
+    geometry = scene["geometry"] | lengths
+    found = dict(scene) | {"geometry": geometry, "material": material, "tendons": tendons}
+    if scene.get("chambers"):
+        found["chambers"] = [rescaled_chamber(one, modulus, size) for one in scene["chambers"]]
     return found
 
 

@@ -21,6 +21,7 @@ from rom.elements.polynomial import Polynomial
 from rom.elements.taper import Prism, shear_compliance, tapered
 from rom.native import PickledByFields
 from rom.rod import compiled
+from rom.rod.bulges import bulges_of
 
 UNDER = 0.4  # over half the side: largest depth of a tendon that raises a ridge on the face above it [-]
 
@@ -31,17 +32,18 @@ class Segment(PickledByFields):
     """One segment of a finger, condensed to its plate when it is asked for.
 
     Attributes:
-        elements: laws by the segment's tensions and the wrench that each transmits, from the plate to the clamp: pose,
-            then shortenings of the trained tendons. Elements that share a law are one object.
+        elements: laws by the segment's loads and the wrench that each transmits, from the plate to the clamp: pose,
+            then strokes of the trained actuators. Elements that share a law are one object.
         outlines: of every element, shared as its law is.
-        names: of its tensions.
-        trained: which trained tendon each of these is.
+        names: of its tensions, then of its pressures.
+        trained: which trained load each of these is.
         offsets: of the tendons in channels from the axis along y and z, shape (t, 2) [m]; 0 of those without a channel.
         half_lengths: of the plate along its own axes, shape (3,) [m].
         section: outline of the plate's section at rest.
         area: of the section at the plate [m^2].
         begins: size of the section where it begins over that of the plate's [-].
         length: from the clamp to the plate's centre at rest [m].
+        bulges: see `bulges_of`; None without chambers.
     """
 
     elements: Sequence[ElementMap]
@@ -54,6 +56,7 @@ class Segment(PickledByFields):
     area: float
     length: float
     begins: float = 1.0
+    bulges: np.ndarray | None = None
 
     @property
     def tensions(self) -> int:
@@ -137,6 +140,7 @@ class Segment(PickledByFields):
             young_modulus=self.young_modulus,
             poisson=0.0 if self.outlines is None else self.poisson,
             ridges=self.ridges,
+            bulges=self.bulges,
         )
 
     def place(self, inputs: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
@@ -188,12 +192,15 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         outlines=[outlines[one] for one in pieces],
         names=names,
         trained=trained,
-        offsets=elements.size * end * np.array([_offset(elements.scene["tendons"][k]) for k in trained]).reshape(-1, 2),
+        offsets=elements.size * end * np.array([_offset(elements.scene["tendons"], k) for k in trained]).reshape(-1, 2),
         half_lengths=half,
         section=section,
         area=area(elements.scene) * (elements.size * end) ** 2,
         begins=begin / end,
         length=sum(one.length for one in pieces),
+        bulges=bulges_of([laws[one] for one in pieces], elements.scene, elements.size, trained)
+        if elements.scene.get("chambers")
+        else None,
     )
 
 
@@ -212,8 +219,10 @@ def _in_one_box(laws: dict[Piece, ElementMap], outlines: dict[Piece, compiled.Ou
         outlines[piece] = replace(own, polynomial=on_tensions(own.polynomial, lower, upper))
 
 
-def _offset(tendon: dict[str, Any]) -> list[float]:
-    return tendon["offset"] if tendon.get("path", "channel") == "channel" else [0.0, 0.0]
+def _offset(tendons: Sequence[dict[str, Any]], k: int) -> list[float]:
+    """Of load k's channel; 0 of a straight tendon and of a chamber, which come after the tendons."""
+    has_channel = k < len(tendons) and tendons[k].get("path", "channel") == "channel"
+    return tendons[k]["offset"] if has_channel else [0.0, 0.0]
 
 
 def _pose_of(element: ElementMap) -> ElementMap:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rom.console.table import NOT_MEASURED, Table, accuracy, parameters, percent
 from rom.dataset.grid import SHARE
+from rom.rod.calibration_tables import calibration_tables
 from rom.rod.weight import weight_of
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ def tables(rod: Rod) -> list[Table | str]:
         f"lines left out{finer}: contact force within {percent(force['p95'])} (95 %), "
         f"median {percent(force['median'])}; free tip within {1e6 * free['p95']:.3g} µm",
         *(measured if measured else [NOT_MEASURED]),
+        *calibration_tables(rod.calibration),
     ]
 
 

@@ -3,6 +3,7 @@
 import copy
 import multiprocessing
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +11,12 @@ from assembled import in_series
 
 import control
 import rom
-from control import Finger, Gripper, Limits
+from control import CalibrationOptions, Finger, Gripper, Limits, calibrate
 from rom import Rod
 from rom.rod.inverse_map import InverseMap
 
+LOG = Path(__file__).parents[2] / "examples" / "log.csv"
+NOISE = {"tension": 0.02, "position": 5e-4, "orientation": 0.017}
 POINT = [50.0, 20.0, 0.012]
 HULL = {"vertices": [(x, y, z) for x in (0, 0.01) for y in (0, 0.01) for z in (0, 0.01)]}
 WHERE = {"centre": (0.0, 0.01, 0.0), "direction": (0.0, 1.0, 0.0)}
@@ -57,6 +60,14 @@ CLASSES = {
     "Sphere": (lambda table: rom.Sphere(radius=0.01, **WHERE), lambda one: [one.numbers()["radius"]]),
     "table": (lambda table: table, answered),
     "TouchedSegment": (lambda table: rom.load(), answered),
+    "Calibration": (
+        lambda table: calibrate(rom.load(), LOG, CalibrationOptions(noise=NOISE)),
+        lambda one: [one.correlations, one.rod.place([20.0, 0.0]).centres],
+    ),
+    "CalibrationOptions": (
+        lambda table: CalibrationOptions(fit=["size"], noise=NOISE),
+        lambda one: [one.noise["position"]],
+    ),
     "Finger": (
         lambda table: Finger(table, Limits(upper=90.0, rate=400.0)),
         lambda one: [
@@ -64,6 +75,10 @@ CLASSES = {
             one.reach(one.rest + np.array([-0.005, 0.01, 0])).tensions,
             one.upper,
         ],
+    ),
+    "GuidedFinger": (
+        lambda table: rom.GuidedFinger(model=rom.load(), friction=0.2),
+        lambda one: [one.advance([tension, 0.0, 0.02]).element_tensions for tension in (60.0, 30.0)],
     ),
     "Flaws": (lambda table: control.Flaws(noise=0.1), lambda one: [one.noise]),
     "Grasp": (grasp, lambda one: [one.tensions, one.distances]),

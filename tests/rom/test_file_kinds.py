@@ -47,6 +47,7 @@ COMMANDS = {
     "control reach": ["reach", "{}", "0.0", "-0.001", "0.0"],
     "control hold": ["hold", "{}", "--distance", "0.01"],
     "control grasp": ["grasp", "{}"],
+    "control calibrate": ["calibrate", "{}", "LOG"],
     "control campaign": ["campaign", "{}", "--starts", "4"],
     "control export .html": ["export", "{}", "OUT/finger.html"],
     "control export .fmu": ["export", "{}", "OUT/finger.fmu"],
@@ -121,6 +122,7 @@ def test_a_command_takes_a_file_or_says_what_takes_it(files, trained, tmp_path, 
         "MODEL": files["a separated model"],
         "TRAINING": files["a training set"],
     }
+    named["LOG"] = ROOT / "examples" / "log.csv"
     named |= {"SCENE": files["a scene"], "FINGER": files["a finger of rod elements"]}
     words = [
         str(named.get(word, word.replace("{}", str(files[kind.name])).replace("OUT/", f"{tmp_path}/")))

@@ -35,6 +35,7 @@ from rom.error_statistics import quantiles
 
 FOLDS = 7  # largest number of groups; the lines of a group are left out together
 FEWEST = 4  # lines
+STROKES = "shortening_m", "growth_m3"
 SHARE = 0.9  # quantile of the predicted states' errors by which degrees are compared [-]
 FORCE, PLACE = (
     1e-3,
@@ -111,7 +112,7 @@ def prepare(states: SectionStates, highest: float = HIGHEST) -> Training:
     kinds = {}
     for kind, pairs in cut(states.at, extent(states.scene)).items():
         samples = [element_samples(states, *pair) for pair in pairs]
-        kinds[kind] = candidates(samples, of_line, states.scene["tendons"], states.mirrors, highest)
+        kinds[kind] = candidates(samples, of_line, states.scene, states.mirrors, highest)
     return Training(states=states, fold=fold, kinds=kinds)
 
 
@@ -163,8 +164,7 @@ def train(
         "place_m": quantiles(off),
         "free_place_m": quantiles(off[training.states.forces == 0]),
         "turn_rad": quantiles(angles(turned, training.states.plate.rotations)),
-        "shortening_m": quantiles(np.abs(shorter - training.states.shortenings[:, -1]).max(axis=1)),
-    }
+    } | stroke_errors(shorter - training.states.shortenings[:, -1], training.states.pressures)
     progress("fitting elements", 2, 2)
     return Elements(
         laws=training.laws(of_laws),
@@ -175,6 +175,17 @@ def train(
         provenance=provenance | {"degrees": degrees, "left_out": left_out},
         error_factors=error_factors(trainings, floors_of(left_out)),
     )
+
+
+def stroke_errors(off: np.ndarray, pressures: int) -> dict[str, Any]:
+    """Quantiles of the largest error in a state, of tendons' shortenings [m] and of chambers' growths [m^3].
+
+    Args:
+        off: errors of all strokes, shape (n, t) [m, m^3].
+        pressures: how many of them are growths, the last ones.
+    """
+    parts = np.split(np.abs(off), [off.shape[1] - pressures], axis=1)
+    return {name: quantiles(part.max(axis=1)) for name, part in zip(STROKES, parts, strict=True) if part.size}
 
 
 def corrections(training: Training, degrees: dict[str, float], finer: SectionStates) -> Training:

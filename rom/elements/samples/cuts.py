@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from rom.dataset.geometry import END
 from rom.dataset.grid import SHARE
 from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE
 
-END = 1.0  # length of rubber in a clamp or plate piece, over the side: nearer, the section cannot warp freely [-]
 LONGEST = 1.1  # length of an interior element over the side [-]
 
 MOST_PAIRS = 12  # interior elements of one finger: samples of a state beyond these repeat each other

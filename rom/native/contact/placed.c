@@ -235,7 +235,7 @@ void placed_bend(const contact_problem *problem, const placed *at, int k, double
     /* a plate: displacement of the point by the change of its corners with every tension */
     for (int j = 0; j < segment->tensions; j++) {
         double corners[FINGERFEM_CORNERS];
-        tensions_corners(segment, problem->map->rods[plate].monomials + segment->monomials * (1 + j), corners);
+        tensions_corners(segment, rod_monomials(problem->map->rods + plate, 0) + segment->monomials * (1 + j), corners);
         point_off(segment, corners, contacts, k, found + 3 * chain->own[chain->tensions * plate + j]);
     }
 }

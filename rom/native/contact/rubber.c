@@ -66,8 +66,8 @@ void rubber_corners(const rod_state *rod, int element, int free, double *corners
 {
     const fingerfem_outline *outline = outline_of(rod->segment, element);
     double *own = rod->work + OUTLINE_KNOT * rod->segment->knots;
-    if (free && !rod->masses) outline_free(outline, rod->monomials, own);
-    else rubber_shape(rod, element, rod->monomials, own);
+    if (free && !rod->masses) outline_free(outline, rod_monomials(rod, element), own);
+    else rubber_shape(rod, element, rod_monomials(rod, element), own);
     memcpy(corners, own, (size_t)(OUTLINE_KNOT * outline->knots) * sizeof *own);
 }
 
@@ -186,7 +186,7 @@ static void knot_moves(const rod_state *rod, const rod_end *clamp, int knot, con
         double change[3] = {0.0};
         /* dc: change of the weighted corners with tension j, seen from the section */
         if (rubber) {
-            outline_free(outline_of(segment, k), rod->monomials + segment->monomials * (1 + j), corners);
+            outline_free(outline_of(segment, k), rod_monomials(rod, k) + segment->monomials * (1 + j), corners);
             rubber_point_of(at, corners + OUTLINE_KNOT * number, change);
         }
         for (int i = 0; i < 3; i++) {
@@ -249,7 +249,7 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
     const int count = map->weight ? chain->tensions : chain->segments[q]->tensions; /* with weight all tensions move the rubber */
     double weighed[TENSIONS_MOST * FINGERFEM_POSE];
     if (map->weight) rubber_weight_pose(map, q, slice->element, weighed);
-    const double *by = map->weight ? weighed : rod->free + chain->segments[q]->law_of[slice->element] * rod->free_stride + FINGERFEM_POSE;
+    const double *by = map->weight ? weighed : rod_free_pose(rod, slice->element) + FINGERFEM_POSE;
     const int across = slices_ridge_changes(rod, slice, at, count, map->weight ? columns : NULL, by, ridges), other = 3 - across;
     /* by tension j: trilinear point + bulge + axis ridge (1 - zeta^2), zeta the coordinate along the face */
     for (int j = 0; j < count; j++) {

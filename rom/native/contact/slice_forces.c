@@ -135,7 +135,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     slices_section(map, state, q, e, place, rotation);
     for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
         weights[edge] = 0.25 * (1.0 + (edge & 2 ? 1.0 : -1.0) * material[1]) * (1.0 + (edge & 1 ? 1.0 : -1.0) * material[2]);
-    rubber_shape(rod, e, rod->monomials, corners);
+    rubber_shape(rod, e, rod_monomials(rod, e), corners);
     for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
         for (int i = 0; i < 3; i++) seen[i] += weights[edge] * own[3 * edge + i];
     slice_turned(rotation, seen, x);
@@ -146,14 +146,13 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
         for (int i = 0; i < 3; i++) axes[j][i] = slice->rotation[3 * i + 1 + j];
     double by[TENSIONS_MOST * FINGERFEM_POSE], ridges[TENSIONS_MOST];
     /* change of the element's pose with all tensions, and of the ridge over a tendon by it */
-    element_by_tensions(segment, segment->law[segment->law_of[e]], rod->contracted + segment->law_of[e] * rod->contracted_stride,
-                        rod->products + e * rod->products_stride, by);
+    element_by_tensions(segment, segment->law[segment->law_of[e]], rod_contracted(rod, e), rod->products + e * rod->products_stride, by);
     const int across = slices_ridge_changes(rod, slice, material, segment->tensions, NULL, by, ridges), other = 3 - across;
     for (int j = 0; j < segment->tensions; j++) {
         const int column = chain->own[chain->tensions * q + j];
         double change[3] = {0.0}, twist[3] = {0.0}, turned_twist[3], bulge[3], way[3], arm[3], by_turn[3];
         /* by tension j: change of the point, and of the twist of the faces, seen from the element's begin */
-        rubber_shape(rod, e, rod->monomials + segment->monomials * (1 + j), corners);
+        rubber_shape(rod, e, rod_monomials(rod, e) + segment->monomials * (1 + j), corners);
         for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
             for (int i = 0; i < 3; i++) {
                 change[i] += weights[edge] * own[3 * edge + i];

@@ -174,7 +174,7 @@ static double ridge_of(const rod_state *rod, int element, int across, int side)
     double found = 0.0;
     /* sum_j RIDGE F_j r_j kappa, with r_j = 1 / E for a tendon under this face, else 0; none where kappa < 0 */
     for (int j = 0; j < rod->segment->tensions; j++)
-        found += RIDGE * rod->tensions[j] * fmax((side ? 1.0 : -1.0) * ridges[2 * j + across], 0.0) * fmax(k, 0.0);
+        found += RIDGE * rod_tensions(rod, element)[j] * fmax((side ? 1.0 : -1.0) * ridges[2 * j + across], 0.0) * fmax(k, 0.0);
     return found;
 }
 
@@ -200,7 +200,7 @@ int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const 
     /* sum_i F_i r_i, with r_i = 1 / E for a tendon under this face, else 0 */
     for (int j = 0; j < rod->segment->tensions; j++) {
         raises[own ? own[j] : j] = fmax(sign * ridges[2 * j + across], 0.0);
-        all += rod->tensions[j] * fmax(sign * ridges[2 * j + across], 0.0);
+        all += rod_tensions(rod, element)[j] * fmax(sign * ridges[2 * j + across], 0.0);
     }
     /* d height / dF_j = RIDGE raised (kappa r_j + sum_i F_i r_i dkappa/dF_j), along the axis */
     for (int j = 0; j < count && k > 0.0; j++)

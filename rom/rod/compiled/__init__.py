@@ -54,6 +54,8 @@ class CondensedSegment:
         poisson: Poisson's ratio of the rubber [-].
         ridges: height of the ridge above each tendon, over its tension and the curvature, for faces across y and
             across z; negative for the faces at -y and -z, shape (t, 2) [1/Pa]; None without ridges.
+        bulges: height to which the highest pressure lifts the face over its chamber, with signs likewise, 0 of tendons,
+            shape (t, 2) [m]; None without chambers.
         corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
         outlines: of every element, shared as its law is; None if nothing is known of the rubber's surface.
         shortenings: of every element, shared as its law is: how much shorter the segment's tendons are in it, in the
@@ -68,6 +70,7 @@ class CondensedSegment:
     young_modulus: float = 0.0
     poisson: float = 0.0
     ridges: np.ndarray | None = None
+    bulges: np.ndarray | None = None
     corners: Polynomial | None = None
     outlines: Sequence[Outline] | None = None
     shortenings: Sequence[Polynomial] | None = None
@@ -144,6 +147,7 @@ def struct(segment: CondensedSegment) -> Any:
         poisson=segment.poisson,
         begins=segment.begins,
         ridges=np.zeros((t, 2)) if segment.ridges is None else segment.ridges,
+        bulges=np.zeros((t, 2)) if segment.bulges is None else segment.bulges,
         corner_monomials=len(bent),
         corner_coefficients=bent,
     )

@@ -110,7 +110,7 @@ def test_a_disc_that_tips_over_its_rim_onto_its_face_is_pressed_without_a_jump()
 
 @pytest.mark.parametrize("name", OUTLINES)
 def test_a_flush_face_presses_as_that_of_a_square_does(name):
-    """A rigid face that stays flush bears the same force and moment wherever its points are."""
+    """A rigid face that stays flush carries the same force and moment wherever its points are."""
     totals = []
     for rod in (bare(TouchedSegment.load().rod), bare(rod_of(name))):
         front = rod.place(np.zeros(2)).centres[-1] + [rod.half_lengths[0], 0.0, 0.0]

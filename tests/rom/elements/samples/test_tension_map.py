@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rom.elements.samples.symmetry import mirrors
-from rom.elements.samples.tension_map import RESULTANTS, of_tendons, tension_map
+from rom.elements.samples.tension_map import RESULTANTS, of_scene, tension_map
 from tests.rom.elements import elastic_rod
 
 DIAGONAL = np.array([[3.0, 3.0], [3.0, -3.0], [-3.0, 3.0], [-3.0, -3.0]]) * 1e-3
@@ -35,11 +35,11 @@ def test_tensions_that_resultants_determine_are_variables_themselves(offsets):
 @pytest.mark.parametrize("name", ["four", "four short and four long", "axes and diagonals"])
 def test_a_mirror_of_the_section_permutes_the_variables_but_for_signs(name):
     scene = elastic_rod.scene(offsets=SECTIONS[name])
-    found, matrix, t = mirrors(scene["tendons"]), of_tendons(scene["tendons"]).matrix, len(SECTIONS[name])
+    found, matrix, t = mirrors(scene), of_scene(scene).matrix, len(SECTIONS[name])
     assert len(found) == 7
     for mirror in found:
         exchange = matrix @ mirror.inputs[:t, :t] @ matrix.T
-        np.testing.assert_allclose(mirror.combined(of_tendons(scene["tendons"])).inputs[:t, :t], exchange, atol=1e-12)
+        np.testing.assert_allclose(mirror.combined(of_scene(scene)).inputs[:t, :t], exchange, atol=1e-12)
         np.testing.assert_allclose(np.abs(exchange).max(axis=0), 1, atol=1e-12)
 
 

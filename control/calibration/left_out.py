@@ -1,0 +1,39 @@
+"""Errors of prediction, leave-one-out: every pose by its motors' readings and the parameters that the others give."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from control.calibration.fit import Fit, settle
+from control.calibration.measured import MOTORS, Measured
+
+
+def errors_left_out(measured: Measured, fit: Fit) -> dict[str, np.ndarray]:
+    """Of every group that no motor shows: sizes of the errors of all poses, shape (n,), nan where nothing was measured.
+
+    The parameters without pose i follow from the normal equations without it, one step of Gauss-Newton.
+    """
+    motor = next((name for name in MOTORS if name in measured.groups), None)
+    if motor is None:
+        return {}
+    predicted, inverse = np.zeros_like(fit.residuals), fit.covariance
+    for i in range(len(fit.tensions)):
+        alone = replace(measured, log=measured.log.only(np.array([i])), excluded={})
+        read = replace(alone, excluded={name: np.ones(1, bool) for name in measured.groups if name != motor})
+        own = fit.projected[i]
+        gain = np.eye(len(own)) - own @ inverse @ own.T
+        moved = fit.unknowns + inverse @ own.T @ np.linalg.lstsq(gain, fit.residuals[i], rcond=1e-9)[0]
+        tensions = settle(read, fit.noise, moved, fit.tensions[i : i + 1])
+        predicted[i] = alone.residuals(moved, tensions).values[0]
+    return {name: sizes(measured, name, predicted) for name in measured.groups if name != motor}
+
+
+def sizes(measured: Measured, group: str, residuals: np.ndarray) -> np.ndarray:
+    """Sizes of the residuals of a group, shape (n,): of vectors their length, of tendons the largest; nan if unused."""
+    own = np.array(measured.columns) == group
+    used = measured.used[:, own] & np.isfinite(measured.given[:, own])
+    values = np.abs(residuals[:, own])
+    found = np.linalg.norm(values, axis=1) if group in ("position", "orientation") else values.max(axis=1)
+    return np.where(used.any(axis=1), found, np.nan)

@@ -1,0 +1,1 @@
+"""A finger calibrated on logs of the full-order model."""
