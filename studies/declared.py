@@ -35,6 +35,7 @@ STUDIES = {
     "feeling": Study("accuracy", _same("feeling")),
     "assembled": Study("accuracy", _same("four", "fingers")),
     "tapered": Study("accuracy", _same("tapered")),
+    "shapes": Study("accuracy", _same("shapes")),
     "grasping": Study("grasping", _same("grasps", "pictures"), elsewhere=("grasps", "pictures")),
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes", "locking")),
