@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rom.console.packages import require
 
@@ -18,6 +19,7 @@ import gymnasium  # noqa: E402
 
 from control.finger import Finger  # noqa: E402
 from control.model import Model  # noqa: E402
+from control.motion import for_each  # noqa: E402
 from control.moving_plant import MovingPlant  # noqa: E402
 from control.plant import Flaws, SimulatedPlant  # noqa: E402
 from rom import load  # noqa: E402
@@ -39,7 +41,7 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
     Args:
         model: of a finger before an obstacle; the bundled one by default.
         targets: least and largest contact force [N].
-        change: most that a tension changes in a step [N].
+        change: most that a tension changes in a step [N]; of a finger with chambers one for each load [N, Pa].
         steps: of an episode.
         flaws: of the simulated finger.
         density: of its rubber [kg/m^3]: a finger of elements moves as its mass lets it, in steps of the flaws' period.
@@ -55,7 +57,7 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         self,
         model: Model | None = None,
         targets: tuple[float, float] = (0.5, 3.0),
-        change: float = 2.0,
+        change: ArrayLike = 2.0,
         steps: int = 200,
         flaws: Flaws | None = None,
         density: float | None = None,
@@ -65,11 +67,12 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
             raise ValueError("model must have an obstacle to press on, got a scene without one")
         if not 0 < targets[0] <= targets[1] < np.inf:
             raise ValueError(f"targets must be in order above 0 N, got {targets}")
-        self._model, self._targets, self._change, self._steps, self._flaws = model, targets, change, steps, flaws
+        self._model, self._targets, self._steps, self._flaws = model, targets, steps, flaws
         if density is not None and not isinstance(model, TouchedRod):
             raise ValueError(f"density must be left out: only fingers of elements move, got {density}")
         self._density = density
         self._finger = Finger(model)
+        self._change = for_each("change", change, model.parameters[:-1])
         n = len(self._finger.lower)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (n,), np.float32)
         high = np.array([*np.ones(n), FELT, 1.0], np.float32)

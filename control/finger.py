@@ -16,6 +16,7 @@ from control.motion import Limits, Motion
 from control.outcomes import answered, beyond, listed, no_point, not_finite, not_positive, refused
 from control.problems import compiled_finger, rules
 from rom.answer import FORCE, PAD
+from rom.dataset.actuators import pressures_of
 from rom.dataset.geometry import tip_at_rest
 
 NORMAL_95 = 1.96  # standard deviations within which 95 % of a normal distribution are [-]
@@ -26,10 +27,10 @@ class Finger:
 
     Args:
         model: a finger that an object may touch (`rom.TouchedSegment`), or a `rom.SeparatedModel`.
-        limits: bounds of the tensions and of their rate.
+        limits: bounds of the tensions [N], then of the pressures [Pa], and of the tensions' rate.
 
     Raises:
-        ValueError: the limits exclude all trained tensions.
+        ValueError: the limits exclude all trained loads, or have a rate for a finger with chambers.
     """
 
     def __init__(self, model: Model, limits: Limits | None = None):
@@ -37,6 +38,11 @@ class Finger:
         lower, upper = model.limits
         self._tensions = len(lower) - model.has_obstacle
         self.lower, self.upper = self.limits.within(lower[: self._tensions], upper[: self._tensions])
+        self.pressures = pressures_of(model.scene)
+        if self.pressures and np.isfinite(self.limits.rate):
+            raise ValueError(
+                f"limits.rate must be left out of a finger with chambers, as it is of tensions, got {self.limits.rate}"
+            )
         self.compiled = compiled_finger(model, self.lower, self.upper)
         self._pad = compiled_finger(model, self.lower, self.upper, PAD) if model.has_pad else None
         if np.isfinite(self.limits.pad_pressure):
@@ -44,7 +50,10 @@ class Finger:
         self._gentle = self.lower.copy()
         self._gentle[model.lead] = (self.lower[model.lead] + self.upper[model.lead]) / 2
         self.rest = tip_at_rest(model.scene["geometry"])
-        self._offsets = np.array([tendon["offset"] for tendon in model.scene["tendons"]], float)
+        # A tension bends the finger to the side of its tendon, a pressure away from its chamber.
+        pulls = [tendon["offset"] for tendon in model.scene["tendons"]]
+        pushes = [[-part for part in chamber["centre"]] for chamber in model.scene.get("chambers") or []]
+        self._offsets = np.array(pulls + pushes, float)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle and copy by the arguments; the data for compiled code are made anew."""
@@ -73,7 +82,7 @@ class Finger:
         """
         begin = (self.lower + self.upper) / 2 if start is None else self._start(start)
         goal = np.asarray(point, float)
-        reason = self._refused(goal, distance) or not_finite("start", begin, "N")
+        reason = self._refused(goal, distance) or not_finite("start", begin, self._units)
         if reason:
             return self._out_of_domain(distance, reason)
         goal = goal - self.rest
@@ -125,6 +134,11 @@ class Finger:
             found.append(self._reach(goal, distance, present, tolerance, sides, change))
             present = found[-1].tensions
         return found
+
+    @property
+    def _units(self) -> str:
+        """Of the tensions, for a sentence."""
+        return "N, Pa" if self.pressures else "N"
 
     def _refused(self, point: np.ndarray, distance: float) -> str:
         """The reason why a point in front of a plane is refused; empty if it is accepted."""
@@ -186,7 +200,9 @@ class Finger:
             wanted = f"tensions must be {self._tensions} for each of {len(felt)} contact forces"
             return self._out_of_domain(np.nan, f"{wanted}, got shape {np.shape(tensions)}")
         lower, upper = self.model.limits
-        reason = beyond("tensions", pulled, lower[:-1], upper[:-1], "N") or not_positive("contact_force", felt, "N")
+        reason = beyond("tensions", pulled, lower[:-1], upper[:-1], self._units) or not_positive(
+            "contact_force", felt, "N"
+        )
         reason = reason or beyond("noise", noise, 0.0, np.finfo(float).max, "N")
         if reason:
             return self._out_of_domain(np.nan, reason, pulled[-1])
@@ -197,7 +213,8 @@ class Finger:
         if len(felt) > 1 and steep > 0 and status != CONVERGED and found.residual <= 3 * noise + error:
             status = CONVERGED
         deviation = float(np.hypot(noise / np.sqrt(steep), error_95 / NORMAL_95 / steep)) if steep > 0 else np.inf
-        asked = f"contact_force {listed(felt if len(felt) > 1 else felt[0])} N at tensions {listed(pulled[-1])} N"
+        asked = f"contact_force {listed(felt if len(felt) > 1 else felt[0])} N at tensions {listed(pulled[-1])} "
+        asked += self._units
         details = {"distance": found.distance, "error": error, "deviation": deviation}
         return self._motion(status, pulled[-1], found, asked, **details)
 
@@ -233,7 +250,7 @@ class Finger:
         if pad_pressure is not None:
             name, target, unit = "pad_pressure", pad_pressure, "Pa"
         assert target is not None
-        reason = self._beyond(distance) or not_positive(name, target, unit) or not_finite("start", begin, "N")
+        reason = self._beyond(distance) or not_positive(name, target, unit) or not_finite("start", begin, self._units)
         if reason:
             return self._out_of_domain(distance, reason)
         most = self.limits.pad_pressure
@@ -284,14 +301,17 @@ class Finger:
     def _start(self, start: ArrayLike) -> np.ndarray:
         found = np.array(start, float)  # a copy, contiguous
         if found.shape != (self._tensions,):
-            raise ValueError(f"start must be {self._tensions} tensions in N, got shape {found.shape}")
+            of = f"{self._tensions} tensions in N"
+            if self.pressures:
+                of += f", the last {self.pressures} of them pressures in Pa"
+            raise ValueError(f"start must be {of}, got shape {found.shape}")
         return found
 
     def _motion(self, status: int, tensions: np.ndarray, found: Any, asked: str, **details: Any) -> Motion:
         """The motion of a solver's outcome; if it is not met, the reason quotes what was `asked` for."""
-        return answered(status, tensions, found, asked, (self.lower, self.upper), **details)
+        return answered(status, tensions, found, asked, (self.lower, self.upper), pressures=self.pressures, **details)
 
     def _out_of_domain(
         self, distance: float, reason: str, tensions: np.ndarray | None = None, sides: tuple[int, int] = (1, 1)
     ) -> Motion:
-        return refused(self.lower.copy() if tensions is None else tensions, distance, reason, sides)
+        return refused(self.lower.copy() if tensions is None else tensions, distance, reason, sides, self.pressures)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from rom.answer import Answer
 from rom.brief import brief
 from rom.console.table import Table, as_html, quantities, row
+from rom.parameter import Parameter
 
 MEANING = {
     "converged": "converged",
@@ -27,7 +28,8 @@ class Motion:
     """What a controller asks of a finger.
 
     Attributes:
-        tensions: [N], shape (tensions,); if the target cannot be met, those that come nearest.
+        tensions: [N], then pressures of chambers [Pa], shape (loads,); if the target cannot be met, those that come
+            nearest.
         distance: of the plane [m], inf where there is none.
         status: converged, unreachable (the nearest reachable answer), out_of_domain or iteration_limit.
         residual: distance from the target, [m] for reach, [N] for locate and hold.
@@ -38,6 +40,7 @@ class Motion:
         deviation: standard deviation of `distance` where that was located [m]; else nan.
         unit: of residual and error: m, N or, where a pad's pressure is held, Pa.
         reason: why it is not converged, in a sentence that names argument, value and range; empty if it is.
+        pressures: how many of the tensions are pressures, the last ones.
     """
 
     tensions: np.ndarray
@@ -50,6 +53,12 @@ class Motion:
     deviation: float = np.nan
     unit: str = "N"
     reason: str = ""
+    pressures: int = 0
+
+    @property
+    def units(self) -> list[str]:
+        """Units of the tensions and pressures."""
+        return ["N"] * (len(self.tensions) - self.pressures) + ["Pa"] * self.pressures
 
     @property
     def converged(self) -> bool:
@@ -60,6 +69,7 @@ class Motion:
         """Plain numbers."""
         return {
             "tensions": self.tensions.tolist(),
+            "units": self.units,
             "distance": self.distance,
             "status": self.status,
             "residual": self.residual,
@@ -75,11 +85,11 @@ class Motion:
         """For people.
 
         Args:
-            names: of the tensions; numbers if left out.
+            names: of the tensions and pressures; numbers if left out.
             answer: the model's there, if it is to be shown too.
         """
         labels = names or [f"tension {k + 1}" for k in range(len(self.tensions))]
-        rows = [row(name, value, "N") for name, value in zip(labels, self.tensions, strict=True)]
+        rows = [row(*one) for one in zip(labels, self.tensions, self.units, strict=True)]
         if np.isfinite(self.distance):
             rows.append(row("distance d", self.distance, "m", self.deviation if np.isfinite(self.deviation) else None))
         rows.append(row("off the target", self.residual, self.unit, self.error))
@@ -100,14 +110,28 @@ class Motion:
         return as_html(self.tables())
 
 
+def for_each(name: str, value: ArrayLike, loads: Sequence[Parameter]) -> np.ndarray:
+    """A number for every load, shape (loads,); one for all will do where all are tensions.
+
+    Raises:
+        ValueError: it is not above 0 and finite, of another shape, or one for tensions and pressures.
+    """
+    found, units = np.asarray(value, float), {one.unit for one in loads}
+    if not ((found > 0) & (found < np.inf)).all():
+        raise ValueError(f"{name} must be above 0, got {found.tolist()}")
+    if found.shape != (len(loads),) and (found.shape or len(units) > 1):
+        raise ValueError(f"{name} must be one for each of {', '.join(one.name for one in loads)}, got {found.tolist()}")
+    return np.broadcast_to(found, len(loads))
+
+
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What the tendons' motors can do; the model's trained tensions limit them too.
+    """What the actuators can do; the model's trained loads limit them too.
 
     Attributes:
-        lower, upper: of the tensions [N], one for all or shape (tensions,).
-        rate: most that a tension changes [N/s].
+        lower, upper: of the tensions [N] and pressures [Pa], one for all or shape (loads,).
+        rate: most that a tension changes [N/s]; not of a finger with chambers.
         pad_pressure: largest pressure of the pad that the object withstands [Pa].
     """
 
@@ -130,7 +154,8 @@ class Limits:
         found = np.maximum(own[0], lower), np.minimum(own[1], upper)
         if not np.all(found[0] <= found[1]):
             raise ValueError(
-                f"limits must leave some of the trained tensions, {lower.tolist()} to {upper.tolist()} N, "
+                f"limits must leave some of the trained tensions [N] and pressures [Pa], {lower.tolist()} to "
+                f"{upper.tolist()}, "
                 f"got {own[0].tolist()} to {own[1].tolist()}"
             )
         if not self.rate > 0:

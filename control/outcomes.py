@@ -50,17 +50,26 @@ def no_point(value: np.ndarray) -> str:
     return f"point must be three numbers within {FARTHEST:g} m, got {listed(value)} of shape {value.shape}"
 
 
-def unanswered(status: int, asked: str, limits: tuple[np.ndarray, np.ndarray], missed: str, evaluations: int) -> str:
+def unanswered(
+    status: int,
+    asked: str,
+    limits: tuple[np.ndarray, np.ndarray],
+    missed: str,
+    evaluations: int,
+    pressures: int = 0,
+) -> str:
     """Why a solve has no answer, by its status; empty if it has one.
 
     Args:
         status: of the solve, see control.least_squares.
         asked: the argument and its value.
-        limits: lower and upper of the tensions, shapes (tensions,) [N].
+        limits: lower and upper of the tensions and pressures, shapes (loads,) [N, Pa].
         missed: how far the nearest answer is from the target, with its unit.
         evaluations: that the solve took.
+        pressures: how many of the loads are pressures.
     """
-    within = f"tensions from {listed(limits[0])} to {listed(limits[1])} N"
+    within = f"{'tensions and pressures' if pressures else 'tensions'} from {listed(limits[0])} to {listed(limits[1])}"
+    within += " N, Pa" if pressures else " N"
     if status == STATIONARY:
         return f"{asked} must be met by {within}, the nearest of which miss it by {missed}"
     if status == OUTSIDE:
@@ -85,19 +94,26 @@ def answered(
     """
     residual, evaluations = float(found.residual), int(found.evaluations)
     plain: dict[str, Any] = {
-        name: value if name in ("sides", "unit") else float(value) for name, value in details.items()
+        name: value if name in ("sides", "unit", "pressures") else float(value) for name, value in details.items()
     }
     return Motion(
         tensions=tensions,
         status=STATUSES.get(status, "unreachable"),
         residual=residual,
         iterations=evaluations,
-        reason=unanswered(status, asked, limits, f"{residual:.3g} {details.get('unit', 'N')}", evaluations),
+        reason=unanswered(
+            status,
+            asked,
+            limits,
+            f"{residual:.3g} {details.get('unit', 'N')}",
+            evaluations,
+            details.get("pressures", 0),
+        ),
         **plain,
     )
 
 
-def refused(tensions: np.ndarray, distance: float, reason: str, sides: tuple[int, int]) -> Motion:
+def refused(tensions: np.ndarray, distance: float, reason: str, sides: tuple[int, int], pressures: int = 0) -> Motion:
     """No motion: the tensions stay."""
     return Motion(
         tensions=tensions,
@@ -108,4 +124,5 @@ def refused(tensions: np.ndarray, distance: float, reason: str, sides: tuple[int
         iterations=0,
         sides=sides,
         reason=reason,
+        pressures=pressures,
     )

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.channel_lengths import ChannelLengths
 from fingerfem.equilibrium.continuation import Continuation
+from fingerfem.equilibrium.section_volumes import SectionVolumes
 from fingerfem.equilibrium.self_intersection import Surface
 from fingerfem.equilibrium.state import State, observe
 from fingerfem.scene.scene import Scene
@@ -110,6 +111,11 @@ class FingerModel:
     def channel_lengths(self) -> ChannelLengths:
         """What measures the tendons' channels up to every cross-section (collective when it is first asked for)."""
         return ChannelLengths(self.problem)
+
+    @cached_property
+    def section_volumes(self) -> SectionVolumes:
+        """What measures the chambers' volumes up to every cross-section (likewise)."""
+        return SectionVolumes(self.problem)
 
     @cached_property
     def _surface(self) -> Surface:

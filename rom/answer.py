@@ -41,6 +41,8 @@ class Answer:
         shortenings: how much shorter every tendon is between the clamp and its plate, shape (t,) or (n, t) [m]: how
             far a position-driven motor has pulled it in. None of a separated model.
         shortening_error: estimated, of each [m], shape () or (n,).
+        growths: how much larger every chamber is, shape (chambers,) or (n, chambers) [m^3]. None without chambers.
+        growth_error: estimated, of each [m^3], shape () or (n,).
     """
 
     tip: np.ndarray
@@ -53,6 +55,8 @@ class Answer:
     orientation_error: Any = None
     shortenings: np.ndarray | None = None
     shortening_error: Any = None
+    growths: np.ndarray | None = None
+    growth_error: Any = None
 
     def mirrored(self, sides: Sequence[int]) -> Answer:
         """The same of the finger's mirror image: along y and z, 1 as it is, -1 the other side."""
@@ -60,11 +64,11 @@ class Answer:
         turned = None if self.orientation is None else self.orientation * [1, y * z, z, y]
         return replace(self, tip=self.tip * [1, y, z], orientation=turned)
 
-    def as_json(self, tendons: Sequence[str]) -> dict[str, Any]:
+    def as_json(self, actuators: Sequence[str]) -> dict[str, Any]:
         """Plain numbers at one point, units in names; what the model does not have is left out.
 
         Args:
-            tendons: their names.
+            actuators: names of the tendons, then of the chambers.
         """
         found: dict[str, Any] = {"tip_m": self.tip.tolist(), "tip_error_m": float(self.error["tip"])}
         for name, unit, value in (
@@ -80,15 +84,18 @@ class Answer:
                 "orientation_error_rad": float(self.orientation_error),
             }
         if self.shortenings is not None:
-            by_name = dict(zip(tendons, self.shortenings.tolist(), strict=True))
+            by_name = dict(zip(actuators[: len(self.shortenings)], self.shortenings.tolist(), strict=True))
             found |= {"shortenings_m": by_name, "shortening_error_m": float(self.shortening_error)}
+        if self.shortenings is not None and self.growths is not None:
+            by_name = dict(zip(actuators[len(self.shortenings) :], self.growths.tolist(), strict=True))
+            found |= {"growths_m3": by_name, "growth_error_m3": float(self.growth_error)}
         return found | {"inside": bool(self.inside)}
 
-    def tables(self, tendons: Sequence[str] = ()) -> list[Table | str]:
+    def tables(self, actuators: Sequence[str] = ()) -> list[Table | str]:
         """For people; of many points the first ones, without the tip.
 
         Args:
-            tendons: their names; numbers if omitted.
+            actuators: names of the tendons, then of the chambers; numbers if omitted.
         """
         found = {"contact_force": (self.contact_force, "N"), "touch_distance": (self.touch_distance, "m")}
         if self.pad_pressure is not None:
@@ -100,12 +107,21 @@ class Answer:
         if self.orientation is not None:
             off = self.orientation_error / 2  # a turn by an angle changes the quaternion by half as much
             rows += [row(f"tip orientation {c}", q, "-", off) for c, q in zip("wxyz", self.orientation, strict=True)]
-        if self.shortenings is not None:
-            names = tendons or range(1, 1 + len(self.shortenings))
-            each = zip(names, self.shortenings, strict=True)
-            rows += [row(f"shortening {name}", one, "m", self.shortening_error) for name, one in each]
+        rows += self._strokes(actuators)
         rows += [row(*one) for one in named if not np.isnan(one[1])]
         return [quantities(rows), INSIDE if self.inside else OUTSIDE]
+
+    def _strokes(self, actuators: Sequence[str]) -> list[list[str]]:
+        """Rows of the shortenings and growths at one point."""
+        parts = (
+            ("shortening", self.shortenings, "m", self.shortening_error),
+            ("growth", self.growths, "m^3", self.growth_error),
+        )
+        every = [(word, one, unit, off) for word, values, unit, off in parts if values is not None for one in values]
+        names = actuators[: len(every)] or range(1, 1 + len(every))
+        return [
+            row(f"{word} {name}", one, unit, off) for name, (word, one, unit, off) in zip(names, every, strict=True)
+        ]
 
     def _by_object(self, name: str, value: Any, unit: str) -> list[tuple[str, Any, str, Any]]:
         """A quantity with its words, unit and error; of several objects, each one's."""

@@ -12,6 +12,7 @@ from rom.console.terminal import Progress, quiet
 from rom.dataset import mesh_transfer
 from rom.dataset.description import difference
 from rom.dataset.grid import SHARE
+from rom.dataset.section import top
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.error_statistics import mean_size
 from rom.file_kinds import uses_of
@@ -84,7 +85,7 @@ def before_plane(rod: Rod, held_out: SnapshotSet) -> TouchedSegment:
     """
     _check_plane_of(rod.scene, held_out)
     scene = held_out.description.scene
-    plane = facing_plane(scene["geometry"]["side"], tuple(scene["obstacle"]["distance"]))
+    plane = facing_plane(2 * top(scene), tuple(scene["obstacle"]["distance"]))
     return TouchedSegment(rod=rod, obstacle=plane)
 
 
@@ -96,7 +97,7 @@ def _check_plane_of(own: dict[str, Any], held_out: SnapshotSet) -> None:
 
 
 def _check_same_finger(own: dict[str, Any], held_out: SnapshotSet) -> None:
-    scene, keys = held_out.description.scene, ("geometry", "material", "tendons", "gravity")
+    scene, keys = held_out.description.scene, ("geometry", "section", "material", "tendons", "gravity")
     other = difference({key: own.get(key) for key in keys}, {key: scene.get(key) for key in keys})
     if other:
         raise SnapshotError(f"{held_out.path}: must hold states of the model's finger: {other}")

@@ -59,6 +59,17 @@ def models(table):
 
 
 @pytest.fixture(scope="session")
+def chambered():
+    """An elastic rod with a tendon and two chambers, as a finger of one segment."""
+    from rom.elements.fitting import training
+    from rom.rod.rod import Rod
+    from tests.rom.elements import chambered_rod
+
+    elements = training.train(chambered_rod.states(14, 0), {}, highest=3.0)
+    return Rod(elements=elements, scene=chambered_rod.scene())
+
+
+@pytest.fixture(scope="session")
 def trained() -> Path:
     """The folder of the draft finger's sets: training, heldout; for long tests also finer."""
     folder = ROOT / "out" / "tests"

@@ -1,4 +1,4 @@
-"""The FMU of a controller: contact force and distance in, tensions that hold the force out."""
+"""The FMU of a controller: contact force and distance in, tensions and pressures that hold the force out."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ from rom.separated.model import SeparatedModel
 RESIDUAL, FORCE_ERROR = OUTPUTS + 8, OUTPUTS + 9  # value references, as in native/fmu_controller.c
 MOST_TENSIONS = 8  # likewise
 HELD = 1.0  # [N]: the contact force that a controller begins with
-TENSION = "tension that holds, or comes nearest; out_of_domain keeps the last step's"
+HOLDS = {
+    unit: f"{load} that holds, or comes nearest; out_of_domain keeps the last step's"
+    for unit, load in (("N", "tension"), ("Pa", "pressure"))
+}
 
 
 def write(model: SeparatedModel | TouchedSegment, path: Path, version: int = 3) -> None:
@@ -50,7 +53,7 @@ def interface(model: SeparatedModel | TouchedSegment) -> Interface:
             _held_force(),
             input_of(distance, INPUTS + 1),
             *(_start(one, INPUTS + 2 + k) for k, one in enumerate(tensions)),
-            *(output_of(one.name, "N", TENSION, OUTPUTS + k) for k, one in enumerate(tensions)),
+            *(output_of(one.name, one.unit, HOLDS[one.unit], OUTPUTS + k) for k, one in enumerate(tensions)),
             output_of("residual", "N", f"by how much the force is missed; {UNKNOWN}", RESIDUAL, discrete=True),
             output_of("contact_force_error", "N", f"its estimated error; {UNKNOWN}", FORCE_ERROR, discrete=True),
             *flags_of("converged", "the force is held: status is converged"),
@@ -77,13 +80,13 @@ def _held_force() -> Variable:
 
 
 def _start(tension: Parameter, reference: int) -> Variable:
-    """Of a controller's tension."""
+    """Of a controller's tension or pressure."""
     return Variable(
         name=f"start_{tension.name}",
         reference=reference,
         causality="parameter",
         description=f"{tension.name} before the first step: of many answers the nearest is taken",
-        unit="N",
+        unit=tension.unit,
         lower=tension.lower,
         upper=tension.upper,
         start=tension.lower,

@@ -17,6 +17,7 @@ import numpy as np
 from rom.atomic_file import write_whole
 from rom.checked_file import ModelError
 from rom.dataset.geometry import tip_at_rest
+from rom.dataset.section import top
 from rom.export.model import struct
 from rom.export.wasm_memory import Image
 from rom.rod.compiled import ENDS
@@ -31,8 +32,13 @@ def write(model: SeparatedModel | TouchedSegment, path: Path) -> None:
     """Write the page of a model.
 
     Raises:
-        ModelError: no name of a page.
+        ModelError: no name of a page, or a finger with chambers.
     """
+    if model.scene.get("chambers"):
+        raise ModelError(
+            "page must be of a finger without chambers, as its sliders are tensions (a header .h or an FMU has "
+            f"pressures), got {len(model.scene['chambers'])} chambers"
+        )
     if path.suffix.lower() not in (".html", ".htm"):
         raise ModelError(f"page must be a file named .html, got {path}")
     text = json.dumps(about(model), allow_nan=False).replace("<", "\\u003c")
@@ -57,7 +63,7 @@ def about(model: SeparatedModel | TouchedSegment) -> dict[str, Any]:
         "lead": model.lead,
         "most_force": most_force(model),
         "rest": tip_at_rest(geometry).tolist(),
-        "geometry": {name: geometry[name] for name in ("side", "segments", "plate")},
+        "geometry": {"side": 2 * top(model.scene)} | {name: geometry[name] for name in ("segments", "plate")},
         "tendons": [
             {
                 "offset": one["offset"],

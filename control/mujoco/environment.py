@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rom.console.packages import require
 
@@ -18,6 +19,7 @@ require("gymnasium")
 import gymnasium  # noqa: E402
 
 from control.grasping.gripper import Gripper  # noqa: E402
+from control.motion import for_each  # noqa: E402
 from control.mujoco.simulation import Simulation, SimulationStopped  # noqa: E402
 from control.mujoco.solids import SHAPES, random_error, random_solid  # noqa: E402
 from control.mujoco.table import table  # noqa: E402
@@ -45,7 +47,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
     Args:
         model: of every finger; the bundled one if left out.
         shapes: of control.mujoco.solids that are drawn.
-        change: most that a tension changes in a step [N].
+        change: most that a tension changes in a step [N]; of fingers with chambers one for each load [N, Pa].
         steps: of an episode.
         period: of a step [s].
 
@@ -59,7 +61,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         self,
         model: TouchedSegment | None = None,
         shapes: tuple[str, ...] = SHAPES,
-        change: float = 2.0,
+        change: ArrayLike = 2.0,
         steps: int = 200,
         period: float = 0.02,
     ):
@@ -68,11 +70,12 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
             raise ValueError(f"model must be of one segment, got {len(model.rod.segments)}")
         if not shapes or not set(shapes) <= set(SHAPES):
             raise ValueError(f"shapes must be of {', '.join(SHAPES)}, got {shapes}")
-        for name, value in (("change", change), ("steps", steps), ("period", period)):
+        for name, value in (("steps", steps), ("period", period)):
             if not 0 < value < np.inf:
                 raise ValueError(f"{name} must be above 0, got {value}")
         self.gripper, self._rod = Gripper(model), model.rod
-        self._shapes, self.change, self._steps, self._period = shapes, change, steps, period
+        self._shapes, self._steps, self._period = shapes, steps, period
+        self.change = for_each("change", change, self._rod.parameters)
         finger = self.gripper.fingers[0]
         self._lower, self._upper = finger.lower, finger.upper
         n, tensions = len(self.gripper.fingers), len(finger.lower)

@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
+from control.motion import for_each
 from control.mujoco.attach import FAST, Attached
 from control.mujoco.coulomb import correct
 from control.mujoco.spring import LOWER, Spring, springs_of
@@ -45,7 +46,7 @@ class Simulation:
 
     Attributes:
         model, data: MuJoCo's; controls of anything but the fingers are the user's.
-        wanted: target tensions of every finger's motors, shape (fingers, tensions) [N], see `pull`.
+        wanted: target loads of every finger's actuators, shape (fingers, loads) [N, Pa], see `pull`.
         tensions: that they pull now, which follow at `rate`.
         fingers: as attached.
         left: whether a finger left its trained domain of tensions and wrenches since `reset`, shape (fingers,).
@@ -59,7 +60,7 @@ class Simulation:
         model: compiled after all fingers were attached. Its contacts are solved with elliptic cones, an impratio of at
             least 100 and without islands, and nothing resets it by itself.
         fingers: as `attach` returned them, all with the same number of tensions.
-        rate: most that a motor changes its tension [N/s].
+        rate: most that a motor changes its tension [N/s]; of fingers with chambers one for each load [N/s, Pa/s].
         coulomb: whether plates slide by Coulomb's law; else by MuJoCo's own relaxation of it, which takes less time.
 
     Raises:
@@ -67,7 +68,9 @@ class Simulation:
             solver or an integrator that a step cannot be made with.
     """
 
-    def __init__(self, model: mujoco.MjModel, fingers: Sequence[Attached], rate: float = 500.0, coulomb: bool = True):
+    def __init__(
+        self, model: mujoco.MjModel, fingers: Sequence[Attached], rate: ArrayLike = 500.0, coulomb: bool = True
+    ):
         if not fingers or len({len(one.rod.names) for one in fingers}) > 1:
             raise ValueError("fingers must be at least one, all with the same number of tensions")
         if len({one.clamp for one in fingers}) < len(fingers):
@@ -76,9 +79,8 @@ class Simulation:
             raise ValueError("integrator must be Euler or implicitfast: others take several stages in a step")
         if model.opt.solver == mujoco.mjtSolver.mjSOL_PGS or model.opt.noslip_iterations:
             raise ValueError("solver must be Newton or CG, without noslip: others keep the inertia without the rubber")
-        if not 0 < rate < np.inf:
-            raise ValueError(f"rate must be above 0 N/s, got {rate}")
-        self.model, self.fingers, self.rate, self._coulomb = model, list(fingers), rate, coulomb
+        self.rate = for_each("rate", rate, fingers[0].rod.parameters)
+        self.model, self.fingers, self._coulomb = model, list(fingers), coulomb
         # Friction is round, and what sticks creeps little: both are for Coulomb's law, see control.mujoco.coulomb.
         model.opt.cone, model.opt.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, max(model.opt.impratio, STICKING)
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND  # islands have copies of the inertia
@@ -214,7 +216,7 @@ class Simulation:
         ]
 
     def pull(self, finger: int, tensions: ArrayLike) -> None:
-        """Set the target tensions of a finger's motors, shape (tensions,) [N]; at once, but no faster than `rate`.
+        """Set a finger's target tensions [N] and pressures [Pa], shape (loads,); at once, but no faster than `rate`.
 
         Raises:
             ValueError: not one for each, not finite, or beyond what its map was trained for.
@@ -222,5 +224,7 @@ class Simulation:
         wanted, parameters = np.asarray(tensions, float), self.fingers[finger].rod.parameters
         lower, upper = (np.array([getattr(one, end) for one in parameters]) for end in ("lower", "upper"))
         if wanted.shape != lower.shape or not np.all((wanted >= lower) & (wanted <= upper)):
-            raise ValueError(f"tensions must be from {lower.tolist()} to {upper.tolist()} N, got {wanted.tolist()}")
+            units = ", ".join(dict.fromkeys(one.unit for one in parameters))
+            ends = f"{lower.tolist()} to {upper.tolist()} {units}"
+            raise ValueError(f"tensions must be from {ends}, got {wanted.tolist()}")
         self.wanted[finger] = wanted

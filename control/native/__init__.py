@@ -8,7 +8,7 @@ _HERE = Path(__file__).parent
 CONTROL = Library(
     "control",
     _HERE,
-    headers=["least_squares.h", "control.h", "rod_inertia.h"],
+    headers=["least_squares.h", "control.h", "feel.h", "rod_inertia.h"],
     units=sorted(_HERE.glob("*.c")),
     stands_on=LIBRARY,
 )

@@ -10,6 +10,7 @@ import numpy as np
 from fingerfem.scene.chamber import Chamber
 from fingerfem.scene.material import Material
 from fingerfem.scene.obstacle import Obstacle
+from rom.dataset.geometry import END
 
 if TYPE_CHECKING:
     from fingerfem.scene.scene import Scene
@@ -29,16 +30,6 @@ def check_section(scene: Scene) -> None:
                     f"the channel of a tendon that ends at another plate, "
                     f"got {column.offset.tolist()} beside {other.name} at {other.offset.tolist()}"
                 )
-    if scene.load is not None and not section.is_square:
-        raise ValueError(
-            f"load must be left out of a scene with a {section.shape} section: rod elements have square ones "
-            f"(geometry.side); solve it without, or in front of an obstacle, got force {scene.load.force:g}"
-        )
-    if scene.coarse is not None and not section.is_square:
-        raise ValueError(
-            f"coarse must be left out of a scene with a {section.shape} section: snapshots have square ones "
-            f"(geometry.side), got cells {scene.coarse.cells}"
-        )
     if scene.obstacle is not None and scene.obstacle.pad is not None and not section.has_face:
         raise ValueError(
             f"obstacle.pad must be left out of a scene with a {section.shape} section: a pad lies on the flat face "
@@ -50,12 +41,11 @@ def check_chambers(scene: Scene) -> None:
     """Chambers lie in a segment's rubber, apart from channels and from each other."""
     if not scene.chambers:
         return
-    for name in ("load", "coarse"):
-        if getattr(scene, name) is not None:
-            raise ValueError(
-                f"{name} must be left out of a scene with chambers: rod elements and snapshots have none; solve it "
-                f"without, or in front of an obstacle, got {len(scene.chambers)} chambers"
-            )
+    if scene.coarse is not None:
+        raise ValueError(
+            "coarse must be left out of a scene with chambers: states are brought to other meshes without voids alone, "
+            f"got cells {scene.coarse.cells}"
+        )
     region, least = scene.geometry.shape.chamber_region, scene.geometry.side / 100
     for k, chamber in enumerate(scene.chambers):
         if scene.parameter_names.count(chamber.name) > 1 or chamber.name == "d":
@@ -69,6 +59,8 @@ def check_chambers(scene: Scene) -> None:
             )
         _check_span(scene, k, chamber, least)
         _check_block(scene, k, chamber, least)
+        if scene.load is not None:
+            _check_ends(scene, k, chamber)
 
 
 def _check_span(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
@@ -91,6 +83,17 @@ def _check_span(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
                 f"chambers.{k}.x must be at least a hundredth of the side ({least:g} m) long, and as far from another "
                 f"chamber of the same region, got {value:g}"
             )
+
+
+def _check_ends(scene: Scene, k: int, chamber: Chamber) -> None:
+    """Of a finger that elements are trained on, a chamber ends within their end pieces, and not at the clamp."""
+    side, last = END * scene.geometry.side, scene.outline.plates[-1][0]
+    near = scene.outline.tolerance
+    if not (near < chamber.x[0] < side + near and last - side - near < chamber.x[1]):
+        raise ValueError(
+            f"chambers.{k}.x must begin within one side of the clamp, not at it, and end within one side of the plate, "
+            f"(0, {side:g}] and [{last - side:g}, {last:g}] m, where elements are trained (load), got {chamber.x}"
+        )
 
 
 def _check_block(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
@@ -117,6 +120,19 @@ def _check_block(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
                 f"chambers.{k}.centre must be such that no channel, straight tendon or other chamber meets it "
                 f"(at least {gap:g} m away), got {away:g} m from {name}"
             )
+
+
+def check_density(scene: Scene) -> None:
+    """Weight has densities, from one table."""
+    if scene.gravity is None:
+        return
+    if scene.density is None and scene.gravity.density is None:
+        raise ValueError("gravity.density must be given, or a table [density], got neither")
+    twice = sorted({"density", "plate_density"} & scene.gravity.model_fields_set)
+    if scene.density is not None and twice:
+        raise ValueError(
+            f"gravity.{twice[0]} must be left out where [density] has it, got {getattr(scene.gravity, twice[0])}"
+        )
 
 
 def check_materials(scene: Scene) -> None:

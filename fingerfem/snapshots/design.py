@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 from scipy.stats import qmc
 
+from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene, SceneError
+from fingerfem.scene.sections import PlaneMesh
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.given_points import GivenPoints
 from rom.dataset.body import RestBody
-from rom.dataset.sections import CrossSections
+from rom.dataset.plane_nodes import plane_nodes
+from rom.dataset.section import outline
+from rom.dataset.sections import CrossSections, positions_of
 from rom.dataset.snapshot_set import Description
 
 
@@ -42,10 +46,10 @@ class HeldOut:
         if not has_obstacle and self.distances > 1:
             raise SceneError(f"distances must be 1 where the scene has no obstacle, got {self.distances}")
         if scene.load is not None:
-            random, tendons = np.random.default_rng(self.seed), len(scene.tendons)
-            pulled = box[:tendons, 0] + random.random((self.count, tendons)) * (box[:tendons, 1] - box[:tendons, 0])
+            random, own = np.random.default_rng(self.seed), box[: len(scene.actuators)]
+            loads = own[:, 0] + random.random((self.count, len(own))) * (own[:, 1] - own[:, 0])
             pressed = wrenches.on_plates(scene, random.random((self.count, wrenches.draws(scene))))
-            return np.column_stack([pulled, pressed]).tolist()
+            return np.column_stack([loads, pressed]).tolist()
         axes = np.arange(len(box) + self.distances - 1).clip(max=len(box) - 1)
         draw = np.random.default_rng(self.seed).random((self.count, len(axes)))
         drawn = box[axes, 0] + draw * (box[axes, 1] - box[axes, 0])
@@ -75,8 +79,8 @@ def describe(
         grows: whether lines are added, of a scene with a load, as the error of its elements needs them.
 
     Raises:
-        SceneError: the section is no square, there are chambers, no tendon bends the finger towards its plane, the
-            obstacle is not the plane y = side/2 + d, or lines are asked for without a load.
+        SceneError: a chamber no rectangle of a square, no actuator bends the finger towards its plane, the obstacle is
+            not the plane y = side/2 + d, or lines are asked for without a load.
     """
     _check_kind(scene)
     sampling, lead = scene.sampling, _lead(scene)
@@ -87,7 +91,7 @@ def describe(
         )
     parameters = scene.parameters
     box = np.array([[parameter["lower"], parameter["upper"]] for parameter in parameters])
-    tensions = box[: len(scene.tendons)]
+    tensions = box[: len(scene.actuators)]
     along_tension, along_contact = sampling.tension_nodes, sampling.contact_nodes
     scattered: list[list[float]] = []
     if scene.load is not None and held_out is None:
@@ -111,15 +115,10 @@ def describe(
 
 def _check_kind(scene: Scene) -> None:
     """Raise SceneError for what no set of states can have."""
-    if not scene.geometry.shape.is_square:
+    if scene.chambers and not scene.geometry.shape.is_square:
         raise SceneError(
-            "section must be a square to train on it, as reduced models are read by geometry.side "
-            f"(fingerfem solve takes any), got {scene.geometry.shape.shape}"
-        )
-    if scene.chambers:
-        raise SceneError(
-            "chambers must be left out of a scene for snapshots, which have tensions alone; the full-order model "
-            f"solves it (python3 -m fingerfem solve), got {len(scene.chambers)} chambers"
+            "section must be a square of a scene with chambers for snapshots (fingerfem solve takes any), "
+            f"got {scene.geometry.shape.shape}"
         )
     if scene.obstacle is not None and not scene.obstacle.is_facing_plane:
         bodies = scene.obstacle.bodies
@@ -150,13 +149,26 @@ def _pressing(scene: Scene, lines: int) -> list[list[list[float]]]:
 
 
 def _lead(scene: Scene) -> int:
-    """The tendon that bends the finger most towards the plane."""
+    """The actuator that bends the finger most towards the plane: by its largest load, lever and length [N m^2]."""
     ends = np.cumsum(scene.geometry.segments)
-    lever = [tendon.offset[0] * ends[tendon.segment - 1] for tendon in scene.tendons]
-    lead = int(np.argmax(lever))
-    if scene.obstacle is not None and lever[lead] <= 0:
-        raise SceneError("tendons must have one on the plane's side (offset y > 0) to sample contact, got none")
+    bends = [one.tension[1] * one.offset[0] * ends[one.segment - 1] for one in scene.tendons]
+    for one in scene.chambers:
+        centre, size = np.array(one.centre), np.array(one.size)
+        bends.append(-one.pressure[1] * float(size.prod() * centre[0]) * (one.x[1] - one.x[0]))
+    lead = int(np.argmax(bends))
+    if scene.obstacle is not None and bends[lead] <= 0:
+        raise SceneError(
+            "tendons must have one on the plane's side (offset y > 0), or chambers one on the other, to sample "
+            "contact, got none"
+        )
     return lead
+
+
+def _rubber(scene: Scene) -> PlaneMesh:
+    """The mesh of a section without its chambers."""
+    mesh = section_mesh(scene.outline, scene.mesh.cells[1], scene.is_half)
+    solid = ~np.isin(mesh.tags, [cavity.tag for cavity in scene.outline.cavities])
+    return replace(mesh, quads=mesh.quads[solid], tags=mesh.tags[solid])
 
 
 def body(scene: Scene, nodes: np.ndarray) -> RestBody:
@@ -164,8 +176,17 @@ def body(scene: Scene, nodes: np.ndarray) -> RestBody:
     geometry = scene.geometry
     return RestBody(
         nodes=nodes,
-        sections=CrossSections(nodes, scene.mesh.order, scene.is_half).positions,
+        sections=positions_of(nodes, scene.mesh.order),
         plates=np.array(scene.outline.plates),
         half_lengths=geometry.half_lengths[-1],
         is_half=scene.is_half,
     )
+
+
+def cross_sections(scene: Scene, nodes: np.ndarray) -> CrossSections:
+    """The cross-sections of that finger: of the rubber around its chambers, also where that fills them."""
+    mesh = _rubber(scene)
+    first = nodes[nodes[:, 0] <= nodes[0, 0] + scene.outline.tolerance, 1:]
+    box = outline(scene.model_dump(mode="json")).box
+    plane = plane_nodes(first, mesh.points, mesh.quads, box, scene.is_half)
+    return CrossSections(nodes, scene.mesh.order, plane)

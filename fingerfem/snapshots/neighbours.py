@@ -57,7 +57,7 @@ class KnownSet:
             raise SnapshotError(
                 f"{path}: must store the displacement to begin at, got {', '.join(own.stored) or 'none'}"
             )
-        self._tensions = description.tensions
+        self._tensions = description.actuators
         self._size = np.array([parameter["upper"] - parameter["lower"] for parameter in description.parameters])
         self._points, self._fields = {}, {}
         if description.has_load:

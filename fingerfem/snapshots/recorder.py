@@ -16,8 +16,9 @@ from fingerfem.equilibrium.state import channel_shortening, pad_pressure, stretc
 from fingerfem.mechanics.rigid_plate import Pose
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.design import body as finger_at_rest
+from fingerfem.snapshots.design import cross_sections
+from fingerfem.snapshots.strokes import Strokes
 from rom.dataset import schema
-from rom.dataset.sections import CrossSections
 
 logger = logging.getLogger(__name__)
 
@@ -35,16 +36,17 @@ class Recorder:
         self._store, self._parameter_count = scene.sampling.store, len(scene.parameters)
         scopes = {"state", *self._store}
         scopes |= {name for name in ("obstacle", "load") if getattr(scene, name) is not None}
-        self._sections = self._channels = None
+        self._sections = self._strokes = None
         if scene.load is not None:
-            self._sections = CrossSections(numbering.nodes, scene.mesh.order, scene.is_half)
+            self._sections = cross_sections(scene, numbering.nodes)
             if all(tendon.path == "channel" for tendon in scene.tendons):
                 scopes.add("load in channels")
-                self._channels = model.channel_lengths
+                self._strokes = Strokes(model, self._sections, numbering)
         sizes = schema.sizes(
             segments=len(body.plates),
             sections=len(body.sections),
             tendons=len(scene.tendons),
+            actuators=len(scene.actuators),
             nodes=len(body.nodes),
         )
         self._blank = schema.blanks(scopes, sizes, self._parameter_count)
@@ -160,15 +162,16 @@ class Recorder:
         if "channel_shortening" in store:
             row["channel_shortening"] = channel_shortening(model.problem)
             row["channel_shortening_jacobian"] = self._padded(found.channel_shortening).T
-        if self._channels is not None:
-            row |= self._channels.quantities(found.displacement)
         if "displacement" in store or self._sections is not None:
             changes = [numbering.gather(change) for change in found.displacement]
         if "displacement" in store:
             row |= {"displacement": field, "displacement_jacobian": self._padded(np.array(changes)).astype(np.float32)}
+        sections = {}
         if self._sections is not None and model.problem.comm.rank == 0:
-            row |= self._sections.quantities(field, np.array(changes))
-        return row
+            sections = self._sections.quantities(field, np.array(changes))
+        if self._strokes is not None:
+            row |= self._strokes.quantities(found.displacement, sections)
+        return row | sections
 
     def _padded(self, slopes: np.ndarray) -> np.ndarray:
         """Derivatives by all parameters, first axis; by d they are zero while there is no plane."""

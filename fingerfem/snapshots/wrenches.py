@@ -13,11 +13,14 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from fingerfem.scene.scene import Scene
+from rom.dataset import section
+from rom.dataset.section_outline import SectionOutline
 
 EACH, MOMENT = 9, 3  # numbers that one wrench is drawn by; that its moment is drawn by besides
 BEHIND = 0.2  # most of a normal's component along the plate's axis: farther behind, the rubber touches first [-]
 CORNERS, EDGES = 0.6, 0.85  # share of forces at corners; at corners or on edges; the others act within faces [-]
 WITH_MOMENT = 0.5  # share of wrenches that have a moment of their own, in a scene that has any
+AROUND = 64  # sides of the polygon that stands for a round outline
 SPREAD = 0.6  # exponent of a uniform share that makes large forces frequent: errors are largest at the ends [-]
 
 
@@ -30,15 +33,19 @@ def draws(scene: Scene) -> int:
 def on_plates(scene: Scene, drawn: np.ndarray) -> np.ndarray:
     """Wrenches on the plates, shape (n, 6 plates) [N, N m], by numbers in [0, 1), shape (n, draws)."""
     plates = np.split(drawn, len(scene.geometry.segments), axis=1)
-    halves = scene.geometry.half_lengths
-    return np.concatenate([_on_plate(scene, half, part) for half, part in zip(halves, plates, strict=True)], axis=1)
+    outline, sizes = section.outline(scene.model_dump(mode="json")), scene.geometry.sizes
+    own = [
+        _on_plate(scene, half, outline.scaled(float(size)), part)
+        for half, size, part in zip(scene.geometry.half_lengths, sizes, plates, strict=True)
+    ]
+    return np.concatenate(own, axis=1)
 
 
-def _on_plate(scene: Scene, half: np.ndarray, drawn: np.ndarray) -> np.ndarray:
+def _on_plate(scene: Scene, half: np.ndarray, outline: SectionOutline, drawn: np.ndarray) -> np.ndarray:
     load = scene.load
     assert load is not None, "of a scene with a load"
     normal = _directions(drawn[:, 0], drawn[:, 1])
-    points = _points(normal, half, drawn[:, 2:5])
+    points = _within(outline, normal, half, _points(normal, half, drawn[:, 2:5]))
     if load.reach:
         points = _ahead(load.reach, drawn[:, 2:5])
     forces = load.force * drawn[:, 5:6] ** SPREAD * _turned(normal, load.friction_angle, drawn[:, 6:8])
@@ -66,6 +73,29 @@ def _points(normal: np.ndarray, half: np.ndarray, drawn: np.ndarray) -> np.ndarr
     rank = np.argsort(np.argsort(np.abs(normal), axis=1), axis=1)  # 0 along the edge that the object is closest to
     free = (kind[:, None] >= CORNERS) & (rank == 0) | (kind[:, None] >= EDGES) & (rank == 1)
     return np.where(free, elsewhere, points)
+
+
+def _within(outline: SectionOutline, normal: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Points of a plate's box, moved to the plate, shape (n, 3) [m].
+
+    A point on an edge along x moves to where the outline has the normal. Others move towards the axis, so that the
+    box's border becomes the outline.
+
+    Args:
+        outline: of the plate.
+        normal: shape (n, 3) [-].
+        half: lengths of the box, shape (3,) [m].
+        points: shape (n, 3) [m].
+    """
+    across = points[:, 1:]
+    polygon = outline.points(AROUND) if outline.radius else outline.vertices
+    sides = np.roll(polygon, -1, axis=0) - polygon
+    outward = np.column_stack([sides[:, 1], -sides[:, 0]])
+    reach = (across @ (outward / np.sum(outward * polygon, axis=1)[:, None]).T).max(axis=1)  # 1 on the polygon
+    inner = np.abs(across / half[1:]).max(axis=1) / np.where(reach > 0, reach, 1.0)
+    touched = outline.support(-normal[:, 1:])
+    is_edge = (np.abs(across) == half[1:]).all(axis=1)
+    return np.column_stack([points[:, 0], np.where(is_edge[:, None], touched, across * inner[:, None])])
 
 
 def _ahead(reach: float, drawn: np.ndarray) -> np.ndarray:

@@ -17,7 +17,11 @@ from rom.console.terminal import fitted, printable
 from rom.parameter import Parameter
 
 SHOWN = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa"), "m^3": (1e9, "mm^3")}  # see `shown`
-ABSOLUTE = {"_m": (1e6, "µm"), "_rad": (1e3, "mrad")}  # of errors that are not relative, by the end of their name
+ABSOLUTE = {
+    "_m": (1e6, "µm"),
+    "_m3": (1e9, "mm^3"),
+    "_rad": (1e3, "mrad"),
+}  # of errors that are not relative, by the end of their name
 ZERO = 1e-10  # of what is shown: below that a value is round-off
 NO_ERROR = ""
 NOT_MEASURED = "accuracy not measured: build with --held-out"

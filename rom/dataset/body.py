@@ -41,6 +41,11 @@ class RestBody:
         """How near to each other two coordinates are the same [m]."""
         return SHARE * 2 * float(self.half_lengths[1])
 
+    @property
+    def section_nodes(self) -> np.ndarray:
+        """Positions y and z of the nodes of the section at the clamp, shape (n, 2) [m]."""
+        return self.nodes[self.nodes[:, 0] <= self.nodes[0, 0] + self.tolerance, 1:]
+
     def write(self, file: Path) -> None:
         """Write it, unless the file is there: everyone who does writes the same."""
         if not file.exists():

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
+from rom.dataset.actuators import count_of
 
 FORMAT = 8  # of snapshot sets
 FORMER = 7  # of which held-out sets and those of scenes with a load are as they are now, but for another key
@@ -66,7 +67,7 @@ class Description:
 
     Attributes:
         scene: the scene as plain data, with its fingerprint.
-        parameters: name, unit, lower and upper of each, tensions first, then d or the wrenches' components.
+        parameters: name, unit, lower and upper of each: tensions, pressures, then d or the wrenches' components.
         lead: index of the lead tension.
         tension_nodes: nodes of every tension [N].
         contact_nodes: nodes of the contact path between touch (0) and its nearest (1) [-].
@@ -105,9 +106,9 @@ class Description:
         return "displacement" in self.stored
 
     @property
-    def tensions(self) -> int:
-        """Number of tensions."""
-        return len(self.scene["tendons"])
+    def actuators(self) -> int:
+        """Number of tensions and pressures."""
+        return count_of(self.scene)
 
     @property
     def has_load(self) -> bool:
@@ -146,7 +147,7 @@ class Description:
 
     def _held_out_lines(self) -> list[tuple[int, ...]]:
         """Positions of the held-out points that follow each other at the same tensions."""
-        together = groupby(range(len(self.random)), lambda k: self.random[k][: self.tensions])
+        together = groupby(range(len(self.random)), lambda k: self.random[k][: self.actuators])
         return [tuple(points) for _, points in together]
 
     def has(self, line: Line) -> bool:
@@ -164,7 +165,7 @@ class Description:
     @property
     def other_axes(self) -> list[int]:
         """Positions of the tensions that do not lead."""
-        return [k for k in range(self.tensions) if k != self.lead]
+        return [k for k in range(self.actuators) if k != self.lead]
 
     @property
     def tasks(self) -> list[str]:

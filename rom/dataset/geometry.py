@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+END = 1.0  # length of rubber in a clamp or plate piece, over the side: nearer, the section cannot warp freely [-]
+
 
 def sizes_of(geometry: Mapping[str, Any]) -> np.ndarray:
     """Sizes of the segments' sections from the clamp to every plate, shape (segments + 1,), over the clamp's [-]."""
@@ -20,11 +22,11 @@ def plates_of(geometry: Mapping[str, Any]) -> np.ndarray:
     return np.column_stack([ends - geometry["plate"] * sizes_of(geometry)[1:], ends])
 
 
-def steepest(geometry: Mapping[str, Any]) -> float:
-    """Largest change of the side per length of rubber [-]."""
+def steepest(geometry: Mapping[str, Any], side: float) -> float:
+    """Largest change of a side, that at the clamp [m], per length of rubber [-]."""
     sizes, plates = sizes_of(geometry), plates_of(geometry)
     rubber = plates[:, 0] - np.append(0.0, plates[:-1, 1])
-    return float(geometry["side"] * np.max(np.abs(np.diff(sizes)) / rubber))
+    return float(side * np.max(np.abs(np.diff(sizes)) / rubber))
 
 
 def size_at(geometry: Mapping[str, Any], x: ArrayLike) -> np.ndarray:

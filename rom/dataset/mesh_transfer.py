@@ -7,7 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import RegularGridInterpolator
+from scipy.sparse import csr_matrix
+from scipy.spatial import Delaunay, cKDTree
 
 from rom.dataset.description import NOT_OF_THE_FINGER, difference
 from rom.dataset.grid import SHARE, levels
@@ -30,26 +31,48 @@ def check_finger(snapshots: SnapshotSet, scene: dict[str, Any], of: str) -> None
 
 
 def interpolation(coarse: np.ndarray, fine: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Interpolation of fields from the nodes of one mesh to those of another; both lie on grid lines.
+    """Interpolation of fields from the nodes of one mesh to those of another; both are swept along the axis.
+
+    It is linear along the axis and on triangles of a section's nodes, of whatever size the section is.
 
     Args:
         coarse: places of the nodes from which, shape (nodes, 3) [m].
         fine: of those to which.
 
     Raises:
-        SnapshotError: the coarse nodes do not fill a grid, or are of a half of the other finger.
+        SnapshotError: the coarse mesh is not swept, or is of a half of the other finger.
     """
     if (np.ptp(fine, axis=0) > (1 + SHARE) * np.ptp(coarse, axis=0)).any():
         raise SnapshotError("both meshes must be of the same part of the finger, got a half and a whole one")
-    lines, where = zip(*(levels(along) for along in coarse.T), strict=True)
-    shape = tuple(len(line) for line in lines)
-    if np.prod(shape) != len(coarse):
-        raise SnapshotError(f"nodes of the coarse mesh must fill a grid of {shape}, got {len(coarse)}")
-    targets = np.column_stack([np.clip(fine[:, a], line[0], line[-1]) for a, line in enumerate(lines)])
+    lines, layer = levels(coarse[:, 0])
+    each, count = np.bincount(layer), len(coarse) // len(lines)
+    if (each != count).any():
+        raise SnapshotError(f"nodes of the coarse mesh must be as many on all planes, got {each.min()} to {each.max()}")
+    sizes = np.zeros(len(lines))
+    np.maximum.at(sizes, layer, np.abs(coarse[:, 1:]).max(axis=1))
+    y, z = (coarse[:, 1:] / sizes[layer][:, None]).T
+    order = np.lexsort((levels(z)[1], levels(y)[1], layer)).reshape(len(lines), count)
+    scaled = np.column_stack([fine[:, 1], fine[:, 2]]) / np.interp(fine[:, 0], lines, sizes)[:, None]
+    node, across = _on_triangles(np.column_stack([y, z])[order[0]], scaled)
+    first = np.clip(np.searchsorted(lines, fine[:, 0]) - 1, 0, len(lines) - 2)
+    share = np.clip((fine[:, 0] - lines[first]) / np.diff(lines)[first], 0.0, 1.0)[:, None]
+    columns = np.hstack([order[first[:, None], node], order[first[:, None] + 1, node]])
+    rows = np.repeat(np.arange(len(fine)), columns.shape[1])
+    weights = np.hstack([(1 - share) * across, share * across])
+    matrix = csr_matrix((weights.ravel(), (rows, columns.ravel())), shape=(len(fine), len(coarse)))
 
-    def bring(columns: np.ndarray) -> np.ndarray:
-        grid = np.zeros((*shape, 3 * columns.shape[1]))
-        grid[where] = columns.reshape(len(coarse), -1)
-        return np.asarray(RegularGridInterpolator(lines, grid)(targets).reshape(3 * len(fine), -1))
+    def bring(fields: np.ndarray) -> np.ndarray:
+        return np.asarray(matrix @ fields.reshape(len(coarse), -1)).reshape(3 * len(fine), -1)
 
     return bring
+
+
+def _on_triangles(nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes whose triangles hold points, or are the nearest to them, and their weights, shapes (points, 3) [-]."""
+    mesh = Delaunay(nodes)
+    found, middles = mesh.find_simplex(points), nodes[mesh.simplices].mean(axis=1)
+    outside = found < 0
+    found[outside] = cKDTree(middles).query(points[outside])[1]
+    to_weights, origin = mesh.transform[found, :2], mesh.transform[found, 2]
+    two = np.einsum("nij,nj->ni", to_weights, points - origin)
+    return mesh.simplices[found], np.column_stack([two, 1 - two.sum(axis=1)])

@@ -3,7 +3,7 @@
 A task's file holds them state by state, first axis n; X_jacobian holds the derivatives of X by the parameters. Besides
 these it holds, of every state:
 
-    parameters   (n, p)   tensions [N], then d [m] (nan in a free state) or what presses on the plates [N, N m]
+    parameters   (n, p)   tensions [N], pressures [Pa], then d [m] (nan in a free state) or what presses on plates
     nodes        (n,)     positions along the line, see rom.dataset.description.Line; of all but held-out lines
     iterations   (n,)     Newton iterations
     converged    (n,)     bool; a state that is not is nan everywhere
@@ -88,10 +88,10 @@ QUANTITIES = (
     ),
     Quantity(
         name="section_shortening",
-        shape=("sections", "tendons"),
+        shape=("sections", "actuators"),
         unit="m",
         meaning="how much shorter every tendon has become from the clamp to the section, or to the tendon's end before "
-        "it; a straight tendon passes no section",
+        "it (a straight tendon passes no section); then how much larger every chamber has become up to there [m^3]",
         scope="load in channels",
     ),
     Quantity(
@@ -116,9 +116,9 @@ QUANTITIES = (
 FIELDS = ("displacement", "displacement_jacobian")  # many times larger than all else, and read only when asked for
 
 
-def sizes(*, segments: int, sections: int, tendons: int, nodes: int) -> dict[str, int]:
+def sizes(*, segments: int, sections: int, tendons: int, actuators: int, nodes: int) -> dict[str, int]:
     """The sizes that shapes name."""
-    return {"segments": segments, "sections": sections, "tendons": tendons, "nodes": nodes}
+    return {"segments": segments, "sections": sections, "tendons": tendons, "actuators": actuators, "nodes": nodes}
 
 
 def blanks(scopes: Collection[str], sizes: Mapping[str, int], parameters: int) -> dict[str, Any]:

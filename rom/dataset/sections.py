@@ -1,12 +1,15 @@
 """The motion of a finger's cross-sections, from the displacement of its nodes.
 
-A section is a grid plane of the mesh across the axis. Its position is the mean c of its nodes' positions x, and its
-rotation R is that of the polar decomposition M = R U of
+A section is a plane of element boundaries across the axis. With the mean c of its nodes' positions x, its rotation R is
+that of the polar decomposition M = R U of
 
     M = sum of w (x - c) (X - X_c)^T     [m^2],
 
-where the weights w [-], of sum 1, are the integrals of the nodes' shape functions over the plane. X - X_c lies in the
-plane, so M has rank 2; R is unique all the same, and `rigid_motion.turns` differentiates it.
+and its position is where this rigid motion brings its point on the axis, c - R m, with m from there to X_c. The weights
+w [-], of sum 1, are the integrals of the nodes' shape functions over the plane. X - X_c lies in the plane, so M has
+rank 2; R is unique all the same, and `rigid_motion.turns` differentiates it.
+
+Nodes within a chamber, where it is filled, have no weight: sections have one definition along the whole finger.
 
 Of half a finger, z >= 0, the sections are whole: of the mirror image, c and M have the same entries with an even number
 of z, and the others cancel.
@@ -15,68 +18,59 @@ of z, and the others cancel.
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from rom.dataset import rigid_motion
 from rom.dataset.grid import levels
+from rom.dataset.plane_nodes import PlaneNodes
 
 
-def line_weights(line: np.ndarray, order: int) -> np.ndarray:
-    """Integrals of the shape functions of nodes on a line, divided by its length, shape (nodes,) [-].
-
-    These are the trapezoidal rule for order 1 and Simpson's for order 2.
-
-    Args:
-        line: coordinates of the nodes, ascending, those between the ends of cells included, shape (nodes,) [m].
-        order: Lagrange order of the cells.
-    """
-    own = np.array([1, 1]) / 2 if order == 1 else np.array([1, 4, 1]) / 6
-    lengths = np.diff(line[::order])
-    found = np.zeros(len(line))
-    for k, share in enumerate(own):
-        found[k : k + order * len(lengths) : order] += share * lengths
-    return found / lengths.sum()
+def positions_of(nodes: np.ndarray, order: int) -> np.ndarray:
+    """Where cross-sections are along the axis at rest, by nodes, shapes (sections,) and (nodes, 3) [m]."""
+    return levels(nodes[:, 0])[0][::order]
 
 
 class CrossSections:
     """The cross-sections of a finger: element boundaries along the axis, so no mid-planes of order 2.
 
     Args:
-        nodes: of the finger at rest, sorted by x, then y, then z, shape (nodes, 3) [m].
+        nodes: of the finger at rest, sorted by x, then y, then z, shape (nodes, 3) [m]. The first section has all of
+            the plane's.
         order: Lagrange order of the mesh.
-        is_half: whether only the half z >= 0 is modelled.
+        plane: the nodes of one section.
 
     Attributes:
         positions: along the axis at rest, shape (sections,) [m].
 
     Example:
         >>> nodes = np.array([[x, y, z] for x in (0, 0.01) for y in (-0.005, 0.005) for z in (-0.005, 0.005)])
-        >>> sections = CrossSections(nodes, order=1, is_half=False)
+        >>> plane = plane_nodes(nodes[:4, 1:], nodes[:4, 1:], np.array([[0, 2, 1, 3]]), np.full(2, 0.005), False)
+        >>> sections = CrossSections(nodes, 1, plane)
         >>> sections.quantities(np.zeros((8, 3)), np.zeros((0, 8, 3)))["section_place"][:, 0]
         array([0.  , 0.01])
     """
 
-    def __init__(self, nodes: np.ndarray, order: int, is_half: bool):
-        layers, _ = levels(nodes[:, 0])
-        plane = nodes.reshape(len(layers), -1, 3)[0]
-        (y, at_y), (z, at_z) = levels(plane[:, 1]), levels(plane[:, 2])
-        self.positions = layers[::order]
-        self._shape, self._order, self._is_half = (len(layers), len(plane), 3), order, is_half
-        self._weights = line_weights(y, order)[at_y] * line_weights(z, order)[at_z]
+    def __init__(self, nodes: np.ndarray, order: int, plane: PlaneNodes):
+        self.positions, layers = positions_of(nodes, order), len(levels(nodes[:, 0])[0])
+        own = plane.weights > 0
+        _, at = cKDTree(nodes[: len(own), 1:]).query(nodes[:, 1:])
+        self._kept = slice(None) if own.all() else own[at]
+        self._shape, self._order, self._is_half = (layers, int(own.sum()), 3), order, plane.is_half
+        self._weights = plane.weights[own]
         across = self._on_sections(nodes) * [0, 1, 1]
         middle = self._mean(across)
         self._arms = across - middle[:, None]
         self._weighted_arms = self._weights[:, None] * self._arms
+        self._middle = middle
         self._centres = self.positions[:, None] * [1, 0, 0] + middle
         self._inertia = self._moment(self._arms)
-        first, last = len(z) - 1 if is_half else 0, len(z) - 1
-        self._corners = np.array([first, last, len(plane) - 1 - last + first, len(plane) - 1])
-        self._sides = np.ones((4, 3))
-        if is_half:
-            self._sides[[0, 2], 2] = -1  # mirror images of the corners that follow them
+        self._fit = plane.corners[:, :, own]
+        self._corner_arms = self._corners(self._arms)
 
     def _on_sections(self, fields: np.ndarray) -> np.ndarray:
         """Vectors at all nodes by section, shapes (..., nodes, 3) and (..., sections, nodes of one, 3)."""
-        return fields.reshape(*fields.shape[:-2], *self._shape)[..., :: self._order, :, :]
+        own = fields[..., self._kept, :]
+        return own.reshape(*fields.shape[:-2], *self._shape)[..., :: self._order, :, :]
 
     def _mean(self, fields: np.ndarray) -> np.ndarray:
         """Mean of vectors at the nodes of a section, shapes (..., nodes of one, 3) and (..., 3)."""
@@ -84,6 +78,11 @@ class CrossSections:
         if self._is_half:
             found[..., 2] = 0
         return found
+
+    def _corners(self, fields: np.ndarray) -> np.ndarray:
+        """Vectors at the corners of a section, shapes (..., nodes of one, 3) and (..., 4, 3)."""
+        found = np.asarray(self._fit[0] @ fields)
+        return found + self._fit[1] @ fields * [1, 1, -1] if self._is_half else found
 
     def _moment(self, fields: np.ndarray) -> np.ndarray:
         """Sum of w u (X - X_c)^T over the nodes of a section, shapes (..., nodes of one, 3) and (..., 3, 3)."""
@@ -104,18 +103,18 @@ class CrossSections:
         rotation, stretch = rigid_motion.nearest_rotations(self._inertia + self._moment(moved))
         turn = rigid_motion.turns(rotation, stretch, self._moment(change))
         quaternion = rigid_motion.quaternions(rotation)
-        arms = self._arms[:, self._corners]
-        corners = (arms + moved[:, self._corners] - shift[:, None]) @ rotation  # rows R^T (x - c)
-        corner_change = (change[:, :, self._corners] - shift_change[:, :, None]) @ rotation
+        corners = (self._corner_arms + self._corners(moved) - shift[:, None]) @ rotation  # rows R^T (x - c)
+        corner_change = (self._corners(change) - shift_change[:, :, None]) @ rotation
         corner_change -= np.cross(turn[:, :, None], corners)
+        swung = np.cross(turn, self._middle)  # of the mean about the axis, in the section's frame
         derivatives = {
-            "section_place": shift_change,
+            "section_place": shift_change - np.einsum("sij,psj->psi", rotation, swung),
             "section_rotation": rigid_motion.quaternion_changes(quaternion, turn),
-            "section_corners": corner_change * self._sides,
+            "section_corners": corner_change,
         }
         return {
-            "section_place": self._centres + shift,
+            "section_place": self._centres + shift - np.einsum("sij,sj->si", rotation, self._middle),
             "section_rotation": quaternion,
-            "section_corners": (corners - arms) * self._sides,
+            "section_corners": corners - self._corner_arms,
             **{f"{name}_jacobian": np.moveaxis(values, 0, -1) for name, values in derivatives.items()},
         }

@@ -11,13 +11,16 @@ import numpy as np
 
 from rom import checked_file
 from rom.brief import brief
+from rom.dataset.actuators import count_of, pressures_of
+from rom.dataset.section_outline import SectionOutline
 from rom.elements.law import ElementLaw
 from rom.elements.outline import OutlineLaw
 from rom.elements.polynomial import Polynomial
 
 CLAMP, INTERIOR, PLATE, WHOLE = "clamp", "interior", "plate", "whole"  # kinds of elements
+SECTION = "section"  # the group of a file that holds the section's outline
 UNCALIBRATED = 2.0  # times the variants' deviation: 95 % of a normal distribution [-]
-UNITS = "place m, Rodrigues vector -, shortening m; of interior elements per m"
+UNITS = "place m, Rodrigues vector -, shortening m, growth m^3; of interior elements per m"
 
 
 @brief
@@ -28,6 +31,7 @@ class Elements:
     Attributes:
         laws: by kind: `clamp`, from the clamp on, and `plate`, to the plate's centre, both of one length; `interior`,
             of any length between these. Or `whole` alone, from clamp to plate, of a finger too short for three.
+        section: its outline at rest, around whose box the outlines' corners are.
         scene: that they were trained on, as plain data.
         outlines: by kind, where the corners of its cross-sections are.
         force: largest on a plate [N].
@@ -39,6 +43,7 @@ class Elements:
 
     laws: dict[str, ElementLaw]
     outlines: dict[str, OutlineLaw]
+    section: SectionOutline
     scene: dict[str, Any]
     force: float
     provenance: dict[str, Any]
@@ -47,8 +52,8 @@ class Elements:
 
     @property
     def tensions(self) -> int:
-        """Number of tensions."""
-        return len(self.scene["tendons"])
+        """Number of loads, tensions and then pressures."""
+        return count_of(self.scene)
 
     def error_factor(self, quantity: str) -> float:
         """How many times the variants' deviation the estimated error of a quantity is [-]."""
@@ -58,18 +63,19 @@ class Elements:
         """The same section `size` times as large, of rubber `modulus` times as stiff."""
         laws = {kind: law.scaled(size, modulus) for kind, law in self.laws.items()}
         outlines = {kind: law.scaled(size, modulus) for kind, law in self.outlines.items()}
-        force = self.force * modulus * size**2
-        return replace(self, laws=laws, outlines=outlines, force=force, size=self.size * size)
+        force, section = self.force * modulus * size**2, self.section.scaled(size)
+        return replace(self, laws=laws, outlines=outlines, section=section, force=force, size=self.size * size)
 
     def write(self, file: h5py.Group) -> None:
         """Write them into an open file."""
         file.attrs["scene"], file.attrs["provenance"] = json.dumps(self.scene), json.dumps(self.provenance)
         file.attrs["force"], file.attrs["error_factors"] = self.force, json.dumps(self.error_factors)
+        self.section.write(file.create_group(SECTION))
         for kind, law in self.laws.items():
             group, outline = file.create_group(kind), self.outlines[kind]
             group.attrs["lengths"] = law.lengths
             checked_file.dataset(group, "tension_map", law.tension_map, "-")
-            checked_file.dataset(group, "tensions", law.tensions, "N")
+            checked_file.dataset(group, "tensions", law.tensions, "N, Pa")
             _write(group, law.polynomial, UNITS)
             if law.deviations is not None:
                 _write(group.create_group("variants"), law.deviations, UNITS)
@@ -79,9 +85,12 @@ class Elements:
 
     @classmethod
     def read(cls, file: h5py.Group) -> Elements:
-        """The elements in an open file."""
+        """The elements in an open file; one that names no section has a square, as files of earlier versions do."""
         laws, outlines = {}, {}
+        scene, provenance = (json.loads(file.attrs[name]) for name in ("scene", "provenance"))
         for kind in file:
+            if kind == SECTION:
+                continue
             group, outline = file[kind], file[kind]["outline"]
             shortest, longest = map(float, group.attrs["lengths"])
             tension_map, tensions = (group[name][:].astype(float) for name in ("tension_map", "tensions"))
@@ -91,14 +100,28 @@ class Elements:
                 polynomial=_read(group),
                 lengths=(shortest, longest),
                 deviations=_read(group["variants"]) if "variants" in group else None,
+                pressures=pressures_of(scene),
             )
-            half, error = (float(outline.attrs[name]) for name in ("half", "error"))
             outlines[kind] = OutlineLaw(
-                tension_map=tension_map, tensions=tensions, polynomial=_read(outline), half=half, error=error
+                tension_map=tension_map,
+                tensions=tensions,
+                polynomial=_read(outline),
+                half=np.broadcast_to(outline.attrs["half"], 2).astype(float),
+                error=float(outline.attrs["error"]),
+                pressures=pressures_of(scene),
             )
-        scene, provenance = (json.loads(file.attrs[name]) for name in ("scene", "provenance"))
         force, factors = float(file.attrs["force"]), json.loads(file.attrs["error_factors"])
-        return cls(laws=laws, outlines=outlines, scene=scene, force=force, provenance=provenance, error_factors=factors)
+        known = SECTION in file
+        section = SectionOutline.read(file[SECTION]) if known else SectionOutline.rectangle(*outlines[kind].half)
+        return cls(
+            laws=laws,
+            outlines=outlines,
+            section=section,
+            scene=scene,
+            force=force,
+            provenance=provenance,
+            error_factors=factors,
+        )
 
 
 def _write(group: h5py.Group, polynomial: Polynomial, unit: str) -> None:

@@ -1,6 +1,8 @@
-"""The law of an element: what it does under tensions and the wrench that it transmits.
+"""The law of an element: what it does under its actuators' loads and the wrench that it transmits.
 
-A law is of any length within its range; at one length it is an element's map.
+Loads are tensions of tendons [N], then pressures of chambers [Pa], in every array that is named after tensions. The
+strokes that they do work on are shortenings of tendons [m], then growths of chambers [m^3]. A law is of any length
+within its range; at one length it is an element's map.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ POSE = 6  # first values of a law: place [m], Rodrigues vector [-]
 @brief
 @dataclass(frozen=True, kw_only=True)
 class ElementMap:
-    """(t tensions [N], wrench through the distal section [N, N m]) -> values, as of an element of one length.
+    """(t loads [N, Pa], wrench through the distal section [N, N m]) -> values, as of an element of one length.
 
     Attributes:
         tension_map: the first m inputs of the polynomial are tension_map @ tensions, shape (m, t).
@@ -64,6 +66,16 @@ class ElementMap:
         return replace(self, tension_map=self.tension_map[:, kept], tensions=self.tensions[:, kept])
 
 
+def scales_of(loads: int, pressures: int, size: float, modulus: float) -> np.ndarray:
+    """How many times as large loads are in a similar finger, the last of them pressures, shape (loads,) [-]."""
+    return np.repeat([modulus * size**2, modulus], [loads - pressures, pressures])
+
+
+def wrench_scales(size: float, modulus: float) -> np.ndarray:
+    """How many times as large a wrench is in a similar finger, shape (6,) [-]."""
+    return np.repeat([modulus * size**2, modulus * size**3], 3)
+
+
 def on_tensions(polynomial: Polynomial, lower: np.ndarray, upper: np.ndarray) -> Polynomial:
     """A polynomial in another box of its first inputs, combinations of tensions, shapes (m,) [N]."""
     m = len(lower)
@@ -82,19 +94,21 @@ def combined(inputs: np.ndarray, tension_map: np.ndarray) -> np.ndarray:
 @brief
 @dataclass(frozen=True, kw_only=True)
 class ElementLaw:
-    """A polynomial of combinations of tensions [N] and the wrench through the distal section, in its frame [N, N m].
+    """A polynomial of combinations of loads [N, Pa] and the wrench through the distal section, in its frame [N, N m].
 
     Its values are the pose of the proximal section seen from the distal one, place [m] and Rodrigues vector [-], then
-    how much shorter every tendon has become in the element [m]. A law of several lengths has the length as its last
-    input [m], and its values are per length.
+    the strokes of all actuators in the element [m, m^3]. A law of several lengths has the length as its last input [m],
+    and its values are per length.
 
     Attributes:
-        tension_map: orthogonal; the first t inputs of the polynomial are tension_map @ tensions, shape (t, t).
-        tensions: lowest and highest, shape (2, t) [N].
+        tension_map: orthogonal; the first t inputs of the polynomial are tension_map @ loads, shape (t, t). It combines
+            tensions with tensions and pressures with pressures.
+        tensions: lowest and highest loads, shape (2, t) [N, Pa].
         polynomial: of t + 6 inputs, or t + 7; of 6 + t values.
         lengths: shortest and longest at rest that were trained [m]; equal in a law of one length.
         deviations: by how much the poses of variants of the law differ from its own, 6 values for each, of the same
             inputs. The squares of what they do to an answer add up to that of its estimated error. None: not known.
+        pressures: how many of the loads are pressures, the last ones.
     """
 
     tension_map: np.ndarray
@@ -102,6 +116,7 @@ class ElementLaw:
     polynomial: Polynomial
     lengths: tuple[float, float]
     deviations: Polynomial | None = None
+    pressures: int = 0
 
     @property
     def has_lengths(self) -> bool:
@@ -143,16 +158,16 @@ class ElementLaw:
     def scaled(self, size: float, modulus: float) -> ElementLaw:
         """The law of an element `size` times as large, of rubber `modulus` times as stiff: exact by similarity.
 
-        Forces go with the modulus and an area, moments with another length, places and lengths with the size.
+        Forces go with the modulus and an area, moments with another length, pressures with the modulus, places and
+        lengths with the size, volumes with its cube.
         """
-        force, count = modulus * size**2, len(self.polynomial.lower)
-        inputs = np.full(count, force)
-        values = np.full(self.polynomial.coefficients.shape[1], size)
-        values[3:POSE] = 1.0
-        tensions = len(values) - POSE
-        inputs[tensions + 3 : tensions + 6] = force * size
+        loads = scales_of(self.tensions.shape[1], self.pressures, size, modulus)
+        inputs = np.concatenate([loads, wrench_scales(size, modulus), [size] * self.has_lengths])
+        values = np.concatenate(
+            [np.repeat([size, 1.0], 3), modulus * size**3 / loads]
+        )  # the work of a load is a stroke's
         if self.has_lengths:
-            inputs[-1], values = size, values / size
+            values = values / size
 
         def scaled(law: Polynomial) -> Polynomial:
             units = np.resize(values[:POSE], law.coefficients.shape[1]) if law is self.deviations else values
@@ -161,7 +176,7 @@ class ElementLaw:
 
         return replace(
             self,
-            tensions=self.tensions * force,
+            tensions=self.tensions * loads,
             polynomial=scaled(self.polynomial),
             lengths=(self.lengths[0] * size, self.lengths[1] * size),
             deviations=None if self.deviations is None else scaled(self.deviations),

@@ -31,6 +31,8 @@ def check(elements: Elements) -> None:
     for kind, law in elements.laws.items():
         _law(kind, law, t)
         _outline(f"outline of {kind}", elements.outlines[kind], t)
+        half, box = elements.outlines[kind].half, elements.section.box
+        require(np.allclose(half, box, rtol=1e-9), f"half of outline of {kind} must be the section's, {box}", half)
     alike = {law.deviations is None or law.deviations.coefficients.shape[1] for law in elements.laws.values()}
     require(len(alike) == 1, "variants must be as many of all laws, or none", sorted(map(str, alike)))
     factors = elements.error_factors
@@ -52,7 +54,8 @@ def _law(kind: str, law: ElementLaw, t: int) -> None:
 
 
 def _outline(name: str, law: OutlineLaw, t: int) -> None:
-    require(0 < law.half < np.inf, f"half of {name} must be finite and above 0 m", law.half)
+    ok = law.half.shape == (2,) and bool(((law.half > 0) & (law.half < np.inf)).all())
+    require(ok, f"half of {name} must be finite and above 0 m, shape (2,)", law.half.tolist())
     require(0 <= law.error < np.inf, f"error of {name} must be finite and at least 0 m", law.error)
     _polynomial(name, law.polynomial, t + WRENCH + 1, NUMBERS)
     constant = bool((~law.polynomial.powers[:, :-1].any(axis=1)).any())

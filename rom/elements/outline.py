@@ -13,16 +13,17 @@ import numpy as np
 
 from rom.brief import brief
 from rom.dataset.grid import SHARE, levels
+from rom.dataset.plane_nodes import CORNERS
+from rom.dataset.section import outline
 from rom.elements.fitting.candidates import box, weights_of
 from rom.elements.fitting.regression import NormalEquations, index_set
-from rom.elements.law import combined
+from rom.elements.law import combined, scales_of, wrench_scales
 from rom.elements.polynomial import Polynomial
 from rom.elements.samples.element_samples import Samples, own_samples
 from rom.elements.samples.section_states import SectionStates
-from rom.elements.samples.symmetry import Mirror, mirrors
+from rom.elements.samples.symmetry import Mirror
 from rom.elements.samples.tension_map import TensionMap, of_scene
 
-CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])  # y and z of corners, over half the side [-]
 NUMBERS = 3 * len(CORNERS)
 DEGREE, ALONG = 4.0, 0.8  # weighted degree; weight of the distance's powers [-]
 MOST = 1500  # products of an outline
@@ -33,22 +34,24 @@ MOST_PAIRS = 30  # positions of one kind of element that are fitted
 @brief
 @dataclass(frozen=True, kw_only=True)
 class OutlineLaw:
-    """Corners of a cross-section by tensions, the wrench through the distal section, and the distance from that.
+    """Corners of a cross-section by loads, the wrench through the distal section, and the distance from that.
 
     Attributes:
-        tension_map: orthogonal; the first t inputs of the polynomial are tension_map @ tensions, shape (t, t).
-        tensions: lowest and highest, shape (2, t) [N].
-        polynomial: of t + 7 inputs [N, N m, m]; of 12 values: how far the corners are from where they were at rest,
+        tension_map: orthogonal; the first t inputs of the polynomial are tension_map @ loads, shape (t, t).
+        tensions: lowest and highest loads, shape (2, t) [N, Pa].
+        polynomial: of t + 7 inputs [N, Pa, N m, m]; of 12 values: how far the corners are from where they were at rest,
             seen from the distal section [m].
-        half: of the section's side [m].
+        half: of the section's box along y and z, shape (2,) [m].
         error: of the corners in lines that were left out, 95th percentile [m].
+        pressures: how many of the loads are pressures, the last ones.
     """
 
     tension_map: np.ndarray
     tensions: np.ndarray
     polynomial: Polynomial
-    half: float
+    half: np.ndarray
     error: float
+    pressures: int = 0
 
     @property
     def distances(self) -> tuple[float, float]:
@@ -80,13 +83,12 @@ class OutlineLaw:
 
     def scaled(self, size: float, modulus: float) -> OutlineLaw:
         """The law of an element `size` times as large, of rubber `modulus` times as stiff: exact by similarity."""
-        law, force = self.polynomial, modulus * size**2
-        inputs = np.full(len(law.lower), force)
-        inputs[-4:-1], inputs[-1] = force * size, size
+        law, loads = self.polynomial, scales_of(self.tensions.shape[1], self.pressures, size, modulus)
+        inputs = np.concatenate([loads, wrench_scales(size, modulus), [size]])
         scaled = replace(law, lower=law.lower * inputs, upper=law.upper * inputs, coefficients=law.coefficients * size)
         return replace(
             self,
-            tensions=self.tensions * force,
+            tensions=self.tensions * loads,
             polynomial=scaled,
             half=self.half * size,
             error=self.error * size,
@@ -98,7 +100,7 @@ def outline_samples(states: SectionStates, section: int, distal: int) -> Samples
 
     A corner at y = c + R r is seen at R_d^T (y - c_d).
     """
-    half = states.scene["geometry"]["side"] / 2
+    half = outline(states.scene).box
     near, far = states.sections[section], states.body(distal)
     own = states.corners[:, section] + np.column_stack([np.zeros(len(CORNERS)), half * CORNERS])
     relative = np.einsum("nji,njk->nik", far.rotations, near.rotations)
@@ -117,7 +119,7 @@ def outline_samples(states: SectionStates, section: int, distal: int) -> Samples
 def _images(states: SectionStates, tension_map: TensionMap) -> list[Mirror]:
     """The mirrors of a finger, which exchange the corners of its cross-sections."""
     found, t = [], states.tensions
-    for mirror in mirrors(states.scene):
+    for mirror in states.mirrors:
         exchange = ((CORNERS @ mirror.section.T)[:, None] == CORNERS[None]).all(axis=2)  # where each corner goes
         polar = mirror.inputs[t : t + 3, t : t + 3]
         values = np.kron(exchange.T.astype(float), polar)
@@ -151,8 +153,9 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
         tension_map=tension_map.matrix,
         tensions=tensions,
         polynomial=equations.fit(every),
-        half=states.scene["geometry"]["side"] / 2,
+        half=outline(states.scene).box,
         error=float(np.quantile(np.concatenate(off), 0.95)),
+        pressures=states.pressures,
     )
 
 

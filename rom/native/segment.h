@@ -13,6 +13,7 @@ enum { FINGERFEM_MOST_BODIES = FINGERFEM_MOST_PLATES + 9, FINGERFEM_MOST_OBJECTS
 
 /* Limits of a segment, which are checked before its struct is made. */
 enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31, FINGERFEM_MOST_ELEMENTS = 64, FINGERFEM_MOST_VARIANTS = 8 };
+enum { FINGERFEM_MOST_VERTICES = 64 /* of a section's outline */ };
 enum { FINGERFEM_MOST_LOADS = FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES * FINGERFEM_MOST_ELEMENTS };
 
 /* Rows of an answer before one object, as of a separated model: tip displacement x, y, z [m], contact force [N], touch
@@ -102,7 +103,12 @@ typedef struct {
     const int32_t *place_elements;       /* (places - 1): of which element is the rubber from each to the next */
     const double *place_shares;          /* (places - 1): where its middle is, from the element's end, 0, to its begin, 1 */
     const double *element_lengths;       /* (elements): at rest [m] */
-    double half_lengths[3];              /* of the plate along its own axes [m] */
+    double half_lengths[3];              /* of the plate along its own axes, and so of its section's box [m] */
+    int32_t vertices;                    /* of the outline of the plate's section, a convex polygon with a margin; 0: the outline is the box */
+    const double *polygon;               /* (vertices, 2): along y and z, counterclockwise [m] */
+    double margin;                       /* around the polygon [m] */
+    double level;                        /* mean of y^2 - z^2 along the outline [m^2] */
+    double depths[2];                    /* (12 I)^(1/4) of the plate's section, for bending towards y and z: side of a square that bends alike [m] */
     double begins;                       /* size of the section where the segment begins over that of the plate's [-] */
     double face_compliance, edge_compliance, line_compliance; /* of a slice: of a face's point, of an edge, and of the line across a face; 0: rigid [m/N] */
     const double *row_compliance, *opposite_compliance;         /* (places - 1): how far a unit force on a slice lowers the same face, and the opposite one, so many slices away [m/N] */
@@ -110,6 +116,8 @@ typedef struct {
     double young_modulus, poisson;       /* of the rubber [Pa], [-] */
     const double *ridges;                /* (tensions, 2): height of the ridge above each tendon, over its tension and the curvature, for
                                             faces across y and across z; negative for the faces at -y and -z [1/Pa] */
+    const double *bulges;                /* (tensions, 2): how high the highest pressure in a chamber lifts the middle of a face over it, at most,
+                                            for faces across y and across z; negative for those at -y and -z; 0 of tendons [m] */
     int32_t corner_monomials;            /* of the tensions, the first ones, by which the plate is bent; 0: not known */
     const double *corner_coefficients;   /* (corner_monomials, FINGERFEM_CORNERS) */
 } fingerfem_segment;
@@ -137,6 +145,17 @@ typedef struct {
     const int32_t *triangle_faces;   /* (triangles) */
 } fingerfem_object;
 
+/* Friction of tendons in their guides: every element has its own tensions. Elements are counted segment by segment, each from its
+ * plate to its clamp. See rod/guides.c for the law. */
+typedef struct {
+    const double *friction; /* (tensions): coefficients mu [-]; 0 of a tendon that runs straight */
+    const double *drag;     /* (elements, tensions): friction besides that of turning, per length, times the element's length [N] */
+    double *tensions;       /* (elements, tensions): in the middle of every element [N] */
+    double *rates;          /* (elements, tensions, tensions): their derivatives by the tensions at the motors [-] */
+    double *bends;          /* (elements): by how much each is bent [rad] */
+    double *slips;          /* (elements, tensions): how far a tendon has moved through the end of an element towards the clamp [m] */
+} fingerfem_guides;
+
 /* Segments one after another, from clamp to tip. */
 typedef struct {
     int32_t plates, tensions;
@@ -146,6 +165,7 @@ typedef struct {
     double gravity[3];   /* acceleration by weight, seen from the clamp [m/s^2]; zeros: nothing weighs */
     const double *masses;  /* of every segment: its plate's, then those of its elements, from the plate to the clamp [kg]; NULL: nothing weighs */
     const double *rubber;  /* likewise, lengths of rubber at rest: 0, then those of its elements [m] */
+    const fingerfem_guides *guides; /* NULL: a tendon has the same tension in all elements */
     double surface_error;   /* [m] */
     /* An estimated error is a factor times the root of the sum of squares of what all variants change, and of a floor. */
     double tip_factor, force_factor, touch_factor; /* [-] */
@@ -206,6 +226,12 @@ int fingerfem_chain_place(const fingerfem_chain *chain, const double *tensions, 
 int fingerfem_chain_shortenings(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                                 double *shortenings, double *changes);
 
+/* The same shortenings where one force across the finger presses: at a position along its axis at rest, from the clamp [m], with the
+ * components (2) along y and z of the cross-section there [N]. The derivatives are by tensions, position and both components,
+ * (tensions, tensions + 3). Returns 1 if all inputs lie in their boxes and the position on the finger, on which it is clamped. */
+int fingerfem_chain_point_force(const fingerfem_chain *chain, const double *tensions, double position, const double *force,
+                                double *memory, double *shortenings, double *changes);
+
 /* The distal sections of all elements, segment by segment, each from its plate to its clamp: places (elements, 3) [m] and
  * rotations, (elements, 3, 3), in space, and the wrenches that they transmit, in their own frames, (elements, 6). Inputs and
  * the returned value as in `fingerfem_chain_place`. */
@@ -221,6 +247,16 @@ int fingerfem_chain_elements(const fingerfem_chain *chain, const double *tension
  * there; d = infinity is no object, and may always be. */
 int fingerfem_touch(const fingerfem_touching *touching, const double *point, double *memory, double *loads, double *out,
                     double *jacobian, double *by_object, int32_t *inside);
+
+/* An increment of a chain with guides: from the tensions and slips at the end of the last one, and those tensions at the motors, `motors`,
+ * (tensions) [N], to the end of this one, all in place. At a point, (tensions + count): as of `fingerfem_touch`, but shortenings [m]
+ * of the tendons that are `wound`, (tensions). The loads are where the solve begins and end; of a chain without objects they are given. Work,
+ * (2) [J]: of the motors in the increment, and what friction took of it. Returns the number of steps; 0 if shortenings are not known,
+ * negative if it found no equilibrium, and what it changes is of no use. Inside is 0 if a tension goes beyond its box. `memory` has
+ * fingerfem_guides_memory's size. */
+int32_t fingerfem_guides_memory(const fingerfem_chain *chain);
+int fingerfem_guides_advance(const fingerfem_touching *touching, const double *point, const int32_t *wound, double *memory, double *loads,
+                             double *motors, double *work, int32_t *inside);
 
 /* Contacts that press: of which plate, or of the rubber of which segment, with which object, place [m] and normal in space, out of the object, and
  * the force along it on the finger [N]. */

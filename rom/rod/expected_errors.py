@@ -28,6 +28,7 @@ class ExpectedErrors:
         position: of the free tip plate [m].
         turn: of the tip plate's orientation [rad].
         shortening: of tendons [m].
+        growth: of chambers [m^3].
         surface: of the rubber's surface, that of its outlines and of the sections' positions [m].
         floors: what estimated errors are not below.
     """
@@ -36,6 +37,7 @@ class ExpectedErrors:
     position: float
     turn: float
     shortening: float
+    growth: float
     surface: float
     floors: Floors
 
@@ -77,6 +79,7 @@ def expected_errors(
         position=position,
         turn=float(left_out["turn_rad"]["p95"]) * longer + TURN * slope,
         shortening=float(left_out["shortening_m"]["p95"]) * size * longer + SHORTENING * change,
+        growth=float(left_out.get("growth_m3", {"p95": 0.0})["p95"]) * size**3 * longer,
         surface=max(size * elements.outlines[kind].error for kind in kinds) + position,
         floors=Floors(place * lever + PLACE * change, force + FORCE * slope),
     )

@@ -42,7 +42,7 @@ def check(rod: Rod) -> None:
             away = np.linalg.norm(_ends_of_free_plate(one), axis=1)
         near = bool((away < FARTHEST * one.length).all())  # not where it is nan
         require(near, f"free plate {k + 1} must be within {FARTHEST:g} lengths of its clamp", away.tolist())
-    for name in ("contact_force", "position", "surface", "turn", "shortening"):
+    for name in ("contact_force", "position", "surface", "turn", "shortening", "growth"):
         value = getattr(rod.errors, name)
         require(0 <= value < np.inf, f"the expected error of {name} must be finite and at least 0", value)
     for name in ("accuracy", "calibration"):
@@ -83,6 +83,11 @@ def check_rod(segment: CondensedSegment) -> None:
         _alike("corners and the plate's element", [corners.lower, corners.upper], [first.lower, first.upper])
     if segment.shortenings is not None:
         _shortenings(segment.shortenings, elements)
+    if segment.section is not None:
+        half, box = segment.half_lengths[1:], segment.section.box
+        require(np.allclose(half, box, rtol=1e-9), f"half_lengths must be those of the section's box, {box}", half)
+        prism = segment.section.is_rectangle or segment.corners is None
+        require(prism, "corners must be left out of a plate that is no box", "some")
     if segment.outlines is not None:
         _outlines(segment.outlines, elements, float(segment.half_lengths[0]))
 

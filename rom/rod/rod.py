@@ -19,7 +19,9 @@ from rom import checked_file
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.console.table import Table, as_html
+from rom.dataset.actuators import actuators_of
 from rom.dataset.geometry import sizes_of, steepest, tip_at_rest
+from rom.dataset.section import extent
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
 from rom.elements.pieces import Piece, cut
@@ -118,26 +120,30 @@ class Rod(PickledByFields):
 
     @cached_property
     def segments(self) -> list[Segment]:
-        """Segments from clamp to tip; a tendon passes all segments up to its plate."""
-        found = []
+        """Segments from clamp to tip; a tendon passes all segments up to its plate, chambers are in the only one."""
+        found, pulled = [], len(self.elements.scene["tendons"])
+        chambers = [
+            (chamber["name"], pulled + trained)
+            for chamber, trained in zip(self.scene.get("chambers") or [], self.similarity.chambers, strict=True)
+        ]
         for k, own in enumerate(self.pieces):
             passing = [
                 (tendon["name"], trained)
                 for tendon, trained in zip(self.scene["tendons"], self.similarity.tendons, strict=True)
                 if tendon["segment"] > k
-            ]
+            ] + chambers
             found.append(segment_of(self.own, own, [name for name, _ in passing], [which for _, which in passing]))
         return found
 
     @property
     def parameters(self) -> list[Parameter]:
-        """The tensions."""
-        return [Parameter(one["name"], "N", *one["tension"]) for one in self.scene["tendons"]]
+        """The tensions, then the pressures."""
+        return [Parameter(one.name, one.unit, one.lower, one.upper) for one in actuators_of(self.scene)]
 
     @property
     def names(self) -> list[str]:
-        """Names of the tensions."""
-        return [one["name"] for one in self.scene["tendons"]]
+        """Names of the tensions, then of the pressures."""
+        return [one.name for one in actuators_of(self.scene)]
 
     @property
     def half_lengths(self) -> np.ndarray:
@@ -160,7 +166,7 @@ class Rod(PickledByFields):
         trained, geometry = sum(self.elements.scene["geometry"]["segments"]), self.scene["geometry"]
         thinner = [sum(one.length / one.size for one in own) / sum(one.length for one in own) for own in self.pieces]
         longer = float(np.dot(thinner, geometry["segments"]) / (self.similarity.size * trained))
-        kinds, slope = {piece.kind for own in self.pieces for piece in own}, steepest(geometry)
+        kinds, slope = {piece.kind for own in self.pieces for piece in own}, steepest(geometry, extent(self.scene))
         tapered = slope, slope * sum(geometry["segments"])
         found = expected_errors(self.elements, kinds, self.similarity.size, longer, tapered)
         return found.at_least(self.calibration.get("errors", {}), self.elements)
@@ -174,11 +180,11 @@ class Rod(PickledByFields):
         """Poses of the plates.
 
         Args:
-            tensions: shape (t,) [N].
+            tensions: of the tendons [N], then pressures of the chambers [Pa], shape (t,).
             wrenches: on the plates in their own frames, shape (n, 6) [N, N m]; none if omitted.
 
         Raises:
-            ModelError: the wrong number of tensions or wrenches.
+            ModelError: the wrong number of tensions and pressures, or of wrenches.
         """
         return Plates(*compiled.place_chain(self.struct, *self._inputs(tensions, wrenches)))
 
@@ -193,7 +199,15 @@ class Rod(PickledByFields):
         return pulled, pressed
 
     def shortening(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
-        """Shortening of the tendons between clamp and plate, shape (t,) [m]; arguments of `place`."""
+        """Shortening of the tendons between clamp and plate, shape (tendons,) [m]; arguments of `place`."""
+        return self.strokes(tensions, wrenches)[: len(self.scene["tendons"])]
+
+    def growth(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
+        """Growth of the chambers' volumes, shape (chambers,) [m^3]; arguments of `place`."""
+        return self.strokes(tensions, wrenches)[len(self.scene["tendons"]) :]
+
+    def strokes(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
+        """What the loads do work on: shortenings, then growths, shape (t,) [m, m^3]; arguments of `place`."""
         return reports.shortenings(self.struct, *self._inputs(tensions, wrenches))[0]
 
     def displacement(
@@ -247,7 +261,11 @@ class Rod(PickledByFields):
             ModelError: not a valid scene, or the elements cannot make it; the message says what is missing.
         """
         tables = of_tables(scene) if isinstance(scene, Mapping) else read_scene(scene)
-        return Rod(elements=self.elements, scene=self.elements.scene | tables)
+        trained = {name: table for name, table in self.elements.scene.items() if name != "chambers"}
+        section = trained.pop("section", None)
+        if section and "digest" in section and section["digest"] == tables.get("section", {}).get("digest"):
+            tables["section"] = section  # with what was measured of the file
+        return Rod(elements=self.elements, scene=trained | tables)
 
     def with_gravity(self, direction: ArrayLike, acceleration: float | None = None) -> Rod:
         """The same finger on a turned base; the compiled data of its segments are shared.

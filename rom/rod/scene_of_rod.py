@@ -15,11 +15,14 @@ import numpy as np
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.dataset.actuators import actuators_of
 from rom.dataset.geometry import sizes_of
+from rom.dataset.section import channel_width, extent
 from rom.file_kinds import uses_of
+from rom.rod.chambers_of_rod import chambers_of, matched, rescaled_chamber
+from rom.rod.section_of_rod import NEAR, equal, size_of_section, with_digest, without_square
 from rom.rod.weight import gravity_of
 
-NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
 MOST_SEGMENTS = 8
 # Powers of a modulus that a law's constants go with: 1 [Pa], -1 [1/Pa]; others have no unit.
 MODULI = {"C1": 1, "C2": 1, "C3": 1, "C10": 1, "C01": 1, "mu": 1, "D1": -1, "E": 1}
@@ -29,11 +32,12 @@ PLAIN = ("nu", "alpha")  # constants without a unit
 
 @brief
 class Similarity(NamedTuple):
-    """By how much elements are scaled [-], and which of their tendons every tendon of the finger is."""
+    """By how much elements are scaled [-], and which of their tendons and chambers every one of the finger is."""
 
     size: float
     modulus: float
     tendons: list[int]
+    chambers: list[int]
 
 
 def read_scene(path: str | Path) -> dict[str, Any]:
@@ -48,7 +52,7 @@ def read_scene(path: str | Path) -> dict[str, Any]:
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ModelError(f"{path}: must be a scene in TOML, got {error}{uses_of(path)}") from None
     try:
-        return of_tables(scene)
+        return of_tables(with_digest(scene, Path(path).parent))
     except ModelError as error:
         raise ModelError(f"{path}: {error}") from None
 
@@ -62,38 +66,33 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
     for name, kind in (("geometry", dict), ("material", dict), ("tendons", list)):
         if not isinstance(scene.get(name), kind):
             raise ModelError(f"{name} must be given, got {scene.get(name)}")
-    if scene.get("section"):
-        raise ModelError(
-            "section must be left out of a rod's scene: elements have square sections, whose side is geometry.side; "
-            f"the full-order model solves it (python3 -m fingerfem solve), got {scene['section']}"
-        )
-    if scene.get("chambers"):
-        raise ModelError(
-            "chambers must be left out of a rod's scene: elements have no voids; "
-            f"the full-order model solves it (python3 -m fingerfem solve), got {scene['chambers']}"
-        )
     if scene.get("materials"):
         raise ModelError(
             "materials must be left out of a rod's scene: elements are of one material; "
             f"the full-order model solves it (python3 -m fingerfem solve), got {len(scene['materials'])} materials"
         )
+    scene = without_square(scene)
     try:
-        return {
+        found: dict[str, Any] = {
             "name": str(scene.get("name", "finger")),
-            "geometry": _geometry(scene["geometry"]),
+            "geometry": _geometry(scene["geometry"], has_side=scene.get("section") is None),
             "material": dict(scene["material"]),
             "tendons": [_tendon(one) for one in scene["tendons"]],
-        } | ({} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"])})
+        }
+        found |= {} if scene.get("section") is None else {"section": scene["section"]}
+        found |= {"chambers": chambers_of(scene)} if scene.get("chambers") else {}
+        weight = {} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"], scene.get("density"))}
+        return found | weight
     except ModelError:
         raise
     except (KeyError, TypeError, ValueError) as error:
         raise ModelError(
-            f"scene must have geometry and tendons as docs/reference/scene.md says, got {error!r}"
+            f"scene must have geometry, tendons and chambers as docs/reference/scene.md says, got {error!r}"
         ) from None
 
 
-def _geometry(table: dict[str, Any]) -> dict[str, Any]:
-    sizes = {name: float(table[name]) for name in ("side", "plate")}
+def _geometry(table: dict[str, Any], has_side: bool) -> dict[str, Any]:
+    sizes = {name: float(table[name]) for name in ("side", "plate") if has_side or name != "side"}
     channel = table.get("channel")
     segments = [float(one) for one in table["segments"]]
     found = sizes | {"segments": segments, "channel": None if channel is None else float(channel)}
@@ -103,6 +102,10 @@ def _geometry(table: dict[str, Any]) -> dict[str, Any]:
             raise ModelError(f"geometry.{name} must be finite and above 0 m, got {value}")
     if table.get("taper") is None:
         return found
+    if not has_side:
+        raise ModelError(
+            f"geometry.taper must be left out with [section]: its error is known of squares alone, got {table['taper']}"
+        )
     taper = [float(one) for one in table["taper"]]
     if len(taper) != len(segments) or not all(0 < one < np.inf for one in taper):
         raise ModelError(f"geometry.taper must be one ratio above 0 per segment, got {taper}")
@@ -123,25 +126,29 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     """By how much elements of a trained scene must be scaled for another.
 
     Raises:
-        ModelError: they are of another section, rubber or plate, or lack a tendon: one line with both values.
+        ModelError: another section, rubber or plate, or a tendon or chamber that is missing: one line with both values.
     """
-    size = scene["geometry"]["side"] / trained["geometry"]["side"]
+    size = size_of_section(trained, scene)
+    over = "geometry.side" if "side" in scene["geometry"] else "the section's extent"
     for name in ("plate", "channel"):
-        own, other = (_ratio(one["geometry"], name) for one in (scene, trained))
-        _equal(f"geometry.{name} over geometry.side", own, other)
+        own, other = (
+            (channel_width(one) if name == "channel" else one["geometry"][name]) / extent(one)
+            for one in (scene, trained)
+        )
+        equal(f"geometry.{name} over {over}", own, other)
     modulus = _modulus(trained["material"], scene["material"])
     count = len(scene["geometry"]["segments"])
     if not 1 <= count <= MOST_SEGMENTS:
         raise ModelError(f"geometry.segments must be at least one and at most {MOST_SEGMENTS}, got {count}")
-    names = [one["name"] for one in scene["tendons"]]
+    names = [one.name for one in actuators_of(scene)]
     if len(set(names)) < len(names):
-        raise ModelError(f"tendons must have names of their own, got {', '.join(names)}")
+        raise ModelError(f"tendons and chambers must have names of their own, got {', '.join(names)}")
     sizes = sizes_of(scene["geometry"])
     tendons = [_tendon_of(trained["tendons"], one, size * sizes, modulus) for one in scene["tendons"]]
     last = max((one["segment"] for one in scene["tendons"]), default=0)
     if last < count:
         raise ModelError(f"tendons must pass all segments, one at least of segment {count}, got {last}")
-    found = Similarity(size, modulus, tendons)
+    found = Similarity(size, modulus, tendons, matched(trained, scene, size, modulus))
     for segment in range(1, count + 1):
         _check_sums(trained["tendons"], scene["tendons"], found, (segment, size * sizes[segment - 1 : segment + 1]))
     return found
@@ -150,7 +157,7 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
 def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str, Any]:
     """The scene of a finger with its modulus and all lengths multiplied by factors [-].
 
-    Highest tensions fall where the trained ones do, and do not rise.
+    Highest tensions and pressures fall where the trained ones do, and do not rise.
     """
 
     def longer(value: Any) -> Any:
@@ -169,12 +176,10 @@ def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str,
         for one in scene["tendons"]
     ]
     geometry = scene["geometry"] | lengths
-    return dict(scene) | {"geometry": geometry, "material": material, "tendons": tendons}
-
-
-def _ratio(geometry: Mapping[str, Any], name: str) -> float:
-    value = geometry.get(name)
-    return 0.2 if value is None else value / geometry["side"]  # a channel is a fifth of the side
+    found = dict(scene) | {"geometry": geometry, "material": material, "tendons": tendons}
+    if scene.get("chambers"):
+        found["chambers"] = [rescaled_chamber(one, modulus, size) for one in scene["chambers"]]
+    return found
 
 
 def _modulus(trained: Mapping[str, Any], material: Mapping[str, Any]) -> float:
@@ -199,13 +204,8 @@ def _modulus(trained: Mapping[str, Any], material: Mapping[str, Any]) -> float:
         raise ModelError(f"material.{first} must be above 0, got {material[first]}")
     for name in constants:
         for value, wanted in zip(own[name], others[name] * modulus ** MODULI.get(name, 0), strict=True):
-            _equal(f"material.{name} (with {first} = {own[first][0]:g})", value, wanted)
+            equal(f"material.{name} (with {first} = {own[first][0]:g})", value, wanted)
     return modulus
-
-
-def _equal(name: str, value: float, wanted: float) -> None:
-    if abs(value - wanted) > NEAR * max(abs(value), abs(wanted)):
-        raise ModelError(f"{name} must be {wanted:.6g}, as the elements were trained with, got {value:.6g}")
 
 
 def _trained(tension: list[float], modulus: float, sizes: np.ndarray) -> tuple[float, float, float]:

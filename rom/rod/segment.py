@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.dataset.section import area
+from rom.dataset.section_outline import SectionOutline
 from rom.elements.elements import INTERIOR, Elements
 from rom.elements.law import POSE, ElementMap, on_tensions
 from rom.elements.pieces import Piece
@@ -19,6 +21,7 @@ from rom.elements.polynomial import Polynomial
 from rom.elements.taper import Prism, shear_compliance, tapered
 from rom.native import PickledByFields
 from rom.rod import compiled
+from rom.rod.bulges import bulges_of
 
 UNDER = 0.4  # over half the side: largest depth of a tendon that raises a ridge on the face above it [-]
 
@@ -29,15 +32,18 @@ class Segment(PickledByFields):
     """One segment of a finger, condensed to its plate when it is asked for.
 
     Attributes:
-        elements: laws by the segment's tensions and the wrench that each transmits, from the plate to the clamp: pose,
-            then shortenings of the trained tendons. Elements that share a law are one object.
+        elements: laws by the segment's loads and the wrench that each transmits, from the plate to the clamp: pose,
+            then strokes of the trained actuators. Elements that share a law are one object.
         outlines: of every element, shared as its law is.
-        names: of its tensions.
-        trained: which trained tendon each of these is.
+        names: of its tensions, then of its pressures.
+        trained: which trained load each of these is.
         offsets: of the tendons in channels from the axis along y and z, shape (t, 2) [m]; 0 of those without a channel.
         half_lengths: of the plate along its own axes, shape (3,) [m].
+        section: outline of the plate's section at rest.
+        area: of the section at the plate [m^2].
         begins: size of the section where it begins over that of the plate's [-].
         length: from the clamp to the plate's centre at rest [m].
+        bulges: see `bulges_of`; None without chambers.
     """
 
     elements: Sequence[ElementMap]
@@ -46,8 +52,11 @@ class Segment(PickledByFields):
     trained: Sequence[int]
     offsets: np.ndarray
     half_lengths: np.ndarray
+    section: SectionOutline
+    area: float
     length: float
     begins: float = 1.0
+    bulges: np.ndarray | None = None
 
     @property
     def tensions(self) -> int:
@@ -67,7 +76,7 @@ class Segment(PickledByFields):
         inputs[:, -6] = -pull, pull
         longer = sum(np.ptp(one.value(inputs)[:, 0]) for one in self.elements)
         rubber = self.length - self.half_lengths[0]
-        area = 4 * self.half_lengths[1] * self.half_lengths[2] * self.begins  # its inverse is the mean of all sections'
+        area = self.area * self.begins  # its inverse is the mean of all sections'
         return float(2 * pull * rubber / (longer * area))
 
     @cached_property
@@ -79,8 +88,32 @@ class Segment(PickledByFields):
         inputs[:, -6] = -pull, pull
         corners = outline.polynomial.value(inputs).reshape(2, -1, 4, 3)[:, len(outline.distances) // 2]
         pressed, pulled = (corners[:, 2:, 1] - corners[:, :2, 1]).mean(axis=1)
-        strain = 2 * pull / (self.young_modulus * 4 * self.half_lengths[1] * self.half_lengths[2])
+        strain = 2 * pull / (self.young_modulus * self.area)
         return float((pressed - pulled) / (0.5 * (pressed + pulled)) / strain)
+
+    @cached_property
+    def depths(self) -> np.ndarray:
+        """Sides of squares that bend as the plate's section does towards y and z, (12 I)^(1/4), shape (2,) [m].
+
+        The second moments I are those that the middle element's law has at small moments.
+        """
+        k, t = len(self.elements) // 2, self.tensions
+        found = []
+        for axis in (2, 1):  # a moment about z bends towards y
+            moment = 1e-3 * self.elements[k].polynomial.upper[-3 + axis]
+            inputs = np.zeros((2, t + 6))
+            inputs[:, t + 3 + axis] = -moment, moment
+            turn = 2 * np.ptp(self.elements[k].value(inputs)[:, 3 + axis])
+            found.append((24 * moment * self.outlines[k].length / (turn * self.young_modulus)) ** 0.25)
+        return np.array(found) * 2 / (1 + self.begins)
+
+    @property
+    def ridges(self) -> np.ndarray:
+        """Heights of ridges above the tendons, see `CondensedSegment`; none on an outline without faces."""
+        if not self.section.is_rectangle:
+            return np.zeros((self.tensions, 2))
+        under = np.abs(self.offsets) > (1 - UNDER) * self.half_lengths[1:]
+        return np.where(under, np.sign(self.offsets), 0.0) / self.young_modulus
 
     @cached_property
     def struct(self) -> Any:
@@ -99,13 +132,15 @@ class Segment(PickledByFields):
         return compiled.CondensedSegment(
             elements=[poses[id(one)] for one in self.elements],
             half_lengths=self.half_lengths,
+            section=self.section,
+            depths=None if self.section.is_rectangle or self.outlines is None else self.depths,
             begins=self.begins,
             outlines=self.outlines,
             shortenings=[shortenings[id(one)] for one in self.elements],
             young_modulus=self.young_modulus,
             poisson=0.0 if self.outlines is None else self.poisson,
-            ridges=np.where(np.abs(self.offsets) > (1 - UNDER) * self.half_lengths[1:], np.sign(self.offsets), 0.0)
-            / self.young_modulus,
+            ridges=self.ridges,
+            bulges=self.bulges,
         )
 
     def place(self, inputs: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
@@ -141,10 +176,11 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     if any(one.ends[0] != one.ends[1] for one in pieces):
         longest = elements.laws[INTERIOR].lengths[1]
         shear = shear_compliance(elements.laws[INTERIOR].of_length(longest), longest)
-        prism = Prism(elements.size * geometry["side"], shear)
+        prism = Prism(2 * elements.section.box[0], shear)
         laws = {one: tapered(law, one, prism) for one, law in laws.items()}
     end, begin = pieces[0].ends[0], pieces[-1].ends[1]
-    half = elements.size * end * np.array([geometry["plate"], geometry["side"], geometry["side"]]) / 2
+    section = elements.section.scaled(end)
+    half = np.array([elements.size * end * geometry["plate"] / 2, *section.box])
     outlines = {}
     for k, one in enumerate(pieces):
         if one not in outlines:
@@ -156,10 +192,15 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         outlines=[outlines[one] for one in pieces],
         names=names,
         trained=trained,
-        offsets=elements.size * end * np.array([_offset(elements.scene["tendons"][k]) for k in trained]).reshape(-1, 2),
+        offsets=elements.size * end * np.array([_offset(elements.scene["tendons"], k) for k in trained]).reshape(-1, 2),
         half_lengths=half,
+        section=section,
+        area=area(elements.scene) * (elements.size * end) ** 2,
         begins=begin / end,
         length=sum(one.length for one in pieces),
+        bulges=bulges_of([laws[one] for one in pieces], elements.scene, elements.size, trained)
+        if elements.scene.get("chambers")
+        else None,
     )
 
 
@@ -178,8 +219,10 @@ def _in_one_box(laws: dict[Piece, ElementMap], outlines: dict[Piece, compiled.Ou
         outlines[piece] = replace(own, polynomial=on_tensions(own.polynomial, lower, upper))
 
 
-def _offset(tendon: dict[str, Any]) -> list[float]:
-    return tendon["offset"] if tendon.get("path", "channel") == "channel" else [0.0, 0.0]
+def _offset(tendons: Sequence[dict[str, Any]], k: int) -> list[float]:
+    """Of load k's channel; 0 of a straight tendon and of a chamber, which come after the tendons."""
+    has_channel = k < len(tendons) and tendons[k].get("path", "channel") == "channel"
+    return tendons[k]["offset"] if has_channel else [0.0, 0.0]
 
 
 def _pose_of(element: ElementMap) -> ElementMap:

@@ -182,37 +182,40 @@ def _estimate(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.nd
 
 def _fit(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarray]:
     """The rigid motion that fits a section's corners best, seen from its element's distal section (Kabsch 1976)."""
-    corners = _corners(rod, one, distance)
+    corners, rest = _corners(rod, one, distance), half_at(rod, one.at - distance) * CORNERS
     centre = corners.mean(axis=0)
-    left, _, right = np.linalg.svd(np.insert(CORNERS, 0, 0.0, axis=1).T @ (corners - centre))
+    left, _, right = np.linalg.svd(np.insert(rest, 0, 0.0, axis=1).T @ (corners - centre))
     sign = np.linalg.det(left @ right)
     return centre, right.T @ np.diag([1.0, 1.0, sign]) @ left.T
 
 
 def _corners(rod: Rod, one: Placed, distance: float) -> np.ndarray:
     """Corners of a section at a distance from its element's distal section [m], seen from that; shape (4, 3) [m]."""
-    law = replace(rod.sized[one.piece.size].outlines[one.piece.kind], half=float(half_at(rod, one.at - distance)))
+    law = replace(rod.sized[one.piece.size].outlines[one.piece.kind], half=half_at(rod, one.at - distance))
     return law.corners(one.inputs[None], distance)[0]
 
 
 def half_at(rod: Rod, x: ArrayLike) -> np.ndarray:
-    """Half the side of the sections at x along the finger at rest [m]."""
-    geometry = rod.scene["geometry"]
-    return geometry["side"] / 2 * size_at(geometry, np.asarray(x))
+    """Halves along y and z of the boxes of the sections at x along the finger at rest, shape (..., 2) [m]."""
+    return size_at(rod.scene["geometry"], np.asarray(x))[..., None] * rod.own.section.box
 
 
 def edges(rod: Rod) -> np.ndarray:
-    """Points of the long edges at rest, every half side of the clamp's section, shape (points, 3) [m]."""
-    length, side = sum(rod.scene["geometry"]["segments"]), rod.scene["geometry"]["side"]
-    along = np.linspace(0.0, length, round(2 * length / side) + 1)
-    corners = half_at(rod, along)[:, None, None] * CORNERS
-    return np.concatenate([np.repeat(along, len(CORNERS))[:, None], corners.reshape(-1, 2)], axis=1)
+    """Points of the long edges at rest, every half side of the clamp's section, shape (points, 3) [m].
+
+    A section without corners has as many lines along its border.
+    """
+    length, section = sum(rod.scene["geometry"]["segments"]), rod.own.section
+    along = np.linspace(0.0, length, round(length / section.box.max()) + 1)
+    border = section.support(section.box * CORNERS) if section.radius or section.is_rectangle else section.vertices
+    points = size_at(rod.scene["geometry"], along)[:, None, None] * border
+    return np.concatenate([np.repeat(along, len(border))[:, None], points.reshape(-1, 2)], axis=1)
 
 
 def _outside(points: np.ndarray, length: float, half: ArrayLike) -> bool:
     """Whether some points or positions at rest, shape (n, 3) or (n, 1) [m], are none of the finger's."""
-    along, across = np.abs(points[:, 0] - length / 2) * 2 / length, np.abs(points[:, 1:]).max(axis=1, initial=0.0)
-    return not ((along <= 1 + SHARE) & (across <= np.asarray(half) * (1 + SHARE))).all()
+    along, across = np.abs(points[:, 0] - length / 2) * 2 / length, np.abs(points[:, 1:])
+    return not ((along <= 1 + SHARE).all() and (across <= np.asarray(half) * (1 + SHARE)).all())
 
 
 def _at(elements: list[Placed], x: float) -> Placed:

@@ -1,4 +1,4 @@
-"""A finger that objects touch: a model of tensions and of every object's distance."""
+"""A finger that objects touch: a model of tensions, pressures and every object's distance."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ from rom.console.table import Table, parameters
 from rom.native import LIBRARY, PickledByFields
 from rom.parameter import Parameter, joined
 from rom.parametric_model import ParametricModel
-from rom.rod.compiled.evaluation import evaluate
-from rom.rod.compiled.reports import QUATERNION
+from rom.rod.compiled.evaluation import Evaluation, evaluate
 from rom.rod.compiled.touched import Touched, pressing, touches
 from rom.rod.objects.shapes import RigidObject
 from rom.rod.report import FingerReport
@@ -75,7 +74,7 @@ class TouchedRod(ParametricModel, PickledByFields):
 
     @property
     def parameters(self) -> list[Parameter]:
-        """Tensions, then the distance of every object."""
+        """Tensions and pressures, then the distance of every object."""
         ends = [(name, *one.distances) for name, one in zip(self.distance_names, self.objects, strict=True)]
         return [
             *self.rod.parameters,
@@ -135,9 +134,10 @@ class TouchedRod(ParametricModel, PickledByFields):
         """
         m = len(self.objects)
         parameters = parameters if d is None else joined(parameters, d, m)
-        out, errors, inside, (rows, _, off) = evaluate(self.touching, self._points(parameters))
+        evaluation = evaluate(self.touching, self._points(parameters))
+        (out, errors, inside, _), found = evaluation, self._report(evaluation)
         if np.ndim(parameters) == 1:
-            out, errors, inside, rows, off = out[0], errors[0], inside[0], rows[0], off[0]
+            out, errors, inside, found = out[0], errors[0], inside[0], FingerReport(*(one[0] for one in found))
         return Answer(
             tip=out[..., :3],
             contact_force=out[..., 3 : 3 + m],
@@ -145,14 +145,15 @@ class TouchedRod(ParametricModel, PickledByFields):
             pad_pressure=None,
             error=dict(zip(QUANTITIES, (errors[..., 0], errors[..., 1 : 1 + m], errors[..., 1 + m :]), strict=True)),
             inside=inside,
-            orientation=rows[..., :QUATERNION],
-            orientation_error=off[..., 0],
-            shortenings=rows[..., QUATERNION:],
-            shortening_error=off[..., 1],
+            orientation=found.orientation,
+            orientation_error=found.orientation_error,
+            shortenings=found.shortenings,
+            shortening_error=found.shortening_error,
+            **({"growths": found.growths, "growth_error": found.growth_error} if found.growths.size else {}),
         )
 
     def report(self, parameters: ArrayLike) -> FingerReport:
-        """Tip orientation and tendon shortenings, with their derivatives by tensions [N] and every d [m].
+        """Tip orientation, shortenings and growths, with their derivatives by tensions, pressures and every d.
 
         Args:
             parameters: shape (p,) or (n, p).
@@ -163,8 +164,11 @@ class TouchedRod(ParametricModel, PickledByFields):
         Example:
             >>> TouchedSegment.load().report([30.0, 0.0, 0.010]).shortening_jacobian
         """
-        found = FingerReport.of(evaluate(self.touching, self._points(parameters)))
+        found = self._report(evaluate(self.touching, self._points(parameters)))
         return FingerReport(*(one[0] for one in found)) if np.ndim(parameters) == 1 else found
+
+    def _report(self, evaluation: Evaluation) -> FingerReport:
+        return FingerReport.of(evaluation, len(self.rod.scene["tendons"]), self.rod.errors.growth)
 
     def contact_forces(self, parameters: ArrayLike) -> list[ContactForce]:
         """Where objects press at one point, shape (p,), and how much; none without an equilibrium.
@@ -200,8 +204,12 @@ class TouchedRod(ParametricModel, PickledByFields):
         return self.rod.sections(*self._loads(parameters), at)
 
     def shortening(self, parameters: ArrayLike) -> np.ndarray:
-        """How much shorter the tendons have become at one point, shape (p,); shape (t,) [m]."""
+        """How much shorter the tendons have become at one point, shape (p,); shape (tendons,) [m]."""
         return self.rod.shortening(*self._loads(parameters))
+
+    def growth(self, parameters: ArrayLike) -> np.ndarray:
+        """How much larger the chambers have become at one point, shape (p,); shape (chambers,) [m^3]."""
+        return self.rod.growth(*self._loads(parameters))
 
     def _loads(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Tensions and loads in contact, shapes (t,) [N] and (m,) [N, N m]."""

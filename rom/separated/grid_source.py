@@ -29,8 +29,8 @@ def grid_samples(snapshots: SnapshotSet, every: int = 1) -> Samples:
     if description.random or description.has_load or not description.has_obstacle:
         rule = "must be a training set before a plane, on a grid (sampling.tension_nodes and contact_nodes)"
         raise SnapshotError(f"{path}: {rule}{uses_of(path)}")
-    if description.tensions > MOST_TENSIONS:
-        raise SnapshotError(f"{path}: must have {MOST_TENSIONS} tensions at most, got {description.tensions}")
+    if description.actuators > MOST_TENSIONS:
+        raise SnapshotError(f"{path}: must have {MOST_TENSIONS} tensions at most, got {description.actuators}")
     axes = [*description.tension_nodes, description.contact_nodes]
     kept = [np.unique([*range(0, len(axis), every), len(axis) - 1]) for axis in axes]
     names = ["tip", "contact_force", "touch_distance", *["pad_pressure"] * ("pad_pressure" in description.stored)]

@@ -10,6 +10,7 @@ import numpy as np
 from rom.answer import FORCE, TOUCH, Answer
 from rom.checked_file import require
 from rom.console.terminal import Progress, quiet
+from rom.dataset.section import top
 from rom.error_statistics import compared, differences
 from rom.parameter import joined
 from rom.rod.objects.shapes import facing_plane
@@ -96,7 +97,7 @@ def specialise(
     rule = f"the table must have contact forces at {FEWEST} of {MEASURING} points at least"
     count = accuracy["contact_force"]["count"]
     require(count >= FEWEST, rule, f"{count}: all others are marked; take other distances or more nodes")
-    plane = facing_plane(model.scene["geometry"]["side"], model.obstacle.distances)
+    plane = facing_plane(2 * top(model.scene), model.obstacle.distances)
     origin = {"specialised_from": model.scene["name"], "object": repr(model.obstacle)}
     provenance = table.provenance | origin | {"facing_plane": model.obstacle == plane}
     return replace(table, accuracy=accuracy, provenance=provenance)

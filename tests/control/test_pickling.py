@@ -76,6 +76,10 @@ CLASSES = {
             one.upper,
         ],
     ),
+    "GuidedFinger": (
+        lambda table: rom.GuidedFinger(model=rom.load(), friction=0.2),
+        lambda one: [one.advance([tension, 0.0, 0.02]).element_tensions for tension in (60.0, 30.0)],
+    ),
     "Flaws": (lambda table: control.Flaws(noise=0.1), lambda one: [one.noise]),
     "Grasp": (grasp, lambda one: [one.tensions, one.distances]),
     "GraspOptions": (lambda table: control.GraspOptions(noise=0.01), lambda one: [one.gain(1.0)]),

@@ -11,15 +11,12 @@ from mpi4py import MPI
 from pydantic import ValidationError
 from scipy.spatial import cKDTree
 
-from fingerfem import FingerModel, SceneError, load_scene
+from fingerfem import FingerModel, load_scene
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.mesh import build_mesh
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene
-from fingerfem.snapshots.design import describe
-from rom.checked_file import ModelError
-from rom.rod.scene_of_rod import read_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 NEO_HOOKEAN = {"law": "neo-hookean", "C1": 1.0e5, "D1": 2e-6}
@@ -230,8 +227,6 @@ REFUSED = {
         {"geometry": {"side": 0.01, "segments": [0.06], "plate": 0.002}},
         "side must be left out",
     ),
-    "load": ({"load": {"force": 1.0}}, "load must be left out of a scene with a circle section: rod elements"),
-    "coarse": ({"coarse": {"cells": [14, 5]}}, "coarse must be left out of a scene with a circle section"),
     "pad": (
         {"obstacle": {"distance": [0.001, 0.03], "pad": {"name": "tip", "x": [0.05, 0.06]}}},
         "obstacle.pad must be left out of a scene with a circle section: a pad lies on the flat face",
@@ -265,13 +260,3 @@ def test_what_a_round_finger_cannot_do_yet_is_refused_when_its_scene_is_read(cas
 def test_sections_and_offsets_that_do_not_fit_are_refused(section, offset, rule):
     with pytest.raises(ValidationError, match=rule):
         Scene.model_validate(table(section, [offset]))
-
-
-def test_a_rod_refuses_a_scene_with_a_section_by_name():
-    with pytest.raises(ModelError, match=r"round.toml: section must be left out of a rod's scene: .* geometry.side"):
-        read_scene(SCENES / "round.toml")
-
-
-def test_states_to_train_on_are_refused_with_the_next_step():
-    with pytest.raises(SceneError, match=r"section must be a square .* \(fingerfem solve takes any\), got c"):
-        describe(load_scene(SCENES / "round.toml"), {})

@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import ValidationInfo, model_validator
+from pydantic import ValidationInfo, computed_field, model_validator
+from scipy.spatial import ConvexHull
 
 from fingerfem.scene.sections.gmsh_file import FileMesh, read_gmsh
 from fingerfem.scene.sections.plane_mesh import RUBBER, PlaneMesh
 from fingerfem.scene.sections.section import Column, Inside, Section, Wanted
+from rom.dataset.section_outline import MOST_VERTICES
 
 GROUPS = {"channel": "channel", "straight": "hole"}  # of a tendon's path: the first word of its group's name
 
@@ -24,7 +26,7 @@ class FromFile(Section):
     meshed_by: ClassVar[str] = "section.file"
     chamber_region: ClassVar[str | None] = "group"
     file: str  # seen from the scene's folder; absolute in what the program writes
-    digest: str | None = None  # of the file's content; written by the program
+    digest: str | None = None  # of the file's content; written by the program, as `measures` are
 
     @model_validator(mode="before")
     @classmethod
@@ -37,6 +39,7 @@ class FromFile(Section):
         except OSError as error:
             raise ValueError(f"file must be a mesh of Gmsh, got {path}: {error.strerror or error}") from None
         digest = hashlib.sha256(content).hexdigest()[:16]
+        table = {key: value for key, value in table.items() if key != "measures"}
         if table.get("digest") not in (None, digest):
             raise ValueError(f"file must be what it was when the scene was written, got another content of {path}")
         return table | {"file": str(path), "digest": digest}
@@ -49,6 +52,17 @@ class FromFile(Section):
     @property
     def _read(self) -> FileMesh:
         return _of_content(self.file, self.digest)[0]
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def measures(self) -> dict[str, Any]:
+        """What rod elements need of it, as `rom.dataset.section` reads it; of many corners of its hull the farthest."""
+        hull = self._read.points[ConvexHull(self._read.points).vertices]
+        if len(hull) > MOST_VERTICES:
+            angles = 2 * np.pi * np.arange(MOST_VERTICES) / MOST_VERTICES
+            hull = hull[np.unique((hull @ [np.cos(angles), np.sin(angles)]).argmax(axis=0))]
+        squares = (self._plain.second_moments[:2] / self.area).tolist()
+        return {"area": self.area, "mean_squares": squares, "hull": hull.tolist()}
 
     @property
     def _plain(self) -> PlaneMesh:

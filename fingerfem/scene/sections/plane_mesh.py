@@ -65,11 +65,15 @@ class PlaneMesh:
         weights = self.areas[own, None]
         return np.asarray((weights * self.centroids[own]).sum(axis=0) / (weights.sum() if own.any() else np.nan))
 
+    @property
+    def centroid(self) -> np.ndarray:
+        """Of what is meshed, shape (2,) [m]."""
+        return np.asarray((self.areas[:, None] * self.centroids).sum(axis=0) / self.areas.sum())
+
     @cached_property
     def second_moments(self) -> np.ndarray:
         """Integrals of y^2, z^2 and y z over a whole mesh, about its centroid, shape (3,) [m^4]."""
-        centre = (self.areas[:, None] * self.centroids).sum(axis=0) / self.areas.sum()
-        here = self.corners - centre
+        here = self.corners - self.centroid
         after = np.roll(here, -1, axis=1)
         cross = _cross(here, after)
         squares = here**2 + here * after + after**2

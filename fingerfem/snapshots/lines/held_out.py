@@ -63,14 +63,14 @@ def _points(setting: Setting, line: Line) -> list[tuple[np.ndarray, float]]:
     description = setting.description
     points = np.array([description.random[k] for k in line.nodes])
     distances = points[:, -1] if description.has_obstacle else np.full(len(points), np.nan)
-    return list(zip(points[:, : description.tensions], distances.tolist(), strict=True))
+    return list(zip(points[:, : description.actuators], distances.tolist(), strict=True))
 
 
 def _pressed_points(setting: Setting, line: Line) -> list[tuple[np.ndarray, np.ndarray]]:
     """Tensions [N] and wrenches on the plates, shape (plates, 6) [N, N m], of a line's points."""
     description = setting.description
     points = [np.array(description.random[k]) for k in line.nodes]
-    return [(point[: description.tensions], point[description.tensions :].reshape(-1, 6)) for point in points]
+    return [(point[: description.actuators], point[description.actuators :].reshape(-1, 6)) for point in points]
 
 
 def _stay() -> None:

@@ -19,7 +19,7 @@ def needs(setting: Setting, task: str, line: Line) -> list[str]:
     description = setting.description
     if setting.known.near is not None or not description.has_field or line.index[0] < ROOTS:
         return []
-    size = [parameter["upper"] - parameter["lower"] for parameter in description.parameters[: description.tensions]]
+    size = [parameter["upper"] - parameter["lower"] for parameter in description.parameters[: description.actuators]]
     away = (np.array(description.scattered[:ROOTS]) - line.tensions) / size
     return [f"pressed-{np.argmin(np.sum(away**2, axis=1))}"]
 
@@ -55,7 +55,7 @@ def _begin(setting: Setting, roots: list[str]) -> None:
     for root in roots:
         known = read_task(setting.path, root, ("parameters", "converged", "displacement"))
         if known["converged"][0]:
-            tensions = known["parameters"][0, : setting.description.tensions]
+            tensions = known["parameters"][0, : setting.description.actuators]
             setting.model.continuation.start(tensions, None, setting.numbering.scatter(known["displacement"][0]))
 
 

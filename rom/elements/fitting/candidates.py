@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
+from rom.dataset.actuators import actuators_of, pressures_of
 from rom.dataset.grid import levels
 from rom.elements.fitting.regression import NormalEquations, chosen, index_set
 from rom.elements.law import POSE, ElementLaw, combined
 from rom.elements.polynomial import Polynomial
 from rom.elements.samples.element_samples import Samples
-from rom.elements.samples.symmetry import Mirror, mirrors
+from rom.elements.samples.symmetry import Mirror
 from rom.elements.samples.tension_map import TensionMap, of_scene
 
 # Weights of powers, measured [-]: of combinations of tensions by the order of their moment, and of higher ones; of a
@@ -36,12 +37,14 @@ class Candidates:
 
     Attributes:
         equations: of its samples, in the largest set of products.
-        tension_map: its variables in place of tensions, shape (t, t).
-        tensions: lowest and highest, shape (2, t) [N].
+        tension_map: its variables in place of loads, shape (t, t).
+        tensions: lowest and highest loads, shape (2, t) [N, Pa].
         weights: of the powers of every input [-].
         lengths: shortest and longest [m].
         highest: weighted degree of the largest set.
+        images: mirrors of the samples, by the equations' inputs.
         corrected: laws that these correct, with their degree; None if they stand alone.
+        pressures: how many of the loads are pressures, the last ones.
     """
 
     equations: NormalEquations
@@ -50,7 +53,9 @@ class Candidates:
     weights: np.ndarray
     lengths: tuple[float, float]
     highest: float
+    images: Sequence[Mirror]
     corrected: tuple[Candidates, float] | None = None
+    pressures: int = 0
 
     def supports(self, degree: float) -> bool:
         """Whether all products of a degree are there, and enough rows for them."""
@@ -87,7 +92,11 @@ class Candidates:
 
     def _law(self, polynomial: Polynomial) -> ElementLaw:
         return ElementLaw(
-            tension_map=self.tension_map, tensions=self.tensions, polynomial=polynomial, lengths=self.lengths
+            tension_map=self.tension_map,
+            tensions=self.tensions,
+            polynomial=polynomial,
+            lengths=self.lengths,
+            pressures=self.pressures,
         )
 
     def _positions(self, degree: float) -> np.ndarray:
@@ -99,22 +108,27 @@ def _left_out(fold: int | None) -> list[int]:
 
 
 def candidates(
-    samples: Sequence[Samples], fold_of: dict[int, int], scene: dict[str, Any], highest: float
+    samples: Sequence[Samples],
+    fold_of: dict[int, int],
+    scene: dict[str, Any],
+    mirrors: Sequence[Mirror],
+    highest: float,
 ) -> Candidates:
     """The laws of an element up to a weighted degree.
 
     Args:
         samples: of one length each.
         fold_of: of every line.
-        scene: of the finger, as plain data: its tendons and their symmetry.
+        scene: of the finger, as plain data.
+        mirrors: of the samples.
         highest: weighted degree; a lower one if it has more than MOST products.
     """
     lengths = [one.length for one in samples]
     distinct = len(levels(np.array(lengths))[0])
     several = distinct > 1
     tension_map = of_scene(scene)
-    images = [mirror.combined(tension_map) for mirror in mirrors(scene)]
-    tensions = np.array([tendon["tension"] for tendon in scene["tendons"]], float).T
+    images = [mirror.combined(tension_map) for mirror in mirrors]
+    tensions = np.array([(one.lower, one.upper) for one in actuators_of(scene)]).T
     lower, upper = box(samples, tension_map.matrix, tensions, images)
     weights = weights_of(tension_map)
     if several:
@@ -137,6 +151,8 @@ def candidates(
         weights=weights,
         lengths=(min(lengths), max(lengths)) if several else (lengths[0], lengths[0]),
         highest=highest,
+        pressures=pressures_of(scene),
+        images=images,
     )
 
 

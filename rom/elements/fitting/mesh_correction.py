@@ -9,24 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from rom.elements.fitting.candidates import Candidates, rows_of, weights_of
+from rom.elements.fitting.candidates import Candidates, rows_of
 from rom.elements.fitting.regression import NormalEquations, chosen
 from rom.elements.law import ElementLaw
 from rom.elements.samples.element_samples import Samples
-from rom.elements.samples.symmetry import mirrors
-from rom.elements.samples.tension_map import of_scene
 
 DEGREE = 3.0  # weighted degree of a correction [-]
 RIDGE = 1e-2  # of the number of rows, on the diagonal of the normal equations: measured, by lines left out [-]
 
 
-def correcting(
-    own: Candidates, degree: float, samples: Sequence[Samples], fold_of: dict[int, int], scene: dict[str, Any]
-) -> Candidates:
+def correcting(own: Candidates, degree: float, samples: Sequence[Samples], fold_of: dict[int, int]) -> Candidates:
     """The law of an element that is its own one and a correction.
 
     Args:
@@ -34,13 +29,9 @@ def correcting(
         degree: that was chosen among these.
         samples: on the finer mesh, of one length each.
         fold_of: of every line of these.
-        scene: of the finger, as plain data: its tendons and their symmetry.
     """
-    law, tension_map = own.law(degree), of_scene(scene)
-    polynomial, weights = law.polynomial, weights_of(tension_map)
-    images = [mirror.combined(tension_map) for mirror in mirrors(scene)]
-    if law.has_lengths:
-        weights, images = np.append(weights, 1.0), [mirror.with_length() for mirror in images]
+    law = own.law(degree)
+    polynomial, weights = law.polynomial, own.weights
     powers = polynomial.powers[chosen(polynomial.powers, weights, DEGREE)]
     folds, values = max(fold_of.values()) + 1, polynomial.coefficients.shape[1]
     equations = NormalEquations(polynomial.lower, polynomial.upper, powers, folds, values)
@@ -48,9 +39,9 @@ def correcting(
         left = _without(law, one)
         inputs, differences, jacobians = rows_of(left, law.tension_map, law.has_lengths)
         equations.add(inputs, differences, jacobians, np.array([fold_of[line] for line in one.lines.tolist()]))
-    equations.add_images(images)
+    equations.add_images(own.images)
     equations.prior[:] = RIDGE * equations.rows.sum()
-    return replace(own, equations=equations, weights=weights, highest=DEGREE, corrected=(own, degree))
+    return replace(own, equations=equations, highest=DEGREE, corrected=(own, degree))
 
 
 def _without(law: ElementLaw, samples: Samples) -> Samples:

@@ -15,6 +15,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.console.terminal import Progress, quiet
+from rom.dataset.section import extent, outline
 from rom.dataset.snapshot_set import SnapshotError
 from rom.elements.elements import Elements
 from rom.elements.fitting.calibration import error_factors, floors_of
@@ -34,6 +35,7 @@ from rom.error_statistics import quantiles
 
 FOLDS = 7  # largest number of groups; the lines of a group are left out together
 FEWEST = 4  # lines
+STROKES = "shortening_m", "growth_m3"
 SHARE = 0.9  # quantile of the predicted states' errors by which degrees are compared [-]
 FORCE, PLACE = (
     1e-3,
@@ -108,9 +110,9 @@ def prepare(states: SectionStates, highest: float = HIGHEST) -> Training:
         raise SnapshotError("geometry.taper must be left out to train elements: those of a straight finger are scaled")
     of_line, fold = fold_of(states)
     kinds = {}
-    for kind, pairs in cut(states.at, states.scene["geometry"]["side"]).items():
+    for kind, pairs in cut(states.at, extent(states.scene)).items():
         samples = [element_samples(states, *pair) for pair in pairs]
-        kinds[kind] = candidates(samples, of_line, states.scene, highest)
+        kinds[kind] = candidates(samples, of_line, states.scene, states.mirrors, highest)
     return Training(states=states, fold=fold, kinds=kinds)
 
 
@@ -155,24 +157,35 @@ def train(
         trainings.append((corrections(training, degrees, finer), dict.fromkeys(degrees, DEGREE)))
     training, of_laws = trainings[-1]
     places, turned, shorter = training.left_out(of_laws)
-    outlines, fold = outline_pairs(states.at, states.scene["geometry"]["side"]), fold_of(states)[1]
+    outlines, fold = outline_pairs(states.at, extent(states.scene)), fold_of(states)[1]
     off = np.linalg.norm(places - training.states.plate.places, axis=1)
     left_out = {
         "contact_force": quantiles(relative_force_errors(training.states, places, turned)),
         "place_m": quantiles(off),
         "free_place_m": quantiles(off[training.states.forces == 0]),
         "turn_rad": quantiles(angles(turned, training.states.plate.rotations)),
-        "shortening_m": quantiles(np.abs(shorter - training.states.shortenings[:, -1]).max(axis=1)),
-    }
+    } | stroke_errors(shorter - training.states.shortenings[:, -1], training.states.pressures)
     progress("fitting elements", 2, 2)
     return Elements(
         laws=training.laws(of_laws),
         outlines={kind: train_outline(states, fold, pairs) for kind, pairs in outlines.items()},
+        section=outline(states.scene),
         scene=states.scene,
         force=float(states.scene["load"]["force"]),
         provenance=provenance | {"degrees": degrees, "left_out": left_out},
         error_factors=error_factors(trainings, floors_of(left_out)),
     )
+
+
+def stroke_errors(off: np.ndarray, pressures: int) -> dict[str, Any]:
+    """Quantiles of the largest error in a state, of tendons' shortenings [m] and of chambers' growths [m^3].
+
+    Args:
+        off: errors of all strokes, shape (n, t) [m, m^3].
+        pressures: how many of them are growths, the last ones.
+    """
+    parts = np.split(np.abs(off), [off.shape[1] - pressures], axis=1)
+    return {name: quantiles(part.max(axis=1)) for name, part in zip(STROKES, parts, strict=True) if part.size}
 
 
 def corrections(training: Training, degrees: dict[str, float], finer: SectionStates) -> Training:
@@ -185,7 +198,7 @@ def corrections(training: Training, degrees: dict[str, float], finer: SectionSta
     """
     of_line, fold = fold_of(finer)
     kinds = {}
-    for kind, pairs in cut(finer.at, finer.scene["geometry"]["side"]).items():
+    for kind, pairs in cut(finer.at, extent(finer.scene)).items():
         samples = [element_samples(finer, *pair) for pair in pairs]
-        kinds[kind] = correcting(training.kinds[kind], degrees[kind], samples, of_line, finer.scene)
+        kinds[kind] = correcting(training.kinds[kind], degrees[kind], samples, of_line)
     return Training(states=finer, fold=fold, kinds=kinds)

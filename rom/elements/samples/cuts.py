@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from rom.dataset.geometry import END
 from rom.dataset.grid import SHARE
 from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE
 
-END = 1.0  # length of rubber in a clamp or plate piece, over the side: nearer, the section cannot warp freely [-]
 LONGEST = 1.1  # length of an interior element over the side [-]
 
 MOST_PAIRS = 12  # interior elements of one finger: samples of a state beyond these repeat each other
@@ -20,7 +20,7 @@ def cut(at: np.ndarray, side: float) -> dict[str, list[Pair]]:
 
     Args:
         at: where cross-sections are, from the clamp to the plate's near face, shape (m,) [m].
-        side: of the section [m].
+        side: largest extent of the section [m].
     """
     end, longest = END * side * (1 - SHARE), LONGEST * side
     plate = len(at)

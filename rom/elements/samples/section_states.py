@@ -1,11 +1,13 @@
 """Full-order states of a finger as bodies in a row: its cross-sections from the clamp on, then its plate.
 
 Every body has a place, a rotation, and the wrench that it transmits: what presses on the plate, moved there. Tendons
-are internal to the finger, so they add nothing. Each comes with its derivatives by tensions and by the plate's wrench.
+and the gas of chambers are internal to the finger, so they add nothing. Each comes with its derivatives by the t loads,
+tensions [N] and then pressures [Pa], and by the plate's wrench.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,9 +15,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from rom.brief import brief
+from rom.dataset.actuators import actuators_of, pressures_of
 from rom.dataset.geometry import tip_at_rest
 from rom.dataset.rigid_motion import motions, rotations
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
+from rom.elements.samples.symmetry import Mirror, mirrors
 from rom.file_kinds import uses_of
 
 WRENCH = 6  # force [N] and moment [N m]
@@ -49,16 +53,17 @@ class SectionStates:
 
     Attributes:
         scene: as plain data.
-        inputs: tensions [N], then force [N] and moment [N m] on the plate in its frame, shape (n, t + 6).
+        inputs: loads [N, Pa], then force [N] and moment [N m] on the plate in its frame, shape (n, t + 6).
         lines: of states that were solved together, shape (n,).
         at: where cross-sections are at rest along the axis, shape (m,) [m]; the last one is the plate's near face.
         sections: these, m of them.
         plate: the plate, by its centre.
-        shortenings: of the tendons between clamp and cross-section, shape (n, m, t) [m].
+        shortenings: strokes of the actuators between clamp and cross-section, shape (n, m, t) [m, m^3].
         shortening_changes: by the inputs, shape (n, m, t, t + 6).
-        corners: how far the corners of cross-sections are from those of a square, in their own frames, in the order
+        corners: how far the corners of cross-sections are from those at rest, in their own frames, in the order
             -y -z, -y z, y -z, y z, shape (n, m, 4, 3) [m].
         corner_changes: by the inputs, shape (n, m, 4, 3, t + 6).
+        mirrors: that map the finger onto itself.
     """
 
     scene: dict[str, Any]
@@ -71,16 +76,22 @@ class SectionStates:
     shortening_changes: np.ndarray
     corners: np.ndarray
     corner_changes: np.ndarray
+    mirrors: Sequence[Mirror]
 
     @property
     def tensions(self) -> int:
-        """Number of tensions."""
+        """Number of loads."""
         return self.inputs.shape[1] - WRENCH
 
     @property
+    def pressures(self) -> int:
+        """How many of the loads are pressures, the last ones."""
+        return pressures_of(self.scene)
+
+    @property
     def ranges(self) -> np.ndarray:
-        """Lowest and highest of every tension, shape (t, 2) [N]."""
-        return np.array([one["tension"] for one in self.scene["tendons"]], float)
+        """Lowest and highest of every load, shape (t, 2) [N, Pa]."""
+        return np.array([(one.lower, one.upper) for one in actuators_of(self.scene)])
 
     @property
     def forces(self) -> np.ndarray:
@@ -170,6 +181,7 @@ def read_section_states(snapshots: SnapshotSet, at: np.ndarray | None = None) ->
         shortening_changes=shorter_changes,
         corners=corners,
         corner_changes=corner_changes,
+        mirrors=mirrors(description.scene, snapshots.body.section_nodes),
     )
 
 

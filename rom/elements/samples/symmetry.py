@@ -1,4 +1,4 @@
-"""Mirrors and turns of the section that map a finger onto itself: every sample of an element has images.
+"""Mirrors and turns of the section that map a finger's mesh onto itself: every sample of an element has images.
 
 Of a map S of space that keeps the axis, with det S = -1 for a mirror, forces and places go with S, and moments and
 turns, which are axial vectors, with det(S) S.
@@ -6,12 +6,14 @@ turns, which are axial vectors, with det(S) S.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
+from scipy.spatial import cKDTree
 
 from rom.brief import brief
 from rom.dataset.grid import SHARE
@@ -21,7 +23,7 @@ from rom.elements.samples.tension_map import TensionMap
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Mirror:
-    """A map of an element onto itself: x -> inputs @ x of tensions and wrench, y -> values @ y of what it does.
+    """A map of an element onto itself: x -> inputs @ x of loads and wrench, y -> values @ y of what it does.
 
     Both are signed permutations.
 
@@ -46,28 +48,43 @@ class Mirror:
         return replace(self, inputs=block_diag(self.inputs, 1.0))
 
 
-def mirrors(scene: dict[str, Any]) -> list[Mirror]:
-    """Of a square section, all that exchange tendons of one range and path; the identity is left out."""
-    return [found for S in _square()[1:] if (found := _of_section(S, scene["tendons"])) is not None]
+def mirrors(scene: Mapping[str, Any], nodes: np.ndarray | None = None) -> list[Mirror]:
+    """Those maps of a square that exchange nodes, tendons of one range and path, and chambers of one span and range.
 
+    The identity is left out.
 
-def _square() -> list[np.ndarray]:
-    """The maps of a square onto itself, shapes (2, 2), the identity first."""
+    Args:
+        scene: with the tendons and chambers.
+        nodes: of a section's mesh, y and z, shape (nodes, 2) [m]; a square's if None.
+    """
     signs = [np.diag(pair) for pair in product((1.0, -1.0), repeat=2)]
-    return [*signs, *(sign[:, ::-1] for sign in signs)]
+    maps = [*signs, *(sign[:, ::-1] for sign in signs)][1:]
+    if nodes is not None:
+        near, tree = SHARE * np.abs(nodes).max(), cKDTree(nodes)
+        maps = [S for S in maps if tree.query(nodes @ S.T)[0].max() < near]
+    return [found for S in maps if (found := _of_section(S, scene["tendons"], scene.get("chambers") or [])) is not None]
 
 
-def _of_section(S: np.ndarray, tendons: list[dict[str, Any]]) -> Mirror | None:
-    """The mirror by a map of the section, if it takes every tendon to one of the same range and path."""
-    exchange = np.zeros((len(tendons), len(tendons)))
-    near = SHARE * np.max(np.abs([tendon["offset"] for tendon in tendons]))
-    for k, tendon in enumerate(tendons):
-        there = S @ tendon["offset"]
-        for j, other in enumerate(tendons):
-            alike = all(tendon[key] == other[key] for key in ("tension", "path", "segment"))
-            exchange[j, k] = alike and np.allclose(there, other["offset"], rtol=0, atol=near)
-    if not (exchange.sum(axis=0) == 1).all():
+def _of_section(S: np.ndarray, tendons: list[dict[str, Any]], chambers: list[dict[str, Any]]) -> Mirror | None:
+    """The mirror by a map of the section, if it takes every tendon and every chamber to one like it."""
+    pulled = _exchange(
+        S, [one["offset"] for one in tendons], [(one["tension"], one["path"], one["segment"]) for one in tendons]
+    )
+    pushed = _exchange(S, [one["centre"] for one in chambers], [(one["x"], one["pressure"]) for one in chambers])
+    sizes = np.array([one["size"] for one in chambers]).reshape(-1, 2)
+    exchange = block_diag(pulled, pushed) if chambers else pulled
+    if not (exchange.sum(axis=0) == 1).all() or not np.allclose(
+        pushed.T @ sizes, sizes @ np.abs(S), rtol=SHARE, atol=0
+    ):
         return None
     polar = block_diag(1.0, S)
     axial = np.linalg.det(S) * polar
     return Mirror(inputs=block_diag(exchange, polar, axial), values=block_diag(polar, axial, exchange), section=S)
+
+
+def _exchange(S: np.ndarray, places: Sequence[Sequence[float]], kinds: Sequence[tuple]) -> np.ndarray:
+    """Which actuators, as rows, everyone becomes: those at its mapped place that are of its kind, shape (k, k)."""
+    at = np.array(places, float).reshape(-1, 2)
+    apart = np.abs(at[:, None] - at @ S.T).max(axis=2, initial=0.0)
+    alike = np.array([[one == other for other in kinds] for one in kinds], bool).reshape(apart.shape)
+    return (alike & (apart <= SHARE * np.abs(at).max(initial=0.0))).astype(float)

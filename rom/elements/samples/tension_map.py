@@ -1,4 +1,4 @@
-"""The combinations of tensions that an element's polynomial has as variables: resultants first, then finer moments.
+"""The combinations of loads that an element's polynomial has as variables: resultants first, then finer moments.
 
 By Saint-Venant's principle a short element feels the resultants of its tensions: the axial force and two bending
 moments. Which tendons carry them matters less, the less the finer the pattern. The variables are therefore moments
@@ -13,8 +13,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from rom.brief import brief
+from rom.dataset.actuators import pressures_of
 
 RESULTANTS = 1  # highest order of the moments that are resultants
 DEPENDENT = 1e-6  # part of a moment below which it is one of lower moments [-]
@@ -22,10 +24,10 @@ DEPENDENT = 1e-6  # part of a moment below which it is one of lower moments [-]
 
 @brief
 class TensionMap(NamedTuple):
-    """Variables of a polynomial in place of t tensions.
+    """Variables of a polynomial in place of t loads, tensions and then pressures.
 
     Attributes:
-        matrix: orthogonal, shape (t, t): of variables as rows, by tensions.
+        matrix: orthogonal, shape (t, t): of variables as rows, by loads.
         orders: of the moment that each of them is; RESULTANTS at most if it is a resultant, shape (t,).
     """
 
@@ -58,8 +60,13 @@ def tension_map(offsets: np.ndarray) -> TensionMap:
 
 
 def of_scene(scene: dict[str, Any]) -> TensionMap:
-    """The variables for the tendons of a scene."""
-    return tension_map(np.array([tendon["offset"] for tendon in scene["tendons"]]))
+    """The variables for the loads of a scene: of its tendons, then the pressures as they are.
+
+    A pressure's resultants are not all that a short element feels of it: it also widens its chamber.
+    """
+    found, pressures = tension_map(np.array([tendon["offset"] for tendon in scene["tendons"]])), pressures_of(scene)
+    matrix = block_diag(found.matrix, np.eye(pressures)) if pressures else found.matrix
+    return TensionMap(matrix, np.append(found.orders, np.zeros(pressures, int)))
 
 
 def _orthonormal(moments: np.ndarray) -> np.ndarray:

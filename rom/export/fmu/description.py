@@ -9,6 +9,7 @@ from rom.export.fmu.variables import Interface, Variable
 
 UNITS = {
     "m": {"m": "1"},
+    "m3": {"m": "3"},
     "N": {"kg": "1", "m": "1", "s": "-2"},
     "Pa": {"kg": "1", "m": "-1", "s": "-2"},
     "s": {"s": "1"},

@@ -15,6 +15,7 @@ from rom.separated.model import SeparatedModel
 INPUTS, OUTPUTS, FLAG, STATUS = 1, 101, 201, 202  # value references, as in native/fmu.h
 REPORT, REPORT_ERRORS = OUTPUTS + 10, OUTPUTS + 22  # of a model of elements, as in native/fmu_model.c
 MOST_INPUTS = 10  # as in native/fmu.h
+MEANING = {"m": "distance of the object", "N": "tension of a tendon", "Pa": "pressure in a chamber"}  # by unit
 UNKNOWN = "the largest number where it is not known"
 
 
@@ -111,10 +112,18 @@ def model_interface(model: SeparatedModel | TouchedSegment) -> Interface:
 
 
 def _reported(model: TouchedSegment) -> list[Variable]:
-    """The tip's orientation and the tendons' shortenings."""
-    tendons, about = model.names[:-1], "of the tip plate's unit quaternion, w >= 0: its sign changes at half a turn"
+    """The tip's orientation, the tendons' shortenings and the chambers' growths."""
+    loads, about = (
+        model.parameters[: -len(model.objects)],
+        "of the tip plate's unit quaternion, w >= 0: its sign changes at half a turn",
+    )
     rows = [(f"orientation_{axis}", "", f"{axis} {about}") for axis in "wxyz"]
-    rows += [(f"shortening_{name}", "m", f"how much shorter {name} is from clamp to plate") for name in tendons]
+    rows += [
+        (f"shortening_{one.name}", "m", f"how much shorter {one.name} is from clamp to plate")
+        if one.unit == "N"
+        else (f"growth_{one.name}", "m3", f"how much larger the chamber {one.name} is")
+        for one in loads
+    ]
     errors = [
         ("orientation_error", "rad", "estimated error of the orientation, an angle"),
         ("shortening_error", "m", "estimated error of every shortening"),
@@ -127,13 +136,13 @@ def _reported(model: TouchedSegment) -> list[Variable]:
 
 
 def input_of(parameter: Parameter, reference: int) -> Variable:
-    """The input of a model's parameter: tensions start gently, the object far away."""
+    """The input of a model's parameter: tensions and pressures start gently, the object far away."""
     is_distance = parameter.unit == "m"
     return Variable(
         name=parameter.name,
         reference=reference,
         causality="input",
-        description="distance of the object" if is_distance else "tension of a tendon",
+        description=MEANING[parameter.unit],
         unit=parameter.unit,
         lower=parameter.lower,
         upper=parameter.upper,

@@ -35,7 +35,7 @@ int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *input
     if (!segment->knots) return 0;
     /* rod at clamped tensions under the wrench */
     tensions_all_clamped(segment, inputs, held);
-    rod_set_tensions(segment, held, memory, memory + rod_memory(segment), &rod);
+    rod_set_tensions(segment, held, memory, memory + rod_memory(segment, 0), &rod);
     rod_contract(&rod);
     rod_under(&rod, (rod_part){0, segment->elements}, inputs + segment->tensions, &clamp);
     /* corners of all knots in space; the first section is the given one */

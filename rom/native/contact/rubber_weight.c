@@ -16,7 +16,7 @@ static void by_wrench(const rod_state *rod, int element, int number, const doubl
     const double way = WAY / largest;
     for (int side = 0; side < 2; side++) {
         for (int i = 0; i < W; i++) wrench[i] = rod->elements[element].wrench[i] + (side ? way : -way) * change[i];
-        outline_under(outline, rod->monomials, wrench, corners + outline->numbers, corners);
+        outline_under(outline, rod_monomials(rod, element), wrench, corners + outline->numbers, corners);
         rubber_point_of(at, corners + OUTLINE_KNOT * number, sides[side]);
     }
     for (int i = 0; i < 3; i++) found[i] = (sides[1][i] - sides[0][i]) / (2.0 * way);
@@ -45,7 +45,7 @@ void rubber_weight_moves(const chain_rods *map, int q, const rod_end *clamp, int
     /* dc by the tensions at fixed wrench, and by the wrench */
     double *corners = rod->work + OUTLINE_KNOT * segment->knots;
     for (int j = 0; j < segment->tensions && rubber; j++) {
-        rubber_shape(rod, k, rod->monomials + segment->monomials * (1 + j), corners);
+        rubber_shape(rod, k, rod_monomials(rod, k) + segment->monomials * (1 + j), corners);
         rubber_point_of(at, corners + OUTLINE_KNOT * number, changes[own[j]]);
     }
     for (int c = 0; c < chain->tensions; c++) {

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 199309L
 #include <math.h>
 #include <time.h>
+#include "bulged.h"
 #include "reported.h"
 #include "touch_errors.h"
 
@@ -266,7 +267,7 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
 {
     const fingerfem_chain *chain = touching->chain;
     const int t = chain->tensions, m = touching->count, p = t + m, rows = 3 + 2 * m;
-    double held[TENSIONS_MOST], by_plates[FINGERFEM_MOST_OBJECTS], *touch = out + 3 + m, pressed = 0.0;
+    double held[TENSIONS_MOST], by_plates[FINGERFEM_MOST_OBJECTS], lifted[FINGERFEM_MOST_OBJECTS], *touch = out + 3 + m, pressed = 0.0;
     chain_rods map;
     contact_state state;
     touched_point first[FINGERFEM_MOST_OBJECTS];
@@ -287,6 +288,9 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
         if (isfinite(by_plates[j])) touched_by_plates(&problem, &state.at, first + j);
         report_touch(&problem, j, first + j, rubber_reach(&problem, j, &state.at, by_plates[j], first + j), out, jacobian, by_object);
     }
+    /* how much earlier faces over chambers may touch */
+    for (int j = 0; j < m; j++)
+        lifted[j] = isfinite(touch[j]) ? fmax(bulged_depth(&problem, &state.at.chain, 1, j, touch[j], held), 0.0) : 0.0;
     /* positions of the objects; outside the trained range if a d was clamped */
     approach_of(touching, point + t, touch, &problem, &now);
     for (int j = 0; j < m; j++) *inside &= now.d[j] == point[t + j] || point[t + j] == INFINITY;
@@ -322,6 +326,9 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     for (int j = 0; j < m; j++) pressed += out[3 + j];
     for (int j = 0; j < m && pressed == 0.0; j++) /* it is in the rubber, or passed it */
         if (now.touches[j] && touch[j] > by_plates[j] && touch[j] - now.d[j] > ROUNDING) *inside = 0;
+    /* an object may press on a face over a chamber: not inside */
+    for (int j = 0; j < m; j++)
+        if (isfinite(point[t + j]) && bulged_depth(&problem, &state.at.chain, !now.any, j, now.d[j], held) > 0.0) *inside = 0;
     /* derivatives by clamped tensions are zero */
     for (int k = 0; k < t; k++)
         if (held[k] != point[k]) {
@@ -337,6 +344,7 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
         chain_by_variants(&map, now.any, &state.at.chain);
         for (int j = 0; j < m && !now.any; j++) errors[1 + m + j] = isfinite(touch[j]) ? touch_distance_error(&problem, j, first + j) : 0.0;
         report_errors(&problem, &state, out + 3, jacobian, errors);
+        for (int j = 0; j < m; j++) errors[1 + m + j] += lifted[j];
         for (int i = 0; i < 1 + m && evaluations <= 0; i++) errors[i] = INFINITY;
     }
     return evaluations;

@@ -64,6 +64,25 @@ static void turn(int size, double *matrix, double *vectors, int i, int j)
     }
 }
 
+void small_eigen(int size, double *matrix, double *vectors)
+{
+    /* Jacobi's method, A = V D V^T, from V = 1 */
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++) vectors[size * i + j] = i == j;
+    for (int sweep = 0; sweep < SWEEPS; sweep++) {
+        double off = 0.0, largest = 0.0;
+        /* stop: what is off the diagonal is negligible */
+        for (int i = 0; i < size; i++) {
+            largest = fmax(largest, fabs(matrix[size * i + i]));
+            for (int j = 0; j < i; j++) off = fmax(off, fabs(matrix[size * i + j]));
+        }
+        if (!(off > DIAGONAL * largest)) break;
+        /* one sweep: a rotation for every pair */
+        for (int i = 0; i < size; i++)
+            for (int j = i + 1; j < size; j++) turn(size, matrix, vectors, i, j);
+    }
+}
+
 void small_nonnegative(int size, double *matrix, double *work)
 {
     double *diagonal = work, *vectors = work + size * size;
@@ -71,22 +90,8 @@ void small_nonnegative(int size, double *matrix, double *work)
     /* no negative eigenvalue: the symmetric part is the answer */
     memcpy(diagonal, matrix, (size_t)(size * size) * sizeof *matrix);
     if (!small_negative(size, diagonal)) return;
-    /* Jacobi's method, A = V D V^T, from V = 1 */
     memcpy(diagonal, matrix, (size_t)(size * size) * sizeof *matrix);
-    for (int i = 0; i < size; i++)
-        for (int j = 0; j < size; j++) vectors[size * i + j] = i == j;
-    for (int sweep = 0; sweep < SWEEPS; sweep++) {
-        double off = 0.0, largest = 0.0;
-        /* stop: what is off the diagonal is negligible */
-        for (int i = 0; i < size; i++) {
-            largest = fmax(largest, fabs(diagonal[size * i + i]));
-            for (int j = 0; j < i; j++) off = fmax(off, fabs(diagonal[size * i + j]));
-        }
-        if (!(off > DIAGONAL * largest)) break;
-        /* one sweep: a rotation for every pair */
-        for (int i = 0; i < size; i++)
-            for (int j = i + 1; j < size; j++) turn(size, diagonal, vectors, i, j);
-    }
+    small_eigen(size, diagonal, vectors);
     /* A = sum_k max(d_k, 0) v_k v_k^T */
     memset(matrix, 0, (size_t)(size * size) * sizeof *matrix);
     for (int k = 0; k < size; k++) {

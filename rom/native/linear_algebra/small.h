@@ -39,6 +39,10 @@ int small_solve(int size, double *matrix, int columns, double *right);
 /* Number of negative eigenvalues of a matrix's symmetric part, by the signs of its pivots (Sylvester); it is spoilt. */
 int small_negative(int size, double *matrix);
 
+/* Eigenvalues of a symmetric matrix, (size, size), on its diagonal in its place, and its eigenvectors in the columns of
+ * `vectors`, (size, size), by Jacobi's method. */
+void small_eigen(int size, double *matrix, double *vectors);
+
 /* The symmetric part of a matrix, (size, size), in its place, with its negative eigenvalues set to 0 (by Jacobi's method);
  * `work` holds 2 size^2 numbers. */
 void small_nonnegative(int size, double *matrix, double *work);

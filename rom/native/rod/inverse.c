@@ -19,7 +19,7 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
     rod_end end;
     /* the rod at the clamped tensions, under the wrench */
     const int within = tensions_all_clamped(segment, tensions, held);
-    rod_set_tensions(segment, held, memory, memory + rod_memory(segment), &rod);
+    rod_set_tensions(segment, held, memory, memory + rod_memory(segment, 0), &rod);
     rod_contract(&rod);
     rod_under(&rod, (rod_part){0, segment->elements}, wrench, &end);
     rod_by_tensions(&rod, (rod_part){0, segment->elements}, by_tensions);
@@ -100,7 +100,7 @@ int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, con
     double least = INFINITY, share = 1.0;
     /* the rod at the clamped tensions, and the target's rotation */
     *inside = tensions_all_clamped(segment, tensions, held);
-    rod_set_tensions(segment, held, memory, memory + rod_memory(segment), &rod);
+    rod_set_tensions(segment, held, memory, memory + rod_memory(segment, 0), &rod);
     rod_contract(&rod);
     rotation_of(quaternion, target);
     /* start: the given wrench, or none if it is not finite */

@@ -13,7 +13,7 @@
  * section moves. Every change is a row with one number for every input, which is computed in parts of WIDE numbers. */
 #include "rod_follow.h"
 
-enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
+enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH, SOME = 8 /* monomials */ };
 
 static const fingerfem_law *law_of(const rod_state *rod, int k) { return rod->segment->law[rod->segment->law_of[k]]; }
 
@@ -28,13 +28,15 @@ static int most(const fingerfem_segment *segment, int (*of)(const fingerfem_segm
     return found;
 }
 
-int rod_memory(const fingerfem_segment *segment)
+int rod_memory(const fingerfem_segment *segment, int guided)
 {
-    /* per element: its state and products; per law: contracted coefficients and the free pose with derivatives */
+    /* per element: its state and products; per law, or element: contracted coefficients and the free pose with derivatives */
     const int element = (int)(sizeof(rod_element) / sizeof(double)) + most(segment, element_products);
-    const int law = most(segment, element_contracted) + POSE * (1 + segment->tensions);
+    const int set = most(segment, element_contracted) + POSE * (1 + segment->tensions);
     const int deviations = POSE * segment->elements * segment->deviating;
-    return POSE + segment->laws * law + segment->elements * element + deviations + (1 + segment->tensions) * segment->monomials;
+    const int monomials = (1 + segment->tensions) * segment->monomials * (guided ? segment->elements : 1);
+    const int own = guided ? segment->elements * segment->tensions : 0;
+    return POSE + (guided ? segment->elements : segment->laws) * set + segment->elements * element + deviations + monomials + own;
 }
 
 int rod_work(const fingerfem_segment *segment)
@@ -46,37 +48,82 @@ int rod_work(const fingerfem_segment *segment)
     return found > shortenings ? found : shortenings;
 }
 
-int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_memory(segment) + rod_work(segment); }
+int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_memory(segment, 0) + rod_work(segment); }
 
-void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found)
+/* Where the arrays of a rod lie; returns what is left of its memory. */
+static double *lay_out(const fingerfem_segment *segment, int guided, double *memory, double *work, rod_state *found)
 {
+    const int sets = guided ? segment->elements : segment->laws;
     found->segment = segment;
-    /* strides between laws, and between elements */
+    found->guided = guided;
+    /* strides between sets of coefficients, and between elements */
     found->free_stride = POSE * (1 + segment->tensions);
     found->contracted_stride = most(segment, element_contracted);
     found->products_stride = most(segment, element_products);
     memory += (0 - (uintptr_t)memory / sizeof *memory) % POSE; /* a row lies in one line of the cache */
     /* arrays one after another: contracted, free, elements, products, deviations, monomials */
     found->contracted = memory;
-    memory += segment->laws * found->contracted_stride;
+    memory += sets * found->contracted_stride;
     found->free = memory;
-    memory += segment->laws * found->free_stride;
+    memory += sets * found->free_stride;
     found->elements = (rod_element *)memory;
     memory += segment->elements * (int)(sizeof(rod_element) / sizeof(double));
     found->products = memory;
     found->deviations = memory + segment->elements * found->products_stride;
     found->monomials = found->deviations + POSE * segment->elements * segment->deviating;
     found->work = work;
+    found->own_tensions = NULL;
     found->masses = found->rubber = NULL;
+    return found->monomials + (1 + segment->tensions) * segment->monomials * (guided ? segment->elements : 1);
+}
+
+void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found)
+{
+    lay_out(segment, 0, memory, work, found);
     /* tensions, their monomials and the derivatives of these */
     memcpy(found->tensions, tensions, (size_t)segment->tensions * sizeof *tensions);
     tensions_monomials(segment, tensions, found->monomials);
 }
 
+/* Derivatives of `count` monomials, a row for every tension of an element, (tensions, all), become those by the tensions at the
+ * motors, with the derivatives of the former by these, (tensions, tensions): dM/dF_j = sum_i dM/dT_i dT_i/dF_j. */
+__attribute__((always_inline)) static inline void by_motors(int count, int t, int all, const double *rates, double *slopes)
+{
+    double by[TENSIONS_MOST][SOME];
+    for (int i = 0; i < t; i++)
+        for (int n = 0; n < count; n++) by[i][n] = slopes[all * i + n];
+    for (int j = 0; j < t; j++) {
+        double *row = slopes + all * j;
+        for (int n = 0; n < count; n++) row[n] = rates[j] * by[0][n];
+        for (int i = 1; i < t; i++)
+            for (int n = 0; n < count; n++) row[n] += rates[t * i + j] * by[i][n];
+    }
+}
+
+void rod_set_guided(const fingerfem_segment *segment, const double *tensions, const double *rates, double *memory, double *work,
+                    rod_state *found)
+{
+    const int t = segment->tensions, all = segment->monomials;
+    double *own = lay_out(segment, 1, memory, work, found);
+    found->own_tensions = own;
+    memcpy(own, tensions, (size_t)(segment->elements * t) * sizeof *own);
+    for (int k = 0; k < segment->elements; k++) {
+        double *monomials = rod_monomials(found, k);
+        int m = 0;
+        tensions_monomials(segment, own + t * k, monomials);
+        /* some monomials at once, then the last ones */
+        for (; m + SOME <= all; m += SOME) by_motors(SOME, t, all, rates + t * t * k, monomials + all + m);
+        by_motors(all - m, t, all, rates + t * t * k, monomials + all + m);
+    }
+}
+
 void rod_contract(const rod_state *rod)
 {
-    for (int k = 0; k < rod->segment->laws; k++)
-        element_contract(rod->segment, rod->segment->law[k], rod->monomials, rod->contracted + k * rod->contracted_stride);
+    const fingerfem_segment *segment = rod->segment;
+    /* law by law, or element by element */
+    for (int k = 0; k < (rod->guided ? segment->elements : segment->laws); k++)
+        element_contract(segment, rod->guided ? law_of(rod, k) : segment->law[k], rod_monomials(rod, k),
+                         rod->contracted + k * rod->contracted_stride);
 }
 
 /* The body's wrench f, m at an element's distal section, in the section's frame: Q^T f, Q^T (m - p x f). */
@@ -94,7 +141,6 @@ static inline void carry(const double *wrench, rod_element *element)
 
 void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_end *end)
 {
-    const fingerfem_segment *segment = rod->segment;
     follow_motion moved[WIDE_SIX] = {{{{0.0}}, {{0.0}}}};
     double seen[W * POSE];
     end->inside = 1;
@@ -106,8 +152,7 @@ void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_en
         carry(wrench, element);
         end->inside &= element_inside(law, element->wrench);
         /* the law: pose q, g and its derivatives by that wrench; then the proximal section */
-        element_pose(law, rod->contracted + segment->law_of[k] * rod->contracted_stride, element->wrench,
-                     rod->products + k * rod->products_stride, element->pose);
+        element_pose(law, rod_contracted(rod, k), element->wrench, rod->products + k * rod->products_stride, element->pose);
         follow_advance(element, end->place, end->rotation);
         /* by the body's wrench: changes of the wrench through the element, of its pose, of the proximal section */
 #pragma GCC unroll 3
@@ -131,8 +176,7 @@ void rod_by_tensions(const rod_state *rod, rod_part part, double (*by_tensions)[
     double end[3], own[TENSIONS_MOST * POSE];
     /* dq, dg by the tensions, at fixed wrench and through the wrench; then the motion of the proximal section */
     for (int k = part.first; k < part.last; k++) {
-        element_by_tensions(segment, law_of(rod, k), rod->contracted + segment->law_of[k] * rod->contracted_stride,
-                            rod->products + k * rod->products_stride, own);
+        element_by_tensions(segment, law_of(rod, k), rod_contracted(rod, k), rod->products + k * rod->products_stride, own);
         follow_changes(rod->elements + k, rod->elements[part.first].wrench, t, own, moved);
     }
     /* motion of the body seen from the end of its part, by the tensions */
@@ -147,11 +191,11 @@ void rod_free(const rod_state *rod, rod_end *end, double (*by_tensions)[TENSIONS
     follow_motion moved[WIDE_EIGHT] = {{{{0.0}}, {{0.0}}}};
     end->inside = 1; /* every box is symmetric about w = 0 */
     memset(end->by_wrench, 0, sizeof end->by_wrench);
-    /* pose of every law without a wrench, with derivatives by the tensions */
-    for (int k = 0; k < segment->laws; k++)
-        element_free(segment, segment->law[k], rod->monomials, rod->free + k * rod->free_stride);
+    /* pose of every law, or element, without a wrench, with derivatives by the tensions */
+    for (int k = 0; k < (rod->guided ? segment->elements : segment->laws); k++)
+        element_free(segment, rod->guided ? law_of(rod, k) : segment->law[k], rod_monomials(rod, k), rod->free + k * rod->free_stride);
     for (int k = 0; k < segment->elements; k++) {
-        const double *free = rod->free + segment->law_of[k] * rod->free_stride;
+        const double *free = rod_free_pose(rod, k);
         rod_element *element = rod->elements + k;
         /* pose of the proximal section */
         follow_begin(element, k, end);
@@ -176,7 +220,7 @@ void rod_free_motion(const rod_state *rod, int section, rod_motion *moved)
         /* the motions that elements 0 ... section - 1 add */
         for (int k = 0; k < section; k++) {
             wide change[W] = {{0.0}};
-            follow_by_inputs(segment->tensions, rod->free + segment->law_of[k] * rod->free_stride + POSE, WIDE * part, change);
+            follow_by_inputs(segment->tensions, rod_free_pose(rod, k) + POSE, WIDE * part, change);
             follow_move(rod->elements + k, change, &own);
         }
         for (int i = 0; i < 3; i++) {

@@ -20,10 +20,12 @@ typedef struct {
  * rod_work numbers, `work`. */
 typedef struct {
     const fingerfem_segment *segment;
-    double *monomials, *free, *contracted, *products, *work; /* free and contracted by law, products by element */
+    double *monomials, *free, *contracted, *products, *work; /* products by element, free and contracted by law */
+    int guided; /* whether tensions differ by element, by friction in guides: then monomials, free and contracted are by element */
     double *deviations;                                      /* of the variants of all elements, (elements, count, 8) */
     int free_stride, contracted_stride, products_stride;
     double tensions[TENSIONS_MOST];
+    const double *own_tensions; /* of every element, (elements, tensions); NULL unless guided */
     rod_element *elements;
     const double *masses, *rubber; /* as those of a chain, see segment.h; NULL where nothing weighs */
 } rod_state;
@@ -40,12 +42,41 @@ typedef struct {
     double move[3][TENSIONS_MOST], turn[3][TENSIONS_MOST];
 } rod_motion;
 
+/* Which set of monomials, contracted coefficients and free poses is an element's. */
+static inline int rod_set_of(const rod_state *rod, int k) { return rod->guided ? k : rod->segment->law_of[k]; }
+
+static inline const double *rod_contracted(const rod_state *rod, int k)
+{
+    return rod->contracted + rod_set_of(rod, k) * rod->contracted_stride;
+}
+
+static inline const double *rod_free_pose(const rod_state *rod, int k)
+{
+    return rod->free + rod_set_of(rod, k) * rod->free_stride;
+}
+
+/* Monomials of the tensions in an element, and their derivatives by the tensions at the motors, (1 + tensions, monomials). */
+static inline double *rod_monomials(const rod_state *rod, int k)
+{
+    return rod->monomials + (rod->guided ? k * (1 + rod->segment->tensions) * rod->segment->monomials : 0);
+}
+
+static inline const double *rod_tensions(const rod_state *rod, int k)
+{
+    return rod->guided ? rod->own_tensions + k * rod->segment->tensions : rod->tensions;
+}
+
 /* Numbers of memory that a rod keeps, and that it works in. */
-int rod_memory(const fingerfem_segment *segment);
+int rod_memory(const fingerfem_segment *segment, int guided);
 int rod_work(const fingerfem_segment *segment);
 
 /* A rod at tensions inside their box, in such memory; for `rod_free`, it need not be contracted. */
 void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found);
+
+/* The same where tensions differ by element, (elements, tensions), inside their box; with their derivatives by those at the motors,
+ * (elements, tensions, tensions). The former are read until the rod is set anew. */
+void rod_set_guided(const fingerfem_segment *segment, const double *tensions, const double *rates, double *memory, double *work,
+                    rod_state *found);
 void rod_contract(const rod_state *rod);
 
 /* A part of a rod: elements `first` to `last` - 1. Its body is the distal section of its first element, the plate if that is

@@ -3,7 +3,7 @@
 
 enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
 
-/* Elements of one law share its contraction. */
+/* Elements of one law share its contraction, unless their tensions differ. */
 void rod_deviate(const rod_state *rod, int pressed)
 {
     const fingerfem_segment *segment = rod->segment;
@@ -15,12 +15,12 @@ void rod_deviate(const rod_state *rod, int pressed)
             double *found = rod->deviations + row * k;
             if (segment->law_of[k] != law) continue;
             /* first element of the law: contract by the tensions, or evaluate without a wrench */
-            if (first < 0 && pressed) variants_contract(own, rod->monomials, rod->work);
-            if (first < 0 && !pressed) variants_free(own, rod->monomials, rod->work, found);
+            if (first < 0 && pressed) variants_contract(own, rod_monomials(rod, k), rod->work);
+            if (first < 0 && !pressed) variants_free(own, rod_monomials(rod, k), rod->work, found);
             /* an element under its wrench; without a wrench a copy of the first element's deviations */
             if (pressed) variants_under(own, rod->elements[k].wrench, rod->work, found);
             else if (first >= 0) memcpy(found, rod->deviations + row * first, (size_t)row * sizeof *found);
-            first = first < 0 ? k : first;
+            first = first < 0 && !rod->guided ? k : first;
         }
     }
 }

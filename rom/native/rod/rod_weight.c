@@ -175,8 +175,7 @@ void rod_weight_under(const rod_state *rod, rod_part part, const double *load, r
         follow_begin(element, k - part.first, end);
         carry(rod, k, load, &weight->all, element);
         end->inside &= element_inside(law, element->wrench);
-        element_pose(law, rod->contracted + segment->law_of[k] * rod->contracted_stride, element->wrench,
-                     rod->products + k * rod->products_stride, element->pose);
+        element_pose(law, rod_contracted(rod, k), element->wrench, rod->products + k * rod->products_stride, element->pose);
         follow_advance(element, end->place, end->rotation);
         /* motions by the load, and what weighs beyond the next section */
         weight_step_of(rod, k, load + 6, &weight->all, &step);
@@ -196,8 +195,7 @@ void rod_weight_under(const rod_state *rod, rod_part part, const double *load, r
 static void by_tensions_alone(const rod_state *rod, int k, double *own)
 {
     const fingerfem_segment *segment = rod->segment;
-    element_by_tensions(segment, segment->law[segment->law_of[k]], rod->contracted + segment->law_of[k] * rod->contracted_stride,
-                        rod->products + k * rod->products_stride, own);
+    element_by_tensions(segment, segment->law[segment->law_of[k]], rod_contracted(rod, k), rod->products + k * rod->products_stride, own);
 }
 
 /* Motions by inputs that change the poses of all elements at fixed load: tensions, or, with `variants`, these. */

@@ -24,7 +24,7 @@ static void transmit(const rod_state *rod, rod_part part, int k, follow_motion *
 {
     const fingerfem_segment *segment = rod->segment;
     const rod_element *element = rod->elements + k;
-    const double *wrench = rod->elements[part.first].wrench, *contracted = rod->contracted + segment->law_of[k] * rod->contracted_stride;
+    const double *wrench = rod->elements[part.first].wrench, *contracted = rod_contracted(rod, k);
     const int t = segment->tensions;
     double own[TENSIONS_MOST * POSE];
     /* derivatives of the pose by the tensions, at fixed wrench */
@@ -52,7 +52,7 @@ static void transmit(const rod_state *rod, rod_part part, int k, follow_motion *
 static void transmit_weight(const rod_state *rod, int k, const double *pull, weighed *motions, transmitted *found)
 {
     const fingerfem_segment *segment = rod->segment;
-    const double *contracted = rod->contracted + segment->law_of[k] * rod->contracted_stride;
+    const double *contracted = rod_contracted(rod, k);
     double own[TENSIONS_MOST * POSE];
     weight_step step;
     element_by_tensions(segment, segment->law[segment->law_of[k]], contracted, rod->products + k * rod->products_stride, own);
@@ -111,11 +111,11 @@ static void under(const rod_state *rod, rod_part part, const double *pull, short
         const fingerfem_law *const *laws = segment->shortening + sixes * segment->law_of[k];
         if (pull) transmit_weight(rod, k, pull, &motions, &changes);
         else transmit(rod, part, k, by_wrench, by_tensions, &changes);
-        /* every six tendons; a law is contracted anew where the element before has another one */
+        /* every six tendons; a law is contracted anew where the element before has another one, or other tensions */
         for (int six = 0; six < sixes; six++) {
             double *contracted = rod->work + six * rod->contracted_stride;
-            if (k == part.first || segment->law_of[k] != segment->law_of[k - 1])
-                element_contract(segment, laws[six], rod->monomials, contracted);
+            if (k == part.first || rod_set_of(rod, k) != rod_set_of(rod, k - 1))
+                element_contract(segment, laws[six], rod_monomials(rod, k), contracted);
             add_six(rod, k, laws[six], contracted, &changes, POSE * six, found);
         }
     }
@@ -125,12 +125,12 @@ static void under(const rod_state *rod, rod_part part, const double *pull, short
 static void without_wrench(const rod_state *rod, shortenings_segment *found)
 {
     const fingerfem_segment *segment = rod->segment;
-    /* law by law: all its elements shorten alike */
-    for (int i = 0; i < segment->laws * segment->sixes; i++) {
-        double values[(1 + TENSIONS_MOST) * POSE], count = 0.0;
-        const int first = POSE * (i % segment->sixes);
-        for (int k = 0; k < segment->elements; k++) count += segment->law_of[k] == i / segment->sixes;
-        element_free(segment, segment->shortening[i], rod->monomials, values);
+    /* law by law: all its elements shorten alike; or element by element */
+    for (int i = 0; i < (rod->guided ? segment->elements : segment->laws) * segment->sixes; i++) {
+        double values[(1 + TENSIONS_MOST) * POSE], count = rod->guided;
+        const int first = POSE * (i % segment->sixes), set = i / segment->sixes, law = rod->guided ? segment->law_of[set] : set;
+        for (int k = 0; k < segment->elements && !rod->guided; k++) count += segment->law_of[k] == set;
+        element_free(segment, segment->shortening[segment->sixes * law + i % segment->sixes], rod_monomials(rod, set), values);
         add(count, values, found->values + first);
         for (int j = 0; j < segment->tensions; j++) add(count, values + POSE * (1 + j), found->by_tensions[j] + first);
     }

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
+from rom.dataset.section_outline import SectionOutline
 from rom.elements.law import ElementMap
 from rom.elements.polynomial import Polynomial
 from rom.native import LIBRARY, pointer
 from rom.rod import limits
 from rom.rod.compiled.arrangement import (
+    border,
     by_degree,
     free_numbers,
     in_sixes,
@@ -44,11 +46,16 @@ class CondensedSegment:
             vector of that rotation [-], 6 values. Elements that share a law are one and the same object; all have one
             map of the tensions to what their polynomials are of.
         half_lengths: of the plate along its own axes, shape (3,) [m].
+        section: outline of the plate's section at rest; None if that is the box of half_lengths.
+        depths: sides of squares that bend as the plate's section does towards y and z, (12 I)^(1/4), shape (2,) [m];
+            None if these are the sides of its box.
         begins: size of the section where the segment begins over that of the plate's [-].
         young_modulus: of the rubber [Pa]; 0 where nothing is known of it.
         poisson: Poisson's ratio of the rubber [-].
         ridges: height of the ridge above each tendon, over its tension and the curvature, for faces across y and
             across z; negative for the faces at -y and -z, shape (t, 2) [1/Pa]; None without ridges.
+        bulges: height to which the highest pressure lifts the face over its chamber, with signs likewise, 0 of tendons,
+            shape (t, 2) [m]; None without chambers.
         corners: how far tensions bend the plate's corners, 24 values of the same [m]; None if it is not known.
         outlines: of every element, shared as its law is; None if nothing is known of the rubber's surface.
         shortenings: of every element, shared as its law is: how much shorter the segment's tendons are in it, in the
@@ -57,10 +64,13 @@ class CondensedSegment:
 
     elements: Sequence[ElementMap]
     half_lengths: np.ndarray
+    section: SectionOutline | None = None
+    depths: np.ndarray | None = None
     begins: float = 1.0
     young_modulus: float = 0.0
     poisson: float = 0.0
     ridges: np.ndarray | None = None
+    bulges: np.ndarray | None = None
     corners: Polynomial | None = None
     outlines: Sequence[Outline] | None = None
     shortenings: Sequence[Polynomial] | None = None
@@ -131,10 +141,13 @@ def struct(segment: CondensedSegment) -> Any:
         law_of=law_of,
         **known,
         half_lengths=segment.half_lengths.tolist(),
+        **border(segment.section),
+        depths=(2 * segment.half_lengths[1:] if segment.depths is None else segment.depths).tolist(),
         young_modulus=segment.young_modulus,
         poisson=segment.poisson,
         begins=segment.begins,
         ridges=np.zeros((t, 2)) if segment.ridges is None else segment.ridges,
+        bulges=np.zeros((t, 2)) if segment.bulges is None else segment.bulges,
         corner_monomials=len(bent),
         corner_coefficients=bent,
     )

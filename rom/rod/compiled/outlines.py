@@ -44,7 +44,7 @@ def outline_of(law: OutlineLaw, piece: Piece, begins: float) -> Outline:
         begins: where its rubber begins, from its distal section on [m]: 0, or a plate's half.
     """
     length = piece.length - begins
-    count = max(int(np.ceil(length / (2 * law.half * (STEP if piece.kind == INTERIOR else END_STEP)))), 1)
+    count = max(int(np.ceil(length / (2 * law.half.max() * (STEP if piece.kind == INTERIOR else END_STEP)))), 1)
     shares = 1 - (np.arange(count) + 0.5) / count  # of the way from the distal end
     distances, (distal, proximal) = begins + length * shares, piece.ends
     sizes = (distal + (proximal - distal) * shares) / piece.size

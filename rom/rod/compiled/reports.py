@@ -61,6 +61,30 @@ def shortenings(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> tu
     return found, changes
 
 
+def shortenings_by_force(
+    compiled: Any, tensions: np.ndarray, position: float, force: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, bool]:
+    """How much shorter the t tendons of a chain are where one force presses across it, shape (t,) [m].
+
+    Args:
+        compiled: a struct fingerfem_chain.
+        tensions: shape (t,) [N].
+        position: of the force along the axis at rest, from the clamp [m].
+        force: its components along y and z of the cross-section there, shape (2,) [N].
+
+    Returns:
+        the shortenings; their derivatives by tensions, position and both components, shape (t, t + 3); and whether
+        all inputs are inside.
+    """
+    t = len(tensions)
+    found, changes = np.empty(t), np.empty((t, t + 3))
+    pulled, pressing = (np.ascontiguousarray(one, float) for one in (tensions, force))
+    inside = LIBRARY.functions.fingerfem_chain_point_force(
+        compiled, pointer(pulled), position, pointer(pressing), memory_of(compiled), pointer(found), pointer(changes)
+    )
+    return found, changes, bool(inside)
+
+
 def elements(
     compiled: Any, tensions: np.ndarray, wrenches: np.ndarray
 ) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:

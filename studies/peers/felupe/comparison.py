@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from dolfinx import fem
 
 from fingerfem import FingerModel
 from fingerfem.discretisation import regions
@@ -33,7 +34,7 @@ MOONEY_RIVLIN = {"law": "mooney-rivlin", "C10": 1.52e6, "C01": 0.38e6, "D1": 3.2
 # Nearly incompressible, in the mixed form.
 YEOH = {"law": "yeoh", "C1": 1.9e6, "C2": 3e5, "C3": 2e4, "D1": 2e-8}
 WEIGHT = {"density": 1070.0, "direction": [0.3, -0.5, 0.8], "acceleration": 100.0}  # tenfold, so that it counts
-# Tensions [N] and distances [m], None without a plane.
+# Tensions [N], pressures of chambers [Pa] and distances [m], None without a plane.
 USUAL = (([100.0, 0.0], None), ([60.0, 20.0], None), ([60.0, 20.0], 0.005))
 DRAFT, COARSE_QUADRATIC = ([20, 5], 1), ([10, 5], 2)
 
@@ -55,7 +56,10 @@ def described(model: FingerModel) -> tuple[dict[str, np.ndarray], dict[str, Any]
         "cells": problem.space.dofmap.list,
         "rubber": np.isin(problem.mesh.cells.values, regions.of_material(0)),  # of every cell, in their order
         "channels": np.array([problem.mesh.pulled(scene, k)[0] for k in range(len(scene.tendons))]),
+        "walls": np.zeros((len(scene.chambers), len(problem.space.tabulate_dof_coordinates())), bool),  # their nodes
     }
+    for own, wall in zip(arrays["walls"], problem.mesh.walls, strict=True):
+        own[fem.locate_dofs_topological(problem.space, 2, wall)] = True
     return arrays, {
         "order": scene.mesh.order,
         "side": scene.geometry.side,

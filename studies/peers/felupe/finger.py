@@ -45,6 +45,7 @@ class Finger:
         self._fibres = [Fibre() for _ in arrays["channels"]]
         for fibre, channel in zip(self._fibres, arrays["channels"], strict=True):
             self._bodies.append(felupe.SolidBody(fibre, self._field_on(channel)))
+        self._chambers = [felupe.SolidBodyPressure(self._field_on_wall(wall)) for wall in arrays["walls"]]
         self._springs = NodalSprings(self.field, scene["stiffness"] * self._areas())
         clamp = {"clamp": felupe.Boundary(self.field[0], fx=0.0)}
         self._held, self._free = felupe.dof.partition(self.field, clamp)
@@ -55,6 +56,11 @@ class Finger:
         rule = felupe.GaussLegendre(order=self._order - fewer, dim=3)
         return felupe.FieldContainer([felupe.Field(kinds[self._order](self._mesh(chosen), quadrature=rule), dim=3)])
 
+    def _field_on_wall(self, wall: np.ndarray) -> Any:
+        """The displacement on the faces between a chamber's nodes, shape (nodes,), of cells of order 1."""
+        mesh = self._mesh(np.ones(len(self._cells), bool))
+        return felupe.FieldContainer([felupe.Field(felupe.RegionHexahedronBoundary(mesh, mask=wall), dim=3)])
+
     def _mesh(self, chosen: np.ndarray) -> Any:
         return felupe.Mesh(self._points, self._cells[chosen], {1: "hexahedron", 2: "hexahedron27"}[self._order])
 
@@ -64,15 +70,21 @@ class Finger:
         faces = [(axis, side * half) for axis in (1, 2) for side in (-1, 1)] + [(0, self.scene["length"])]
         return np.sum([nodal_areas(self._points, self._cells, self._order, *face) for face in faces], axis=0)
 
-    def solve(self, start: np.ndarray, tensions: np.ndarray, distance: float | None) -> tuple[np.ndarray, float]:
-        """Equilibrium by FElupe's Newton method from a start: displacement, shape (nodes, 3) [m], contact force [N]."""
+    def solve(self, start: np.ndarray, loads: np.ndarray, distance: float | None) -> tuple[np.ndarray, float]:
+        """Equilibrium by FElupe's Newton method from a start: displacement, shape (nodes, 3) [m], contact force [N].
+
+        Loads are tensions [N], then pressures [Pa].
+        """
+        tensions, pressures = np.split(loads, [len(self._fibres)])
         for fibre, tension in zip(self._fibres, tensions, strict=True):
             fibre.density = tension / self.scene["channel_area"]
+        for chamber, pressure in zip(self._chambers, pressures, strict=True):
+            chamber.update(pressure)
         self._springs.height = self.scene["side"] / 2 + (np.inf if distance is None else distance)
         self.field[0].values[:] = start
         found = felupe.newtonraphson(
             x0=self.field,
-            items=[*self._bodies, self._springs],
+            items=[*self._bodies, *self._chambers, self._springs],
             dof0=self._held,
             dof1=self._free,
             ext0=np.zeros(len(self._held)),
@@ -107,7 +119,7 @@ def answer(given: Path, wanted: Path) -> None:
     scene, starts = json.loads(str(arrays.pop("scene"))), arrays.pop("starts")
     finger = Finger(arrays, scene)
     pairs = zip(starts, scene["states"], strict=True)
-    found = [finger.solve(start, np.array(tensions, float), distance) for start, (tensions, distance) in pairs]
+    found = [finger.solve(start, np.array(loads, float), distance) for start, (loads, distance) in pairs]
     np.savez(wanted, displacements=[one for one, _ in found], contact_forces=[force for _, force in found])
 
 

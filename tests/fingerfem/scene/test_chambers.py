@@ -12,7 +12,7 @@ from fingerfem.discretisation.chambers import solid_cells
 from fingerfem.scene.grid_lines import lines_along, section_mesh
 from fingerfem.scene.loads import read_loads
 from fingerfem.scene.scene import Scene, SceneError
-from fingerfem.snapshots.design import describe
+from fingerfem.snapshots.design import HeldOut, describe
 from rom.checked_file import ModelError
 from rom.rod.scene_of_rod import of_tables
 
@@ -74,7 +74,12 @@ def with_chambers(*changes: dict, **others: Any) -> dict:
             },
             "chambers.0.region must not be given; take a ring, rectangle, square or file with a circle section",
         ),
-        ({"load": {"force": 5.0}}, "load must be left out of a scene with chambers"),
+        (
+            with_chambers({"x": [0.021, 0.054]}, load={"force": 1.0}),
+            r"chambers.0.x must begin within one side of the clamp, not at it, .* \(0, 0.02\] and \[0.038, 0.058\] m",
+        ),
+        (with_chambers({"x": [0.0, 0.054]}, load={"force": 1.0}), "chambers.0.x must begin within .* not at it"),
+        (with_chambers({"x": [0.004, 0.037]}, load={"force": 1.0}), "chambers.0.x must begin within .* got .*0.037"),
         ({"coarse": {"cells": [10, 5]}}, "coarse must be left out of a scene with chambers"),
         ({"preset": "draft", "mesh": None}, r"preset must be left out with \[\[chambers\]\]"),
         (
@@ -97,11 +102,28 @@ def test_chambers_of_two_segments_may_not_cross_the_plate_between_them():
         Scene.model_validate(TABLE | {"geometry": geometry})
 
 
-def test_snapshots_and_rods_refuse_chambers():
-    with pytest.raises(SceneError, match="chambers must be left out of a scene for snapshots"):
-        describe(Scene.model_validate(TABLE), None, {})
-    with pytest.raises(ModelError, match="chambers must be left out of a rod's scene"):
-        of_tables(TABLE)
+def test_snapshots_draw_tensions_and_pressures_from_their_ranges():
+    scene = Scene.model_validate(TABLE | {"load": {"force": 1.0}, "sampling": {"lines": 12}})
+    set_of_it = describe(scene, {})
+    drawn = np.array(set_of_it.scattered)
+    assert set_of_it.actuators == 2 and drawn.shape == (12, 2)
+    assert (drawn.min(axis=0) == 0).all() and drawn.max(axis=0) == pytest.approx([20.0, 2e4], rel=0.1)
+    held_out = np.array(describe(scene, {}, HeldOut(count=30)).random)
+    assert held_out.shape == (30, 8) and held_out[:, 1].max() > 1e4
+    with pytest.raises(SceneError, match=r"tendons must have one on the plane's side .*, or chambers one on the other"):
+        flat = [F1 | {"offset": [0.0, 0.0]}]
+        high = [CHAMBER | {"centre": [0.0045, 0.0]}]
+        describe(
+            Scene.model_validate(TABLE | {"tendons": flat, "chambers": high, "obstacle": {"distance": [0.001, 0.02]}}),
+            {},
+        )
+
+
+def test_rods_have_straight_rectangular_chambers_alone():
+    with pytest.raises(ModelError, match=r"chambers.p1.region must be 'rectangle' in a rod's scene, got 'bore'"):
+        of_tables(TABLE | {"chambers": [BORE]})
+    with pytest.raises(ModelError, match=r"geometry.taper must be left out with chambers"):
+        of_tables(TABLE | {"geometry": TABLE["geometry"] | {"taper": [0.9]}})
 
 
 def test_pressures_follow_tensions_among_the_parameters():

@@ -61,7 +61,7 @@ def test_a_set_holds_free_states_and_pressed_ones_with_exact_derivatives(pressed
     snapshots = SnapshotSet(pressed_set)
     states = read_section_states(snapshots)
     assert states.inputs.shape == (60, 8) and (states.forces.reshape(15, 4)[:, 0] == 0).all()
-    assert snapshots.description.tensions == 2 and not snapshots.description.has_obstacle
+    assert snapshots.description.actuators == 2 and not snapshots.description.has_obstacle
     model = FingerModel(load_scene(pressed_scene))
     k = int(np.argmax(states.forces))
     solved = model.solve(states.inputs[k, :2], wrenches=states.inputs[k, 2:].reshape(1, 6))

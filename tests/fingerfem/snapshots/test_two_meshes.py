@@ -38,5 +38,5 @@ def test_a_linear_field_is_brought_from_mesh_to_mesh_exactly():
     brought = interpolation(shuffled, fine)(columns)
     assert brought[:, 0] == pytest.approx(field(fine).ravel(), abs=1e-12)
     assert brought[:, 1] == pytest.approx(2 * field(fine).ravel(), abs=1e-12)
-    with pytest.raises(SnapshotError, match="must fill a grid"):
+    with pytest.raises(SnapshotError, match="must be as many on all planes"):
         interpolation(coarse[1:], fine)

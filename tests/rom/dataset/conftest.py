@@ -42,7 +42,7 @@ def described(**changes) -> Description:
 
 def drawn(states: int, random: np.random.Generator) -> dict[str, np.ndarray]:
     """States with an answer; their numbers are drawn."""
-    sizes = schema.sizes(segments=1, sections=2, tendons=1, nodes=2)
+    sizes = schema.sizes(segments=1, sections=2, tendons=1, actuators=1, nodes=2)
     blanks = schema.blanks({"state", "obstacle", "displacement"}, sizes, 2)
     return {name: random.random((states, *blank.shape)).astype(blank.dtype) for name, blank in blanks.items()} | {
         "parameters": random.random((states, 2)),

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from rom.dataset.sections import CrossSections, line_weights
+from rom.dataset.plane_nodes import plane_nodes
+from rom.dataset.sections import CrossSections
 
 LINES = [np.array([0.0, 3e-3, 1e-2, 1.2e-2]), np.array([-5e-3, -2e-3, 0.0, 2e-3, 5e-3])]  # uneven, y symmetric [m]
 CASES = list(product((1, 2), (False, True)))  # order, is_half
@@ -17,6 +18,16 @@ def nodes_of(order: int, is_half: bool) -> np.ndarray:
     if order == 2:
         lines = [np.sort(np.concatenate([line, (line[1:] + line[:-1]) / 2])) for line in lines]
     return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def sections_of(nodes: np.ndarray, order: int, is_half: bool) -> CrossSections:
+    """Sections of that grid, whose cells' corners are every second node of order 2."""
+    y, z = (np.unique(line) for line in nodes[:, 1:].T)
+    points = np.stack(np.meshgrid(y[::order], z[::order], indexing="ij"), axis=-1).reshape(-1, 2)
+    at = np.arange(len(points)).reshape(len(y[::order]), -1)
+    quads = np.stack([at[:-1, :-1], at[1:, :-1], at[:-1, 1:], at[1:, 1:]], axis=-1).reshape(-1, 4)
+    plane = nodes[: len(y) * len(z), 1:]
+    return CrossSections(nodes, order, plane_nodes(plane, points, quads, np.full(2, 5e-3), is_half))
 
 
 def turn_of(is_half: bool) -> np.ndarray:
@@ -31,22 +42,9 @@ def curved(nodes: np.ndarray, is_half: bool) -> np.ndarray:
     return 1e-3 * np.column_stack([np.sin(x + y) + z**2, x**2 - y * z**2, across])
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_the_weights_integrate_what_the_shape_functions_can_represent(order):
-    line = np.unique(nodes_of(order, False)[:, 1])
-    weights = line_weights(line, order)
-    assert weights.sum() == pytest.approx(1, abs=1e-15)
-    assert np.abs(weights - weights[::-1]).max() < 1e-15
-    middle = (line[:-1:order] + line[order::order]) / 2
-    cells = np.diff(line[::order]) / (line[-1] - line[0])
-    # A square is interpolated in every cell: by its chord for order 1, by itself for order 2.
-    exact = np.sum(cells * (middle**2 + np.diff(line[::order]) ** 2 / (4 if order == 1 else 12)))
-    assert weights @ line**2 == pytest.approx(exact, rel=1e-14)
-
-
 @pytest.mark.parametrize(("order", "is_half"), CASES)
 def test_sections_are_the_element_boundaries_along_the_axis(order, is_half):
-    sections = CrossSections(nodes_of(order, is_half), order, is_half)
+    sections = sections_of(nodes_of(order, is_half), order, is_half)
     assert sections.positions == pytest.approx(LINES[0], abs=0)
 
 
@@ -54,7 +52,7 @@ def test_sections_are_the_element_boundaries_along_the_axis(order, is_half):
 def test_a_rigid_motion_is_that_motion_of_every_section(order, is_half):
     nodes, turn = nodes_of(order, is_half), turn_of(is_half)
     shift = np.array([4e-3, -2e-3, 0.0 if is_half else 3e-3])
-    sections = CrossSections(nodes, order, is_half)
+    sections = sections_of(nodes, order, is_half)
     spin, move = np.array([0.0, 0.0, 0.8]), np.array([1.0, 0.5, 0.0])  # a rate of turning about the origin, and a shift
     change = np.cross(spin, nodes @ turn.T + shift) + move
     found = sections.quantities(nodes @ turn.T + shift - nodes, change[None])
@@ -76,7 +74,7 @@ def test_a_rigid_motion_is_that_motion_of_every_section(order, is_half):
 @pytest.mark.parametrize(("order", "is_half"), CASES)
 def test_a_stretch_moves_positions_and_corners_and_turns_nothing(order, is_half):
     nodes, stretch = nodes_of(order, is_half), np.array([1.3, 0.9, 1.2])
-    found = CrossSections(nodes, order, is_half).quantities(nodes * (stretch - 1), np.zeros((0, *nodes.shape)))
+    found = sections_of(nodes, order, is_half).quantities(nodes * (stretch - 1), np.zeros((0, *nodes.shape)))
     centres = np.column_stack([LINES[0], np.zeros((len(LINES[0]), 2))])
     assert found["section_place"] == pytest.approx(centres * stretch, abs=1e-17)
     assert found["section_rotation"] == pytest.approx(np.tile([1.0, 0, 0, 0], (len(centres), 1)), abs=1e-15)
@@ -87,7 +85,7 @@ def test_a_stretch_moves_positions_and_corners_and_turns_nothing(order, is_half)
 @pytest.mark.parametrize(("order", "is_half"), CASES)
 def test_derivatives_are_differences(order, is_half):
     nodes = nodes_of(order, is_half)
-    sections, turn = CrossSections(nodes, order, is_half), turn_of(is_half)
+    sections, turn = sections_of(nodes, order, is_half), turn_of(is_half)
     at = nodes @ turn.T - nodes + curved(nodes, is_half)
     changes = np.stack([curved(1.5 * nodes, is_half), nodes @ np.diag([0.2, 0.1, 0.3]) + curved(nodes, is_half)])
     found, h = sections.quantities(at, changes), 1e-5
@@ -105,7 +103,7 @@ def test_half_a_finger_has_the_sections_of_the_whole_one(order):
     for is_half in (True, False):
         nodes = nodes_of(order, is_half)
         at = nodes @ turn_of(True).T - nodes + curved(nodes, True)
-        answers.append(CrossSections(nodes, order, is_half).quantities(at, curved(1.5 * nodes, True)[None]))
+        answers.append(sections_of(nodes, order, is_half).quantities(at, curved(1.5 * nodes, True)[None]))
     half, whole = answers
     assert half.keys() == whole.keys()
     for name, values in whole.items():

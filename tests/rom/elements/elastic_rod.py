@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from rom.elements.samples.section_states import Bodies, SectionStates
+from rom.elements.samples.symmetry import mirrors
 from rom.rod.rod import Rod
 
 LENGTH, PLATE, SIDE, YOUNG, OFFSET = 0.050, 0.001, 0.010, 1.1e7, 0.004
@@ -152,7 +153,13 @@ def pressed(count: int, seed: int, offsets: np.ndarray = TWO) -> np.ndarray:
 
 def states(count: int, seed: int, length: float = LENGTH, offsets: np.ndarray = TWO) -> SectionStates:
     """States of the rod with their derivatives by differences, as a set would hold them."""
-    inputs = pressed(count, seed, offsets)
+    return states_at(pressed(count, seed, offsets), np.repeat(np.arange(count), 5), length, offsets)
+
+
+def states_at(
+    inputs: np.ndarray, lines: np.ndarray, length: float = LENGTH, offsets: np.ndarray = TWO
+) -> SectionStates:
+    """The same at inputs, shape (n, t + 6), of lines, shape (n,)."""
     places, turned, shorter = in_space(inputs, length, offsets)
     motions, shorter_changes = [], []
     for a, h in enumerate(np.repeat([1e-3, 1e-4, 1e-6], [len(offsets), 3, 3])):
@@ -169,7 +176,7 @@ def states(count: int, seed: int, length: float = LENGTH, offsets: np.ndarray = 
     return SectionStates(
         scene=scene(length, offsets),
         inputs=inputs,
-        lines=np.repeat(np.arange(count), 5),
+        lines=lines,
         at=np.arange(m) * STEP,
         sections=Bodies(places=places[:, :m], rotations=turned[:, :m], motions=motion[:, :m]),
         plate=Bodies(places=places[:, m], rotations=turned[:, m], motions=motion[:, m]),
@@ -177,4 +184,5 @@ def states(count: int, seed: int, length: float = LENGTH, offsets: np.ndarray = 
         shortening_changes=shorter_change[:, :m],
         corners=np.zeros((len(inputs), m, 4, 3)),
         corner_changes=np.zeros((len(inputs), m, 4, 3, inputs.shape[1])),
+        mirrors=mirrors(scene(length, offsets)),
     )

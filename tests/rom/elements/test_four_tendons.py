@@ -42,7 +42,7 @@ def test_a_law_of_full_degree_is_the_polynomial_of_the_tensions_themselves(monke
     inputs = random.uniform(*box, (80, T + 6))
     values, jacobians = wanted.value_and_gradient(inputs)
     samples = Samples(inputs=inputs, values=values, jacobians=jacobians, lines=np.arange(80), length=0.01)
-    found = laws_of([samples], dict.fromkeys(range(80), 0), scene, 2.0).law(2.0).of_length(0.01)
+    found = laws_of([samples], dict.fromkeys(range(80), 0), scene, [], 2.0).law(2.0).of_length(0.01)
     assert not np.array_equal(found.tension_map, np.eye(T))
     others = random.uniform(0.9 * box[0], 0.9 * box[1], (20, T + 6))
     values, jacobians = wanted.value_and_gradient(others)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from rom.elements.outline import CORNERS, outline_samples
-from rom.elements.samples.symmetry import mirrors
 from tests.rom.elements import elastic_rod
 
 HALF = elastic_rod.SIDE / 2
@@ -52,7 +51,7 @@ def test_derivatives_are_by_what_the_distal_section_transmits(rod_states):
 
 
 def test_the_outline_of_a_mirrored_finger_is_mirrored(rod_states, rod_elements):
-    (mirror,) = mirrors(rod_states.scene)
+    (mirror,) = rod_states.mirrors
     law, inputs = rod_elements.outlines["interior"], rod_states.transmitted(25)[0]
     own = np.concatenate([rod_states.inputs[:, :2], inputs], axis=1)
     image = law.corners(own @ mirror.inputs.T, 0.007)

@@ -8,6 +8,8 @@ pytestmark = pytest.mark.skipif(
     not (FELUPE / "felupe").exists(), reason="FElupe is not in its folder: make out/peers/felupe/ready"
 )
 MESH = [10, 5], 1
+SILICONE = {"law": "yeoh", "C1": 98873.17, "C2": 4505.4957, "C3": 1390.5689, "D1": 2.0241429e-08}
+HEAVY = {"density": 1070.0, "direction": [0.3, -0.5, 0.8]}  # aside, too: the finger is whole
 FREE, TOUCHING = ([40.0, 20.0], None), ([40.0, 20.0], 0.012)
 
 
@@ -26,6 +28,14 @@ def test_felupe_differentiates_an_energy_to_the_same_displacement(tmp_path):
 def test_felupe_finds_the_same_states_of_heavy_and_nearly_incompressible_rubber_of_yeoh(tmp_path, mesh):
     """Its pressure at fewer points, as the mixed form has it."""
     found = compare(scene_of("one_segment", YEOH, mesh, gravity=WEIGHT), (FREE, TOUCHING), tmp_path)
+    assert found["displacement"] < 1e-8 and found["contact_force"] < 1e-6
+
+
+def test_felupe_finds_the_same_states_under_pressure_in_chambers(tmp_path):
+    """With weight, in the mixed form: free, and pressed on a plane by pressure and tension."""
+    scene = scene_of("two_chambers", SILICONE, ([12, 9], 1), gravity=HEAVY, obstacle={"distance": [0.0005, 0.02]})
+    states = ([5.0, 5e4, 1e4], None), ([0.0, 2e4, 4e4], None), ([2.0, 4e4, 0.0], 0.002)
+    found = compare(scene, states, tmp_path)
     assert found["displacement"] < 1e-8 and found["contact_force"] < 1e-6
 
 

@@ -12,7 +12,6 @@ from rom.elements.fitting.regression import NormalEquations
 from rom.elements.samples.cuts import END, LONGEST, cut
 from rom.elements.samples.element_samples import element_samples
 from rom.elements.samples.section_states import Bodies
-from rom.elements.samples.symmetry import mirrors
 from tests.rom.elements import elastic_rod
 from tests.rom.elements.images import image
 
@@ -81,7 +80,7 @@ def test_left_out_predictions_are_those_of_a_training_without_these_lines(rod_st
     samples = element_samples(fewer, 0, 10)
     equations = clamp.equations
     alone = NormalEquations(equations.lower, equations.upper, equations.powers, 1, samples.values.shape[1])
-    for part in (samples, *(image(mirror, samples) for mirror in mirrors(rod_states.scene))):
+    for part in (samples, *(image(mirror, samples) for mirror in rod_states.mirrors)):
         alone.add(part.inputs, part.values, part.jacobians, np.zeros(len(part.inputs), int))
     chosen = np.flatnonzero(equations.powers.sum(axis=1) <= 2)
     inputs = element_samples(rod_states, 0, 10).inputs

@@ -8,7 +8,6 @@ import pytest
 from rom.elements import rotation_vectors
 from rom.elements.samples.element_samples import element_samples
 from rom.elements.samples.section_states import Bodies
-from rom.elements.samples.symmetry import mirrors
 from tests.rom.elements import elastic_rod
 from tests.rom.elements.images import image
 
@@ -70,7 +69,7 @@ def test_a_rigid_motion_of_the_finger_changes_no_sample(rod_states):
 def test_the_image_of_a_sample_is_the_sample_of_the_mirrored_finger(offsets, count):
     """Two tendons are symmetric about y = z, four about all axes of the square: an image is another of their states."""
     states = elastic_rod.states(2, 3, offsets=offsets)
-    samples, found = element_samples(states, 20, 28), mirrors(states.scene)
+    samples, found = element_samples(states, 20, 28), states.mirrors
     assert len(found) == count
     arm, t = np.array([elastic_rod.PLATE / 2, 0, 0]), len(offsets)
     for mirror in found:

@@ -1,0 +1,108 @@
+"""The chambers of a rod's scene: read, and compared with those of its elements."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from rom.checked_file import ModelError
+from rom.dataset.geometry import plates_of
+from rom.dataset.section import extent
+from rom.rod.section_of_rod import NEAR
+
+
+def chambers_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The chambers of a scene, as plain data.
+
+    Raises:
+        ModelError: one is no rectangle, the rubber around it has a taper, or its weight is off the axis.
+        KeyError, TypeError, ValueError: a key is missing, or is no number.
+    """
+    found = list[dict[str, Any]]()
+    for one in scene.get("chambers") or []:
+        if one["region"] != "rectangle":
+            raise ModelError(
+                f"chambers.{one['name']}.region must be 'rectangle' in a rod's scene, got {one['region']!r}"
+            )
+        numbers = {key: [float(part) for part in one[key]] for key in ("centre", "size", "x", "pressure")}
+        found.append({"name": str(one["name"]), "region": "rectangle"} | numbers)
+    first = np.sum([np.prod(one["size"]) * np.array(one["centre"]) for one in found], axis=0)
+    if found and scene.get("gravity") is not None and np.abs(first).max() > NEAR * extent(scene) ** 3:
+        raise ModelError(
+            "gravity must be left out with chambers on one side: a rod's weight acts on its axis, got chambers "
+            f"{', '.join(one['name'] for one in found)}"
+        )
+    if found and any(ratio != 1 for ratio in scene["geometry"].get("taper") or []):
+        raise ModelError(f"geometry.taper must be left out with chambers, got {scene['geometry']['taper']}")
+    return found
+
+
+def matched(trained: Mapping[str, Any], scene: Mapping[str, Any], size: float, modulus: float) -> list[int]:
+    """Which chamber of the elements every chamber of a finger is.
+
+    A chamber ends as far from the clamp and from the plate as the elements have it, and none of them is missing: their
+    voids are there whatever a scene says.
+
+    Args:
+        trained: the elements' scene.
+        scene: of the finger.
+        size: of the finger over the elements' [-].
+        modulus: likewise of the rubber [-].
+
+    Raises:
+        ModelError: one line with both values.
+    """
+    own, others = scene.get("chambers") or [], trained.get("chambers") or []
+    if not own and not others:
+        return []
+    if (count := len(scene["geometry"]["segments"])) > 1:
+        raise ModelError(f"geometry.segments must be one of a finger with chambers, got {count}")
+    found = [_matching(trained, scene, one, size, modulus) for one in own]
+    if sorted(found) != list(range(len(others))):
+        names = ", ".join(one["name"] for one in own) or "none"
+        raise ModelError(f"chambers must be those of the elements, each once ({len(others)} of them), got {names}")
+    return found
+
+
+def _matching(
+    trained: Mapping[str, Any], scene: Mapping[str, Any], one: Mapping[str, Any], size: float, modulus: float
+) -> int:
+    """The elements' chamber at a chamber's place, if that is like it."""
+    name, ends = f"chambers.{one['name']}", _ends(scene, one)
+    near = NEAR * extent(scene)
+    for k, other in enumerate(trained.get("chambers") or []):
+        if np.abs(np.subtract(one["centre"], size * np.array(other["centre"]))).max() > near:
+            continue
+        for what, value, wanted in (
+            ("size", np.array(one["size"]), size * np.array(other["size"])),
+            ("x, distances from the clamp and from the plate,", ends, size * _ends(trained, other)),
+        ):
+            if np.abs(value - wanted).max() > near:
+                raise ModelError(f"{name}.{what} must be {np.round(wanted, 9).tolist()} m, got {value.tolist()}")
+        lowest, highest = (modulus * end for end in other["pressure"])
+        slack = NEAR * highest
+        if not lowest - slack <= one["pressure"][0] < one["pressure"][1] <= highest + slack:
+            raise ModelError(
+                f"{name}.pressure must lie in {lowest:.6g} to {highest:.6g} Pa, where the elements were trained, "
+                f"got {one['pressure']}"
+            )
+        return k
+    known = [np.round(size * np.array(other["centre"]), 9).tolist() for other in trained.get("chambers") or []]
+    raise ModelError(
+        f"{name}.centre must be that of a chamber of the elements, one of {known or 'none'} m, got {one['centre']}"
+    )
+
+
+def rescaled_chamber(one: Mapping[str, Any], modulus: float, size: float) -> dict[str, Any]:
+    """A chamber of a finger with its modulus and all lengths multiplied by factors [-], see `scene_of_rod.rescaled`."""
+    lowest, highest = one["pressure"]
+    lengths = {key: (size * np.array(one[key])).tolist() for key in ("centre", "size", "x")}
+    return dict(one) | lengths | {"pressure": [lowest * modulus, highest * min(modulus, 1.0)]}
+
+
+def _ends(scene: Mapping[str, Any], chamber: Mapping[str, Any]) -> np.ndarray:
+    """How far a chamber's ends are from the clamp and from the only plate, shape (2,) [m]."""
+    begin, end = chamber["x"]
+    return np.array([begin, plates_of(scene["geometry"])[0, 0] - end])

@@ -1,0 +1,262 @@
+"""A finger whose tendons rub in their guides: increments that follow how its motors pull and release."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rom.brief import brief
+from rom.checked_file import ModelError
+from rom.dataset.actuators import refuse_chambers
+from rom.native import LIBRARY, PickledByFields
+from rom.rod.compiled import guides
+from rom.rod.compiled.reports import QUATERNION
+from rom.rod.rod import Rod
+from rom.rod.touched_rod import TouchedRod
+
+HALVINGS = 8  # of an increment that finds no equilibrium
+DIFFERENCES = {"N": 0.05, "m": 5e-6}  # half widths of central differences of an increment, by the parameter's unit
+Status = Literal["converged", "out_of_domain", "no_equilibrium"]
+
+
+@brief
+class GuideState(NamedTuple):
+    """A finger with t tendons and n elements before m objects, at the end of an increment.
+
+    Attributes:
+        status: `out_of_domain` where the elements were not trained, here or on the way; `no_equilibrium` if none was
+            found: then all numbers are nan, and the finger is where it was before.
+        tensions: at the motors, shape (t,) [N].
+        shortenings: of the tendons between the clamp and their plates, shape (t,) [m].
+        element_tensions: segment by segment, each from its plate to its clamp, shape (n, t) [N].
+        tip: displacement of the tip plate's centre, shape (3,) [m].
+        orientation: of the tip plate's frame, as a unit quaternion w, x, y, z, shape (4,) [-].
+        contact_forces: shape (m,) [N].
+        tip_error: estimated, without that of the law of friction [m].
+        work: of the motors since the beginning [J].
+        dissipated: by friction in the guides since the beginning [J].
+    """
+
+    status: Status
+    tensions: np.ndarray
+    shortenings: np.ndarray
+    element_tensions: np.ndarray
+    tip: np.ndarray
+    orientation: np.ndarray
+    contact_forces: np.ndarray
+    tip_error: float
+    work: float
+    dissipated: float
+
+
+class Increment(NamedTuple):
+    """The last increment: the arrays where it began, its point, and which motors wound."""
+
+    begun: list[np.ndarray]
+    point: np.ndarray
+    wound: np.ndarray
+
+
+@brief
+@dataclass(kw_only=True)
+class GuidedFinger(PickledByFields):
+    """A finger with Coulomb friction of its tendons in their channels, as its motors have pulled and released so far.
+
+    Between neighbouring elements, a tension differs by at most exp(friction |turning|), and by a constant per length.
+    Tendons that run straight have no guides.
+
+    Attributes:
+        model: the finger, alone or before its objects.
+        friction: coefficient of all tendons, or of each, shape (t,) [-].
+        per_length: friction besides [N/m].
+
+    Raises:
+        ModelError: friction or per_length negative or not finite, or the model has no shortenings.
+
+    Example:
+        >>> finger = GuidedFinger(model=TouchedSegment.load(), friction=0.2)
+        >>> pulled, released = [finger.advance([tension, 0.0, 0.05]) for tension in (60.0, 30.0)]
+    """
+
+    model: Rod | TouchedRod
+    friction: float | Sequence[float]
+    per_length: float = 0.0
+    arrays: guides.GuideArrays = field(init=False, repr=False)
+    work: float = field(init=False, default=0.0, repr=False)
+    dissipated: float = field(init=False, default=0.0, repr=False)
+    inside: bool = field(init=False, default=True, repr=False)
+    last: Increment | None = field(init=False, default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        refuse_chambers(self.rod.scene, "friction in guides")
+        friction, per_length = np.array(self.friction, float), float(self.per_length)
+        t = len(self.rod.names)
+        if friction.shape not in ((), (t,)) or not ((friction >= 0) & (friction < np.inf)).all():
+            raise ModelError(f"friction must be a number of at least 0, or {t} of these, got {self.friction}")
+        if not 0 <= per_length < np.inf:
+            raise ModelError(f"per_length must be a number of at least 0 N/m, got {self.per_length}")
+        if not all(one.struct.sixes for one in self.rod.segments):
+            raise ModelError("the model must have shortenings of tendons, got none: train it anew (rom build)")
+        in_channel = np.array([one.get("path", "channel") == "channel" for one in self.rod.scene["tendons"]])
+        lengths = np.concatenate([[one.length for one in own] for own in self.rod.pieces])
+        lengths[np.cumsum([0, *map(len, self.rod.pieces[:-1])])] -= [one.half_lengths[0] for one in self.rod.segments]
+        n, loads = len(lengths), LIBRARY.functions.fingerfem_chain_loads(self.rod.struct)
+        self.arrays = guides.GuideArrays(
+            friction * in_channel,
+            per_length * lengths[:, None] * in_channel,
+            *(np.zeros(shape) for shape in ((n, t), (n, t, t), (n,), (n, t), (t,), (loads,))),
+        )
+        self.rest()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A copy has a history of its own."""
+        return super().__getstate__() | {"arrays": guides.GuideArrays(*(one.copy() for one in self.arrays))}
+
+    @property
+    def rod(self) -> Rod:
+        """The finger alone."""
+        return self.model if isinstance(self.model, Rod) else self.model.rod
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the tensions, then of every d."""
+        return [one.name for one in self.model.parameters]
+
+    @cached_property
+    def _touching(self) -> Any:
+        if isinstance(self.model, Rod):
+            return guides.guided(self.rod.struct, LIBRARY.ffi.NULL, 0, self.arrays)
+        given = self.model.touching
+        return guides.guided(self.rod.struct, given.objects, given.count, self.arrays)
+
+    @property
+    def _rubs(self) -> bool:
+        return bool(self.arrays.friction.any() or self.arrays.drag.any())
+
+    def rest(self) -> None:
+        """Back to the finger with the least tensions, on which nothing has rubbed yet."""
+        for one in self.arrays[2:]:
+            one[...] = 0.0
+        self.arrays.motors[:] = [one.lower for one in self.rod.parameters]
+        self.arrays.tensions[:] = self.arrays.motors
+        self.arrays.rates[:] = np.eye(len(self.arrays.motors))
+        self.work, self.dissipated, self.inside, self.last = 0.0, 0.0, True, None
+
+    def advance(self, point: ArrayLike, wound: Collection[str] = ()) -> GuideState:
+        """One increment to a point: the tendons slip in one direction each, or stick.
+
+        An increment that finds no equilibrium is divided.
+
+        Args:
+            point: tensions at the motors, or shortenings of the tendons that are wound, then every d, shape (t + m,)
+                [N, m]. A tendon that is let out farther than its way is slack: it has the least tension.
+            wound: names of the tendons whose motors are driven by position.
+
+        Raises:
+            ModelError: the wrong number of parameters, numbers that are not finite, or another name.
+        """
+        given, names = np.asarray(point, float), self.rod.names
+        if given.shape != (len(self.names),) or not np.isfinite(given[: len(names)]).all() or np.isnan(given).any():
+            raise ModelError(f"point must be finite numbers {', '.join(self.names)}, got {point!r}")
+        if unknown := set(wound) - set(names):
+            raise ModelError(f"wound must be of {', '.join(names)}, got {sorted(unknown)[0]}")
+        winds = np.array([name in wound for name in names])
+        kept = self.arrays.keep(), self.work, self.dissipated, self.inside
+        if not self._reach(given, winds, HALVINGS):
+            self.arrays.restore(kept[0])
+            _, self.work, self.dissipated, self.inside = kept
+            return self._nothing()
+        self.last = Increment(kept[0], given, winds)
+        return self._state(given[len(names) :])
+
+    def jacobian(self) -> np.ndarray:
+        """How tip and contact forces at the end of the last increment change with its point, shape (3 + m, t + m).
+
+        Of a finger without load by elimination, else by central differences of the increment: about a millisecond.
+        Where a motor has just reversed there are two derivatives; differences return their mean.
+
+        Raises:
+            ModelError: there was no increment yet, or one beside it has no equilibrium.
+        """
+        if self.last is None:
+            raise ModelError("advance must be called before jacobian, got no increment yet")
+        (begun, point, wound), t = self.last, len(self.rod.names)
+        if not self.arrays.loads.any() and "gravity" not in self.rod.scene and not wound.any():
+            return guides.answer(self._touching, self.arrays, point[t:]).jacobian[: 3 + len(point) - t]
+        kept = self.arrays.keep(), self.work, self.dissipated, self.inside
+        columns = []
+        for k, one in enumerate(self.model.parameters):
+            step = DIFFERENCES["m" if k < t and wound[k] else one.unit]
+            sides = []
+            for way in (step, -step):
+                self.arrays.restore(begun)
+                beside = point + way * (np.arange(len(point)) == k)
+                if not self._reach(beside, wound, HALVINGS):
+                    raise ModelError(f"jacobian needs increments to {one.name} beside {point[k]:g}, got no equilibrium")
+                found = guides.answer(self._touching, self.arrays, beside[t:])
+                sides.append(found.out[: 3 + len(point) - t])
+            columns.append((sides[0] - sides[1]) / (2 * step))
+        self.arrays.restore(kept[0])
+        _, self.work, self.dissipated, self.inside = kept
+        return np.stack(columns, axis=-1)
+
+    def _reach(self, goal: np.ndarray, wound: np.ndarray, halvings: int) -> bool:
+        """One increment, or two halves of it."""
+        kept = self.arrays.keep()
+        steps, work, inside = guides.advance(self._touching, self.arrays, goal, wound)
+        if steps > 0:
+            self.work, self.dissipated = self.work + float(work[0]), self.dissipated + float(work[1])
+            self.inside &= inside
+            return True
+        self.arrays.restore(kept)
+        if not halvings:
+            return False
+        t = len(wound)
+        between = goal.copy()
+        begun = np.where(wound, self._shortenings(), self.arrays.motors)
+        between[:t] = (begun + goal[:t]) / 2
+        return self._reach(between, wound, halvings - 1) and self._reach(goal, wound, halvings - 1)
+
+    def _shortenings(self) -> np.ndarray:
+        """At the clamp, where the last element of the first segment ends, shape (t,) [m]."""
+        return self.arrays.slips[len(self.rod.pieces[0]) - 1]
+
+    def _state(self, distances: np.ndarray) -> GuideState:
+        m = len(distances)
+        if not self._rubs:  # as `evaluate`, from rest
+            self.arrays.loads[:] = 0.0
+        found = guides.answer(self._touching, self.arrays, distances)
+        self.inside &= found.inside
+        return GuideState(
+            status="converged" if self.inside else "out_of_domain",
+            tensions=self.arrays.motors.copy(),
+            shortenings=found.reports.rows[0, QUATERNION:],
+            element_tensions=self.arrays.tensions.copy(),
+            tip=found.out[:3],
+            orientation=found.reports.rows[0, :QUATERNION],
+            contact_forces=found.out[3 : 3 + m],
+            tip_error=float(found.errors[0]),
+            work=self.work,
+            dissipated=self.dissipated,
+        )
+
+    def _nothing(self) -> GuideState:
+        """The state that no equilibrium was found for."""
+        t, m = len(self.rod.names), len(self.names) - len(self.rod.names)
+        return GuideState(
+            status="no_equilibrium",
+            tensions=np.full(t, np.nan),
+            shortenings=np.full(t, np.nan),
+            element_tensions=np.full(self.arrays.tensions.shape, np.nan),
+            tip=np.full(3, np.nan),
+            orientation=np.full(QUATERNION, np.nan),
+            contact_forces=np.full(m, np.nan),
+            tip_error=np.nan,
+            work=np.nan,
+            dissipated=np.nan,
+        )

@@ -1,0 +1,1 @@
+"""Contacts felt without a sensor: docs/accuracy.md."""

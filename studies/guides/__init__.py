@@ -1,0 +1,1 @@
+"""Friction of tendons in their guides."""

@@ -1,0 +1,1 @@
+"""Random fingers, each solved or refused: docs/appendix.md."""

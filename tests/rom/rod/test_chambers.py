@@ -1,0 +1,174 @@
+"""A finger of elements with chambers: pressures beside tensions, growths of volume beside shortenings."""
+
+import re
+
+import numpy as np
+import pytest
+
+from rom.checked_file import ModelError
+from rom.elements.march import march
+from rom.rod.guides import GuidedFinger
+from rom.rod.objects.shapes import Plane
+from rom.rod.rod import Rod
+from rom.rod.touched_segment import TouchedSegment
+from rom.rod.weight import weight_of
+from tests.rom.elements import chambered_rod as one
+
+FREE = np.array([4.0, 4e5, 1e5])
+
+
+def plane(height: float) -> Plane:
+    """The plane y = height + d."""
+    return Plane(centre=(0.0, height, 0.0), direction=(0.0, 1.0, 0.0), normal=(0.0, -1.0, 0.0), distances=(-0.01, 0.01))
+
+
+def test_held_out_states_are_predicted_with_their_strokes(chambered):
+    held_out = one.states(8, 77)
+    found = march(chambered.segments[0].elements, held_out.inputs[:, :3], held_out.inputs[:, 3:])
+    left_out = chambered.elements.provenance["left_out"]
+    off = np.linalg.norm(found.plate[0] - held_out.plate.places, axis=1)
+    assert np.quantile(off, 0.95) < 2 * left_out["place_m"]["p95"] < 1e-4
+    strokes, exact = found.shortenings, held_out.shortenings[:, -1]
+    assert (np.abs(strokes - exact).max(axis=0) < 5e-3 * np.abs(exact).max(axis=0)).all()
+    assert np.abs(strokes - exact)[:, 1:].max() < 5 * left_out["growth_m3"]["p95"]
+
+
+def test_mirrors_exchange_chambers(chambered):
+    """The half y < 0 and its chamber against the other one: exact, as samples have images."""
+    up, down = (chambered.place([4.0, *pressures]) for pressures in ([4e5, 1e5], [1e5, 4e5]))
+    assert up.centres[0, 1] > 1e-3  # a chamber bends the finger away from it
+    assert down.centres == pytest.approx(up.centres * [1, -1, 1], abs=1e-9)
+    assert chambered.growth([4.0, 1e5, 4e5]) == pytest.approx(chambered.growth(FREE)[::-1], rel=1e-6)
+
+
+def test_work_has_a_potential_in_free_states(chambered):
+    """d growth / dF = d shortening / dp, and a pressure enlarges its own chamber."""
+    model = TouchedSegment(rod=chambered, obstacle=plane(1.0))
+    report = model.report([*FREE, np.inf])
+    by = np.concatenate([report.shortening_jacobian, report.growth_jacobian])[:, :3]
+    scale = np.sqrt(np.outer(np.diag(by), np.diag(by)))
+    assert (np.diag(by) > 0).all() and (np.abs(by - by.T) < 2e-2 * scale).all()
+    assert report.growths == pytest.approx(chambered.growth(FREE)) and report.growth_error > 0
+    assert report.shortenings == pytest.approx(chambered.shortening(FREE))
+    answer = model.evaluate([*FREE, np.inf])
+    assert answer.growths == pytest.approx(report.growths) and answer.as_json(model.names[:3])["growths_m3"].keys() == {
+        "p1",
+        "p2",
+    }
+
+
+def test_derivatives_by_pressures_are_differences_in_contact(chambered):
+    model = TouchedSegment(rod=chambered, obstacle=plane(0.006))
+    point = np.array([1.0, 4.5e5, 10.0, 0.0])
+    out, jacobian = model.value_and_jacobian(point)
+    assert out[3] > 0.01
+    for k, step in enumerate((1e-4, 5.0, 5.0)):
+        change = np.eye(4)[k] * step
+        ends = model.outputs(np.array([point - change, point + change]))
+        wanted = jacobian[:, k]
+        assert (ends[1] - ends[0]) / (2 * step) == pytest.approx(wanted, abs=1e-4 * np.abs(wanted).max())
+    assert (jacobian[3, :2] > 0).any()
+
+
+def test_a_similar_finger_does_the_same_under_pressures_by_its_modulus(chambered):
+    size, modulus = 2.0, 0.1
+    force, scene = modulus * size**2, one.scene()
+    material = scene["material"]
+    scene |= {"material": material | {"C1": material["C1"] * modulus, "D1": material["D1"] / modulus}}
+    scene["geometry"] = {"side": 0.010 * size, "segments": [0.050 * size], "plate": 0.001 * size, "channel": None}
+    scene["tendons"] = [tendon | {"tension": [0.0, 10.0 * force]} for tendon in scene["tendons"]]
+    scene["chambers"] = [
+        chamber
+        | {key: [size * part for part in chamber[key]] for key in ("centre", "size", "x")}
+        | {"pressure": [0.0, modulus * one.HIGHEST]}
+        for chamber in scene["chambers"]
+    ]
+    similar, loads = chambered.assembled(scene), FREE * [force, modulus, modulus]
+    wrench = np.array([[0.1, 0.2, -0.1, 2e-3, 1e-3, -2e-3]])
+    here, there = chambered.place(FREE, wrench), similar.place(loads, wrench * np.repeat([force, force * size], 3))
+    assert there.centres == pytest.approx(size * here.centres, rel=1e-12) and there.inside and here.inside
+    strokes = chambered.strokes(FREE), similar.strokes(loads)
+    assert strokes[1] == pytest.approx(strokes[0] * [size, size**3, size**3], rel=1e-12)
+    assert similar.segments[0].bulges == pytest.approx(size * chambered.segments[0].bulges, rel=1e-12)
+    assert [end.upper for end in similar.parameters] == [10 * force, 5e4, 5e4]
+
+
+def test_a_file_holds_pressures(chambered, tmp_path):
+    chambered.save(tmp_path / "finger.h5")
+    again = Rod.load(tmp_path / "finger.h5")
+    assert [(each.name, each.unit) for each in again.parameters] == [("F1", "N"), ("p1", "Pa"), ("p2", "Pa")]
+    assert np.array_equal(again.place(FREE).centres, chambered.place(FREE).centres)
+    text = "\n".join(part if isinstance(part, str) else part.text for part in again.tables())
+    assert re.search(r"p1 +0 +500 +kPa", text) and re.search(r"F1 +0 +10 +N", text)
+
+
+def changed(k: int = 0, **changes) -> dict:
+    scene = one.scene()
+    scene["chambers"][k] |= changes
+    return scene
+
+
+@pytest.mark.parametrize(
+    ("scene", "rule"),
+    [
+        (
+            changed(centre=[-0.003, 0.0]),
+            r"chambers.p1.centre must be that of a chamber of the elements, one of .*-0.003",
+        ),
+        (changed(size=[0.003, 0.005]), r"chambers.p1.size must be \[0.003, 0.006\] m, got \[0.003, 0.005\]"),
+        (
+            changed(x=[0.004, 0.047]),
+            r"chambers.p1.x, distances from the clamp and from the plate, must be \[0.002, 0.002",
+        ),
+        (changed(pressure=[0.0, 6e5]), "chambers.p1.pressure must lie in 0 to 500000 Pa, where the elements were"),
+        (changed(name="F1"), "tendons and chambers must have names of their own, got F1, F1, p2"),
+        (changed(region="bore"), "chambers.p1.region must be 'rectangle' in a rod's scene, got 'bore'"),
+        (one.scene() | {"chambers": one.scene()["chambers"][:1]}, r"each once \(2 of them\), got p1"),
+        (one.scene() | {"chambers": []}, r"each once \(2 of them\), got none"),
+    ],
+)
+def test_chambers_that_the_elements_do_not_have_are_refused(chambered, scene, rule):
+    with pytest.raises(ModelError, match=rule):
+        chambered.assembled(scene)
+
+
+def test_several_segments_and_a_taper_are_refused_with_chambers(chambered):
+    geometry = one.scene()["geometry"]
+    with pytest.raises(ModelError, match=r"geometry.segments must be one of a finger with chambers, got 2"):
+        two = [tendon | {"segment": 2} for tendon in one.scene()["tendons"]]
+        chambered.assembled(one.scene() | {"geometry": geometry | {"segments": [0.05, 0.05]}, "tendons": two})
+    with pytest.raises(ModelError, match=r"geometry.taper must be left out with chambers, got \[0.9\]"):
+        chambered.assembled(one.scene() | {"geometry": geometry | {"taper": [0.9]}})
+
+
+def test_what_comes_near_a_bulging_face_is_marked(chambered):
+    """Pressure in the upper chamber lifts the face at +y: a plane within its height is not inside, below it is."""
+    (height,) = chambered.segments[0].bulges[2, :1]
+    assert height > 1e-5 and (chambered.segments[0].bulges[0] == 0).all()
+    assert chambered.segments[0].bulges[1] == pytest.approx([-height, 0.0], rel=1e-6)
+
+    def at(d: float, pressures: tuple[float, float]):
+        return TouchedSegment(rod=chambered, obstacle=plane(0.005)).evaluate([0.0, *pressures, d])
+
+    both = one.HIGHEST, one.HIGHEST  # the finger stays straight
+    touch = at(np.inf, both).touch_distance
+    assert not at(touch + 0.5 * height, both).inside and at(touch + 1.5 * height, both).inside
+    assert at(touch + 1.5 * height, both).error["touch_distance"] > 0.9 * height
+    low = at(touch + 0.5 * height, (0.0, 0.0))
+    assert low.inside and low.error["touch_distance"] < 0.5 * height
+
+
+def test_chambers_have_no_weight(chambered):
+    """The mass of a rod is that of its rubber: the section's less the chambers', over their span."""
+    gravity = {"density": 1000.0, "plate_density": 0.0, "direction": [0.0, -1.0, 0.0]}
+    heavy = chambered.assembled(one.scene() | {"gravity": gravity})
+    volume = 0.010**2 * (0.050 - 0.001) - 2 * one.AREA * (one.X[1] - one.X[0])
+    assert weight_of(heavy).masses.sum() == pytest.approx(1000.0 * volume, rel=1e-9)
+    assert heavy.place([0.0, 0.0, 0.0]).centres[0, 1] < -1e-7
+    with pytest.raises(ModelError, match=r"gravity must be left out with chambers on one side: .* got chambers p1"):
+        chambered.assembled(one.scene() | {"gravity": gravity, "chambers": one.scene()["chambers"][:1]})
+
+
+def test_what_is_for_tendons_alone_refuses_chambers(chambered):
+    with pytest.raises(ModelError, match=r"friction in guides must be of a finger with tendons alone, got one with 2"):
+        GuidedFinger(model=chambered, friction=0.1)
