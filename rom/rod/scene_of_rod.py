@@ -101,7 +101,8 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
         }
         found |= {} if scene.get("section") is None else {"section": scene["section"]}
         found |= {"chambers": chambers_of(scene)} if scene.get("chambers") else {}
-        return found | ({} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"])})
+        weight = {} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"], scene.get("density"))}
+        return found | weight
     except ModelError:
         raise
     except (KeyError, TypeError, ValueError) as error:

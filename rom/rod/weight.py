@@ -34,14 +34,17 @@ class Weight(NamedTuple):
     rubber: np.ndarray
 
 
-def gravity_of(table: Mapping[str, Any]) -> dict[str, Any]:
-    """The table [gravity] of a scene, with what it leaves out.
+def gravity_of(table: Mapping[str, Any], density: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """The table [gravity] of a scene, with what it leaves out, and with the densities of [density] if there is one.
 
     Raises:
         ModelError: a key is missing, unknown or out of its range: one line with its value.
     """
     if not isinstance(table, Mapping):
         raise ModelError(f"gravity must be a table [gravity], got {table!r}")
+    if density is not None:
+        own = {name: value for name, value in table.items() if name not in ("density", "plate_density")}
+        table = own | {"density": density.get("rubber"), "plate_density": density.get("plates", STEEL)}
     known = {"density", "plate_density", "direction", "acceleration"}
     if missing := [name for name in ("density", "direction") if name not in table]:
         raise ModelError(f"gravity.{missing[0]} must be given, got none")
