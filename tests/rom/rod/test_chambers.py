@@ -7,7 +7,7 @@ import pytest
 
 from rom.checked_file import ModelError
 from rom.elements.march import march
-from rom.rod.guides import GuidedFinger
+from rom.rod.motion.moving_finger import MovingFinger
 from rom.rod.objects.shapes import Plane
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
@@ -170,5 +170,6 @@ def test_chambers_have_no_weight(chambered):
 
 
 def test_what_is_for_tendons_alone_refuses_chambers(chambered):
-    with pytest.raises(ModelError, match=r"friction in guides must be of a finger with tendons alone, got one with 2"):
-        GuidedFinger(model=chambered, friction=0.1)
+    model = TouchedSegment(rod=chambered, obstacle=plane(1.0))
+    with pytest.raises(ModelError, match=r"motion must be of a finger with tendons alone, got one with 2 chambers"):
+        MovingFinger(model, [0.0, 0.0, 0.0, np.inf], density=1000.0)
