@@ -12,6 +12,7 @@ from petsc4py import PETSc
 
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.assembly import Assembly
+from fingerfem.discretisation.branches import overstress_of
 from fingerfem.discretisation.contact import contact_points
 from fingerfem.discretisation.contact.contact_points import ContactPoints
 from fingerfem.discretisation.contact.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
@@ -43,7 +44,7 @@ class Problem(Assembly):
         self.space = fem.functionspace(self.mesh.mesh, ("Lagrange", scene.mesh.order, (3,)))
         self.supports, self._clamped, held = self._boundary_conditions()
         super().__init__(self.space, 2 if scene.is_half else 1, held)
-        self.actuators = Actuators(scene, self.mesh)
+        self.actuators, degree = Actuators(scene, self.mesh), quadrature_degree(scene.mesh.order)
         self.fields = Fields(
             **self.actuators.fields,
             u=fem.Function(self.space, name="displacement"),
@@ -52,10 +53,10 @@ class Problem(Assembly):
             distance=fem.Constant(self.mesh.mesh, FAR),
             stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
             size=section_sizes(self.mesh, scene.geometry),
+            overstress=overstress_of(scene.laws, self.mesh, degree),
             pad_share=self._pad_share(),
         )
         self.forms = compile_forms(scene, self.mesh, self.fields)
-        degree = quadrature_degree(scene.mesh.order)
         self.limits = DeformationLimits(scene, self.mesh, self.fields.u, degree)
         self.contact: ObstacleContact | None = None
         if scene.obstacle is not None:

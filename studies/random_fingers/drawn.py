@@ -13,8 +13,8 @@ Table = dict[str, Any]
 SEED = 42
 SIDES, STIFFNESS = (3e-3, 0.1), (5e3, 5e6)  # largest extent of a section [m], C1 or half the shear modulus [Pa]
 POISSON = (0.3, 0.45, 0.49, 0.499, 0.4999)
-SLENDERNESS, TURN = (3.0, 8.0), (0.2, 2.5)  # length over extent [-]; of the tip by all tensions [rad]
-SHARES = {"taper": 0.3, "weight": 0.4, "layer": 0.3, "chamber": 0.3, "order 2": 0.2}  # of fingers that have it
+SLENDERNESS, TURN = (2.5, 6.0), (0.2, 2.0)  # length over extent [-]; of the tip by all tensions [rad]
+SHARES = {"taper": 0.3, "weight": 0.4, "layer": 0.3, "chamber": 0.3, "order 2": 0.1}  # of fingers that have it
 
 
 def finger(number: int, across: int) -> tuple[Table, list[float]]:
@@ -29,9 +29,9 @@ def finger(number: int, across: int) -> tuple[Table, list[float]]:
     length = slenderness * extent
     geometry: Table = {"segments": [length], "plate": float(random.uniform(0.02, 0.2)) * extent}
     if has["taper"]:
-        geometry["taper"] = [float(random.uniform(0.5, 1.1))]
+        geometry["taper"] = [float(random.uniform(0.6, 1.1))]
     tendons, pulled = _tendons(random, shape, young, length)
-    along = int(np.ceil(1.8 * length / shape.depth / min([1.0, *geometry.get("taper", [])]))) + 1
+    along = int(np.ceil(1.6 * length / shape.depth / min([1.0, *geometry.get("taper", [])]))) + 1
     table: Table = {"name": f"random {number}", "section": section, "geometry": geometry, "material": material}
     table |= {"tendons": tendons, "mesh": {"cells": [along, across], "order": 2 if has["order 2"] else 1}}
     if has["weight"]:
@@ -50,7 +50,7 @@ def _log(random: np.random.Generator, limits: tuple[float, float]) -> float:
 
 
 def _section(random: np.random.Generator, shape: str, extent: float) -> Table:
-    small = float(random.uniform(0.3, 0.95)) * extent
+    small = float(random.uniform(0.3, 0.8)) * extent
     height, width = random.permutation([extent, small]).tolist()
     measures: dict[str, Table] = {
         "square": {"side": extent},

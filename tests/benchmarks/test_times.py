@@ -26,6 +26,12 @@ def test_contact_from_python(benchmark, finger):
     assert answer.inside and answer.contact_force > 1.0
 
 
+def test_increment_with_friction_in_guides(benchmark, finger):
+    guided = rom.GuidedFinger(model=finger.model, friction=0.2)
+    tensions = iter(np.resize([40.0, 40.1, 40.2, 40.1], 1_000_000))
+    assert benchmark(lambda: guided.advance([next(tensions), 10.0, 0.05])).status == "converged"
+
+
 def test_hold(benchmark, finger):
     assert benchmark(finger.hold, 1.0, 0.012, start=[50.0, 10.0]).converged
 
