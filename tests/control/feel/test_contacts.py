@@ -168,5 +168,5 @@ def test_copies_feel_alike(model, copied):
 
 
 def test_a_finger_with_chambers_is_refused(chambered):
-    with pytest.raises(ValueError, match="model must have tendons alone to feel a contact, got one with chambers"):
+    with pytest.raises(ValueError, match="must be of a finger with tendons alone, got one with 2 chambers"):
         UnknownForce(chambered, NOISE).feel([1.0, 0.0, 0.0], [0.0, 0.0, 0.0])
