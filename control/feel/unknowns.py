@@ -46,9 +46,6 @@ class Unknowns:
         if not self.rod.struct.segments[0].sixes:
             raise ValueError("model must have laws of shortenings to feel a contact, got one without: train it again")
 
-        if self.rod.scene.get("chambers"):
-            raise ValueError("model must have tendons alone to feel a contact, got one with chambers")
-
     @cached_property
     def felt(self) -> Any:
         """A struct control_felt; its ranges are those of a call."""
