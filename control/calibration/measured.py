@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from control.calibration.parameters import PLACE, TURN, Unknowns
-from control.calibration.scaled_finger import DENSITY, MODULUS, SIZE, Outputs, ScaledFinger, Scales
+from control.calibration.scaled_finger import DENSITY, FRICTION, MODULUS, SIZE, Outputs, ScaledFinger, Scales
 from control.log import Log
 from rom.brief import brief
 
@@ -30,7 +30,7 @@ GROUPS = {
     "contact_force": ("-", 0.02),
 }  # units and first guesses of the standard deviations of noise
 SMALL = 0.02  # of the largest value: relative noise is not smaller than that of such a value [-]
-BY_SCALE = {"modulus": MODULUS, "size": SIZE, "density": DENSITY}
+BY_SCALE = {"modulus": MODULUS, "size": SIZE, "density": DENSITY, "friction": FRICTION}
 
 
 class Residuals(NamedTuple):
@@ -122,9 +122,10 @@ class Measured:
         return np.where(np.isfinite(self.log.distance), self.log.distance, np.inf)
 
     def scales(self, unknowns: np.ndarray) -> Scales:
-        """Modulus, size and density over the model's."""
+        """Modulus, size and density over the model's, and friction."""
         values, starts = self.unknowns.values(unknowns), self.unknowns.starts
-        return Scales(*(values[name] / starts[name] for name in BY_SCALE))
+        modulus, size, density = (values[name] / starts[name] for name in ("modulus", "size", "density"))
+        return Scales(modulus=modulus, size=size, density=density, friction=values["friction"])
 
     def ends(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest tensions that the model has, shapes (t,) [N]."""
