@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rom import AmongObjects, Sphere, TouchedSegment
+from tests.rom.rod.outlined import HALF, rod_of
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +33,17 @@ def test_a_ball_presses_as_in_contact_of_hertz(finger, radius):
     for depth in (5e-5, 1e-4, 2e-4):
         hertz = 4 / 3 * young / (1 - poisson**2) * np.sqrt(radius) * depth**1.5
         assert squeezed(finger, radius, depth) == pytest.approx(hertz, rel=0.2)
+
+
+@pytest.mark.parametrize("radius", [0.003, 0.005])
+def test_a_ball_presses_on_a_circle_as_in_contact_of_hertz(radius):
+    """With the mean of the curvatures across and along the finger, the square root of their product."""
+    circle = rod_of("circle")
+    effective = np.sqrt(radius * radius * HALF / (radius + HALF))
+    young, poisson = circle.segments[0].young_modulus, circle.segments[0].poisson
+    for depth in (5e-5, 1e-4, 2e-4):
+        hertz = 4 / 3 * young / (1 - poisson**2) * np.sqrt(effective) * depth**1.5
+        assert squeezed(circle, radius, depth) == pytest.approx(hertz, rel=0.2)
 
 
 def test_the_force_does_not_depend_on_where_slices_begin(finger):
