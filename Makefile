@@ -1,7 +1,7 @@
 # make demo   train a finger, grasp, verify, report to out/demo
 # make test   tests, lint, types, import contracts; make test-long  the repetitions of faults, and what takes long
 # make docs   measure anew what README and docs/ show; make readme  README's numbers alone; make peers  docs/peers.md alone
-# make model  rom/finger.h5, the bundled finger; make wheel  dist/*.whl
+# make model  rom/finger.h5, the bundled finger; make silicone  the other two; make wheel  dist/*.whl
 # make page   control/export/viewer.html, what `control export` writes models into
 # make site   the documentation as a site, in out/site
 # make bench  times, compared with those of the last commit that was measured
@@ -14,7 +14,7 @@ COMMIT = $$(git rev-parse --short HEAD)$$(git diff --quiet HEAD -- fingerfem/*.p
 MEASURED = docker/run env FINGERFEM_COMMIT="$(COMMIT)"
 AS_ROOT = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
 
-.PHONY: demo test test-long clean model page wheel readme docs gallery peers site bench
+.PHONY: demo test test-long clean model silicone page wheel readme docs gallery peers site bench
 
 demo:
 	docker/run python3 studies/demo.py out/demo
@@ -69,6 +69,13 @@ model:
 	$(SNAPSHOTS) scenes/demo/plane_coarse.toml out/model/heldout-coarse --random 15 --distances 4 --seed 2020
 	$(SNAPSHOTS) scenes/demo/plane_finest.toml out/model/heldout --random 15 --distances 4 --seed 2020 --near out/model/heldout-coarse
 	docker/run python3 -m rom build out/model/fine --finer out/model/finest --held-out out/model/heldout -o rom/finger.h5
+
+# rom/round.h5 and rom/square.h5, fingers of Dragon Skin 30 with weight: some 130 and 50 core-seconds of states.
+silicone: $(patsubst %,rom/%.h5,round square)
+rom/%.h5: scenes/silicone/%_pressed.toml scenes/silicone/%.toml
+	$(SNAPSHOTS) scenes/silicone/$*_pressed.toml out/silicone/$*
+	docker/run python3 -m rom build out/silicone/$* -o out/silicone/$*.h5
+	docker/run python3 -m rom assemble scenes/silicone/$*.toml out/silicone/$*.h5 -o $@
 
 # control/export/viewer.html, the page that `python3 -m control export` writes models into: three.js, and the C that Python calls as
 # WebAssembly. Needs node and npm; a compiler for WebAssembly comes from PyPI.

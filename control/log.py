@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection, Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from rom.atomic_file import write_whole
 from rom.brief import brief
 from rom.csv_table import ANGLES, FORCES, LENGTHS, MOMENTS, PLAIN, TIMES, CsvTable, Heading, Refused, factor, heading
 from rom.csv_table import read_table as read_cells
@@ -126,6 +129,25 @@ def read_log(path: str | Path, tendons: Sequence[str], ignored: Collection[str] 
         distance=values("d")[:, 0],
     )
     return _checked(log)
+
+
+def write_log(path: str | Path, columns: Mapping[str, ArrayLike], comment: str = "") -> Path:
+    """Write a log that `read_log` reads; nan becomes an empty cell.
+
+    Args:
+        path: the file.
+        columns: values by heading, such as "F1 [N]", in its unit, shape (n,).
+        comment: a first line.
+
+    Returns:
+        the path.
+    """
+    rows = np.column_stack([np.asarray(values, float) for values in columns.values()]).tolist()
+    lines = [f"# {comment}"] if comment else []
+    lines += [",".join(columns), *(",".join("" if math.isnan(one) else repr(one) for one in row) for row in rows)]
+    text = "\n".join([*lines, ""]).encode()
+    write_whole(Path(path), lambda stream: stream.write(text))
+    return Path(path)
 
 
 def _columns(

@@ -1,4 +1,4 @@
-"""python3 -m fingerfem solve | certify | snapshots | status | retry | render | sketch | fit-material | doctor."""
+"""fingerfem: solve, simulate, modes, certify, snapshots, status, retry, render, sketch, fit-material, doctor."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from typing import Annotated
 import typer
 
 import fingerfem
+from fingerfem.dynamics.command import modes, simulate
 from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.material_fit.command import fit_material
 from fingerfem.output.rows import finish
@@ -285,6 +286,8 @@ def sketch(
 
 
 app.command()(fit_material)
+app.command()(simulate)
+app.command()(modes)
 
 
 def main() -> None:

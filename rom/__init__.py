@@ -64,7 +64,7 @@ def load(path: str | Path | None = None, tolerance: float = 0.0) -> TouchedSegme
     """Read a model file of any kind: a finger of elements, before the plane y = side/2 + d, or a separated model.
 
     Args:
-        path: the file; None reads the bundled finger.
+        path: the file, or the name of a bundled finger: "finger", "round" or "square"; None reads the first.
         tolerance: of a separated model: keep only the terms needed for this relative separation error [-]; 0 keeps all.
 
     Raises:
@@ -73,13 +73,15 @@ def load(path: str | Path | None = None, tolerance: float = 0.0) -> TouchedSegme
 
     Example:
         >>> load().evaluate([30.0, 0.0], d=0.010).contact_force
+        >>> load("round").rod.place([2.0, 0.0, 0.0, 0.0]).centres[-1]  # doctest: +SKIP
     """
+    from rom.bundled import file_of
     from rom.checked_file import kind_of
     from rom.rod import rod
     from rom.rod.touched_segment import TouchedSegment
     from rom.separated.model import SeparatedModel
 
-    if path is not None and kind_of(Path(path)) != rod.KIND:
+    if path is not None and kind_of(file_of(path)) != rod.KIND:
         return SeparatedModel.load(path, tolerance=tolerance)
     if tolerance:
         raise ValueError(f"tolerance must be left out for a finger of elements, got {tolerance:g}")

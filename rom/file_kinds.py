@@ -58,7 +58,16 @@ SURROGATE = Kind(
 TRAINING_SET = Kind("a training set", ("rom build", "rom check", *_SET))
 HELD_OUT_SET = Kind("a held-out set", ("rom check", "rom build --held-out", *_SET))
 SCENE = Kind(
-    "a scene", ("fingerfem solve", "fingerfem snapshots", "fingerfem render", "fingerfem sketch", "rom assemble")
+    "a scene",
+    (
+        "fingerfem solve",
+        "fingerfem simulate",
+        "fingerfem modes",
+        "fingerfem snapshots",
+        "fingerfem render",
+        "fingerfem sketch",
+        "rom assemble",
+    ),
 )
 FMU = Kind("an FMU", ("a simulation tool that imports FMI 2 or 3",))
 HEADER = Kind("a C header", ("a C compiler",))

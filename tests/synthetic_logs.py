@@ -1,6 +1,5 @@
 """Logs of a finger with known parameters, as CSV files."""
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +7,7 @@ from scipy.spatial.transform import Rotation
 
 import rom
 from control.calibration.scaled_finger import ScaledFinger, Scales
+from control.log import write_log
 from rom import TouchedSegment
 
 BASE = (0.002, -0.001, 0.003, 0.05, -0.03, 0.02)  # [m], [rad]
@@ -53,10 +53,4 @@ def columns(
 def written(file: Path, values: dict[str, np.ndarray], *names: str) -> Path:
     """A file with the columns whose headings begin with some names, such as "F1 [N]" or "x"; all of them by default."""
     kept = [heading for heading in values if not names or heading in names or heading.split()[0] in names]
-    rows = np.column_stack([values[heading] for heading in kept])
-    lines = [
-        ",".join(kept),
-        *(",".join("" if math.isnan(value) else f"{value:.17g}" for value in row) for row in rows.tolist()),
-    ]
-    file.write_text("\n".join(lines) + "\n", "utf-8")
-    return file
+    return write_log(file, {heading: values[heading] for heading in kept})

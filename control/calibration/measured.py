@@ -101,8 +101,9 @@ class Measured:
         for k, name in enumerate(self.columns):
             if name in self.excluded:
                 found[:, k] &= ~self.excluded[name]
-            if name in RELATIVE:
-                found[:, k] &= self.given[:, k] != 0  # exactly: a slack tendon, or no contact
+            if name in RELATIVE:  # without slack tendons, and contact that is hardly any
+                least = SMALL if name == "contact_force" else 0.0
+                found[:, k] &= np.abs(self.given[:, k]) > least * np.nanmax(np.abs(self.given[:, k]), initial=0.0)
         return found
 
     @cached_property

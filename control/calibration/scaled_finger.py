@@ -16,6 +16,7 @@ import numpy as np
 
 from rom.answer import FORCE
 from rom.brief import brief
+from rom.dataset.actuators import refuse_chambers
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 
@@ -71,6 +72,7 @@ class ScaledFinger:
     """
 
     def __init__(self, model: TouchedSegment, weight: bool = False):
+        refuse_chambers(model.scene, "a log to calibrate on")
         self.model, self.weight = model, weight
 
     def at(self, scales: Scales, tensions: np.ndarray, distances: np.ndarray) -> Outputs:

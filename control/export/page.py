@@ -17,6 +17,7 @@ import numpy as np
 from rom.atomic_file import write_whole
 from rom.checked_file import ModelError
 from rom.dataset.geometry import tip_at_rest
+from rom.dataset.section import top
 from rom.export.model import struct
 from rom.export.wasm_memory import Image
 from rom.rod.compiled import ENDS
@@ -62,7 +63,7 @@ def about(model: SeparatedModel | TouchedSegment) -> dict[str, Any]:
         "lead": model.lead,
         "most_force": most_force(model),
         "rest": tip_at_rest(geometry).tolist(),
-        "geometry": {name: geometry[name] for name in ("side", "segments", "plate")},
+        "geometry": {"side": 2 * top(model.scene)} | {name: geometry[name] for name in ("segments", "plate")},
         "tendons": [
             {
                 "offset": one["offset"],

@@ -40,7 +40,7 @@ class _Feeling:
         tensions: ArrayLike,
         shortenings: ArrayLike,
         expected: Mapping[str, tuple[float, float]] | None,
-        hint: ArrayLike | None,
+        hint: Felt | ArrayLike | None,
     ) -> Felt:
         """See `KnownObjects.feel`."""
         unknowns = self._unknowns
@@ -48,7 +48,8 @@ class _Feeling:
         pulled, shorter = (np.ascontiguousarray(one, float) for one in (tensions, shortenings))
         if pulled.shape != (t,) or shorter.shape != (t,):
             raise ValueError(f"tensions and shortenings must have shape ({t},), got {pulled.shape} and {shorter.shape}")
-        begin = None if hint is None else np.ascontiguousarray(hint, float)
+        given = hint.values if isinstance(hint, Felt) else hint
+        begin = None if given is None else np.ascontiguousarray(given, float)
         if begin is not None and begin.shape != (k,):
             raise ValueError(f"hint must be {', '.join(names)}, got shape {begin.shape}")
         ranges, values, deviations = unknowns.expected(expected or {})
@@ -126,7 +127,7 @@ class KnownObjects(_Feeling):
         tensions: ArrayLike,
         shortenings: ArrayLike,
         expected: Mapping[str, tuple[float, float]] | None = None,
-        hint: ArrayLike | None = None,
+        hint: Felt | ArrayLike | None = None,
     ) -> Felt:
         """Estimate the distances and contact forces; `model.contact_forces` says where the objects then press.
 
@@ -135,7 +136,7 @@ class KnownObjects(_Feeling):
             shortenings: measured, shape (t,) [m]; zero where the finger is straight and no tendon is pulled.
             expected: values of unknowns by name with their standard deviations; 0 if a value is known. Of the
                 others, an even distribution over the range is expected.
-            hint: where the search begins, for example the last estimate, shape (m,) [m].
+            hint: where the search begins: the last estimate, or distances, shape (m,) [m].
 
         Raises:
             ValueError: arrays of the wrong shape, noise that is not above 0, or expected values outside their ranges.
@@ -147,7 +148,8 @@ class UnknownForce(_Feeling):
     """One force that presses across the finger, without friction, somewhere on its surface.
 
     Its unknowns are `position`, along the axis at rest from the clamp [m], and `force_y` and `force_z`, along the axes
-    of the cross-section there [N]: a force on the face at +y has a negative `force_y`. It does not twist the finger.
+    of the cross-section there [N]: a force on the face at +y has a negative `force_y`. It neither
+    twists the finger nor pushes along it, as a force on an edge or a corner does.
 
     Args:
         rod: the finger.
@@ -174,7 +176,7 @@ class UnknownForce(_Feeling):
         tensions: ArrayLike,
         shortenings: ArrayLike,
         expected: Mapping[str, tuple[float, float]] | None = None,
-        hint: ArrayLike | None = None,
+        hint: Felt | ArrayLike | None = None,
     ) -> Felt:
-        """Estimate position and force; arguments and errors as of `KnownObjects.feel`, the hint has shape (3,)."""
+        """Estimate position and force; arguments and errors as of `KnownObjects.feel`; a hint has shape (3,)."""
         return self._feel(tensions, shortenings, expected, self._begin if hint is None else hint)

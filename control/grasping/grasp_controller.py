@@ -16,6 +16,7 @@ from control.least_squares import CONVERGED, STATIONARY
 from control.outcomes import listed
 from control.problems import grip, rules
 from rom.brief import brief
+from rom.dataset.actuators import refuse_chambers
 
 PAST = 256  # pulls that are remembered: a reading that is older cannot be used
 SMOOTH = 0.2  # largest weight of a new reading in the smoothed contact force, with a noisy sensor [-]
@@ -114,11 +115,7 @@ class Grip:
     """
 
     def __init__(self, finger: Finger, target: float, options: GraspOptions):
-        if finger.pressures:
-            raise ValueError(
-                "finger must have tendons alone to grasp, as steps and rates are of tensions, got a finger with "
-                f"{finger.pressures} chambers (hold and reach control it)"
-            )
+        refuse_chambers(finger.model.scene, "a grasp, whose steps are of tensions,")
         self._finger, self._options = finger, options
         self.tensions = finger.lower.copy()
         self.stage, self.status, self.felt, self.distance = "approach", "moving", 0.0, np.nan

@@ -20,7 +20,7 @@ WORDS = {
     "comes? along": "is bundled",
     "errs?": "has an error of",
     "bears|borne": "transmits, supports",
-    "skin": "surface",
+    "(?<!dragon )skin": "surface",  # but for the silicone of that name
     "at hand": "current",
     "stations?": "cross-sections",
 }

@@ -16,6 +16,7 @@ from fingerfem.discretisation import form_cache, regions
 from fingerfem.discretisation.mesh import FingerMesh
 from fingerfem.discretisation.tangent import Moduli, gauss
 from fingerfem.discretisation.volume_energies import (
+    Overstress,
     Term,
     by_region,
     constants,
@@ -45,6 +46,7 @@ class Fields:
     distance: fem.Constant  # d of the obstacle [m]
     stiffness: fem.Constant  # of contact, gamma = factor E / h with Young's modulus E of the rubber [N/m^3]
     size: fem.Function | None  # of sections over that at the clamp [-]; None without taper
+    overstress: Overstress | None  # of viscoelastic branches; None without any
     pad_share: fem.Function | None  # y: share of a node's contact force that rests on the pad [-]
 
 
@@ -70,9 +72,9 @@ class Forms:
     residual: fem.Form
     moduli: list[Moduli]  # of the volume energies but the straight tendons'
     other_tangent: fem.Form | None  # the tangent of what else there is [N/m]
-    strain_energy: fem.Form  # of rubber and plates [J]
-    tendon_energy: fem.Form  # and of chambers [J]; at unit tension a length [m], at unit pressure -V [m^3]
-    tendon_force: fem.Form  # its gradient [N]; at unit tension that of a tendon's length [-]
+    strain_energy: fem.Form  # of rubber, all relaxed, and plates [J]
+    actuator_energy: fem.Form  # of tendons and chambers [J]; at unit tension a length [m], at unit pressure -V [m^3]
+    actuator_force: fem.Form  # its gradient [N]; at unit tension that of a tendon's length [-]
     tip: list[fem.Form]  # integral of the displacement over the tip plate, three components [m^4]
     tip_gradient: list[fem.Form]  # [m^3]
     contact: list[ContactForms]  # by body
@@ -88,7 +90,8 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
     space, u = fields.u.function_space, fields.u
     v, w = ufl.TestFunction(space), ufl.TrialFunction(space)
     number, degree = constants(mesh.mesh), quadrature_degree(scene.mesh.order)
-    rubber, channels = rubber_terms(scene.laws, number, degree), regions.channels(len(scene.laws))
+    rubber = rubber_terms(scene.laws, number, degree, fields.overstress)
+    channels = regions.channels(len(scene.laws))
     plates = Term(strain_energy.energy(plate_law(scene.law), number), regions.PLATES, degree)
     paths = {tendon.path for tendon in scene.tendons}
     pulled, probed = (
@@ -100,11 +103,12 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
         return [(term.energy, volume_measure(mesh, term.degree)(term.regions)) for term in terms]
 
     solids = integrals([*by_region(rubber), plates])
-    residual, tendon_energy = residual_of([*solids, *integrals(pulled)], u), total(integrals(probed), u)
+    relaxed = integrals([*by_region(rubber_terms(scene.laws, number, degree)), plates])
+    residual, actuator_energy = residual_of([*solids, *integrals(pulled)], u), total(integrals(probed), u)
     stiffening = []  # tangents of what is not in the moduli
     for pulling, probing in _other_actuators(scene, mesh, fields):
         force = ufl.derivative(pulling, u, v)
-        residual, tendon_energy = residual + force, tendon_energy + probing
+        residual, actuator_energy = residual + force, actuator_energy + probing
         stiffening.append(ufl.derivative(force, u, w))
 
     on_contact = []
@@ -119,9 +123,9 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
     wanted = {
         "residual": residual,
         "other_tangent": sum(stiffening) if stiffening else None,
-        "strain_energy": total(solids, u),
-        "tendon_energy": tendon_energy,
-        "tendon_force": ufl.derivative(tendon_energy, u, v),
+        "strain_energy": total(relaxed, u),
+        "actuator_energy": actuator_energy,
+        "actuator_force": ufl.derivative(actuator_energy, u, v),
         "tip": tip,
         "tip_gradient": [ufl.derivative(form, u, v) for form in tip],
         "contact": on_contact,

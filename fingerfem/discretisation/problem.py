@@ -12,6 +12,7 @@ from petsc4py import PETSc
 
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.assembly import Assembly
+from fingerfem.discretisation.branches import overstress_of
 from fingerfem.discretisation.contact import contact_points
 from fingerfem.discretisation.contact.contact_points import ContactPoints
 from fingerfem.discretisation.contact.obstacle_contact import BodyContact, ObstacleContact, StiffFacets
@@ -43,7 +44,7 @@ class Problem(Assembly):
         self.space = fem.functionspace(self.mesh.mesh, ("Lagrange", scene.mesh.order, (3,)))
         self.supports, self._clamped, held = self._boundary_conditions()
         super().__init__(self.space, 2 if scene.is_half else 1, held)
-        self.actuators = Actuators(scene, self.mesh)
+        self.actuators, degree = Actuators(scene, self.mesh), quadrature_degree(scene.mesh.order)
         self.fields = Fields(
             **self.actuators.fields,
             u=fem.Function(self.space, name="displacement"),
@@ -52,10 +53,10 @@ class Problem(Assembly):
             distance=fem.Constant(self.mesh.mesh, FAR),
             stiffness=fem.Constant(self.mesh.mesh, self._contact_stiffness()),
             size=section_sizes(self.mesh, scene.geometry),
+            overstress=overstress_of(scene.laws, self.mesh, degree),
             pad_share=self._pad_share(),
         )
         self.forms = compile_forms(scene, self.mesh, self.fields)
-        degree = quadrature_degree(scene.mesh.order)
         self.limits = DeformationLimits(scene, self.mesh, self.fields.u, degree)
         self.contact: ObstacleContact | None = None
         if scene.obstacle is not None:
@@ -186,7 +187,7 @@ class Problem(Assembly):
     def energy(self) -> float:
         """Total potential [J]."""
         self.actuators.probe(self.tensions)
-        forms = [self.forms.strain_energy, self.forms.tendon_energy]
+        forms = [self.forms.strain_energy, self.forms.actuator_energy]
         fallen = 0.0 if self._weight is None else self._weight @ self.displacement[: len(self._weight)]
         touched = 0.0 if self.contact is None else self.contact.energy()
         at_rest = float(self.tensions[len(self.rest_lengths) :] @ self.rest_volumes)
@@ -204,14 +205,17 @@ class Problem(Assembly):
         return b
 
     def tendon_length(self, k: int) -> float:
-        """Length of tendon k between its ends [m]: the tendon energy at unit tension."""
-        self.actuators.probe(np.eye(len(self.tensions))[k])
-        return self.scalar(self.forms.tendon_energy)
+        """Length of tendon k between its ends [m]: the actuators' energy at unit tension."""
+        return self._energy_at_unit_load(k)
 
     def chamber_volumes(self) -> np.ndarray:
         """Of the chambers, shape (chambers,) [m^3]: of each minus the energy at unit pressure."""
-        tendons = len(self.scene.tendons)
-        return np.array([-self.tendon_length(tendons + k) for k in range(len(self.scene.chambers))])
+        chambers = range(len(self.scene.tendons), len(self.tensions))
+        return -np.array([self._energy_at_unit_load(k) for k in chambers])
+
+    def _energy_at_unit_load(self, k: int) -> float:
+        self.actuators.probe(np.eye(len(self.tensions))[k])
+        return self.scalar(self.forms.actuator_energy)
 
     def unsymmetric(self) -> LowRank | None:
         """What following loads and friction take from the tangent; None without any (collective)."""
@@ -244,7 +248,7 @@ class Problem(Assembly):
         dragged = None
         if self.contact is not None and self.contact.friction is not None and carried is not None:
             dragged = self.contact.friction.load_gradient(carried)
-        b = self.gradient(self.forms.tendon_force, dragged)
+        b = self.gradient(self.forms.actuator_force, dragged)
         if distance and self.contact is not None:
             pull = self.contact.force_gradient()
             b.axpy(-distance, pull)

@@ -51,6 +51,16 @@ class Term(NamedTuple):
     volumetric: strain_energy.Dilatational | None = None
 
 
+class Overstress(NamedTuple):
+    """What viscoelastic branches add to the stress of rubber in a step: share S(C) + stress, S of a law's W.
+
+    That is the stress of an energy too, share W(C) + stress : C / 2, so that a step has a potential.
+    """
+
+    shares: list[fem.Constant]  # by material [-]
+    stress: fem.Function  # second Piola-Kirchhoff stress at the points of integration [Pa]
+
+
 def volume_measure(mesh: FingerMesh, degree: int) -> ufl.Measure:
     """The volume, integrated by a Gauss rule of that degree."""
     return ufl.Measure("dx", mesh.mesh, subdomain_data=mesh.cells, metadata={"quadrature_degree": degree})
@@ -61,19 +71,36 @@ def constants(domain: Any) -> strain_energy.Number:
     return lambda value: fem.Constant(domain, value)
 
 
-def rubber_terms(laws: Sequence[Law], number: strain_energy.Number, degree: int) -> list[Term]:
-    """The energies of the rubber and of other materials, split where a pressure is an unknown of its own."""
+def rubber_terms(
+    laws: Sequence[Law], number: strain_energy.Number, degree: int, overstress: Overstress | None = None
+) -> list[Term]:
+    """The energies of the rubber and of other materials, split where a pressure is an unknown of its own.
+
+    With what viscoelastic branches add to them, if there are any.
+    """
     found = []
     for k, law in enumerate(laws):
         where = regions.of_material(k)
-        if not law.is_mixed:
+        relaxes = overstress is not None and law.prony is not None
+        if not law.is_mixed and not relaxes:
             found.append(Term(strain_energy.energy(law, number), where, degree))
             continue
         distortional, volumetric = strain_energy.parts(law, number)
-        assert volumetric is not None  # a law without one stays below where mixed begins
+        assert volumetric is not None  # a law without one has no branches, and stays below where mixed begins
         dilatational = strain_energy.of_strain(volumetric)
-        found += [Term(distortional, where, degree), Term(dilatational, where, degree - 1, volumetric)]
+        if overstress is not None and relaxes:
+            distortional = _stiffened(distortional, overstress.shares[k])
+            found.append(Term(lambda C: ufl.inner(overstress.stress, C) / 2, where, degree))
+        found.append(Term(distortional, where, degree))
+        found.append(
+            Term(dilatational, where, degree - 1, volumetric) if law.is_mixed else Term(dilatational, where, degree)
+        )
     return found
+
+
+def _stiffened(energy: strain_energy.Isotropic, share: fem.Constant) -> strain_energy.Isotropic:
+    """The same energy and a share of it more."""
+    return strain_energy.Isotropic(lambda strain: (1 + share) * energy.density(strain))
 
 
 def by_region(terms: Sequence[Term]) -> list[Term]:

@@ -31,9 +31,9 @@ def turns(problem: Problem) -> Turns:
     ends, length = np.cumsum(geometry.segments), geometry.length
     levers = [float(np.linalg.norm(tendon.offset)) * ends[tendon.segment - 1] for tendon in scene.tendons]
     weight = 0.0
-    if scene.gravity is not None:
-        densities = [scene.gravity.density, scene.gravity.plate_density, *(one.density or 0 for one in scene.materials)]
-        weight = max(densities) * scene.gravity.acceleration * geometry.shape.area * length**3 / 6 / bending
+    if scene.gravity is not None and scene.densities is not None:
+        materials, plates = scene.densities
+        weight = max(*materials, plates) * scene.gravity.acceleration * geometry.shape.area * length**3 / 6 / bending
     return Turns(
         actuators=np.append(np.array(levers) / bending + 1 / problem.force_scale, _by_pressure(problem, bending)),
         wrench=np.repeat([length**2 / 2, length], 3) / bending,

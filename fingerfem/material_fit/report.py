@@ -12,8 +12,6 @@ from fingerfem.scene.laws import Law
 from fingerfem.scene.toml_file import UNITS
 from rom.console.table import Table, number, percent, shown
 
-BESIDE = ("law", "stretches", "formulation")  # keys of a law that are no constants
-
 
 def parts(comparison: Comparison, file: Path) -> list[Table | str]:
     """Tests, errors and constants of all laws, and lines that bound what they are good for."""
@@ -54,7 +52,7 @@ def constants(law: Law) -> str:
     """A law's constants in the units that people read."""
     words = []
     for name, value in law:
-        if name in BESIDE:
+        if name in Law.model_fields:  # a key of every law is no constant
             continue
         unit = UNITS.get(name, "")
         each = value if isinstance(value, list) else [value]

@@ -19,5 +19,5 @@ class Material(Placed):
     name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
     region: Literal["section", "rectangle", "group"]
     x: Annotated[list[Position], Field(min_length=2, max_length=2)] | None = None  # from, to at rest [m]; None: all
-    density: Annotated[float, Field(gt=0, le=3e4)] | None = None  # [kg/m^3]; gravity.density if absent
+    density: Annotated[float, Field(gt=0, le=3e4)] | None = None  # [kg/m^3]; the rubber's if absent
     material: NamedLaw

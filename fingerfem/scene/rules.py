@@ -122,6 +122,19 @@ def _check_block(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
             )
 
 
+def check_density(scene: Scene) -> None:
+    """Weight has densities, from one table."""
+    if scene.gravity is None:
+        return
+    if scene.density is None and scene.gravity.density is None:
+        raise ValueError("gravity.density must be given, or a table [density], got neither")
+    twice = sorted({"density", "plate_density"} & scene.gravity.model_fields_set)
+    if scene.density is not None and twice:
+        raise ValueError(
+            f"gravity.{twice[0]} must be left out where [density] has it, got {getattr(scene.gravity, twice[0])}"
+        )
+
+
 def check_materials(scene: Scene) -> None:
     """Other materials lie in the finger and have no cells in common."""
     for name in ("load", "coarse"):

@@ -23,10 +23,18 @@ from fingerfem.scene.material import Material
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.outline import GridOutline
 from fingerfem.scene.presets import KEYS, chosen
-from fingerfem.scene.rules import check_chambers, check_materials, check_obstacle, check_section, ordered
+from fingerfem.scene.rules import (
+    check_chambers,
+    check_density,
+    check_materials,
+    check_obstacle,
+    check_section,
+    ordered,
+)
 from fingerfem.scene.sections import SHAPES, FromFile, Section
 from fingerfem.scene.tables import (
     Coarse,
+    Density,
     Expected,
     Geometry,
     Gravity,
@@ -62,6 +70,7 @@ class Scene(SceneTable):
     materials: Annotated[list[Material], Field(max_length=8)] = []
     tendons: Annotated[list[Tendon], Field(min_length=1, max_length=8)]
     chambers: Annotated[list[Chamber], Field(max_length=8)] = []
+    density: Density | None = None
     gravity: Gravity | None = None
     obstacle: Obstacle | None = None
     load: Load | None = None
@@ -143,6 +152,7 @@ class Scene(SceneTable):
                 )
             ordered(f"tendons.{k}.tension", tendon.tension)
         check_chambers(self)
+        check_density(self)
         check_materials(self)
         if self.mesh.symmetry and not self.outline.is_planar:
             raise ValueError(
@@ -203,6 +213,17 @@ class Scene(SceneTable):
         return self.material
 
     @property
+    def densities(self) -> tuple[list[float], float] | None:
+        """Of the rubber and the other materials, and of plates [kg/m^3]; None of a scene that gives none."""
+        if self.density is not None:
+            rubber, plates = self.density.rubber, self.density.plates
+        elif self.gravity is not None and self.gravity.density is not None:
+            rubber, plates = self.gravity.density, self.gravity.plate_density
+        else:
+            return None
+        return [rubber, *(one.density or rubber for one in self.materials)], plates
+
+    @property
     def laws(self) -> list[Law]:
         """The rubber's law, then those of the other materials."""
         return [self.material, *(one.material for one in self.materials)]
@@ -238,7 +259,7 @@ class Scene(SceneTable):
     @model_serializer(mode="wrap")
     def _without_what_is_not_named(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """A scene without what came later is as before; a square is geometry.side's."""
-        later = "load", "coarse", "gravity", "section"
+        later = "load", "coarse", "density", "gravity", "section"
         written = {key: value for key, value in serialise(self).items() if key not in later or value is not None}
         for name in ("chambers", "materials"):
             if not getattr(self, name):

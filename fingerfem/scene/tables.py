@@ -161,11 +161,26 @@ class Pad(SceneTable):
     width: Length | None = None
 
 
-class Gravity(SceneTable):
-    """The weight of the finger: a dead load on rubber and plates, which is there before any tension."""
+RubberDensity = Annotated[float, Field(gt=0, le=3e4)]  # [kg/m^3]
+PlateDensity = Annotated[float, Field(ge=0, le=3e4)]  # [kg/m^3]
+STEEL_DENSITY = 7850.0  # [kg/m^3]
 
-    density: Annotated[float, Field(gt=0, le=3e4)]  # of the rubber [kg/m^3]
-    plate_density: Annotated[float, Field(ge=0, le=3e4)] = 7850.0  # of steel [kg/m^3]
+
+class Density(SceneTable):
+    """Densities [kg/m^3], of which weight and inertia are."""
+
+    rubber: RubberDensity
+    plates: PlateDensity = STEEL_DENSITY
+
+
+class Gravity(SceneTable):
+    """The weight of the finger: a dead load on rubber and plates, which is there before any tension.
+
+    Densities stand here, or in a table [density].
+    """
+
+    density: RubberDensity | None = None
+    plate_density: PlateDensity = STEEL_DENSITY
     direction: Annotated[list[float], Field(min_length=3, max_length=3)]  # in which weight pulls, of any length [-]
     acceleration: Annotated[float, Field(ge=0, le=1e4)] = 9.80665  # standard gravity [m/s^2]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -40,17 +41,26 @@ def load_scene(path: str | Path) -> Scene:
     Raises:
         SceneError: one line naming file, field, rule and value.
     """
+    table = read_toml(path)
     try:
-        table = tomllib.loads(Path(path).read_text("utf-8-sig"))
+        return Scene.model_validate(table, context={"folder": Path(path).parent})
+    except ValidationError as error:
+        raise SceneError(f"{path}: {one_line(error)}") from None
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """The tables of a TOML file.
+
+    Raises:
+        SceneError: one line naming file and reason.
+    """
+    try:
+        return tomllib.loads(Path(path).read_text("utf-8-sig"))
     except OSError as error:
         raise SceneError(f"{path}: {error.strerror or error}{uses_of(path)}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         other = uses_of(path) if Path(path).suffix.lower() != ".toml" else ""
         raise SceneError(f"{path}: not a TOML file: {error}{other}") from None
-    try:
-        return Scene.model_validate(table, context={"folder": Path(path).parent})
-    except ValidationError as error:
-        raise SceneError(f"{path}: {one_line(error)}") from None
 
 
 def one_line(error: ValidationError) -> str:

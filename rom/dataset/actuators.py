@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from rom.checked_file import ModelError
+
 
 class Actuator(NamedTuple):
     """One actuator's load: its name, its unit, N or Pa, and the ends of its range in that."""
@@ -20,6 +22,12 @@ def actuators_of(scene: Mapping[str, Any]) -> list[Actuator]:
     ranges = [(one["name"], "N", one["tension"]) for one in scene["tendons"]]
     ranges += [(one["name"], "Pa", one["pressure"]) for one in scene.get("chambers") or []]
     return [Actuator(name, unit, float(lower), float(upper)) for name, unit, (lower, upper) in ranges]
+
+
+def refuse_chambers(scene: Mapping[str, Any], what: str) -> None:
+    """Raise ModelError where a finger has chambers, of something that is for tendons alone."""
+    if count := pressures_of(scene):
+        raise ModelError(f"{what} must be of a finger with tendons alone, got one with {count} chambers")
 
 
 def pressures_of(scene: Mapping[str, Any]) -> int:

@@ -10,6 +10,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from rom.dataset.section_outline import SectionOutline
 
 SQUARE, RECTANGLE, CIRCLE, RING, FILE = "square", "rectangle", "circle", "ring", "file"
@@ -47,6 +49,16 @@ def area(scene: Mapping[str, Any]) -> float:
     if table["shape"] == FILE:
         return float(table["measures"]["area"])
     return outline(scene).area - math.pi / 4 * float(table.get("bore", 0.0)) ** 2
+
+
+def mean_squares(scene: Mapping[str, Any]) -> np.ndarray:
+    """Means of y^2 and z^2 over the section, shape (2,) [m^2]: its second moments over its area."""
+    table = section_of(scene)
+    if table["shape"] == FILE:
+        return np.array(table["measures"]["mean_squares"])
+    if table["shape"] in (CIRCLE, RING):
+        return np.full(2, (table["diameter"] ** 2 + table.get("bore", 0.0) ** 2) / 16)
+    return np.asarray(outline(scene).box ** 2 / 3)
 
 
 def channel_width(scene: Mapping[str, Any]) -> float:

@@ -98,6 +98,7 @@ def _limits(model: TouchedSegment) -> dict[str, int]:
         "FINGERFEM_MOST_PLATES": chain.plates,
         "FINGERFEM_MOST_ELEMENTS": max(chain.segments[k].elements for k in range(chain.plates)),
         "FINGERFEM_MOST_POWER": max(powers),
+        "FINGERFEM_MOST_VERTICES": max(1, *(chain.segments[k].vertices for k in range(chain.plates))),
     }
 
 

@@ -13,6 +13,7 @@ enum { FINGERFEM_MOST_BODIES = FINGERFEM_MOST_PLATES + 9, FINGERFEM_MOST_OBJECTS
 
 /* Limits of a segment, which are checked before its struct is made. */
 enum { FINGERFEM_MOST_TENSIONS = 8, FINGERFEM_MOST_POWER = 31, FINGERFEM_MOST_ELEMENTS = 64, FINGERFEM_MOST_VARIANTS = 8 };
+enum { FINGERFEM_MOST_VERTICES = 64 /* of a section's outline */ };
 enum { FINGERFEM_MOST_LOADS = FINGERFEM_WRENCH * FINGERFEM_MOST_PLATES * FINGERFEM_MOST_ELEMENTS };
 
 /* Rows of an answer before one object, as of a separated model: tip displacement x, y, z [m], contact force [N], touch
@@ -102,7 +103,12 @@ typedef struct {
     const int32_t *place_elements;       /* (places - 1): of which element is the rubber from each to the next */
     const double *place_shares;          /* (places - 1): where its middle is, from the element's end, 0, to its begin, 1 */
     const double *element_lengths;       /* (elements): at rest [m] */
-    double half_lengths[3];              /* of the plate along its own axes [m] */
+    double half_lengths[3];              /* of the plate along its own axes, and so of its section's box [m] */
+    int32_t vertices;                    /* of the outline of the plate's section, a convex polygon with a margin; 0: the outline is the box */
+    const double *polygon;               /* (vertices, 2): along y and z, counterclockwise [m] */
+    double margin;                       /* around the polygon [m] */
+    double level;                        /* mean of y^2 - z^2 along the outline [m^2] */
+    double depths[2];                    /* (12 I)^(1/4) of the plate's section, for bending towards y and z: side of a square that bends alike [m] */
     double begins;                       /* size of the section where the segment begins over that of the plate's [-] */
     double face_compliance, edge_compliance, line_compliance; /* of a slice: of a face's point, of an edge, and of the line across a face; 0: rigid [m/N] */
     const double *row_compliance, *opposite_compliance;         /* (places - 1): how far a unit force on a slice lowers the same face, and the opposite one, so many slices away [m/N] */

@@ -17,10 +17,10 @@ def chambers_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The chambers of a scene, as plain data.
 
     Raises:
-        ModelError: one is no rectangle, or the rubber around it has a taper.
+        ModelError: one is no rectangle, the rubber around it has a taper, or its weight is off the axis.
         KeyError, TypeError, ValueError: a key is missing, or is no number.
     """
-    found = []
+    found = list[dict[str, Any]]()
     for one in scene.get("chambers") or []:
         if one["region"] != "rectangle":
             raise ModelError(
@@ -28,6 +28,12 @@ def chambers_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
             )
         numbers = {key: [float(part) for part in one[key]] for key in ("centre", "size", "x", "pressure")}
         found.append({"name": str(one["name"]), "region": "rectangle"} | numbers)
+    first = np.sum([np.prod(one["size"]) * np.array(one["centre"]) for one in found], axis=0)
+    if found and scene.get("gravity") is not None and np.abs(first).max() > NEAR * extent(scene) ** 3:
+        raise ModelError(
+            "gravity must be left out with chambers on one side: a rod's weight acts on its axis, got chambers "
+            f"{', '.join(one['name'] for one in found)}"
+        )
     if found and any(ratio != 1 for ratio in scene["geometry"].get("taper") or []):
         raise ModelError(f"geometry.taper must be left out with chambers, got {scene['geometry']['taper']}")
     return found
@@ -87,6 +93,13 @@ def _matching(
     raise ModelError(
         f"{name}.centre must be that of a chamber of the elements, one of {known or 'none'} m, got {one['centre']}"
     )
+
+
+def rescaled_chamber(one: Mapping[str, Any], modulus: float, size: float) -> dict[str, Any]:
+    """A chamber of a finger with its modulus and all lengths multiplied by factors [-], see `scene_of_rod.rescaled`."""
+    lowest, highest = one["pressure"]
+    lengths = {key: (size * np.array(one[key])).tolist() for key in ("centre", "size", "x")}
+    return dict(one) | lengths | {"pressure": [lowest * modulus, highest * min(modulus, 1.0)]}
 
 
 def _ends(scene: Mapping[str, Any], chamber: Mapping[str, Any]) -> np.ndarray:

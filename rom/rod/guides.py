@@ -19,20 +19,20 @@ from rom.rod.rod import Rod
 from rom.rod.touched_rod import TouchedRod
 
 HALVINGS = 8  # of an increment that finds no equilibrium
-DIFFERENCES = {"N": 0.05, "m": 5e-6}  # half widths of central differences of an increment, by the parameter's unit
+PULLED, MOVED = 5e-4, 5e-6  # half widths of central differences: over the range of a load [-], and of distances [m]
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 
 
 @brief
 class GuideState(NamedTuple):
-    """A finger with t tendons and n elements before m objects, at the end of an increment.
+    """A finger with t tensions and pressures and n elements before m objects, at the end of an increment.
 
     Attributes:
         status: `out_of_domain` where the elements were not trained, here or on the way; `no_equilibrium` if none was
             found: then all numbers are nan, and the finger is where it was before.
-        tensions: at the motors, shape (t,) [N].
-        shortenings: of the tendons between the clamp and their plates, shape (t,) [m].
-        element_tensions: segment by segment, each from its plate to its clamp, shape (n, t) [N].
+        tensions: at the motors, then pressures, shape (t,) [N, Pa].
+        shortenings: of the tendons between the clamp and their plates, shape (tendons,) [m].
+        element_tensions: segment by segment, each from its plate to its clamp, shape (n, t) [N, Pa].
         tip: displacement of the tip plate's centre, shape (3,) [m].
         orientation: of the tip plate's frame, as a unit quaternion w, x, y, z, shape (4,) [-].
         contact_forces: shape (m,) [N].
@@ -100,7 +100,8 @@ class GuidedFinger(PickledByFields):
             raise ModelError(f"per_length must be a number of at least 0 N/m, got {self.per_length}")
         if not all(one.struct.sixes for one in self.rod.segments):
             raise ModelError("the model must have shortenings of tendons, got none: train it anew (rom build)")
-        in_channel = np.array([one.get("path", "channel") == "channel" for one in self.rod.scene["tendons"]])
+        in_channel = np.zeros(t, bool)  # straight tendons have no guides, nor have the pressures behind the tensions
+        in_channel[: len(self._tendons)] = [one.get("path", "channel") == "channel" for one in self._tendons]
         lengths = np.concatenate([[one.length for one in own] for own in self.rod.pieces])
         lengths[np.cumsum([0, *map(len, self.rod.pieces[:-1])])] -= [one.half_lengths[0] for one in self.rod.segments]
         n, loads = len(lengths), LIBRARY.functions.fingerfem_chain_loads(self.rod.struct)
@@ -121,8 +122,13 @@ class GuidedFinger(PickledByFields):
         return self.model if isinstance(self.model, Rod) else self.model.rod
 
     @property
+    def _tendons(self) -> list[dict[str, Any]]:
+        tendons: list[dict[str, Any]] = self.rod.scene["tendons"]
+        return tendons
+
+    @property
     def names(self) -> list[str]:
-        """Names of the tensions, then of every d."""
+        """Names of the tensions and pressures, then of every d."""
         return [one.name for one in self.model.parameters]
 
     @cached_property
@@ -151,8 +157,8 @@ class GuidedFinger(PickledByFields):
         An increment that finds no equilibrium is divided.
 
         Args:
-            point: tensions at the motors, or shortenings of the tendons that are wound, then every d, shape (t + m,)
-                [N, m]. A tendon that is let out farther than its way is slack: it has the least tension.
+            point: tensions at the motors, or shortenings of the tendons that are wound, then pressures and every d,
+                shape (t + m,) [N, m, Pa]. A tendon that is let out too far is slack: it has the least tension.
             wound: names of the tendons whose motors are driven by position.
 
         Raises:
@@ -161,8 +167,9 @@ class GuidedFinger(PickledByFields):
         given, names = np.asarray(point, float), self.rod.names
         if given.shape != (len(self.names),) or not np.isfinite(given[: len(names)]).all() or np.isnan(given).any():
             raise ModelError(f"point must be finite numbers {', '.join(self.names)}, got {point!r}")
-        if unknown := set(wound) - set(names):
-            raise ModelError(f"wound must be of {', '.join(names)}, got {sorted(unknown)[0]}")
+        tendons = [one["name"] for one in self._tendons]
+        if unknown := set(wound) - set(tendons):
+            raise ModelError(f"wound must be of {', '.join(tendons)}, got {sorted(unknown)[0]}")
         winds = np.array([name in wound for name in names])
         kept = self.arrays.keep(), self.work, self.dissipated, self.inside
         if not self._reach(given, winds, HALVINGS):
@@ -189,7 +196,7 @@ class GuidedFinger(PickledByFields):
         kept = self.arrays.keep(), self.work, self.dissipated, self.inside
         columns = []
         for k, one in enumerate(self.model.parameters):
-            step = DIFFERENCES["m" if k < t and wound[k] else one.unit]
+            step = MOVED if k >= t or wound[k] else PULLED * (one.upper - one.lower)
             sides = []
             for way in (step, -step):
                 self.arrays.restore(begun)
@@ -233,7 +240,7 @@ class GuidedFinger(PickledByFields):
         return GuideState(
             status="converged" if self.inside else "out_of_domain",
             tensions=self.arrays.motors.copy(),
-            shortenings=found.reports.rows[0, QUATERNION:],
+            shortenings=found.reports.rows[0, QUATERNION : QUATERNION + len(self._tendons)],
             element_tensions=self.arrays.tensions.copy(),
             tip=found.out[:3],
             orientation=found.reports.rows[0, :QUATERNION],
@@ -249,7 +256,7 @@ class GuidedFinger(PickledByFields):
         return GuideState(
             status="no_equilibrium",
             tensions=np.full(t, np.nan),
-            shortenings=np.full(t, np.nan),
+            shortenings=np.full(len(self._tendons), np.nan),
             element_tensions=np.full(self.arrays.tensions.shape, np.nan),
             tip=np.full(3, np.nan),
             orientation=np.full(QUATERNION, np.nan),

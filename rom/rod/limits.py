@@ -83,6 +83,11 @@ def check_rod(segment: CondensedSegment) -> None:
         _alike("corners and the plate's element", [corners.lower, corners.upper], [first.lower, first.upper])
     if segment.shortenings is not None:
         _shortenings(segment.shortenings, elements)
+    if segment.section is not None:
+        half, box = segment.half_lengths[1:], segment.section.box
+        require(np.allclose(half, box, rtol=1e-9), f"half_lengths must be those of the section's box, {box}", half)
+        prism = segment.section.is_rectangle or segment.corners is None
+        require(prism, "corners must be left out of a plate that is no box", "some")
     if segment.outlines is not None:
         _outlines(segment.outlines, elements, float(segment.half_lengths[0]))
 

@@ -19,7 +19,7 @@ from rom.dataset.actuators import actuators_of
 from rom.dataset.geometry import sizes_of
 from rom.dataset.section import channel_width, extent
 from rom.file_kinds import uses_of
-from rom.rod.chambers_of_rod import chambers_of, matched
+from rom.rod.chambers_of_rod import chambers_of, matched, rescaled_chamber
 from rom.rod.section_of_rod import NEAR, equal, size_of_section, with_digest, without_square
 from rom.rod.weight import gravity_of
 
@@ -38,6 +38,26 @@ class Similarity(NamedTuple):
     modulus: float
     tendons: list[int]
     chambers: list[int]
+
+
+def passing(
+    trained: Mapping[str, Any], scene: Mapping[str, Any], found: Similarity, segment: int
+) -> tuple[list[str], list[int]]:
+    """The loads of a segment, counted from 0: their names, and which of the elements' loads they are.
+
+    A tendon passes all segments up to its plate. Chambers are in the only segment.
+    """
+    pairs = [
+        (tendon["name"], which)
+        for tendon, which in zip(scene["tendons"], found.tendons, strict=True)
+        if tendon["segment"] > segment
+    ]
+    tendons = len(trained["tendons"])
+    pairs += [
+        (chamber["name"], tendons + which)
+        for chamber, which in zip(scene.get("chambers") or [], found.chambers, strict=True)
+    ]
+    return [name for name, _ in pairs], [which for _, which in pairs]
 
 
 def read_scene(path: str | Path) -> dict[str, Any]:
@@ -81,7 +101,8 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
         }
         found |= {} if scene.get("section") is None else {"section": scene["section"]}
         found |= {"chambers": chambers_of(scene)} if scene.get("chambers") else {}
-        return found | ({} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"])})
+        weight = {} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"], scene.get("density"))}
+        return found | weight
     except ModelError:
         raise
     except (KeyError, TypeError, ValueError) as error:
@@ -156,7 +177,7 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
 def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str, Any]:
     """The scene of a finger with its modulus and all lengths multiplied by factors [-].
 
-    Highest tensions fall where the trained ones do, and do not rise.
+    Highest tensions and pressures fall where the trained ones do, and do not rise.
     """
 
     def longer(value: Any) -> Any:
@@ -175,7 +196,10 @@ def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str,
         for one in scene["tendons"]
     ]
     geometry = scene["geometry"] | lengths
-    return dict(scene) | {"geometry": geometry, "material": material, "tendons": tendons}
+    found = dict(scene) | {"geometry": geometry, "material": material, "tendons": tendons}
+    if scene.get("chambers"):
+        found["chambers"] = [rescaled_chamber(one, modulus, size) for one in scene["chambers"]]
+    return found
 
 
 def _modulus(trained: Mapping[str, Any], material: Mapping[str, Any]) -> float:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.dataset.section import area
+from rom.dataset.section_outline import SectionOutline
 from rom.elements.elements import INTERIOR, Elements
 from rom.elements.law import POSE, ElementMap, on_tensions
 from rom.elements.pieces import Piece
@@ -38,6 +39,7 @@ class Segment(PickledByFields):
         trained: which trained load each of these is.
         offsets: of the tendons in channels from the axis along y and z, shape (t, 2) [m]; 0 of those without a channel.
         half_lengths: of the plate along its own axes, shape (3,) [m].
+        section: outline of the plate's section at rest.
         area: of the section at the plate [m^2].
         begins: size of the section where it begins over that of the plate's [-].
         length: from the clamp to the plate's centre at rest [m].
@@ -50,6 +52,7 @@ class Segment(PickledByFields):
     trained: Sequence[int]
     offsets: np.ndarray
     half_lengths: np.ndarray
+    section: SectionOutline
     area: float
     length: float
     begins: float = 1.0
@@ -89,6 +92,30 @@ class Segment(PickledByFields):
         return float((pressed - pulled) / (0.5 * (pressed + pulled)) / strain)
 
     @cached_property
+    def depths(self) -> np.ndarray:
+        """Sides of squares that bend as the plate's section does towards y and z, (12 I)^(1/4), shape (2,) [m].
+
+        The second moments I are those that the middle element's law has at small moments.
+        """
+        k, t = len(self.elements) // 2, self.tensions
+        found = []
+        for axis in (2, 1):  # a moment about z bends towards y
+            moment = 1e-3 * self.elements[k].polynomial.upper[-3 + axis]
+            inputs = np.zeros((2, t + 6))
+            inputs[:, t + 3 + axis] = -moment, moment
+            turn = 2 * np.ptp(self.elements[k].value(inputs)[:, 3 + axis])
+            found.append((24 * moment * self.outlines[k].length / (turn * self.young_modulus)) ** 0.25)
+        return np.array(found) * 2 / (1 + self.begins)
+
+    @property
+    def ridges(self) -> np.ndarray:
+        """Heights of ridges above the tendons, see `CondensedSegment`; none on an outline without faces."""
+        if not self.section.is_rectangle:
+            return np.zeros((self.tensions, 2))
+        under = np.abs(self.offsets) > (1 - UNDER) * self.half_lengths[1:]
+        return np.where(under, np.sign(self.offsets), 0.0) / self.young_modulus
+
+    @cached_property
     def struct(self) -> Any:
         """For compiled code, a struct fingerfem_segment.
 
@@ -105,13 +132,14 @@ class Segment(PickledByFields):
         return compiled.CondensedSegment(
             elements=[poses[id(one)] for one in self.elements],
             half_lengths=self.half_lengths,
+            section=self.section,
+            depths=None if self.section.is_rectangle or self.outlines is None else self.depths,
             begins=self.begins,
             outlines=self.outlines,
             shortenings=[shortenings[id(one)] for one in self.elements],
             young_modulus=self.young_modulus,
             poisson=0.0 if self.outlines is None else self.poisson,
-            ridges=np.where(np.abs(self.offsets) > (1 - UNDER) * self.half_lengths[1:], np.sign(self.offsets), 0.0)
-            / self.young_modulus,
+            ridges=self.ridges,
             bulges=self.bulges,
         )
 
@@ -151,7 +179,8 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         prism = Prism(2 * elements.section.box[0], shear)
         laws = {one: tapered(law, one, prism) for one, law in laws.items()}
     end, begin = pieces[0].ends[0], pieces[-1].ends[1]
-    half = end * np.append(elements.size * geometry["plate"] / 2, elements.section.box)
+    section = elements.section.scaled(end)
+    half = np.array([elements.size * end * geometry["plate"] / 2, *section.box])
     outlines = {}
     for k, one in enumerate(pieces):
         if one not in outlines:
@@ -165,6 +194,7 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         trained=trained,
         offsets=elements.size * end * np.array([_offset(elements.scene["tendons"], k) for k in trained]).reshape(-1, 2),
         half_lengths=half,
+        section=section,
         area=area(elements.scene) * (elements.size * end) ** 2,
         begins=begin / end,
         length=sum(one.length for one in pieces),

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from rom.answer import Answer
 from rom.brief import brief
+from rom.bundled import file_of
 from rom.dataset.section import top
 from rom.native import LIBRARY
 from rom.rod import compiled
@@ -18,7 +19,7 @@ from rom.rod.objects.shapes import RigidObject, facing_plane
 from rom.rod.rod import Rod
 from rom.rod.touched_rod import TouchedRod
 
-SHIPPED = Path(__file__).parents[1] / "finger.h5"  # made by `make model`
+SHIPPED = file_of(None)
 
 
 @brief
@@ -40,7 +41,7 @@ class TouchedSegment(TouchedRod):
         """Read a finger; it stands before the plane y = side/2 + d, d from 0 to the finger's length.
 
         Args:
-            path: the file; None reads the bundled finger.
+            path: the file, or the name of a bundled finger, see `rom.bundled`; None reads the paper's.
 
         Raises:
             ModelError: the file is missing, damaged, of another format, or no finger of rod elements.
@@ -49,7 +50,7 @@ class TouchedSegment(TouchedRod):
             >>> model = TouchedSegment.load()
             >>> model.evaluate([30.0, 0.0, 0.010]).contact_force
         """
-        rod = Rod.load(path or SHIPPED)
+        rod = Rod.load(file_of(path))
         length = sum(rod.scene["geometry"]["segments"])
         return cls(rod=rod, obstacle=facing_plane(2 * top(rod.scene), (0.0, length)))
 

@@ -34,14 +34,17 @@ class Weight(NamedTuple):
     rubber: np.ndarray
 
 
-def gravity_of(table: Mapping[str, Any]) -> dict[str, Any]:
-    """The table [gravity] of a scene, with what it leaves out.
+def gravity_of(table: Mapping[str, Any], density: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """The table [gravity] of a scene, with what it leaves out, and with the densities of [density] if there is one.
 
     Raises:
         ModelError: a key is missing, unknown or out of its range: one line with its value.
     """
     if not isinstance(table, Mapping):
         raise ModelError(f"gravity must be a table [gravity], got {table!r}")
+    if density is not None:
+        own = {name: value for name, value in table.items() if name not in ("density", "plate_density")}
+        table = own | {"density": density.get("rubber"), "plate_density": density.get("plates", STEEL)}
     known = {"density", "plate_density", "direction", "acceleration"}
     if missing := [name for name in ("density", "direction") if name not in table]:
         raise ModelError(f"gravity.{missing[0]} must be given, got none")
@@ -81,12 +84,22 @@ def weight_of(rod: Rod) -> Weight | None:
         plate = 2 * float(segment.half_lengths[0]) * segment.area
         lengths = np.array([piece.length for piece in own])
         lengths[0] -= segment.half_lengths[0]  # its distal section is the plate's centre
-        areas = [whole * sum(a * b for a, b in _pairs(piece.ends)) / 3 for piece in own]
-        masses += [table["plate_density"] * plate, *(table["density"] * lengths * areas).tolist()]
+        areas = np.array([whole * sum(a * b for a, b in _pairs(piece.ends)) / 3 for piece in own])
+        rest = lengths * areas - _voids(rod.scene, lengths)
+        masses += [table["plate_density"] * plate, *(table["density"] * rest).tolist()]
         rubber += [0.0, *lengths.tolist()]
     direction = np.array(table["direction"])
     gravity = table["acceleration"] * direction / np.linalg.norm(direction)
     return Weight(gravity, np.array(masses), np.array(rubber))
+
+
+def _voids(scene: Mapping[str, Any], lengths: np.ndarray) -> np.ndarray:
+    """Volumes of chambers in the only segment's elements, from the plate to the clamp, shape (elements,) [m^3]."""
+    found, begins = np.zeros(len(lengths)), np.cumsum(lengths[::-1])[::-1] - lengths
+    for one in scene.get("chambers") or []:
+        overlap = np.minimum(begins + lengths, one["x"][1]) - np.maximum(begins, one["x"][0])
+        found += np.prod(one["size"]) * np.maximum(overlap, 0.0)
+    return found
 
 
 def _pairs(ends: tuple[float, float]) -> list[tuple[float, float]]:

@@ -21,7 +21,7 @@ from studies.rods import plans
 
 COUNT, POINTS, INCREMENTS = 40, 4, 2  # histories; points of each, and increments between two
 PULLED, FRICTION = ((0.0, 80.0), (0.0, 40.0)), (0.1, 0.3)  # tensions [N], coefficients [-]
-PRESSED = 10  # more histories before a plane
+PRESSED = 6  # more histories before a plane
 DISTANCE = (0.001, 0.031)  # of the plane [m]
 NEAR = (0.008, 0.014)  # d of the plane [m]
 TURNS, RUBBING = (0.0, 80.0, 20.0, 80.0, 0.0), 0.2  # of F1 in the hysteresis [N]; its coefficient [-]
@@ -58,8 +58,8 @@ def errors(rod: Rod, full: Any, ours: list[GuideState], theirs: list[Any]) -> di
         "tension": np.abs([one.element_tensions[0] for one in ours] - reached).max(axis=1) / reached.max(),
         "dissipated": np.abs([one.dissipated for one in ours] - lost) / max(lost.max(), LEAST),
     }
-    if theirs[0].contact_force or theirs[-1].contact_force:
-        forces = np.array([one.contact_force for one in theirs])
+    forces = np.array([one.contact_force for one in theirs])
+    if forces.any():
         found["force"] = np.abs([one.contact_forces[0] for one in ours] - forces) / forces.max()
     return {name: one.tolist() for name, one in found.items()}
 
@@ -119,7 +119,7 @@ def errors_of(run: Run, is_pressed: bool) -> dict[str, Any]:
         "histories": len(rows),
         "compared": len(good),
         "reasons": [row for row in rows if row["status"] != "converged"],
-        **{name: quantiles(np.concatenate([row["errors"][name] for row in good])) for name in names},
+        **{name: quantiles(np.concatenate([row["errors"].get(name, []) for row in good])) for name in names},
         **{name: quantiles(np.concatenate([row[name] for row in good])) for name in ("without", "increments")},
         "worst": [max(row["errors"]["tip"]) for row in good],
     }

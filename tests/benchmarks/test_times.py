@@ -5,6 +5,7 @@ import pytest
 
 import rom
 from control import Finger
+from control.feel import KnownObjects, Noise
 from fingerfem import FingerModel, load_scene
 
 SCENES = "scenes/draft.toml", "scenes/one_segment.toml"
@@ -25,8 +26,21 @@ def test_contact_from_python(benchmark, finger):
     assert answer.inside and answer.contact_force > 1.0
 
 
+def test_increment_with_friction_in_guides(benchmark, finger):
+    guided = rom.GuidedFinger(model=finger.model, friction=0.2)
+    tensions = iter(np.resize([40.0, 40.1, 40.2, 40.1], 1_000_000))
+    assert benchmark(lambda: guided.advance([next(tensions), 10.0, 0.05])).status == "converged"
+
+
 def test_hold(benchmark, finger):
     assert benchmark(finger.hold, 1.0, 0.012, start=[50.0, 10.0]).converged
+
+
+def test_feel(benchmark, finger):
+    sensed = KnownObjects(finger.model, Noise(shortening=2e-5, tension=0.05, share=0.005))
+    shortenings = finger.model.evaluate([50.0, 10.0, 0.012]).shortenings
+    felt = benchmark(sensed.feel, [50.0, 10.0], shortenings, hint=[0.0122])
+    assert felt.converged and felt.values[0] == pytest.approx(0.012, abs=1e-5)
 
 
 def test_table(benchmark, finger):

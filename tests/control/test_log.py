@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from control.log import read_log
+from control.log import read_log, write_log
 
 HEADER = "F1 [N],F2 [N],x [mm],y [mm],z [mm],qw [-],qx [-],qy [-],qz [-],contact force [mN],d [mm],t [s]"
 ROWS = ["10,0,48.1,12,0,1,0,0,0,500,10,0.0", "20,5,47,20,0.5,0.99,0,0,0.14,,9,0.5"]
@@ -47,6 +47,13 @@ def test_the_unit_of_a_tendons_column_decides_what_was_measured(tmp_path):
 def test_a_rotation_vector_is_a_quaternion(tmp_path):
     log = read_log(written(tmp_path, ["rx [deg];ry [deg];rz [deg]", "0,0;0;90,0", "0;0;0"]), ["F1"])
     assert log.orientation == pytest.approx(np.array([[0.5**0.5, 0, 0, 0.5**0.5], [1, 0, 0, 0]]))
+
+
+def test_what_is_written_is_read(tmp_path):
+    given = {"F1 [N]": [1.0, 2.0], "x [mm]": [0.1, np.nan], "d [mm]": [3.0, 4.0]}
+    log = read_log(write_log(tmp_path / "log.csv", given, "by hand"), ["F1"])
+    assert log.tension.tolist() == [[1.0], [2.0]] and log.lines.tolist() == [3, 4]
+    np.testing.assert_array_equal(log.position[:, 0], [1e-3 * 0.1, np.nan])
 
 
 def test_ignored_columns_are_not_read(tmp_path):

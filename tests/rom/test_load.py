@@ -4,6 +4,7 @@ import pytest
 from terminal import ROOT
 
 import rom
+from rom.bundled import FINGERS
 from rom.checked_file import ModelError
 
 
@@ -28,3 +29,14 @@ def test_other_files_are_refused_by_name(tmp_path):
         rom.load(file)
     with pytest.raises(ModelError, match="scene"):
         rom.load(ROOT / "scenes" / "draft.toml")
+
+
+def test_bundled_fingers_are_read_by_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in FINGERS:
+        model = rom.load(name)
+        length = model.rod.scene["geometry"]["segments"][0]
+        assert model.rod.rest[0] < length and model.evaluate([0.0] * len(model.rod.names), d=length).inside
+    assert rom.load("finger").scene == rom.load().scene
+    with pytest.raises(ModelError, match="hexagonal"):
+        rom.load("hexagonal")

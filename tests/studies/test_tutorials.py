@@ -1,4 +1,4 @@
-"""The tutorial that trains does so, on coarse meshes; code that needs the full-order model runs."""
+"""The tutorials that train do so, on coarse meshes; code that needs the full-order model runs."""
 
 import os
 import re
@@ -75,3 +75,22 @@ def test_a_held_force_is_that_of_the_full_order_model(demo):
     done = subprocess.run([sys.executable, "-c", code], **RUN)
     assert done.returncode == 0, done.stderr
     assert abs(float(done.stdout.splitlines()[-1].split()[0]) - 1.0) < 0.05
+
+
+@pytest.mark.long
+def test_a_test_of_a_material_becomes_a_hanging_finger_that_holds_a_force(tmp_path):
+    """Its commands and files, in their order, with fewer states on fewer cells."""
+    page = (DOCS / "tutorials" / "your-material.md").read_text().replace("mine/", f"{tmp_path}/")
+    smaller = {"cells = [20, 5]": "cells = [14, 5]", "lines = 16": "lines = 8\nwrenches = 2"}
+    assert all(page.count(text) == 1 for text in smaller)
+    for before, after in smaller.items():
+        page = page.replace(before, after)
+    for kind, file, block in re.findall(r'^```(\w+)(?: title="(.*?)")?\n(.*?)^```', page, re.DOTALL | re.MULTILINE):
+        if file:
+            Path(file).write_text(block)
+            continue
+        for line in block.splitlines() if kind == "bash" else [f"python3 -c '{block}'"]:
+            words = line.removeprefix("docker/run ").replace("python3", sys.executable)
+            done = subprocess.run(words, shell=True, env=os.environ | {"PYTHONPATH": str(ROOT)}, **RUN)
+            assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("converged"), done.stdout

@@ -105,6 +105,7 @@ class ClosestPoints:
 
     def __init__(self, space: fem.FunctionSpace, facets: np.ndarray, stiffness: float, body: Body):
         self._body, self._comm, self._facets = body, space.mesh.comm, SurfaceFacets(space, facets)
+        self.factor = 1.0  # of the stiffness [-]
         self.count = len(FREE) * len(self._facets.nodes)
         middle = self._facets.element.tabulate(1, np.array([[0.5, 0.5]]))[1:, 0, :, 0]
         along = np.einsum("in,mnj->imj", middle, self._facets.rest)
@@ -162,7 +163,7 @@ class ClosestPoints:
         if held:
             least = self._comm.allreduce(float(gap.min(initial=np.inf)), op=MPI.MIN)
             acts |= (gap <= least) & np.isfinite(gap)
-        return _Acting(slots[acts], at[acts], weight[acts], gap[acts])
+        return _Acting(slots[acts], at[acts], self.factor * weight[acts], gap[acts])
 
 
 class _Acting(NamedTuple):

@@ -40,6 +40,12 @@ class BodyContact:
         self._known: tuple[np.ndarray, float, bool] = np.zeros(0), 0.0, False  # what `_found` is of
         self._found = NONE
 
+    def weigh(self, factor: float) -> None:
+        """See ObstacleContact."""
+        if self.closest is not None:
+            self.closest.factor = factor
+            self._known = np.zeros(0), 0.0, False
+
     def springs(self) -> Springs:
         """Those of this rank that press."""
         if self.closest is None:
@@ -88,6 +94,7 @@ class ObstacleContact:
     def __init__(self, assembly: Assembly, bodies: list[BodyContact], fields: Fields):
         self._assembly, self.bodies, self._fields = assembly, bodies, fields
         self.friction: FrictionPoints | None = None  # of a history with friction
+        self._stiffness = float(fields.stiffness.value)
 
     def springs(self) -> Springs:
         """Those of this rank that press."""
@@ -95,6 +102,12 @@ class ObstacleContact:
         if self.friction is not None:
             found.append(self.friction.springs())
         return together(found)
+
+    def weigh(self, factor: float) -> None:
+        """Make the penalty's stiffness this many times the scene's [-]; 0 takes contact away."""
+        self._fields.stiffness.value = factor * self._stiffness
+        for one in self.bodies:
+            one.weigh(factor)
 
     def hold(self, held: bool) -> None:
         """Whether plates that press on a round body now keep contact during Newton's iterations.

@@ -17,12 +17,13 @@ from pydantic import (
     model_validator,
 )
 
-from fingerfem.scene.laws.formula import Invariants, Maths
+from fingerfem.scene.laws.formula import NUMPY, Invariants, Maths
 from fingerfem.scene.laws.hardness import with_modulus
 from fingerfem.scene.laws.stability import first_loss
 from fingerfem.scene.scene_table import SceneTable
 
 Formulation = Literal["displacement", "mixed"]
+Branch = Annotated[list[Annotated[float, Field(ge=1e-9, le=1e9)]], Field(min_length=2, max_length=2)]  # [-], [s]
 Stretch = Annotated[float, Field(gt=0.05, lt=20)]  # [-]
 NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which displacements alone begin to lock
 # Principal stretches between which a law must be stable if it gives no `stretches` [-]. The draft finger, bent by 100 N
@@ -47,11 +48,14 @@ class Law(SceneTable, ABC):
         formulation: `mixed` adds the pressure as a separate unknown; if omitted, Poisson's ratio decides.
         stretches: lowest and highest principal stretch of the data that the constants were fitted to [-]. The law must
             be stable between them. States beyond them are marked.
+        prony: branches of linear viscoelasticity, each a modulus over the law's own [-] and a relaxation time [s]. They
+            act on the stress of `distortional`. The law itself is what is left after all relaxation.
     """
 
     law: str
     formulation: Formulation | None = None
     stretches: Annotated[list[Stretch], Field(min_length=2, max_length=2)] | None = None
+    prony: Annotated[list[Branch], Field(min_length=1, max_length=8)] | None = None
 
     @property
     @abstractmethod
@@ -109,9 +113,10 @@ class Law(SceneTable, ABC):
         return (self.formulation or ("mixed" if self.poisson > NEARLY_INCOMPRESSIBLE else "displacement")) == "mixed"
 
     @model_serializer(mode="wrap")
-    def _without_stretches(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Omit `stretches` if it is not given, so that such laws keep their fingerprint."""
-        return {key: value for key, value in serialise(self).items() if key != "stretches" or value is not None}
+    def _without_what_is_not_given(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Omit `stretches` and `prony` if they are not given, so that such laws keep their fingerprint."""
+        later = "stretches", "prony"
+        return {key: value for key, value in serialise(self).items() if key not in later or value is not None}
 
     @model_validator(mode="before")
     @classmethod
@@ -134,6 +139,14 @@ class Law(SceneTable, ABC):
         return self
 
     @model_validator(mode="after")
+    def _has_what_relaxes(self) -> Law:
+        if self.prony is not None and self.volumetric(1.0, NUMPY) is None:
+            raise ValueError(
+                f"prony must be left out of a law without a volumetric part ({self.law}), got {self.prony}"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _is_stable(self) -> Law:
         low, high = self.stretches or USUAL_STRETCHES
         if not low < 1 < high:
@@ -141,11 +154,10 @@ class Law(SceneTable, ABC):
         constants = self.model_dump_json(exclude={"stretches", "formulation"})
         lost = None if self.is_always_stable else loss_of_constants(type(self), constants, (low, high))
         if lost is not None:
-            fixed = {"law", "formulation", "stretches"}
             own = ", ".join(
                 f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}"
                 for name, value in self
-                if name not in fixed
+                if name not in Law.model_fields
             )
             raise ValueError(
                 f"law must be stable at all stretches from {low:g} to {high:g}, got {own}, "

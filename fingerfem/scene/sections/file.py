@@ -56,12 +56,13 @@ class FromFile(Section):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def measures(self) -> dict[str, Any]:
-        """What rod elements need of it: area [m^2], corners (y, z) of its convex hull [m]; the farthest of many."""
+        """What rod elements need of it, as `rom.dataset.section` reads it; of many corners of its hull the farthest."""
         hull = self._read.points[ConvexHull(self._read.points).vertices]
         if len(hull) > MOST_VERTICES:
             angles = 2 * np.pi * np.arange(MOST_VERTICES) / MOST_VERTICES
             hull = hull[np.unique((hull @ [np.cos(angles), np.sin(angles)]).argmax(axis=0))]
-        return {"area": self.area, "hull": hull.tolist()}
+        squares = (self._plain.second_moments[:2] / self.area).tolist()
+        return {"area": self.area, "mean_squares": squares, "hull": hull.tolist()}
 
     @property
     def _plain(self) -> PlaneMesh:

@@ -17,7 +17,8 @@ typedef struct {
     double length;                /* of the element at rest [m] */
     double slender;               /* 12 E I / (k G A length^2): how much its shear yields beside its bending [-] */
     double bulging;               /* Poisson's ratio over the length of the element [1/m] */
-    double stiffness;             /* E I [N m^2] */
+    double stiffness[2];          /* E I for bending towards y and z [N m^2] */
+    const fingerfem_segment *of;  /* the segment */
     double ends[SLICE_ENDS][3];   /* centres of the sections: its begin, then its end [m] */
     double corners[SLICE_CORNERS][3], bulges[2][2]; /* [m] */
     double raised;                /* of the ridges far from plates and the clamp: what they have here [-] */

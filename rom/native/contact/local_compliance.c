@@ -28,7 +28,9 @@ static double element_compliance(const placed *at, int k, int other)
     if (!own || !its || own->segment != its->segment || own->element != its->element) return 0.0;
     const double *n = contacts->wrenches[k], *m = contacts->wrenches[other];
     const double a = own->share + contacts->points[k][0] / own->length, b = its->share + contacts->points[other][0] / its->length;
-    return (n[1] * m[1] + n[2] * m[2]) * deflection(own->length, own->slender, own->stiffness, a, b);
+    double found = 0.0;
+    for (int i = 0; i < 2; i++) found += n[1 + i] * m[1 + i] * deflection(own->length, own->slender, own->stiffness[i], a, b);
+    return found;
 }
 
 /* Between two slices: components of both normals n, m into the same face take that face's compliance, n_i m_i c(away);

@@ -1,6 +1,7 @@
 /* Bodies placed under their wrenches, and their contacts with objects there: of plates, and of slices of rubber. */
 #include <math.h>
 #include "contact.h"
+#include "plate_around.h"
 #include "rubber.h"
 #include "slices.h"
 
@@ -42,13 +43,17 @@ static void bend(const contact_problem *problem, int j, double d, int plate, int
     objects_cross(place, wrench, wrench + 3);
 }
 
-/* Add the contacts of object j at d with one plate: a box, corrected for its bending by tensions. */
+/* Add the contacts of object j at d with one plate: a prism about an outline, or a box, corrected for its bending by tensions. */
 static void find(const contact_problem *problem, int j, double d, int plate, placed *at)
 {
     const chain_body *own = at->chain.bodies + chain_plate_of(problem->map, plate);
     const fingerfem_segment *segment = problem->touching->chain->segments[plate];
     objects_contacts *contacts = &at->contacts;
     contacts->object = j;
+    if (segment->vertices) {
+        plate_find_around(segment, contact_object(problem, j), d, plate, own, contacts);
+        return;
+    }
     objects_find(contact_object(problem, j), segment->half_lengths, d, plate, own->centre, own->rotation, contacts);
     for (int k = 0; k < contacts->count && segment->corner_monomials; k++)
         if (contacts->plates[k] == plate && contacts->objects[k] == j) bend(problem, j, d, plate, k, at);
@@ -89,7 +94,7 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
             if (near[e] != 1 || slices_least_gap(segment, points, n, object, d) > close + highest[e]) continue;
             slices_make(problem->map, &at->chain, q, points, n, &slice);
             slice.dome = dome;
-            slices_find(segment, &slice, object, d, close, &at->contacts);
+            slices_find(&slice, object, d, close, &at->contacts);
         }
         keep_slices(problem, q, points, at);
     }
@@ -226,6 +231,7 @@ void placed_bend(const contact_problem *problem, const placed *at, int k, double
         return;
     }
     const fingerfem_segment *segment = chain->segments[plate];
+    if (segment->vertices) return; /* nothing bends a prism */
     /* a plate: displacement of the point by the change of its corners with every tension */
     for (int j = 0; j < segment->tensions; j++) {
         double corners[FINGERFEM_CORNERS];

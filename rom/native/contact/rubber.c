@@ -17,6 +17,7 @@
 #define NEARER 1.2    /* times the margin of the sampled points: slices with larger gaps are skipped [-] */
 #define FEW 8  /* stride between the sections of one pass */
 #define FACE 8 /* points per face, from edge to edge, at which the distance of a round object is sampled */
+#define AROUND 16 /* points around an outline, at least, likewise of any object */
 
 static const int around[EDGES + 1] = {0, 1, 3, 2, 0}; /* corners of a section, from edge to edge */
 
@@ -40,7 +41,7 @@ double rubber_half(const fingerfem_chain *chain)
 {
     double found = 0.0;
     for (int k = 0; k < chain->plates; k++)
-        found = fmax(found, fmax(1.0, chain->segments[k]->begins) * chain->segments[k]->half_lengths[1]);
+        found = fmax(found, fmax(1.0, chain->segments[k]->begins) * fmax(chain->segments[k]->half_lengths[1], chain->segments[k]->half_lengths[2]));
     return found;
 }
 
@@ -104,13 +105,28 @@ static void section_at(const fingerfem_segment *segment, const double *points, i
     for (int k = 0; k <= EDGES; k++) memcpy(corners[k], own[around[k]], sizeof own[0]);
 }
 
-/* Sampled points per face: a plane touches at a corner, so that one is enough. */
-static int parts(const fingerfem_object *object) { return object->shape == FINGERFEM_PLANE ? 1 : FACE; }
-
-/* The point at a share of the way from one corner to the next. */
-static void part_of(double (*corners)[3], double share, double *place)
+/* How many points around a section are sampled: per face of a box, or per part of an outline. A plane touches a box at a corner. */
+static int samples(const fingerfem_segment *segment, const fingerfem_object *object)
 {
-    for (int i = 0; i < 3; i++) place[i] = corners[0][i] + share * (corners[1][i] - corners[0][i]);
+    if (segment->vertices) return border_period(segment) * (border_period(segment) < AROUND ? AROUND / border_period(segment) : 1);
+    return EDGES * (object->shape == FINGERFEM_PLANE ? 1 : FACE);
+}
+
+/* Sampled point k of `count` around a section, from its corners in order. */
+static void sample(const fingerfem_segment *segment, double (*corners)[3], int k, int count, double *place)
+{
+    if (segment->vertices) {
+        /* bilinear between the corners */
+        const border_point own = border_at(segment, (double)border_period(segment) * k / count);
+        const double b = own.at[0] / segment->half_lengths[1], c = own.at[1] / segment->half_lengths[2];
+        const double weights[EDGES] = {0.25 * (1.0 - b) * (1.0 - c), 0.25 * (1.0 - b) * (1.0 + c), 0.25 * (1.0 + b) * (1.0 + c), 0.25 * (1.0 + b) * (1.0 - c)};
+        rubber_point_of(weights, corners[0], place);
+        return;
+    }
+    /* a share of the way from one corner to the next */
+    const int edge = k * EDGES / count;
+    const double share = (double)(k * EDGES - edge * count) / count;
+    for (int i = 0; i < 3; i++) place[i] = corners[edge][i] + share * (corners[edge + 1][i] - corners[edge][i]);
 }
 
 /* Note a point of space as the one touched first, in a plate's frame, with the wrench (n, p x n) of a unit force. */
@@ -206,7 +222,7 @@ static void section_moves(const chain_rods *map, const rod_end *clamp, const rub
 static void moves_by_tensions(const chain_rods *map, const chain_state *free, const rubber_slice *slice, const double *at, double *found)
 {
     const fingerfem_chain *chain = map->chain;
-    const int q = slice->segment, face = fabs(at[1]) < 1.0 || fabs(at[2]) < 1.0;
+    const int q = slice->segment, face = slices_outlined(slice) || fabs(at[1]) < 1.0 || fabs(at[2]) < 1.0;
     const chain_body *plate = free->bodies + q;
     double moves[3][TENSIONS_MOST] = {{0.0}}, twists[3][TENSIONS_MOST] = {{0.0}}, corners[2][EDGES], ends[2][EDGES], axes[2][3];
     /* weights of the corners (2, 4): trilinear shape functions at the point; and those of the twist of the faces */
@@ -239,7 +255,7 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
     for (int j = 0; j < count; j++) {
         double *own = found + 3 * (map->weight ? j : columns[j]), bulge[3];
         const double twist[3] = {twists[0][j], twists[1][j], twists[2][j]};
-        slices_bulge(axes, twist, at, bulge);
+        slices_bulge(chain->segments[q], axes, twist, at, bulge);
         for (int i = 0; i < 3; i++)
             own[i] = moves[i][j] + bulge[i] + (across ? axes[across - 1][i] * ridges[j] * (1.0 - at[other] * at[other]) : 0.0);
     }
@@ -248,7 +264,8 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
 /* How far the surface may be from its sampled points, before object j [m]. */
 static double margin_of(const contact_problem *problem, int j)
 {
-    return (contact_object(problem, j)->shape == FINGERFEM_PLANE ? BULGING : BETWEEN) * rubber_half(problem->touching->chain);
+    const int flat = contact_object(problem, j)->shape == FINGERFEM_PLANE && !problem->touching->chain->segments[0]->vertices;
+    return (flat ? BULGING : BETWEEN) * rubber_half(problem->touching->chain);
 }
 
 /* Whether all points of a section stay farther from the object than a margin, at d and at all larger ones: the distance
@@ -270,12 +287,12 @@ static double upper_bound(const contact_problem *problem, int number, const chai
 {
     const fingerfem_chain *chain = problem->touching->chain;
     const fingerfem_object *object = contact_object(problem, number);
-    const int count = parts(object);
     const double margin = margin_of(problem, number);
     double corners[EDGES + 1][3], place[3], farthest = least;
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
         const chain_body *plate = free->bodies + q;
+        const int count = samples(segment, object);
         if (!segment->knots) continue;
         /* corners of all knots in space */
         double *points = rubber_points(problem->map->rods + q, &plate->end, 1);
@@ -285,11 +302,10 @@ static double upper_bound(const contact_problem *problem, int number, const chai
                 section_at(segment, points, n, corners);
                 /* raise the bound to the largest d of this section's points, unless the whole section is farther */
                 if (isfinite(farthest) && passes(object, corners, margin, farthest)) continue;
-                for (int k = 0; k < EDGES; k++)
-                    for (int j = 0; j < count; j++) {
-                        part_of(corners + k, (double)j / count, place);
-                        farthest = objects_reach(object, place, margin, farthest);
-                    }
+                for (int k = 0; k < count; k++) {
+                    sample(segment, corners, k, count, place);
+                    farthest = objects_reach(object, place, margin, farthest);
+                }
             }
     }
     return farthest;
@@ -300,6 +316,7 @@ double rubber_off(const contact_problem *problem, const placed *at, int k)
     const fingerfem_segment *segment = problem->touching->chain->segments[placed_slice_of(at, k)->segment];
     const int name = at->contacts.names[k], face = name < SLICE_FACES ? -1 : name % OUTLINE_CORNERS; /* across y, then across z; negative of an edge */
     const rubber_slice *slice = placed_slice_of(at, k);
+    if (slices_outlined(slice)) return problem->touching->chain->surface_error + BULGED * segment->half_lengths[1];
     /* coordinate zeta along the face, and height of the ridge on it; an edge has zeta = 1 */
     const double across = face < 0 ? 1.0 : at->contacts.material[k][face < 2 ? 2 : 1];
     const double ridge = face < 0 ? 0.0 : slice->ridges[face / 2][face % 2];

@@ -1,23 +1,15 @@
 /* Contacts of a slice of rubber with a convex object: closest points of edges and faces, and lines across faces. */
 #include <math.h>
 #include <string.h>
-#include "slices.h"
+#include "slice_points.h"
 
 #define STEPS 40     /* most steps of the Illinois method */
-#define FLAT 1e-9    /* converged: slope of the gap over the slice's thickness [-] */
 #define ROUGH 1e-4   /* the same, of what a profile is sampled at */
 #define SHORT 1e-12  /* converged: step of a coordinate [-] */
 #define SHALLOW 0.25 /* of the gap up to which slices take part: below it, their profile is sampled [-] */
-#define FADE 5e-3    /* of half the side: a face's point so much nearer than its edges is twice as compliant [-] */
 #define FLUSH 0.4    /* of half the side: largest gap of the edges, about, of a line that may press [-] */
 
-/* A point of a slice before an object: coordinates [-], gap [m], normal out of the object, slopes of the gap [m]. */
-typedef struct {
-    double at[3], gap, normal[3], slopes[3];
-} near_point;
-
-/* Gap and slopes at a point. Edges and faces count as slightly domed, so that of flush ones the middle is closest. */
-static void look(const rubber_slice *slice, const fingerfem_object *object, double d, near_point *point)
+void slice_look(const rubber_slice *slice, const fingerfem_object *object, double d, near_point *point)
 {
     double x[3], t[3][3];
     /* slope_j = n . t_j + dome thickness at_j */
@@ -28,22 +20,22 @@ static void look(const rubber_slice *slice, const fingerfem_object *object, doub
 
 /* Closest point of a line along x, between the slice's ends: the root of the slope, which grows along x as the distance
  * from a convex body is convex. (The Illinois method, Dowell and Jarratt 1971.) */
-static void nearest_along(const rubber_slice *slice, const fingerfem_object *object, double d, near_point *point)
+void slice_nearest_along(const rubber_slice *slice, const fingerfem_object *object, double d, near_point *point)
 {
     double ends[2] = {-1.0, 1.0}, slopes[2];
     /* slopes at both ends; stop at an end from which the gap grows */
     for (int end = 0; end < 2; end++) {
         point->at[0] = ends[end];
-        look(slice, object, d, point);
+        slice_look(slice, object, d, point);
         slopes[end] = point->slopes[0];
         if (end ? slopes[1] <= 0.0 : slopes[0] >= 0.0) return;
     }
     /* Illinois method: secant in the bracket; an end that stays twice has its slope halved */
     for (int step = 0, last = -1; step < STEPS; step++) {
         point->at[0] = (ends[0] * slopes[1] - ends[1] * slopes[0]) / (slopes[1] - slopes[0]);
-        look(slice, object, d, point);
+        slice_look(slice, object, d, point);
         const int side = point->slopes[0] > 0.0;
-        if (fabs(point->slopes[0]) < FLAT * slice->thickness || fabs(ends[side] - point->at[0]) < SHORT) return;
+        if (fabs(point->slopes[0]) < SLICE_SLOPE * slice->thickness || fabs(ends[side] - point->at[0]) < SHORT) return;
         ends[side] = point->at[0];
         slopes[side] = point->slopes[0];
         if (side == last) slopes[!side] *= 0.5;
@@ -57,13 +49,13 @@ static void nearest_across(const rubber_slice *slice, const fingerfem_object *ob
     double ends[2] = {-1.0, 1.0}, slopes[2];
     for (int end = 0; end < 2; end++) {
         point->at[j] = ends[end];
-        look(slice, object, d, point);
+        slice_look(slice, object, d, point);
         slopes[end] = point->slopes[j];
         if (end ? slopes[1] <= 0.0 : slopes[0] >= 0.0) return;
     }
     for (int step = 0, last = -1; step < STEPS; step++) {
         point->at[j] = (ends[0] * slopes[1] - ends[1] * slopes[0]) / (slopes[1] - slopes[0]);
-        look(slice, object, d, point);
+        slice_look(slice, object, d, point);
         const int side = point->slopes[j] > 0.0;
         if (fabs(point->slopes[j]) < ROUGH * slice->thickness) return;
         ends[side] = point->at[j];
@@ -73,17 +65,18 @@ static void nearest_across(const rubber_slice *slice, const fingerfem_object *ob
     }
 }
 
-/* The gap of an edge, or of a face across axis j, at one x. */
-static void look_at(const rubber_slice *slice, const fingerfem_object *object, double d, int j, double x, near_point *point)
+/* The gap of a line at one x. */
+static void look_at(const rubber_slice *slice, const fingerfem_object *object, double d, int line, double x, near_point *point)
 {
     point->at[0] = x;
-    if (j) nearest_across(slice, object, d, j, point);
-    else look(slice, object, d, point);
+    if (line == SLICE_AROUND) slice_nearest_around(slice, object, d, 0, point);
+    else if (line) nearest_across(slice, object, d, line, point);
+    else slice_look(slice, object, d, point);
 }
 
-/* How the gap of an edge, or of a face across axis j, grows from its closest point to both ends of the slice; then the point
- * moves to the middle of what is pressed in at that gap. */
-static void press(const rubber_slice *slice, const fingerfem_object *object, double d, int j, double near, near_point *point,
+/* How the gap of a line grows from its closest point to both ends of the slice; then the point moves to the middle of what is pressed
+ * in at that gap. */
+static void press(const rubber_slice *slice, const fingerfem_object *object, double d, int line, double near, near_point *point,
                   indentation_profile *found)
 {
     const double least = point->gap, from = point->at[0];
@@ -94,14 +87,14 @@ static void press(const rubber_slice *slice, const fingerfem_object *object, dou
         /* gaps midway and at the end, over the least */
         const double to = side ? 1.0 : -1.0;
         near_point aside = *point;
-        look_at(slice, object, d, j, 0.5 * (from + to), &aside);
+        look_at(slice, object, d, line, 0.5 * (from + to), &aside);
         const double midway = aside.gap - least;
-        look_at(slice, object, d, j, to, &aside);
+        look_at(slice, object, d, line, to, &aside);
         indentation_side(found, side, 0.5 * fabs(to - from), midway, aside.gap - least);
     }
     if (least >= 0.0) return;
     indentation_zone(found, -least, t);
-    look_at(slice, object, d, j, from + found->sides[1].length * t[1] - found->sides[0].length * t[0], point);
+    look_at(slice, object, d, line, from + found->sides[1].length * t[1] - found->sides[0].length * t[0], point);
     found->rise = point->gap - least;
     found->slides = fabs(from) < 1.0 && t[0] < 1.0 && t[1] < 1.0;
 }
@@ -118,12 +111,21 @@ static void note_point(const rubber_slice *slice, int name, const near_point *po
     objects_turned_back(slice->rotation, point->normal, n);
     all->plate = slice->number;
     all->segment = slice->segment;
-    objects_note_rubber(all, name, point->gap, point->at, fmax(compliance, OBJECTS_COMPLIANCE), 0.5 * slice->dome * slice->thickness * point->at[0] * point->at[0], profile, p, n);
+    const int k = objects_note_rubber(all, name, point->gap, point->at, fmax(compliance, OBJECTS_COMPLIANCE), 0.5 * slice->dome * slice->thickness * point->at[0] * point->at[0], profile, p, n);
+    if (k >= 0) all->borders[k] = point->border;
+}
+
+void slice_note(const rubber_slice *slice, const fingerfem_object *object, double d, int line, int name, double near, double compliance,
+                near_point *point, objects_contacts *all)
+{
+    indentation_profile profile;
+    press(slice, object, d, line, near, point, &profile);
+    note_point(slice, name, point, compliance, &profile, all);
 }
 
 /* Closest point of the face between two edges along x, across along axis j, if it is nearer than both. The less it is
  * nearer, the more compliant it is, so that its force fades out as the point moves to an edge. */
-static void face(const fingerfem_segment *segment, const rubber_slice *slice, const fingerfem_object *object, double d, double near,
+static void face(const rubber_slice *slice, const fingerfem_object *object, double d, double near,
                  int name, int j, const near_point *edges, objects_contacts *all)
 {
     /* stop: the gap grows from one of the edges */
@@ -136,9 +138,9 @@ static void face(const fingerfem_segment *segment, const rubber_slice *slice, co
     near_point point = edges[0];
     for (int step = 0, last = -1; step < STEPS; step++) {
         point.at[j] = (ends[0] * slopes[1] - ends[1] * slopes[0]) / (slopes[1] - slopes[0]);
-        nearest_along(slice, object, d, &point);
+        slice_nearest_along(slice, object, d, &point);
         const int side = point.slopes[j] > 0.0;
-        if (fabs(point.slopes[j]) < FLAT * slice->thickness || fabs(ends[side] - point.at[j]) < SHORT) break;
+        if (fabs(point.slopes[j]) < SLICE_SLOPE * slice->thickness || fabs(ends[side] - point.at[j]) < SHORT) break;
         ends[side] = point.at[j];
         slopes[side] = point.slopes[j];
         if (side == last) slopes[!side] *= 0.5;
@@ -147,14 +149,13 @@ static void face(const fingerfem_segment *segment, const rubber_slice *slice, co
     /* contact if it is nearer than both edges: compliance c (1 + FADE h / how much nearer) */
     const double nearer = fmin(edges[0].gap, edges[1].gap) - point.gap;
     if (point.gap >= near || nearer <= 0.0) return;
-    indentation_profile profile;
-    press(slice, object, d, j, near, &point, &profile);
-    note_point(slice, name, &point, segment->face_compliance * (1.0 + FADE * segment->half_lengths[1] / nearer), &profile, all);
+    const double compliance = slice->of->face_compliance * (1.0 + SLICE_FADE * slice->of->half_lengths[1] / nearer);
+    slice_note(slice, object, d, j, name, near, compliance, &point, all);
 }
 
 /* The line across a face, from one edge to the other along axis j. It presses where the mean gap of the face closes, by
  * Simpson's rule along and across the slice; `middles` are the edges' gaps midway between the slice's ends. */
-static void line(const fingerfem_segment *segment, const rubber_slice *slice, const fingerfem_object *object, double d, double near,
+static void line(const rubber_slice *slice, const fingerfem_object *object, double d, double near,
                  int name, int j, const near_point *edges, const double *middles, objects_contacts *all)
 {
     static const double places[3] = {-1.0, 1.0, 0.0};
@@ -162,7 +163,7 @@ static void line(const fingerfem_segment *segment, const rubber_slice *slice, co
     near_point point = edges[0];
     double gaps[3], x[3], t[3][3];
     /* stop: the edges are far from the object */
-    if (aside > 3.0 * near + FLUSH * segment->half_lengths[1]) return;
+    if (aside > 3.0 * near + FLUSH * slice->of->half_lengths[1]) return;
     /* gaps along the middle of the face, at both ends and at x = 0, where the normal is taken */
     point.at[j] = 0.0;
     for (int k = 0; k < 3; k++) {
@@ -173,34 +174,35 @@ static void line(const fingerfem_segment *segment, const rubber_slice *slice, co
     /* mean gap, (g(-1) + g(1) + 2 g(0) + 2 aside) / 6 with the edges' mean, aside */
     point.gap = (gaps[0] + gaps[1] + 2.0 * gaps[2] + 2.0 * aside) / 6.0;
     const indentation_profile whole = {.rise = 0.0};
-    if (point.gap < near) note_point(slice, name, &point, segment->line_compliance, &whole, all);
+    if (point.gap < near) note_point(slice, name, &point, slice->of->line_compliance, &whole, all);
 }
 
-void slices_find(const fingerfem_segment *segment, const rubber_slice *slice, const fingerfem_object *object, double d, double near,
-                 objects_contacts *all)
+void slices_find(const rubber_slice *slice, const fingerfem_object *object, double d, double near, objects_contacts *all)
 {
     double middles[OUTLINE_CORNERS];
     near_point edges[OUTLINE_CORNERS]; /* -y -z, y -z, -y z, y z */
+    if (slices_outlined(slice)) {
+        slice_find_around(slice, object, d, near, all);
+        return;
+    }
     /* edges: gap midway, then the closest point; far ones stay midway */
     for (int k = 0; k < OUTLINE_CORNERS; k++) {
         edges[k] = (near_point){.at = {0.0, k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0}};
-        look(slice, object, d, edges + k);
+        slice_look(slice, object, d, edges + k);
         middles[k] = edges[k].gap;
         if (edges[k].gap > near + slice->thickness) continue;
-        nearest_along(slice, object, d, edges + k);
+        slice_nearest_along(slice, object, d, edges + k);
         if (edges[k].gap >= near) continue;
         near_point point = edges[k];
-        indentation_profile profile;
-        press(slice, object, d, 0, near, &point, &profile);
-        note_point(slice, k, &point, segment->edge_compliance, &profile, all);
+        slice_note(slice, object, d, SLICE_EDGE, k, near, slice->of->edge_compliance, &point, all);
     }
     /* faces across y and across z, on both sides: closest point, and line across */
     for (int side = 0; side < 2; side++) {
         const near_point across_y[2] = {edges[side], edges[side + 2]}, across_z[2] = {edges[2 * side], edges[2 * side + 1]};
         const double middles_y[2] = {middles[side], middles[side + 2]}, middles_z[2] = {middles[2 * side], middles[2 * side + 1]};
-        face(segment, slice, object, d, near, SLICE_FACES + side, 2, across_y, all);
-        face(segment, slice, object, d, near, SLICE_FACES + 2 + side, 1, across_z, all);
-        line(segment, slice, object, d, near, SLICE_LINES + side, 2, across_y, middles_y, all);
-        line(segment, slice, object, d, near, SLICE_LINES + 2 + side, 1, across_z, middles_z, all);
+        face(slice, object, d, near, SLICE_FACES + side, 2, across_y, all);
+        face(slice, object, d, near, SLICE_FACES + 2 + side, 1, across_z, all);
+        line(slice, object, d, near, SLICE_LINES + side, 2, across_y, middles_y, all);
+        line(slice, object, d, near, SLICE_LINES + 2 + side, 1, across_z, middles_z, all);
     }
 }

@@ -13,9 +13,8 @@
  * move the slice with its bodies. */
 #include <math.h>
 #include "rubber.h"
+#include "slice_points.h"
 #include "slices.h"
-
-#define WAY 1e-6     /* step of the central differences of normals [m] */
 
 /* The weights N and u of both ends at a share, and their derivatives by it. */
 typedef struct {
@@ -67,19 +66,13 @@ static void couple_change(const rubber_slice *slice, int name, const double *p, 
     for (int i = 0; i < 3; i++) change[i] = 0.5 * (ahead[i] - behind[i]);
 }
 
-/* R v: a vector of a slice's or body's frame, in space. */
-static void turned(const double *rotation, const double *v, double *found)
-{
-    for (int i = 0; i < 3; i++) found[i] = objects_dot(rotation + 3 * i, v);
-}
-
 /* The point x = c + R p of a contact of a slice, and its normal, in space. */
 static void contact_in_space(const rubber_slice *slice, const objects_contacts *contacts, int k, double *x, double *n)
 {
     double p[3];
     memcpy(p, contacts->points[k], sizeof p);
-    turned(slice->rotation, p, x);
-    turned(slice->rotation, contacts->wrenches[k], n);
+    slice_turned(slice->rotation, p, x);
+    slice_turned(slice->rotation, contacts->wrenches[k], n);
     for (int i = 0; i < 3; i++) x[i] += slice->centre[i];
 }
 
@@ -94,7 +87,7 @@ void slices_arms(const rubber_slice *slice, const chain_state *state, const obje
     arms_to(slice, state, &at, x, g);
     objects_turned_back(slice->rotation, n, seen);
     couple_of(slice, contacts->names[k], contacts->points[k], seen, local);
-    turned(slice->rotation, local, couple);
+    slice_turned(slice->rotation, local, couple);
     found->count = SLICE_ENDS;
     /* wrench of each end in its body's frame: R^T (N n), R^T (g x n +- couple) */
     for (int end = 0; end < SLICE_ENDS; end++) {
@@ -108,85 +101,6 @@ void slices_arms(const rubber_slice *slice, const chain_state *state, const obje
     }
 }
 
-/* How a contact's point slides along its slice, rows 0 - 2, and how its normal changes, rows 3 - 5, both seen from the
- * slice, as that moves and turns along its own axes, (6, 6). The point is nearest along its free coordinates s, with
- * tangents t_i: t_i . n = 0, so that
- *
- *     (t_i . H t_j + n . dt_i/ds_j) ds_j = -t_i . H dx - (w x t_i) . n,
- *
- * with the gradient H of the normal, and dx what the slice's motion alone moves it by. */
-static void sliding(const rubber_slice *slice, const fingerfem_object *object, double d, const objects_contacts *contacts, int k, double (*found)[W])
-{
-    const double *p = contacts->points[k], *n = contacts->wrenches[k], *at = contacts->material[k];
-    double x[3], t[3][3], tangents[3][3], H[3][3], axes[2][3], system[4], normal[2][3];
-    int free[2], count = 0;
-    /* tangents seen from the slice; coordinates inside the slice are free, but for lines across a face */
-    slices_at(slice, at, x, t);
-    for (int j = 0; j < 3; j++) {
-        objects_turned_back(slice->rotation, t[j], tangents[j]);
-        if (j == 0 && !contacts->profiles[k].slides && contacts->gaps[k] < 0.0) continue; /* in the middle of the slice, or of what is pressed in */
-        if (contacts->names[k] < SLICE_LINES && count < 2 && fabs(at[j]) < 1.0) free[count++] = j;
-    }
-    /* two unit vectors across n */
-    const int least = fabs(n[0]) < fabs(n[1]) ? (fabs(n[0]) < fabs(n[2]) ? 0 : 2) : (fabs(n[1]) < fabs(n[2]) ? 1 : 2);
-    const double pick[3] = {least == 0, least == 1, least == 2};
-    objects_cross(n, pick, axes[0]);
-    slices_unit(axes[0]);
-    objects_cross(n, axes[0], axes[1]);
-    /* H = sum_a (dn/da) a^T over both, by central differences; along n the normal is constant */
-    memset(H, 0, sizeof H);
-    for (int a = 0; a < 2; a++) {
-        double way[3], beside[3], change[3];
-        turned(slice->rotation, axes[a], way);
-        for (int side = 0; side < 2; side++) {
-            for (int i = 0; i < 3; i++) beside[i] = x[i] + (side ? WAY : -WAY) * way[i];
-            objects_distance(object, d, beside, normal[side]);
-        }
-        for (int i = 0; i < 3; i++) way[i] = (normal[1][i] - normal[0][i]) / (2.0 * WAY);
-        objects_turned_back(slice->rotation, way, change);
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) H[i][j] += change[i] * axes[a][j];
-    }
-    /* matrix t_i . H t_j + n . dt_i/ds_j, the latter only for i = j: from the dome and the bulge of the face */
-    for (int a = 0; a < count; a++)
-        for (int b = 0; b < count; b++) {
-            double sum = a == b ? (free[a] ? SLICE_FLAT : SLICE_DOME) * slice->thickness : 0.0;
-            for (int i = 0; i < 3; i++) sum += tangents[free[a]][i] * objects_dot(H[i], tangents[free[b]]);
-            if (a == b && free[a]) {
-                const int across = 3 - free[a]; /* of the face: along z if it is off along y */
-                sum += 2.0 * n[across] * slices_bulge_at(slice, across - 1, at);
-            }
-            system[count * a + b] = sum;
-        }
-    const double det = count == 2 ? system[0] * system[3] - system[1] * system[2] : 0.0;
-    for (int m = 0; m < W; m++) {
-        /* unit motion m of the slice: displacement dx of the point, and turn w */
-        double spin[3] = {0.0}, dx[3] = {0.0}, turn[3], right[2] = {0.0}, ds[2] = {0.0};
-        if (m < 3) dx[m] = 1.0;
-        else spin[m - 3] = 1.0;
-        if (m >= 3) objects_cross(spin, p, dx);
-        /* right-hand side -(w x t_i) . n - t_i . H dx, then ds */
-        for (int a = 0; a < count; a++) {
-            objects_cross(spin, tangents[free[a]], turn);
-            right[a] = -objects_dot(turn, n);
-            for (int i = 0; i < 3; i++) right[a] -= tangents[free[a]][i] * objects_dot(H[i], dx);
-        }
-        if (count == 1) ds[0] = right[0] / system[0];
-        if (count == 2) {
-            ds[0] = (system[3] * right[0] - system[1] * right[1]) / det;
-            ds[1] = (system[0] * right[1] - system[2] * right[0]) / det;
-        }
-        /* slide sum_i t_i ds_i, and change of the normal H (dx + slide) - w x n, seen from the turned slice */
-        objects_cross(spin, n, turn);
-        for (int i = 0; i < 3; i++) {
-            found[i][m] = 0.0;
-            for (int a = 0; a < count; a++) found[i][m] += tangents[free[a]][i] * ds[a];
-            dx[i] += found[i][m];
-        }
-        for (int i = 0; i < 3; i++) found[3 + i][m] = objects_dot(H[i], dx) - turn[i];
-    }
-}
-
 /* Unit motion `input` of the body at one end, along its own axes: displacement v and turn t of the body, and
  * displacement ds = v + t x arm of the section's centre, in space. */
 static void moved_by(const rubber_slice *slice, const chain_body *body, int end, int input, double *v, double *t, double *ds)
@@ -195,7 +109,7 @@ static void moved_by(const rubber_slice *slice, const chain_body *body, int end,
     unit_of[input % 3] = 1.0;
     memset(v, 0, 3 * sizeof *v);
     memset(t, 0, 3 * sizeof *t);
-    turned(body->rotation, unit_of, input < 3 ? v : t);
+    slice_turned(body->rotation, unit_of, input < 3 ? v : t);
     for (int i = 0; i < 3; i++) arm[i] = slice->ends[end][i] - body->centre[i];
     objects_cross(t, arm, ds);
     for (int i = 0; i < 3; i++) ds[i] += v[i];
@@ -224,7 +138,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     rubber_shape(rod, e, rod_monomials(rod, e), corners);
     for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
         for (int i = 0; i < 3; i++) seen[i] += weights[edge] * own[3 * edge + i];
-    turned(rotation, seen, x);
+    slice_turned(rotation, seen, x);
     for (int i = 0; i < 3; i++) x[i] += place[i];
     arms_to(slice, state, &here, x, g);
     /* y and z axes of the slice in space */
@@ -245,9 +159,9 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
                 twist[i] += slices_twist(edge) * own[3 * edge + i];
             }
         /* way = R change + bulge + ridge (1 - zeta^2), in space */
-        turned(rotation, change, way);
-        turned(rotation, twist, turned_twist);
-        slices_bulge(axes, turned_twist, material, bulge);
+        slice_turned(rotation, change, way);
+        slice_turned(rotation, twist, turned_twist);
+        slices_bulge(segment, axes, turned_twist, material, bulge);
         for (int i = 0; i < 3; i++) way[i] += middle * bulge[i];
         for (int i = 0; i < 3 && across; i++) way[i] += middle * axes[across - 1][i] * ridges[j] * (1.0 - material[other] * material[other]);
         /* minus N v + t x g of both ends' bodies, plus v + t x (x - c) of the begin's, as they move by tension j */
@@ -258,8 +172,8 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
                 moved[i] = body->motion[i][w + column];
                 spun[i] = body->motion[3 + i][w + column];
             }
-            turned(body->rotation, moved, v);
-            turned(body->rotation, spun, t);
+            slice_turned(body->rotation, moved, v);
+            slice_turned(body->rotation, spun, t);
             objects_cross(t, g[end], by_turn);
             for (int i = 0; i < 3; i++) way[i] -= here.n[end] * v[i] + by_turn[i];
             if (end) continue;
@@ -288,8 +202,8 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
     arms_to(slice, &at->chain, &middle, slice->centre, centres);
     objects_turned_back(slice->rotation, f, f_seen);
     couple_of(slice, contacts->names[k], contacts->points[k], f_seen, own_couple);
-    turned(slice->rotation, own_couple, couple);
-    sliding(slice, contact_object(problem, contacts->objects[k]), d + problem->ahead[contacts->objects[k]], contacts, k, from);
+    slice_turned(slice->rotation, own_couple, couple);
+    slice_sliding(slice, contact_object(problem, contacts->objects[k]), d + problem->ahead[contacts->objects[k]], contacts, k, from);
     for (int column = 0; column < SLICE_INPUTS; column++) {
         const int moving = column / W;
         const chain_body *mover = at->chain.bodies + slice->bodies[moving];
@@ -306,8 +220,8 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
         objects_turned_back(slice->rotation, slice_t, seen + 3);
         for (int i = 0; i < W; i++)
             for (int m = 0; m < W; m++) local[i] += from[i][m] * seen[m];
-        turned(slice->rotation, local, dp);
-        turned(slice->rotation, local + 3, dn);
+        slice_turned(slice->rotation, local, dp);
+        slice_turned(slice->rotation, local + 3, dn);
         objects_cross(slice_t, n, by_turn);
         for (int i = 0; i < 3; i++) dn[i] += by_turn[i];
         /* the force turns with the normal: df = (f . n) dn - (f . dn) n; the point moves by dx */
@@ -323,7 +237,7 @@ void slices_change(const contact_problem *problem, double d, const placed *at, i
         couple_of(slice, contacts->names[k], contacts->points[k], df_seen, by_force);
         couple_change(slice, contacts->names[k], contacts->points[k], local, f_seen, by_point);
         for (int i = 0; i < 3; i++) by_force[i] += by_point[i];
-        turned(slice->rotation, by_force, dc);
+        slice_turned(slice->rotation, by_force, dc);
         objects_cross(slice_t, couple, by_turn);
         for (int i = 0; i < 3; i++) dc[i] += by_turn[i];
         /* da: change of the share as the point slides along the element */

@@ -36,8 +36,8 @@ int slices_near(const chain_rods *map, const chain_state *state, int q, const fi
                 unsigned char *found)
 {
     const fingerfem_segment *segment = map->chain->segments[q];
-    /* radius around the axis that contains a bulging square section [m] */
-    const double across = 1.6 * fmax(1.0, segment->begins) * segment->half_lengths[1];
+    /* radius around the axis that contains a bulging section, whose box is at most a square [m] */
+    const double across = 1.6 * fmax(1.0, segment->begins) * fmax(segment->half_lengths[1], segment->half_lengths[2]);
     double begin[3], end[3], middle[3], normal[3], rotation[9];
     int any = 0;
     memset(found, 0, (size_t)segment->elements + 2);
@@ -66,7 +66,7 @@ const double *slices_corners(const chain_rods *map, const chain_state *state, in
 {
     const fingerfem_segment *segment = map->chain->segments[q];
     double *points = map->rods[q].work, *own = points + OUTLINE_KNOT * (segment->knots - 1), place[3], rotation[9];
-    /* last knot: the plate's back, a flat square */
+    /* last knot: the plate's back, a flat box */
     slices_section(map, state, q, 0, place, rotation);
     rubber_flat(segment, 1.0, -segment->half_lengths[0], place, rotation, own);
     /* knots of the near elements, from the plate to the clamp, brought from their distal sections to space */
@@ -77,7 +77,7 @@ const double *slices_corners(const chain_rods *map, const chain_state *state, in
         rubber_corners(map->rods + q, e, free, own);
         rubber_in_space(place, rotation, OUTLINE_CORNERS * rubber_knots(segment, e), own);
     }
-    /* first knot: the clamped section, a flat square */
+    /* first knot: the clamped section, a flat box */
     slices_section(map, state, q, segment->elements, place, rotation);
     rubber_flat(segment, segment->begins, 0.0, place, rotation, points);
     return points;
@@ -98,19 +98,50 @@ double slices_least_gap(const fingerfem_segment *segment, const double *points, 
     return least;
 }
 
-/* Change of the bulges, from that of the widths, see bulges_of. `twist`, a weighted sum of the corners' motions, has
- * both: z . twist is an eighth of the change of the width at -y minus that at y, and y . twist the same at -z and z. */
-void slices_bulge(double (*axes)[3], const double *twist, const double *material, double *found)
+/* Shapes of the bulges towards y and towards z, and their slopes by the coordinates b and c of a point, (2, 2). Bending by the curvature
+ * kappa deforms a section by v = -nu kappa (y^2 - z^2) / 2, w = -nu kappa y z (Saint-Venant). The corners have w, which is bilinear,
+ * and of v the mean around an outline, or, of a box, what its corners have, so that its faces deviate from planes. */
+static void shapes_of(const fingerfem_segment *segment, const double *at, double *shapes, double (*slopes)[2])
 {
-    /* motion (c^2 - 1) twist_z along y, and (b^2 - 1) twist_y along z */
-    const double b = material[1], c = material[2], along_y = objects_dot(axes[0], twist), along_z = objects_dot(axes[1], twist);
-    for (int i = 0; i < 3; i++) found[i] = axes[0][i] * along_z * (c * c - 1.0) + axes[1][i] * along_y * (b * b - 1.0);
+    const double *half = segment->half_lengths + 1, b = at[1], c = at[2], ratio = half[0] / half[1];
+    memset(slopes, 0, 4 * sizeof **slopes);
+    if (segment->vertices) {
+        /* -(y^2 - z^2 - level) / (h_y h_z) along y, and minus that along z */
+        const double shape = ratio * b * b - c * c / ratio - segment->level / (half[0] * half[1]);
+        for (int across = 0; across < 2; across++) {
+            const double sign = across ? 1.0 : -1.0;
+            shapes[across] = sign * shape;
+            slopes[across][0] = sign * 2.0 * ratio * b;
+            slopes[across][1] = -sign * 2.0 * c / ratio;
+        }
+        return;
+    }
+    /* c^2 - 1 along y, and b^2 - 1 along z, which are 0 on the other faces */
+    shapes[0] = c * c - 1.0;
+    shapes[1] = b * b - 1.0;
+    slopes[0][1] = 2.0 * c;
+    slopes[1][0] = 2.0 * b;
 }
 
-/* Bulges chi of a section's faces across y and across z: how far their middles deviate from a plane [m]. Bending by the
- * curvature kappa deforms a section by v = -nu kappa (y^2 - z^2) / 2, w = -nu kappa y z (Saint-Venant). So chi is
- * nu kappa h^2 / 2, and the width at -y exceeds that at y by 4 nu kappa h^2 = 8 chi. */
-static void bulges_of(double (*corners)[3], double *found)
+/* The bulge of a shape over nu kappa h_y h_z / 2: 1 of an outline, and h_z / h_y, or its inverse, of a box's faces. */
+static double bulge_share(const fingerfem_segment *segment, int across)
+{
+    return segment->vertices ? 1.0 : segment->half_lengths[2 - across] / segment->half_lengths[1 + across];
+}
+
+/* Change of the bulges, from that of the widths, see bulges_of. `twist`, a weighted sum of the corners' motions, has
+ * both: z . twist is an eighth of the change of the width at -y minus that at y, and y . twist the same at -z and z. */
+void slices_bulge(const fingerfem_segment *segment, double (*axes)[3], const double *twist, const double *material, double *found)
+{
+    double shapes[2], slopes[2][2];
+    shapes_of(segment, material, shapes, slopes);
+    /* motion by the first shape, times twist_z, along y, and by the second one, times twist_y, along z */
+    const double along_y = bulge_share(segment, 1) * objects_dot(axes[0], twist), along_z = bulge_share(segment, 0) * objects_dot(axes[1], twist);
+    for (int i = 0; i < 3; i++) found[i] = axes[0][i] * along_z * shapes[0] + axes[1][i] * along_y * shapes[1];
+}
+
+/* Bulges chi of a section, towards y and towards z [m], see shapes_of: the width at -y exceeds that at y by 4 nu kappa h_y h_z. */
+static void bulges_of(const fingerfem_segment *segment, double (*corners)[3], double *found)
 {
     double width[OUTLINE_CORNERS] = {0.0}; /* at -y, y, -z, z */
     const int pairs[OUTLINE_CORNERS][2] = {{0, 1}, {2, 3}, {0, 2}, {1, 3}};
@@ -122,9 +153,9 @@ static void bulges_of(double (*corners)[3], double *found)
         }
         width[side] = sqrt(width[side]);
     }
-    /* chi: an eighth of the difference of opposite widths */
-    found[0] = 0.125 * (width[0] - width[1]);
-    found[1] = 0.125 * (width[2] - width[3]);
+    /* nu kappa h_y h_z / 2: an eighth of the difference of opposite widths */
+    found[0] = bulge_share(segment, 0) * 0.125 * (width[0] - width[1]);
+    found[1] = bulge_share(segment, 1) * 0.125 * (width[2] - width[3]);
 }
 
 /* Curvature of an element towards y (across = 0) or z (1), from the Gibbs vector g of its pose: -2 g_z / l or 2 g_y / l
@@ -192,7 +223,7 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, const d
     /* corners of both sections, and the bulges of their faces */
     rubber_between(segment, points, place, at[0]);
     rubber_between(segment, points, place + 1, at[1]);
-    for (int end = 0; end < 2; end++) bulges_of(at[end], found->bulges[end]);
+    for (int end = 0; end < 2; end++) bulges_of(segment, at[end], found->bulges[end]);
     /* corners in the order of bits (end, y, z), their mean, and the mean edges along x, y and z */
     memset(found->centre, 0, sizeof found->centre);
     for (int k = 0; k < SLICE_CORNERS; k++) {
@@ -218,17 +249,19 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, const d
     for (int j = 0; j < 3; j++)
         for (int i = 0; i < 3; i++) found->rotation[3 * i + j] = axes[j][i];
     /* identity: segment, element, and number among all slices */
+    found->of = segment;
     found->segment = q;
     found->element = segment->place_elements[place];
     found->number = place + FINGERFEM_MOST_PLATES;
     for (int k = 0; k < q; k++) found->number += map->chain->segments[k]->places;
-    /* its element as a beam: length l, nu / l, side a of the section, phi, E I = E a^4 / 12 */
+    /* its element as a beam: length l, nu / l, sides a of squares that bend as the section, phi, E I = E a^4 / 12 */
     found->share = segment->place_shares[place];
     found->length = segment->element_lengths[found->element];
     found->bulging = segment->poisson / found->length;
-    const double side = 2.0 * segment->half_lengths[1] * (segment->begins + (1.0 - segment->begins) * (place + 0.5) / (segment->places - 1));
-    found->slender = SLENDER * (side / found->length) * (side / found->length);
-    found->stiffness = segment->young_modulus * side * side * side * side / 12.0;
+    const double size = segment->begins + (1.0 - segment->begins) * (place + 0.5) / (segment->places - 1);
+    const double sides[2] = {segment->depths[0] * size, segment->depths[1] * size};
+    found->slender = SLENDER * (sides[0] / found->length) * (sides[1] / found->length);
+    for (int i = 0; i < 2; i++) found->stiffness[i] = segment->young_modulus * sides[i] * sides[i] * sides[i] * sides[i] / 12.0;
     /* centres of the sections where its element begins and ends */
     for (int end = 0; end < SLICE_ENDS; end++) slices_section(map, state, q, found->element + end, found->ends[end], rotation);
 }
@@ -262,14 +295,16 @@ void slices_at(const rubber_slice *slice, const double *at, double *x, double (*
             t[2][i] += (c ? 0.5 : -0.5) * one * two * own;
         }
     }
-    /* bulges: a face across y moves by chi (c^2 - 1) along y, with c along z; likewise across z */
+    /* bulges: the surface moves along y by chi_y times its shape, and likewise along z */
+    double shapes[2], slopes[2][2];
+    shapes_of(slice->of, at, shapes, slopes);
     for (int across = 0; across < 2; across++) {
-        const int other = 2 - across;
         const double size = slices_bulge_at(slice, across, at);
         for (int i = 0; i < 3; i++) {
             const double axis = slice->rotation[3 * i + 1 + across];
-            x[i] += axis * size * (at[other] * at[other] - 1.0);
-            t[other][i] += axis * size * 2.0 * at[other];
+            x[i] += axis * size * shapes[across];
+            for (int j = 0; j < 2; j++) t[1 + j][i] += axis * size * slopes[across][j];
+            if (slices_outlined(slice)) t[0][i] += axis * shapes[across] * 0.5 * (slice->bulges[1][across] - slice->bulges[0][across]);
         }
     }
 }

@@ -10,8 +10,9 @@
 #define SLICE_FLAT 1e-6
 #define SLICE_DOME 4e-3
 
-/* Names of a slice's contacts: its edges, points of its faces across y and across z, and the lines across these. */
-enum { SLICE_FACES = OUTLINE_CORNERS, SLICE_LINES = 2 * OUTLINE_CORNERS };
+/* Names of a slice's contacts: its edges, or ends of the sides of its outline; points of its faces across y and across z, or of
+ * the outline; and the lines across faces. */
+enum { SLICE_FACES = OUTLINE_CORNERS * FINGERFEM_MOST_VERTICES, SLICE_LINES = SLICE_FACES + OUTLINE_CORNERS };
 
 /* The place of a slice of a segment by its number; -1 if it is another one's. */
 int slices_place(const chain_rods *map, int segment, int number);
@@ -31,8 +32,7 @@ double slices_least_gap(const fingerfem_segment *segment, const double *points, 
 void slices_make(const chain_rods *map, const chain_state *state, int segment, const double *points, int place, rubber_slice *found);
 
 /* The contacts of an object at d with a slice, of which the gaps are below `near` [m]. */
-void slices_find(const fingerfem_segment *segment, const rubber_slice *slice, const fingerfem_object *object, double d, double near,
-                 objects_contacts *all);
+void slices_find(const rubber_slice *slice, const fingerfem_object *object, double d, double near, objects_contacts *all);
 
 /* How a point of a slice, by its coordinates, moves with the tensions beside what its ends' motions do, (tensions, 3), in its
  * axes: as the rubber changes its shape; of the line across a face, the mean. Motions by the tensions must be known. */
@@ -41,7 +41,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
 /* How far a point of a slice, by its coordinates, moves as the faces bulge, (3), where the sum of the corners' motions, each
  * with these weights, is `twist`, (3); y and z axes, (2, 3), in the same frame. */
 static inline double slices_twist(int corner) { return corner == 1 || corner == 2 ? 0.125 : -0.125; }
-void slices_bulge(double (*axes)[3], const double *twist, const double *material, double *found);
+void slices_bulge(const fingerfem_segment *segment, double (*axes)[3], const double *twist, const double *material, double *found);
 
 /* What a unit force at contact k of a slice puts on its bodies; along the normal, or, unless it is NULL, along another direction
  * in space, (3). */
@@ -59,6 +59,9 @@ int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const 
 
 /* The section where an element begins, or, of the last one, where it ends. */
 void slices_section(const chain_rods *map, const chain_state *state, int segment, int element, double *place, double *rotation);
+
+/* Whether the sections of a slice have an outline of their own, and are no boxes. */
+static inline int slices_outlined(const rubber_slice *slice) { return slice->of->vertices > 0; }
 
 /* How far the face across y, 0, or across z, 1, at a point of a slice goes inwards along the axis, from its middle to its edges [m]. */
 double slices_bulge_at(const rubber_slice *slice, int across, const double *at);

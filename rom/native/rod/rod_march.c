@@ -85,6 +85,21 @@ void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, 
     tensions_monomials(segment, tensions, found->monomials);
 }
 
+/* Derivatives of `count` monomials, a row for every tension of an element, (tensions, all), become those by the tensions at the
+ * motors, with the derivatives of the former by these, (tensions, tensions): dM/dF_j = sum_i dM/dT_i dT_i/dF_j. */
+__attribute__((always_inline)) static inline void by_motors(int count, int t, int all, const double *rates, double *slopes)
+{
+    double by[TENSIONS_MOST][SOME];
+    for (int i = 0; i < t; i++)
+        for (int n = 0; n < count; n++) by[i][n] = slopes[all * i + n];
+    for (int j = 0; j < t; j++) {
+        double *row = slopes + all * j;
+        for (int n = 0; n < count; n++) row[n] = rates[j] * by[0][n];
+        for (int i = 1; i < t; i++)
+            for (int n = 0; n < count; n++) row[n] += rates[t * i + j] * by[i][n];
+    }
+}
+
 void rod_set_guided(const fingerfem_segment *segment, const double *tensions, const double *rates, double *memory, double *work,
                     rod_state *found)
 {
@@ -93,20 +108,12 @@ void rod_set_guided(const fingerfem_segment *segment, const double *tensions, co
     found->own_tensions = own;
     memcpy(own, tensions, (size_t)(segment->elements * t) * sizeof *own);
     for (int k = 0; k < segment->elements; k++) {
-        double *monomials = rod_monomials(found, k), by[TENSIONS_MOST][SOME] = {{0.0}};
+        double *monomials = rod_monomials(found, k);
+        int m = 0;
         tensions_monomials(segment, own + t * k, monomials);
-        /* dM/dF_j = sum_i dM/dT_i dT_i/dF_j, with the element's tensions T and the motors' F, some monomials at once */
-        for (int m = 0; m < all; m += SOME) {
-            const int count = all - m < SOME ? all - m : SOME;
-            double *slopes = monomials + all + m;
-            for (int i = 0; i < t; i++) memcpy(by[i], slopes + all * i, (size_t)count * sizeof *slopes);
-            for (int j = 0; j < t; j++) {
-                double sums[SOME] = {0.0};
-                for (int i = 0; i < t; i++)
-                    for (int n = 0; n < SOME; n++) sums[n] += rates[t * (t * k + i) + j] * by[i][n];
-                memcpy(slopes + all * j, sums, (size_t)count * sizeof *slopes);
-            }
-        }
+        /* some monomials at once, then the last ones */
+        for (; m + SOME <= all; m += SOME) by_motors(SOME, t, all, rates + t * t * k, monomials + all + m);
+        by_motors(all - m, t, all, rates + t * t * k, monomials + all + m);
     }
 }
 

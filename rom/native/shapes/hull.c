@@ -105,6 +105,17 @@ static void seen(const double *place, const double *rotation, objects_feature *f
     objects_turned_back(rotation, s, feature->a);
 }
 
+double hull_feature(const fingerfem_object *object, const double *place, const double *rotation, const double *p, objects_feature *feature,
+                    double *n)
+{
+    vector point, normal;
+    for (int i = 0; i < 3; i++) point[i] = objects_dot(rotation + 3 * i, p) - place[i];
+    const double distance = nearest(object, point, feature, normal);
+    seen(place, rotation, feature);
+    objects_turned_back(rotation, normal, n);
+    return distance - object->radius;
+}
+
 /* Contact of an edge of the hull, seen from the plate, with the plate's edge along axis j on given sides, if their
  * closest points lie between the ends. `normal` is their common perpendicular, out of the hull. `between`: it lies
  * between the normals of the faces at both edges, so that the edges span a face of the Minkowski sum. */
@@ -167,13 +178,10 @@ void hull_find(const fingerfem_object *object, const double *place, const double
     /* corners of the plate, each with the closest feature of the hull */
     for (int k = 0; k < OBJECTS_CORNERS; k++) {
         objects_feature feature = {.kind = OBJECTS_FACE};
-        vector p, point, n, normal;
+        vector p, n;
         objects_corner(k, half, p);
-        for (int i = 0; i < 3; i++) point[i] = objects_dot(rotation + 3 * i, p) - place[i];
-        const double distance = nearest(object, point, &feature, n);
-        seen(place, rotation, &feature);
-        objects_turned_back(rotation, n, normal);
-        objects_note(found, k, &feature, distance - object->radius, p, normal);
+        const double gap = hull_feature(object, place, rotation, p, &feature, n);
+        objects_note(found, k, &feature, gap, p, n);
     }
     /* vertices of the hull, unless the plate's closest point is a corner */
     for (int k = 0; k < object->corners; k++) {

@@ -92,6 +92,76 @@ void objects_find(const fingerfem_object *object, const double *half_lengths, do
     else cylinder(&own, object->radius, found);
 }
 
+double objects_feature_at(const fingerfem_object *object, double d, const double *centre, const double *rotation, const double *p,
+                          objects_feature *feature, double *n)
+{
+    vector place;
+    feature->kind = OBJECTS_FACE;
+    for (int i = 0; i < 3; i++) place[i] = object->centre[i] + d * object->direction[i] - centre[i];
+    if (object->shape == FINGERFEM_HULL) return hull_feature(object, place, rotation, p, feature, n);
+    objects_turned_back(rotation, place, feature->s);
+    objects_turned_back(rotation, object->axis, feature->a);
+    /* r = p - s; plane: gap = a . r */
+    for (int i = 0; i < 3; i++) n[i] = p[i] - feature->s[i];
+    const double along = objects_dot(feature->a, n);
+    if (object->shape == FINGERFEM_PLANE) {
+        memcpy(n, feature->a, sizeof(vector));
+        return along;
+    }
+    /* ball: gap = |r| - radius, n = r / |r|; cylinder: with r across its axis */
+    feature->kind = object->shape == FINGERFEM_SPHERE ? OBJECTS_POINT : OBJECTS_LINE;
+    for (int i = 0; i < 3 && feature->kind == OBJECTS_LINE; i++) n[i] -= along * feature->a[i];
+    const double size = sqrt(objects_dot(n, n));
+    for (int i = 0; i < 3; i++) n[i] = size > 0.0 ? n[i] / size : i == 0;
+    return size - object->radius;
+}
+
+void objects_normal_change(const objects_feature *feature, double distance, const double *n, const double *v, double *found)
+{
+    /* a face: 0; a point: (v - n n . v) / distance; a line: the same without v's part along it */
+    const double along = feature->kind == OBJECTS_LINE ? objects_dot(feature->a, v) : 0.0, part = objects_dot(n, v);
+    for (int i = 0; i < 3; i++)
+        found[i] = feature->kind == OBJECTS_FACE || !(distance > 0.0) ? 0.0 : (v[i] - along * feature->a[i] - part * n[i]) / distance;
+}
+
+/* Add how contact k slides, to the change dp of its point, and dn of its normal, which are without it: along the outline, and, on a side
+ * between rims, along the axis. With these tangents t_i, which stay orthogonal to n,
+ *
+ *     (t_i . H t_j + n . dt_i/ds_j) ds_j = -t_i . dn,    dp += t_j ds_j,    dn += H t_j ds_j. */
+static void slide(const objects_contacts *contacts, int k, double distance, double *dp, double *dn)
+{
+    const border_point *border = contacts->borders + k;
+    const objects_feature *feature = contacts->features + k;
+    const double *n = contacts->wrenches[k];
+    const vector ways[2] = {{0.0, border->tangent[0], border->tangent[1]}, {1.0, 0.0, 0.0}};
+    vector t[2], turned[2], moved = {0.0}, more;
+    double system[4] = {0.0}, right[2] = {0.0}, ds[2] = {0.0};
+    int count = 0;
+    for (int way = 0; way < 2; way++) {
+        if (way ? contacts->names[k] != OBJECTS_SIDE : !border->slides) continue;
+        memcpy(t[count], ways[way], sizeof(vector));
+        objects_normal_change(feature, distance, n, t[count], turned[count]);
+        system[3 * count] = way ? 0.0 : objects_border_bend(border, n); /* on the diagonal */
+        right[count] = -objects_dot(t[count], dn);
+        count++;
+    }
+    for (int a = 0; a < count; a++)
+        for (int b = 0; b < count; b++) system[2 * a + b] += objects_dot(t[a], turned[b]);
+    const double det = system[0] * system[3] - system[1] * system[2];
+    if (count == 1 && system[0] > 0.0) ds[0] = right[0] / system[0];
+    if (count == 2 && det > 0.0) {
+        ds[0] = (system[3] * right[0] - system[1] * right[1]) / det;
+        ds[1] = (system[0] * right[1] - system[2] * right[0]) / det;
+    }
+    for (int a = 0; a < count; a++)
+        for (int i = 0; i < 3; i++) moved[i] += t[a][i] * ds[a];
+    objects_normal_change(feature, distance, n, moved, more);
+    for (int i = 0; i < 3; i++) {
+        dp[i] += moved[i];
+        dn[i] += more[i];
+    }
+}
+
 /* Changes at contact k, seen from the plate, as its feature's point s moves by ds and its direction a changes by da: dp
  * of the plate's point, and dr of the vector r along which the normal lies, n = r / |r|. */
 static void changes(const objects_contacts *contacts, int k, const double *ds, const double *da, double *dp, double *dr)
@@ -163,6 +233,7 @@ void objects_change_with(const fingerfem_object *object, const objects_contacts 
     changes(contacts, k, ds, da, dp, dn);
     const double part = objects_dot(n, dn);
     for (int i = 0; i < 3; i++) dn[i] = size > 0.0 ? (dn[i] - part * n[i]) / size : 0.0;
+    if (contacts->names[k] < 0) slide(contacts, k, size, dp, dn);
 }
 
 void objects_change(const fingerfem_object *object, const objects_contacts *contacts, int k,

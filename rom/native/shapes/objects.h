@@ -9,6 +9,20 @@
 void objects_find(const fingerfem_object *object, const double *half_lengths, double d, int plate, const double *centre,
                   const double *rotation, objects_contacts *found);
 
+/* The feature of an object at d that is nearest to a point p of a plate, and the normal n there, out of the object, as the plate sees
+ * them. Returns the gap [m]. */
+double objects_feature_at(const fingerfem_object *object, double d, const double *centre, const double *rotation, const double *p,
+                          objects_feature *feature, double *n);
+
+/* How the normal n changes as the point before a feature, at a distance [m] from it, moves by v, (3). */
+void objects_normal_change(const objects_feature *feature, double distance, const double *n, const double *v, double *found);
+
+/* n . dt/dl of the tangent t along an outline: with the curvature, and the normal n out of an object [1/m]. */
+static inline double objects_border_bend(const border_point *border, const double *n)
+{
+    return border->bend * (n[2] * border->tangent[0] - n[1] * border->tangent[1]);
+}
+
 /* How the wrench of contact k changes as the plate moves by v, t: (6, 6). */
 void objects_change(const fingerfem_object *object, const objects_contacts *contacts, int k,
                     double (*change)[FINGERFEM_WRENCH]);

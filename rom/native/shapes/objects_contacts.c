@@ -27,6 +27,7 @@ static void put(objects_contacts *all, int at, int name, const objects_feature *
     all->domes[at] = all->lifts[at] = 0.0;
     all->shares[at] = 1.0;
     all->profiles[at] = (indentation_profile){.rise = 0.0};
+    all->borders[at] = (border_point){.slides = 0};
     all->objects[at] = all->object;
     all->names[at] = name;
     all->features[at] = *feature;
@@ -40,25 +41,26 @@ static void put(objects_contacts *all, int at, int name, const objects_feature *
     objects_cross(p, n, all->wrenches[at] + 3);
 }
 
-void objects_note(objects_contacts *all, int name, const objects_feature *feature, double gap, const double *p,
-                  const double *n)
+int objects_note(objects_contacts *all, int name, const objects_feature *feature, double gap, const double *p, const double *n)
 {
     const int at = room_for(all, gap);
     if (at >= 0) put(all, at, name, feature, gap, p, n);
+    return at;
 }
 
-void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, double dome,
-                         const indentation_profile *profile, const double *p, const double *n)
+int objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, double dome,
+                        const indentation_profile *profile, const double *p, const double *n)
 {
     const objects_feature none = {.kind = OBJECTS_FACE};
     const int at = room_for(all, gap);
-    if (at < 0) return;
+    if (at < 0) return at;
     put(all, at, name, &none, gap, p, n);
     memcpy(all->material[at], material, sizeof(vector));
     all->segments[at] = all->segment;
     all->domes[at] = dome;
     all->profiles[at] = *profile;
     all->compliance[at] = compliance;
+    return at;
 }
 
 int objects_any_of(const objects_contacts *contacts, int plate)

@@ -3,11 +3,13 @@
 #define FINGERFEM_OBJECTS_CONTACTS_H
 #include "../segment.h"
 #include "indentation.h"
+#include "border.h"
 
 #define OBJECTS_COMPLIANCE 1e-9 /* what a contact of a plate yields, for forces that are shared by a stiff plate to be unique [m/N] */
 
-/* Names of contacts: the plate's corners, its edges, and from POINTS on what stands out of an object. */
-enum { OBJECTS_CORNERS = 8, OBJECTS_POINTS = 20 };
+/* Names of contacts: the plate's corners, its edges, and from POINTS on what stands out of an object; of a plate with an outline, from
+ * SIDE down, the side between its rims and points of these. */
+enum { OBJECTS_CORNERS = 8, OBJECTS_POINTS = 20, OBJECTS_SIDE = -1 };
 
 /* The feature of an object that a contact is with, seen from the plate: a face through s with outward normal a, a point s,
  * a line through s along a with a corner of the plate, or with an edge of it. All unit vectors. */
@@ -34,6 +36,7 @@ typedef struct {
     double shares[FINGERFEM_MOST_CONTACTS];                     /* of the slice that is pressed in; 1: all of it, or a plate [-] */
     double lifts[FINGERFEM_MOST_CONTACTS];                      /* what the gap grows by, as the slice is not as near as its closest point [m] */
     double material[FINGERFEM_MOST_CONTACTS][3];                /* of a slice: where p is in it, -1 to 1 [-] */
+    border_point borders[FINGERFEM_MOST_CONTACTS];              /* of a point on an outline: where it is around that */
     double compliance[FINGERFEM_MOST_CONTACTS];                       /* what it yields by itself [m/N] */
     double points[FINGERFEM_MOST_CONTACTS][3];                  /* p, of a plate that is a box [m] */
     double bent[FINGERFEM_MOST_CONTACTS][3];                    /* how far it is off as the plate is none [m] */
@@ -63,13 +66,13 @@ static inline double objects_gap(const objects_contacts *contacts, int k) { retu
 double objects_shallow(const fingerfem_object *object, const double *half_lengths);
 
 /* For shapes of several features. Note a contact at p with normal n, in place of that with the largest gap if there is no
- * room. */
-void objects_note(objects_contacts *all, int name, const objects_feature *feature, double gap, const double *p,
-                  const double *n);
+ * room. Returns its index, or -1. */
+int objects_note(objects_contacts *all, int name, const objects_feature *feature, double gap, const double *p, const double *n);
 
-/* Add a contact of a slice of rubber, as `objects_note`: where it is, the point and the normal in the slice's axes. */
-void objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, double dome,
-                         const indentation_profile *profile, const double *p, const double *n);
+/* Add a contact of a slice of rubber, as `objects_note`: where it is, the point and the normal in the slice's axes. Returns its index, or
+ * -1 if there is no room. */
+int objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, double dome,
+                        const indentation_profile *profile, const double *p, const double *n);
 
 /* Whether there are contacts of a plate, or slice. */
 int objects_any_of(const objects_contacts *contacts, int plate);

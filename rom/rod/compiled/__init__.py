@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
+from rom.dataset.section_outline import SectionOutline
 from rom.elements.law import ElementMap
 from rom.elements.polynomial import Polynomial
 from rom.native import LIBRARY, pointer
 from rom.rod import limits
 from rom.rod.compiled.arrangement import (
+    border,
     by_degree,
     free_numbers,
     in_sixes,
@@ -44,6 +46,9 @@ class CondensedSegment:
             vector of that rotation [-], 6 values. Elements that share a law are one and the same object; all have one
             map of the tensions to what their polynomials are of.
         half_lengths: of the plate along its own axes, shape (3,) [m].
+        section: outline of the plate's section at rest; None if that is the box of half_lengths.
+        depths: sides of squares that bend as the plate's section does towards y and z, (12 I)^(1/4), shape (2,) [m];
+            None if these are the sides of its box.
         begins: size of the section where the segment begins over that of the plate's [-].
         young_modulus: of the rubber [Pa]; 0 where nothing is known of it.
         poisson: Poisson's ratio of the rubber [-].
@@ -59,6 +64,8 @@ class CondensedSegment:
 
     elements: Sequence[ElementMap]
     half_lengths: np.ndarray
+    section: SectionOutline | None = None
+    depths: np.ndarray | None = None
     begins: float = 1.0
     young_modulus: float = 0.0
     poisson: float = 0.0
@@ -134,6 +141,8 @@ def struct(segment: CondensedSegment) -> Any:
         law_of=law_of,
         **known,
         half_lengths=segment.half_lengths.tolist(),
+        **border(segment.section),
+        depths=(2 * segment.half_lengths[1:] if segment.depths is None else segment.depths).tolist(),
         young_modulus=segment.young_modulus,
         poisson=segment.poisson,
         begins=segment.begins,

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.dataset.section_outline import SectionOutline
 from rom.elements.polynomial import Polynomial
 from rom.native import LIBRARY
 from rom.rod.wrench_products import padded
@@ -16,6 +17,7 @@ from rom.rod.wrench_products import padded
 BLOCK, POSE = LIBRARY.constants.FINGERFEM_BLOCK, LIBRARY.constants.FINGERFEM_POSE
 SIX = LIBRARY.constants.FINGERFEM_BLOCK_ROW // BLOCK  # values of a law
 EIGHT, KNOT = 8, 12  # numbers of an outline fill eights; numbers of one of its knots
+AROUND = 4096  # points around an outline, for a mean along it
 PLACES, NEAREST = 5, 4  # cross-sections of the rubber for every knot; knots that interpolate one
 
 
@@ -165,6 +167,19 @@ def outline(polynomial: Polynomial, monomials: np.ndarray) -> dict[str, Any]:
         "term_products": which.ravel()[order],
         "coefficients": coefficients,
         "free_coefficients": free,
+    }
+
+
+def border(section: SectionOutline | None) -> dict[str, Any]:
+    """A section's outline as values of a struct fingerfem_segment; none of a rectangle, which is its box."""
+    if section is None or section.is_rectangle:
+        return {}
+    y, z = section.points(AROUND).T
+    return {
+        "vertices": len(section.vertices),
+        "polygon": section.vertices,
+        "margin": section.radius,
+        "level": float((y**2 - z**2).mean()),
     }
 
 

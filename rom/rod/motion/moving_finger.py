@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from rom.brief import brief
 from rom.checked_file import ModelError
+from rom.dataset.actuators import refuse_chambers
 from rom.rod.compiled import memory_of
 from rom.rod.compiled.motion import Stepped, at_rest, inertia_struct, step
 from rom.rod.compiled.touched import touches
@@ -78,6 +79,7 @@ class MovingFinger:
         radius: float = RADIUS,
         parts: int = 2,
     ):
+        refuse_chambers(model.rod.scene, "motion")
         weight = model.rod.scene.get("gravity") or {}
         density, plate_density = density or weight.get("density"), plate_density or weight.get("plate_density", 7850.0)
         if density is None or not density > 0 or not plate_density > 0:

@@ -6,6 +6,7 @@ import ctypes
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,13 +20,15 @@ from rom.rod.compiled import memory_of
 from rom.rod.objects.shapes import Cylinder, Sphere, box, facing_plane
 from rom.rod.rod import QUANTITIES
 from rom.rod.touched_segment import SHIPPED, TouchedSegment
+from tests.rom.rod.outlined import rod_of
 
 STRICT = ["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-Wpedantic"]
 COMPILER = shutil.which("cc") or shutil.which("gcc")
 pytestmark = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
 NUMBERS = 1e-13  # [m, N and what derivatives have]: rounding, as compilers may take sums in another order
-# What a program without an operating system has, too.
-LIBRARY = {"memcpy", "memset", "memmove", "abs", "fabs", "sqrt", "fmin", "fmax", "copysign", "atan2"}
+# What a program without an operating system has, too; gcc makes `sincos` of `sin` and `cos` where the C library has it.
+MEMORY, ROUNDING = {"memcpy", "memset", "memmove"}, {"abs", "fabs", "sqrt", "floor", "fmin", "fmax", "copysign"}
+LIBRARY = MEMORY | ROUNDING | {"atan2", "cos", "sin", "sincos"}
 FLAT = """
 #define FINGER_IMPLEMENTATION
 #include "finger.h"
@@ -111,10 +114,13 @@ def heavy(model):
     return TouchedSegment(rod=model.rod.assembled(model.scene | {"gravity": gravity}), obstacle=model.obstacle)
 
 
-@pytest.fixture(scope="module", params=["one plate", "heavy", pytest.param("two plates", marks=pytest.mark.long)])
+@pytest.fixture(
+    scope="module", params=["one plate", "round", "heavy", pytest.param("two plates", marks=pytest.mark.long)]
+)
 def called(request, model, heavy, two_plates, tmp_path_factory):
     """A model, and the functions of its header."""
-    own = {"one plate": model, "heavy": heavy, "two plates": two_plates}[request.param]
+    circle = replace(model, rod=rod_of("circle"))
+    own = {"one plate": model, "round": circle, "heavy": heavy, "two plates": two_plates}[request.param]
     folder = tmp_path_factory.mktemp("header")
     export(own, folder / "finger.h")
     return own, ctypes.CDLL(str(compiled(folder, FLAT, *STRICT, "-shared", "-fPIC", output="finger.so")))

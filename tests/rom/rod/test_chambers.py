@@ -7,9 +7,11 @@ import pytest
 
 from rom.checked_file import ModelError
 from rom.elements.march import march
+from rom.rod.motion.moving_finger import MovingFinger
 from rom.rod.objects.shapes import Plane
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
+from rom.rod.weight import weight_of
 from tests.rom.elements import chambered_rod as one
 
 FREE = np.array([4.0, 4e5, 1e5])
@@ -154,3 +156,20 @@ def test_what_comes_near_a_bulging_face_is_marked(chambered):
     assert at(touch + 1.5 * height, both).error["touch_distance"] > 0.9 * height
     low = at(touch + 0.5 * height, (0.0, 0.0))
     assert low.inside and low.error["touch_distance"] < 0.5 * height
+
+
+def test_chambers_have_no_weight(chambered):
+    """The mass of a rod is that of its rubber: the section's less the chambers', over their span."""
+    gravity = {"density": 1000.0, "plate_density": 0.0, "direction": [0.0, -1.0, 0.0]}
+    heavy = chambered.assembled(one.scene() | {"gravity": gravity})
+    volume = 0.010**2 * (0.050 - 0.001) - 2 * one.AREA * (one.X[1] - one.X[0])
+    assert weight_of(heavy).masses.sum() == pytest.approx(1000.0 * volume, rel=1e-9)
+    assert heavy.place([0.0, 0.0, 0.0]).centres[0, 1] < -1e-7
+    with pytest.raises(ModelError, match=r"gravity must be left out with chambers on one side: .* got chambers p1"):
+        chambered.assembled(one.scene() | {"gravity": gravity, "chambers": one.scene()["chambers"][:1]})
+
+
+def test_what_is_for_tendons_alone_refuses_chambers(chambered):
+    model = TouchedSegment(rod=chambered, obstacle=plane(1.0))
+    with pytest.raises(ModelError, match=r"motion must be of a finger with tendons alone, got one with 2 chambers"):
+        MovingFinger(model, [0.0, 0.0, 0.0, np.inf], density=1000.0)

@@ -145,6 +145,14 @@ def test_a_finger_that_weighs_keeps_the_law_too(model):
     assert state.tip[1] < GuidedFinger(model=model.rod, friction=FRICTION).advance([60.0, 0.0]).tip[1] - 1e-5
 
 
+def test_straight_tendons_and_chambers_have_no_guides(chambered):
+    loads = [4.0, 4e5, 1e5]
+    free, rubbing = (GuidedFinger(model=chambered, friction=one).advance(loads) for one in (0.0, 0.3))
+    assert free.shortenings == pytest.approx(chambered.shortening(loads), abs=1e-9)
+    assert rubbing.element_tensions == pytest.approx(np.tile(loads, (len(rubbing.element_tensions), 1)))
+    assert rubbing.tip == pytest.approx(free.tip, abs=1e-12) and rubbing.status == "converged"
+
+
 def test_every_segment_of_a_finger_has_its_elements(model):
     rod = in_series(model.rod, 2)
     state = GuidedFinger(model=rod, friction=FRICTION).advance([30.0] + [0.0] * (len(rod.names) - 1))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rom.checked_file import ModelError
-from rom.dataset.section import area, channel_width, extent, outline, top
+from rom.dataset.section import area, channel_width, extent, mean_squares, outline, top
 from rom.rod.scene_of_rod import of_tables, read_scene, similarity
 
 GEOMETRY = {"segments": [0.06], "plate": 0.002, "channel": 0.003}  # [m]
@@ -78,7 +78,11 @@ def test_measures_are_closed_forms():
     assert area(of(RECTANGLE)) == pytest.approx(6e-4) and extent(of(RECTANGLE)) == pytest.approx(0.03)
     assert outline(of(RECTANGLE)).box.tolist() == [0.01, 0.015] and top(of(CIRCLE)) == pytest.approx(0.01)
     without = {name: value for name, value in GEOMETRY.items() if name != "channel"}
+    assert mean_squares(of(RECTANGLE)) == pytest.approx([0.02**2 / 12, 0.03**2 / 12])
+    assert mean_squares(of(RING)) == pytest.approx(np.full(2, (0.02**4 - 0.006**4) / 16 / (0.02**2 - 0.006**2)))
     assert channel_width({"geometry": without, "section": RING}) == pytest.approx(0.0035)
+    assert mean_squares(of(RECTANGLE)) == pytest.approx([0.02**2 / 12, 0.03**2 / 12])
+    assert mean_squares(of(RING)) == pytest.approx(np.full(2, (0.02**4 - 0.006**4) / 16 / (0.02**2 - 0.006**2)))
     assert channel_width({"geometry": without, "section": RECTANGLE}) == pytest.approx(0.004)
 
 
