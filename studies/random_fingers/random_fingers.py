@@ -5,6 +5,7 @@ There is no fourth outcome: an error of another kind, or a state that is not in 
 
 from __future__ import annotations
 
+import gc
 import re
 import time
 from typing import Any
@@ -82,8 +83,13 @@ def kind(reason: str | None) -> str | None:
 
 
 def rows(first: int) -> list[dict[str, Any]]:
-    """Some fingers, one after the other."""
-    return [row(number) for number in range(first, first + TOGETHER)]
+    """Some fingers, one after the other; each is printed, and its memory is freed before the next."""
+    found = []
+    for number in range(first, first + TOGETHER):
+        found.append(row(number))
+        print(f"  {found[-1]}", flush=True)
+        gc.collect()
+    return found
 
 
 def measure(run: Run) -> list[dict[str, Any]]:
