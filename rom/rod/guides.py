@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from rom.brief import brief
 from rom.checked_file import ModelError
-from rom.dataset.actuators import refuse_chambers
 from rom.native import LIBRARY, PickledByFields
 from rom.rod.compiled import guides
 from rom.rod.compiled.reports import QUATERNION
@@ -93,7 +92,6 @@ class GuidedFinger(PickledByFields):
     last: Increment | None = field(init=False, default=None, repr=False)
 
     def __post_init__(self) -> None:
-        refuse_chambers(self.rod.scene, "friction in guides")
         friction, per_length = np.array(self.friction, float), float(self.per_length)
         t = len(self.rod.names)
         if friction.shape not in ((), (t,)) or not ((friction >= 0) & (friction < np.inf)).all():
