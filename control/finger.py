@@ -15,6 +15,7 @@ from control.model import Model
 from control.motion import Limits, Motion
 from control.outcomes import answered, beyond, listed, no_point, not_finite, not_positive, refused
 from control.problems import compiled_finger, rules
+from control.sides import Sides
 from rom.answer import FORCE, PAD
 from rom.dataset.actuators import pressures_of
 from rom.dataset.geometry import tip_at_rest
@@ -50,10 +51,7 @@ class Finger:
         self._gentle = self.lower.copy()
         self._gentle[model.lead] = (self.lower[model.lead] + self.upper[model.lead]) / 2
         self.rest = tip_at_rest(model.scene["geometry"])
-        # A tension bends the finger to the side of its tendon, a pressure away from its chamber.
-        pulls = [tendon["offset"] for tendon in model.scene["tendons"]]
-        pushes = [[-part for part in chamber["centre"]] for chamber in model.scene.get("chambers") or []]
-        self._offsets = np.array(pulls + pushes, float)
+        self._sides = Sides(model.scene)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle and copy by the arguments; the data for compiled code are made anew."""
@@ -86,7 +84,7 @@ class Finger:
         if reason:
             return self._out_of_domain(distance, reason)
         goal = goal - self.rest
-        return self._reach(goal, distance, begin, tolerance, self._sides(goal, distance))
+        return self._reach(goal, distance, begin, tolerance, self._sides.wanted(goal, distance))
 
     def follow(
         self,
@@ -127,10 +125,7 @@ class Finger:
                 found.append(self._out_of_domain(distance, reason, present, sides))
                 continue
             goal = goal - self.rest
-            wanted = self._sides(goal, distance)
-            # Sides change only while their tendons are slack: no tendon is released suddenly.
-            pulled = [bool(np.any(present[self._offsets[:, a] != 0] > 0)) for a in (0, 1)]
-            sides = (sides[0] if pulled[0] else wanted[0], sides[1] if pulled[1] else wanted[1])
+            sides = self._sides.changed(present, sides, self._sides.wanted(goal, distance))
             found.append(self._reach(goal, distance, present, tolerance, sides, change))
             present = found[-1].tensions
         return found
@@ -150,17 +145,6 @@ class Finger:
         """The reason why a distance is refused; empty if the model's plane may be there."""
         lower, upper = (end[-1] for end in self.model.limits) if self.model.has_obstacle else (np.inf, np.inf)
         return beyond("distance", distance, lower, upper, "m")
-
-    def _sides(self, goal: np.ndarray, distance: float) -> tuple[int, int]:
-        """For y and z: -1 if the goal lies opposite the tendons and their mirror images may reach it, else 1."""
-        return (
-            -1 if goal[1] < 0 and not np.isfinite(distance) and self._mirrors(0) else 1,
-            -1 if goal[2] < 0 and self._mirrors(1) else 1,
-        )
-
-    def _mirrors(self, axis: int) -> bool:
-        """Whether the scene's own tendons are on one side only."""
-        return bool(np.all(self._offsets[:, axis] >= 0))
 
     def _reach(
         self,

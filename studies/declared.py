@@ -34,6 +34,7 @@ STUDIES = {
     "guides": Study("accuracy", _same("histories")),
     "feeling": Study("accuracy", _same("feeling")),
     "assembled": Study("accuracy", _same("four", "fingers")),
+    "calibration": Study("accuracy", _same("calibrated")),
     "tapered": Study("accuracy", _same("tapered")),
     "shapes": Study("accuracy", _same("shapes")),
     "grasping": Study("grasping", _same("grasps", "pictures"), elsewhere=("grasps", "pictures")),

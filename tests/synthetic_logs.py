@@ -25,7 +25,8 @@ def columns(
     model: TouchedSegment | None = None,
 ) -> dict[str, np.ndarray]:
     """Values of all columns by their headings, shape (count,)."""
-    random, finger = np.random.default_rng(seed), ScaledFinger(model or rom.load())
+    random = np.random.default_rng(seed)
+    finger = ScaledFinger(model or rom.load(), guides=scales.friction > 0)
     pulled = random.uniform(1, 85, (count, 2)) * scales.force
     distances = random.uniform(0.008, 0.02, count) * scales.size if contact else np.full(count, np.inf)
     outputs = finger.at(scales, pulled, distances)

@@ -23,6 +23,7 @@ from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.rod.weight import gravity_of
 
+FRICTION = 0.1  # of guides, to begin with [-]
 DENSITY = 1100.0  # of silicone, where a scene has none [kg/m^3]
 NOISE = re.compile(r"\s*(\w+)\s*=\s*([0-9.eE+-]+)\s*(\S+)\s*")
 
@@ -33,8 +34,9 @@ class CalibrationOptions:
     """How a finger is calibrated.
 
     Attributes:
-        fit: what is fitted, of modulus, size, base, density, pulley_radius; by default the modulus, and the base where
-            a position or an orientation was measured.
+        fit: what is fitted, of modulus, size, base, density, pulley_radius, friction; by default the modulus, and the
+            base where a position or an orientation was measured. Friction in the guides needs tensions or torques, and
+            the log's lines in the order in which the motors moved, from rest.
         noise: standard deviations that are known, by quantity: position, shortening [m], orientation, angle [rad],
             tension, torque, contact_force [-, relative]. Others are estimated by the residuals.
         pulley_radius: of the motors [m]; needed if torques or angles were logged.
@@ -105,6 +107,8 @@ def _before(model: TouchedSegment, log: Log, options: CalibrationOptions) -> Mea
         fitted = [name for name in fitted if name not in PLACE]
     if (log.has("torque") or log.has("angle") or "pulley_radius" in fitted) and options.pulley_radius is None:
         raise ValueError(f"pulley_radius must be given [m] to fit it, or for torques or angles such as in {log.path}")
+    if "friction" in fitted and not (log.has("tension") or log.has("torque")):
+        raise ValueError(f"friction must be fitted to tensions or torques, got neither in {log.path}")
     rod = model.rod
     if "density" in fitted:
         rod = _weighing(rod, options.gravity)
@@ -114,10 +118,11 @@ def _before(model: TouchedSegment, log: Log, options: CalibrationOptions) -> Mea
         "size": geometry["side"],
         "density": rod.scene.get("gravity", {}).get("density", DENSITY),
         "pulley_radius": options.pulley_radius or 1.0,
+        "friction": FRICTION if "friction" in fitted else 0.0,
         **dict.fromkeys((*PLACE, *TURN), 0.0),
     }
     unknowns = Unknowns(names=fitted, starts=starts, length=sum(geometry["segments"]))
-    finger = ScaledFinger(replace(model, rod=rod), weight="density" in fitted)
+    finger = ScaledFinger(replace(model, rod=rod), weight="density" in fitted, guides="friction" in fitted)
     return Measured(log=log, finger=finger, unknowns=unknowns)
 
 

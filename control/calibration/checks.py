@@ -110,13 +110,13 @@ def check_order(measured: Measured, found: Fit) -> None:
     Raises:
         Refused: names both columns, and the line with the largest residual.
     """
-    own = np.array(measured.columns) == "position"
+    own = (np.array(measured.columns) == "position") & np.isfinite(measured.given).any(axis=0)
     if not own.any():
         return
     plain = found.residuals[:, own] / np.where(measured.used[:, own], found.whitening[:, own], 1.0)
     movement = np.nanstd(measured.given[:, own], axis=0)
     bad = float(np.sqrt((plain**2).mean()))
-    if bad < BAD * np.linalg.norm(np.nan_to_num(movement)):
+    if bad < BAD * np.linalg.norm(movement):
         return
     row = int(np.linalg.norm(plain, axis=1).argmax())
     for first, second, log in _exchanged(measured.log):

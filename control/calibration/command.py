@@ -22,7 +22,8 @@ def calibrate(
     fit: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME", help="modulus, size, base, density or pulley_radius; repeat. Default: modulus, base."
+            metavar="NAME",
+            help="modulus, size, base, density, friction or pulley_radius; repeat. Default: modulus, base.",
         ),
     ] = None,
     noise: Annotated[

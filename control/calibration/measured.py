@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from control.calibration.parameters import PLACE, TURN, Unknowns
-from control.calibration.scaled_finger import DENSITY, MODULUS, SIZE, Outputs, ScaledFinger, Scales
+from control.calibration.scaled_finger import DENSITY, FRICTION, MODULUS, SIZE, Outputs, ScaledFinger, Scales
 from control.log import Log
 from rom.brief import brief
 
@@ -30,7 +30,7 @@ GROUPS = {
     "contact_force": ("-", 0.02),
 }  # units and first guesses of the standard deviations of noise
 SMALL = 0.02  # of the largest value: relative noise is not smaller than that of such a value [-]
-BY_SCALE = {"modulus": MODULUS, "size": SIZE, "density": DENSITY}
+BY_SCALE = {"modulus": MODULUS, "size": SIZE, "density": DENSITY, "friction": FRICTION}
 
 
 class Residuals(NamedTuple):
@@ -101,8 +101,9 @@ class Measured:
         for k, name in enumerate(self.columns):
             if name in self.excluded:
                 found[:, k] &= ~self.excluded[name]
-            if name in RELATIVE:
-                found[:, k] &= self.given[:, k] != 0  # exactly: a slack tendon, or no contact
+            if name in RELATIVE:  # without slack tendons, and contact that is hardly any
+                least = SMALL if name == "contact_force" else 0.0
+                found[:, k] &= np.abs(self.given[:, k]) > least * np.nanmax(np.abs(self.given[:, k]), initial=0.0)
         return found
 
     @cached_property
@@ -121,9 +122,10 @@ class Measured:
         return np.where(np.isfinite(self.log.distance), self.log.distance, np.inf)
 
     def scales(self, unknowns: np.ndarray) -> Scales:
-        """Modulus, size and density over the model's."""
+        """Modulus, size and density over the model's, and friction."""
         values, starts = self.unknowns.values(unknowns), self.unknowns.starts
-        return Scales(*(values[name] / starts[name] for name in BY_SCALE))
+        modulus, size, density = (values[name] / starts[name] for name in ("modulus", "size", "density"))
+        return Scales(modulus=modulus, size=size, density=density, friction=values["friction"])
 
     def ends(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest tensions that the model has, shapes (t,) [N]."""

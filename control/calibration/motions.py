@@ -15,7 +15,8 @@ from rom.brief import brief
 from rom.csv_table import Heading
 
 POSES, SHARE = 5, 0.8  # of a motion that is tried; of the largest trained tension [-]
-LEAST = 0.3  # component of a parameter in a direction that is named [-]
+LEAST = 0.3  # a component of a parameter in a direction that is named, whatever its deviation [-]
+ROUNDING = 1e-3  # a component that is none [-]
 WITHIN = 0.4  # distance of an object that is tried, over how far the finger reaches towards it [-]
 
 
@@ -43,8 +44,10 @@ class Undetermined:
 def undetermined(measured: Measured, fit: Fit) -> list[Undetermined]:
     """Every direction that the log does not determine, with its remedy."""
     found, names = list[Undetermined](), measured.unknowns.names
+    deviations = np.sqrt(np.diag(fit.covariance)) / measured.unknowns.spreads
     for direction in _single(fit.undetermined[0]):
-        order = [k for k in map(int, np.argsort(-np.abs(direction))) if abs(direction[k]) > LEAST]
+        least = np.minimum(np.maximum(deviations, ROUNDING), LEAST)  # of components that move a parameter
+        order = [k for k in map(int, np.argsort(-np.abs(direction))) if abs(direction[k]) > least[k]]
         components = {names[k]: float(direction[k]) for k in order}
         found.append(Undetermined(parameters=components, remedy=_remedy(measured, fit, direction)))
     return found

@@ -13,8 +13,12 @@ from rom.brief import brief
 POSITIVE = {"modulus": ("Pa", 1.0), "size": ("m", 0.2), "density": ("kg/m^3", 0.5), "pulley_radius": ("m", 0.2)}
 PLACE = ("base_x", "base_y", "base_z")  # of the clamp in the frame of the measured positions [m]
 TURN = ("base_rx", "base_ry", "base_rz")  # rotation vector of its frame [rad]
-OTHERS = {**dict.fromkeys(PLACE, ("m", 0.1)), **dict.fromkeys(TURN, ("rad", 0.2))}  # of places over the length [-]
-NAMED = {**{name: (name,) for name in POSITIVE}, "base": (*PLACE, *TURN)}  # what a user names
+OTHERS = {
+    **dict.fromkeys(PLACE, ("m", 0.1)),
+    **dict.fromkeys(TURN, ("rad", 0.2)),
+    "friction": ("-", 0.2),
+}  # of places over the length [-]
+NAMED = {**{name: (name,) for name in (*POSITIVE, "friction")}, "base": (*PLACE, *TURN)}  # what a user names
 DETERMINED = 0.5  # largest standard deviation of a parameter that is determined, over its plausible deviation [-]
 
 

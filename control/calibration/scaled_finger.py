@@ -14,22 +14,25 @@ from typing import NamedTuple
 
 import numpy as np
 
+from control.calibration.guided import along, turn
 from rom.answer import FORCE
 from rom.brief import brief
 from rom.dataset.actuators import refuse_chambers
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 
-MODULUS, SIZE, DENSITY = range(3)  # columns of the derivatives by similarity
+MODULUS, SIZE, DENSITY, FRICTION = range(4)  # columns of the derivatives by similarity
+FRICTION_STEP = 2e-3  # of the difference by friction [-]
 STEP = 1e-4  # of the central difference by the logarithm of the weight [-]
 
 
 class Scales(NamedTuple):
-    """Modulus, size and density of the rubber, each over the model's [-]."""
+    """Modulus, size and density of the rubber, each over the model's, and friction in the guides [-]."""
 
     modulus: float = 1.0
     size: float = 1.0
     density: float = 1.0
+    friction: float = 0.0
 
     @property
     def force(self) -> float:
@@ -42,7 +45,8 @@ class Outputs(NamedTuple):
     """Outputs of a finger with t tendons in n states.
 
     The rows of the derivatives are position, 3 [m]; turn of the tip plate about its own axes, 3 [rad]; shortenings,
-    t [m]; contact force [N]. The columns of the second are the logarithms of modulus, size and density.
+    t [m]; contact force [N]. The columns of the second are the logarithms of modulus, size and density,
+    and friction.
 
     Attributes:
         position: of the tip plate's centre, shape (n, 3) [m].
@@ -50,7 +54,7 @@ class Outputs(NamedTuple):
         shortening: shape (n, t) [m].
         contact_force: shape (n,) [N].
         by_tension: shape (n, 7 + t, t) [per N].
-        by_scales: shape (n, 7 + t, 3) [per 1].
+        by_scales: shape (n, 7 + t, 4) [per 1].
         inside: whether the states lie where the model was trained, shape (n,).
     """
 
@@ -69,11 +73,12 @@ class ScaledFinger:
     Args:
         model: the finger. Its plane's distance d is from the finger's surface at rest, at any size.
         weight: whether the density changes: the derivative by it takes two more evaluations.
+        guides: whether tendons rub in their guides: the states are a history, see `control.calibration.guided`.
     """
 
-    def __init__(self, model: TouchedSegment, weight: bool = False):
+    def __init__(self, model: TouchedSegment, weight: bool = False, guides: bool = False):
         refuse_chambers(model.scene, "a log to calibrate on")
-        self.model, self.weight = model, weight
+        self.model, self.weight, self.guides = model, weight, guides
 
     def at(self, scales: Scales, tensions: np.ndarray, distances: np.ndarray) -> Outputs:
         """Outputs at tensions, shape (n, t) [N], and distances, shape (n,) [m], infinite without contact."""
@@ -81,6 +86,11 @@ class ScaledFinger:
         points = np.column_stack([tensions / force, distances / size])
         pull = self._weighing(scales)
         values, orientation, jacobians, inside = _evaluated(pull, points)
+        by_friction = np.zeros_like(values)
+        if self.guides:
+            values, orientation, by_own, inside = along(pull, points, scales.friction)
+            jacobians[..., :-1] = by_own
+            by_friction = _by_friction(pull, points, scales.friction)
         t = tensions.shape[1]
         rows = np.concatenate([np.full(3, size), np.ones(3), np.full(t, size), [force]])
         by_input = rows[:, None] * jacobians
@@ -90,7 +100,8 @@ class ScaledFinger:
         by_pull = self._by_weight(scales, points) * rows
         scaled = values * rows
         lengths, forces = (np.isin(np.arange(7 + t), those) for those in ([0, 1, 2, *range(6, 6 + t)], [6 + t]))
-        by_scales = np.empty((*scaled.shape, 3))
+        by_scales = np.empty((*scaled.shape, 4))
+        by_scales[..., FRICTION] = by_friction * rows
         by_scales[..., MODULUS] = scaled * forces - by_force - by_pull
         by_scales[..., SIZE] = scaled * (lengths + 2.0 * forces) - 2 * by_force - by_distance * reach[:, None] + by_pull
         by_scales[..., DENSITY] = self._by_density(scales, points) * rows
@@ -140,6 +151,15 @@ def _evaluated(model: TouchedSegment, points: np.ndarray) -> tuple[np.ndarray, n
     return values, report.orientation, np.concatenate(jacobians, axis=1), answers.inside & report.inside
 
 
+def _by_friction(model: TouchedSegment, points: np.ndarray, friction: float) -> np.ndarray:
+    """Derivatives of the values by the friction, by a difference that is central where the friction allows it."""
+    ends = max(friction - FRICTION_STEP, 0.0), max(friction, 0.0) + FRICTION_STEP
+    behind, ahead = (along(model, points, one, derivatives=False) for one in ends)
+    found = (ahead.values - behind.values) / (ends[1] - ends[0])
+    found[:, 3:6] = turn(behind.orientation, ahead.orientation) / (ends[1] - ends[0])
+    return found
+
+
 def _left(quaternions: np.ndarray) -> np.ndarray:
     """Matrices, shape (n, 4, 4), that multiply by the conjugates of quaternions from the left."""
     w, x, y, z = quaternions.T
@@ -149,6 +169,5 @@ def _left(quaternions: np.ndarray) -> np.ndarray:
 def _difference(ahead: tuple[np.ndarray, np.ndarray], behind: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """Central differences of values; of orientations as turns about the plate's axes."""
     found = (ahead[0] - behind[0]) / (2 * STEP)
-    relative = np.einsum("nij,nj->ni", _left(behind[1]), ahead[1])
-    found[:, 3:6] = 2 * relative[:, 1:] * np.sign(relative[:, :1]) / (2 * STEP)
+    found[:, 3:6] = turn(behind[1], ahead[1]) / (2 * STEP)
     return found

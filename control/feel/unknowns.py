@@ -13,7 +13,6 @@ from control.least_squares import Rules, struct
 from control.native import CONTROL
 from control.outcomes import beyond
 from rom.brief import brief
-from rom.dataset.actuators import refuse_chambers
 from rom.native import pointer
 from rom.rod.rod import Rod
 
@@ -44,12 +43,8 @@ class Unknowns:
     touching: Any = None
 
     def __post_init__(self) -> None:
-        refuse_chambers(self.rod.scene, "a contact felt by tendons")
         if not self.rod.struct.segments[0].sixes:
             raise ValueError("model must have laws of shortenings to feel a contact, got one without: train it again")
-
-        if self.rod.scene.get("chambers"):
-            raise ValueError("model must have tendons alone to feel a contact, got one with chambers")
 
     @cached_property
     def felt(self) -> Any:

@@ -73,8 +73,8 @@ class Forms:
     moduli: list[Moduli]  # of the volume energies but the straight tendons'
     other_tangent: fem.Form | None  # the tangent of what else there is [N/m]
     strain_energy: fem.Form  # of rubber, all relaxed, and plates [J]
-    tendon_energy: fem.Form  # and of chambers [J]; at unit tension a length [m], at unit pressure -V [m^3]
-    tendon_force: fem.Form  # its gradient [N]; at unit tension that of a tendon's length [-]
+    actuator_energy: fem.Form  # of tendons and chambers [J]; at unit tension a length [m], at unit pressure -V [m^3]
+    actuator_force: fem.Form  # its gradient [N]; at unit tension that of a tendon's length [-]
     tip: list[fem.Form]  # integral of the displacement over the tip plate, three components [m^4]
     tip_gradient: list[fem.Form]  # [m^3]
     contact: list[ContactForms]  # by body
@@ -104,11 +104,11 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
 
     solids = integrals([*by_region(rubber), plates])
     relaxed = integrals([*by_region(rubber_terms(scene.laws, number, degree)), plates])
-    residual, tendon_energy = residual_of([*solids, *integrals(pulled)], u), total(integrals(probed), u)
+    residual, actuator_energy = residual_of([*solids, *integrals(pulled)], u), total(integrals(probed), u)
     stiffening = []  # tangents of what is not in the moduli
     for pulling, probing in _other_actuators(scene, mesh, fields):
         force = ufl.derivative(pulling, u, v)
-        residual, tendon_energy = residual + force, tendon_energy + probing
+        residual, actuator_energy = residual + force, actuator_energy + probing
         stiffening.append(ufl.derivative(force, u, w))
 
     on_contact = []
@@ -124,8 +124,8 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
         "residual": residual,
         "other_tangent": sum(stiffening) if stiffening else None,
         "strain_energy": total(relaxed, u),
-        "tendon_energy": tendon_energy,
-        "tendon_force": ufl.derivative(tendon_energy, u, v),
+        "actuator_energy": actuator_energy,
+        "actuator_force": ufl.derivative(actuator_energy, u, v),
         "tip": tip,
         "tip_gradient": [ufl.derivative(form, u, v) for form in tip],
         "contact": on_contact,

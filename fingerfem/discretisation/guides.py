@@ -87,5 +87,5 @@ class GuideLayers:
             for layer in cells:
                 density[:] = 0.0
                 density[layer] = 1.0 / area
-                found.append(problem.gradient(problem.forms.tendon_force))
+                found.append(problem.gradient(problem.forms.actuator_force))
         return found

@@ -187,7 +187,7 @@ class Problem(Assembly):
     def energy(self) -> float:
         """Total potential [J]."""
         self.actuators.probe(self.tensions)
-        forms = [self.forms.strain_energy, self.forms.tendon_energy]
+        forms = [self.forms.strain_energy, self.forms.actuator_energy]
         fallen = 0.0 if self._weight is None else self._weight @ self.displacement[: len(self._weight)]
         touched = 0.0 if self.contact is None else self.contact.energy()
         at_rest = float(self.tensions[len(self.rest_lengths) :] @ self.rest_volumes)
@@ -205,14 +205,17 @@ class Problem(Assembly):
         return b
 
     def tendon_length(self, k: int) -> float:
-        """Length of tendon k between its ends [m]: the tendon energy at unit tension."""
-        self.actuators.probe(np.eye(len(self.tensions))[k])
-        return self.scalar(self.forms.tendon_energy)
+        """Length of tendon k between its ends [m]: the actuators' energy at unit tension."""
+        return self._energy_at_unit_load(k)
 
     def chamber_volumes(self) -> np.ndarray:
         """Of the chambers, shape (chambers,) [m^3]: of each minus the energy at unit pressure."""
-        tendons = len(self.scene.tendons)
-        return np.array([-self.tendon_length(tendons + k) for k in range(len(self.scene.chambers))])
+        chambers = range(len(self.scene.tendons), len(self.tensions))
+        return -np.array([self._energy_at_unit_load(k) for k in chambers])
+
+    def _energy_at_unit_load(self, k: int) -> float:
+        self.actuators.probe(np.eye(len(self.tensions))[k])
+        return self.scalar(self.forms.actuator_energy)
 
     def unsymmetric(self) -> LowRank | None:
         """What following loads and friction take from the tangent; None without any (collective)."""
@@ -245,7 +248,7 @@ class Problem(Assembly):
         dragged = None
         if self.contact is not None and self.contact.friction is not None and carried is not None:
             dragged = self.contact.friction.load_gradient(carried)
-        b = self.gradient(self.forms.tendon_force, dragged)
+        b = self.gradient(self.forms.actuator_force, dragged)
         if distance and self.contact is not None:
             pull = self.contact.force_gradient()
             b.axpy(-distance, pull)

@@ -36,11 +36,13 @@ def simulate(
     Interrupted, the same command goes on. A step that fails is repeated smaller.
     """
     require(*SOLVING, "matplotlib")
+    from fingerfem.dynamics.generalised_alpha import MotionStopped
     from fingerfem.dynamics.motion import read_motion
     from fingerfem.dynamics.plots import write_motion
     from fingerfem.dynamics.records import Records
-    from fingerfem.dynamics.simulation import MotionStopped, Simulation
+    from fingerfem.dynamics.simulation import Simulation
 
+    _check_ranks()
     scene = fingerfem.load_scene(scene_file)
     motion = read_motion(motion_file, scene)
     simulation = Simulation(scene, motion)
@@ -57,9 +59,10 @@ def simulate(
         except MotionStopped as failure:
             reason = str(failure)
             say(reason)
-    write_motion(records.rows, output / "motion.png")
-    last = records.rows[-1]
-    found = {"converged": reason is None, "steps": len(records.rows) - 1} | last
+    found: dict[str, Any] = {"converged": reason is None, "steps": max(len(records.rows) - 1, 0)}
+    if records.rows:
+        write_motion(records.rows, output / "motion.png")
+        found |= {name: None if np.isnan(value) else value for name, value in records.rows[-1].items()}
     finish(found | ({} if reason is None else {"reason": reason}), as_json, 0 if reason is None else NOTHING_USABLE)
 
 
@@ -82,6 +85,7 @@ def modes(
     from fingerfem.dynamics.modes import ModalAnalysis
     from fingerfem.scene.loads import read_loads
 
+    _check_ranks()
     scene = fingerfem.load_scene(scene_file)
     asked = read_loads(scene, loads or [])
     if np.any(asked.pop("wrenches", 0.0)):
@@ -101,3 +105,11 @@ def modes(
         write_mode_fields(analysis.problem, found, paraview)
     named = {f"mode_{k + 1}": title for k, title in enumerate(found.titles)}
     finish({"converged": True} | (found.as_json() if as_json else named | {"mass": found.mass}), as_json)
+
+
+def _check_ranks() -> None:
+    """Refuse several ranks, of which each would do the same."""
+    from mpi4py import MPI
+
+    if MPI.COMM_WORLD.size > 1:
+        raise ValueError(f"motion and modes must be of one rank, got {MPI.COMM_WORLD.size}")

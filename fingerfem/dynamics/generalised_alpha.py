@@ -28,6 +28,19 @@ FASTEST = 0.3  # turn of the base in a step that Newton's method, which leaves s
 ATTEMPTS: tuple[tuple[Strategy, bool], ...] = (("mixed", True), ("plain", True), ("plain", False))  # and if predicted
 
 
+class MotionStopped(Exception):
+    """No step leads on from a time of the motion [s]; what was reported until then stands.
+
+    Args:
+        reason: why.
+        time: of the last state [s].
+    """
+
+    def __init__(self, reason: str, time: float):
+        super().__init__(f"no step leads on from {time:.6g} s: {reason}")
+        self.reason, self.time = reason, time
+
+
 @dataclass(frozen=True)
 class Scheme:
     """Coefficients of a spectral radius at high frequencies."""
@@ -96,13 +109,17 @@ class Stepper:
         be noise.
 
         Raises:
-            NotConverged: the matrix is singular.
+            MotionStopped: the matrix is singular.
         """
         self.place(state, after=True)
         residual, _ = self.problem.residual()
         resolved = 1 / (self._scheme.beta * self.motion.time.step**2)
         self.problem.inertia = Inertia(resolved, np.zeros_like(state.velocity), 0.0, state.velocity)
-        return replace(state, acceleration=-resolved * self._newton.linearise().solve(residual))
+        try:
+            change = self._newton.linearise().solve(residual)
+        except NotConverged as failure:
+            raise MotionStopped(failure.reason, state.time) from None
+        return replace(state, acceleration=-resolved * change)
 
     def place(self, state: MovingState, after: bool) -> None:
         """Have the problem be in a state, with the loads after or before its time, as if it were an equilibrium."""

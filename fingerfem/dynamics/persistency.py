@@ -24,6 +24,7 @@ from fingerfem.discretisation.contact.closest_points import Springs
 from fingerfem.discretisation.forms import contact_groups, surface_measure
 from fingerfem.dynamics.moving_problem import MovingProblem, product, solution
 from fingerfem.equilibrium.factorisation import Factorisation
+from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.mechanics import contact
 
 DAMPING = 10.0  # c [-]
@@ -64,7 +65,7 @@ class Persistency:
             speed: of the obstacle along its direction [m/s].
 
         Raises:
-            RuntimeError: the matrix has no factors.
+            NotConverged: the matrix has no factors.
         """
         problem, matrix, factor = self._problem, self._matrix, DAMPING * step**2
         if not np.abs(self._contact.nodal_force()).max(initial=0.0) > 0:
@@ -83,7 +84,7 @@ class Persistency:
         matrix.assemble()
         reason = self._factorisation.update()
         if reason is not None:
-            raise RuntimeError(f"the velocity of contact cannot be found: {reason}")
+            raise NotConverged(f"the velocity of contact cannot be found: {reason}")
         first, *others = (problem.times_mass(one) for one in values)
         return [solution(self._factorisation, one, problem.held) for one in (first + pulled, *others)]
 

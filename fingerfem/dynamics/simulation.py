@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from fingerfem.dynamics.energy_balance import Balance, EnergyBalance
-from fingerfem.dynamics.generalised_alpha import MovingState, Stepper
+from fingerfem.dynamics.generalised_alpha import MotionStopped, MovingState, Stepper
 from fingerfem.dynamics.motion import Motion
 from fingerfem.dynamics.moving_problem import MovingProblem
 from fingerfem.equilibrium.continuation import Continuation
@@ -21,19 +21,6 @@ from rom.dataset import rigid_motion
 SMALLEST = 2.0**-14  # of the step that is asked for, below which a motion is given up [-]
 MADE = 0.01  # energy from nowhere, over the largest energy so far, that a motion may have [-]
 GROWTH, SHRINKAGE, SAFETY = 2.0, 0.2, 0.9  # of the next step over the last one [-]
-
-
-class MotionStopped(Exception):
-    """No step leads on from a time of the motion [s]; what was reported until then stands.
-
-    Args:
-        reason: why.
-        time: of the last state [s].
-    """
-
-    def __init__(self, reason: str, time: float):
-        super().__init__(f"no step leads on from {time:.6g} s: {reason}")
-        self.reason, self.time = reason, time
 
 
 class _Repeat(Exception):

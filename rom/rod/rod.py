@@ -34,7 +34,7 @@ from rom.rod.chain_of_rod import chain_of
 from rom.rod.compiled import reports
 from rom.rod.expected_errors import ExpectedErrors, expected_errors
 from rom.rod.limits import check as check_rod
-from rom.rod.scene_of_rod import Similarity, of_tables, read_scene, similarity
+from rom.rod.scene_of_rod import Similarity, of_tables, passing, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
 from rom.rod.weight import turned
 
@@ -121,18 +121,10 @@ class Rod(PickledByFields):
     @cached_property
     def segments(self) -> list[Segment]:
         """Segments from clamp to tip; a tendon passes all segments up to its plate, chambers are in the only one."""
-        found, pulled = [], len(self.elements.scene["tendons"])
-        chambers = [
-            (chamber["name"], pulled + trained)
-            for chamber, trained in zip(self.scene.get("chambers") or [], self.similarity.chambers, strict=True)
-        ]
+        found = []
         for k, own in enumerate(self.pieces):
-            passing = [
-                (tendon["name"], trained)
-                for tendon, trained in zip(self.scene["tendons"], self.similarity.tendons, strict=True)
-                if tendon["segment"] > k
-            ] + chambers
-            found.append(segment_of(self.own, own, [name for name, _ in passing], [which for _, which in passing]))
+            names, trained = passing(self.elements.scene, self.scene, self.similarity, k)
+            found.append(segment_of(self.own, own, names, trained))
         return found
 
     @property

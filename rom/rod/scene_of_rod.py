@@ -40,6 +40,26 @@ class Similarity(NamedTuple):
     chambers: list[int]
 
 
+def passing(
+    trained: Mapping[str, Any], scene: Mapping[str, Any], found: Similarity, segment: int
+) -> tuple[list[str], list[int]]:
+    """The loads of a segment, counted from 0: their names, and which of the elements' loads they are.
+
+    A tendon passes all segments up to its plate. Chambers are in the only segment.
+    """
+    pairs = [
+        (tendon["name"], which)
+        for tendon, which in zip(scene["tendons"], found.tendons, strict=True)
+        if tendon["segment"] > segment
+    ]
+    tendons = len(trained["tendons"])
+    pairs += [
+        (chamber["name"], tendons + which)
+        for chamber, which in zip(scene.get("chambers") or [], found.chambers, strict=True)
+    ]
+    return [name for name, _ in pairs], [which for _, which in pairs]
+
+
 def read_scene(path: str | Path) -> dict[str, Any]:
     """The tables of a scene's file that a rod needs.
 

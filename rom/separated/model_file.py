@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 
 from rom.checked_file import read_tree, require, shaped
+from rom.dataset.actuators import count_of
 from rom.native import LIBRARY
 from rom.parameter import Parameter
 from rom.rod.scene_of_rod import of_tables
@@ -59,7 +60,7 @@ def read(file: h5py.File) -> dict[str, Any]:
     require(all(isinstance(text, str) for text in texts), "parameters must have text as names and units", texts)
     _check_ends("parameters", np.array([[one.lower, one.upper] for one in parameters], float).T)
     scene = tree["scene"] | of_tables(tree["scene"])
-    require(len(scene["tendons"]) == p - 1, f"tendons must be {p - 1}", len(scene["tendons"]))
+    require(count_of(scene) == p - 1, f"tendons and chambers must be {p - 1}", count_of(scene))
     nodes = tree["displacement"]["nodes"] if "displacement" in tree else None
     if nodes is not None:
         shaped("nodes", nodes, (len(nodes), 3))

@@ -18,7 +18,7 @@ from studies.rods.random_objects import DEPTHS, DISTANCE, SHAPES, on_surface
 EACH, SEED = 25, 21  # states by shape; of the draws
 FORCES = 0.1, 15.0  # least and largest contact force that is compared [N]
 AROUND = DEPTHS[1] + 2e-3, 2e-3  # how far the range of distances reaches below and above first touch [m]
-SAMPLES = 400  # cross-sections among which the nearest one to a contact is taken
+SAMPLES = 12  # cross-sections, from the nearest of which the position of a contact is measured
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,4 +108,6 @@ def resultant(finger: Rod, case: Case) -> tuple[float, np.ndarray]:
     ahead = np.einsum("nk,nk->n", place - sections.centres, sections.rotations[:, :, 0])
     near = int(np.argmin(np.linalg.norm(place - sections.centres, axis=1) + np.abs(ahead)))
     size = case.contact_force / float(model.evaluate(point).contact_force)
-    return float(at[near]), size * (forces.sum(axis=0) @ sections.rotations[near])[1:]
+    return float(np.clip(at[near] + ahead[near], at[0], at[-1])), size * (
+        forces.sum(axis=0) @ sections.rotations[near]
+    )[1:]

@@ -89,7 +89,7 @@ def test_a_test_of_a_material_becomes_a_hanging_finger_that_holds_a_force(tmp_pa
         if file:
             Path(file).write_text(block)
             continue
-        for line in block.splitlines() if kind == "bash" else [f"{sys.executable} -c '{block}'"]:
+        for line in block.splitlines() if kind == "bash" else [f"python3 -c '{block}'"]:
             words = line.removeprefix("docker/run ").replace("python3", sys.executable)
             done = subprocess.run(words, shell=True, env=os.environ | {"PYTHONPATH": str(ROOT)}, **RUN)
             assert done.returncode == 0, done.stderr

@@ -198,3 +198,25 @@ def test_poses_beyond_the_trained_domain_are_left_out_and_named(tmp_path):
     assert set(map(str, beyond)) <= set(line.partition("lines ")[2].partition(";")[0].split(", "))
     assert found.poses <= 30 - len(beyond)
     assert found.value("modulus") == pytest.approx(0.9 * found.parameters[0].start, rel=0.03)
+
+
+def test_without_noise_friction_of_the_guides_is_exact(tmp_path):
+    scales = Scales(modulus=0.9, friction=0.2)
+    file = written(tmp_path / "log.csv", columns(13, count=16, noise=0.0, scales=scales), *TENSIONS, *POSE)
+    found = fitted(file, "modulus", "base", "friction")
+    assert found.value("friction") == pytest.approx(0.2, abs=1e-7)
+    assert found.value("modulus") == pytest.approx(0.9 * found.parameters[0].start, rel=1e-7)
+    assert not found.undetermined and not found.warnings
+    assert found.rod.errors.position > 1e-4  # answers have no friction of the guides
+
+
+def test_friction_that_is_not_fitted_is_warned_of_as_hysteresis(tmp_path):
+    values = columns(14, count=30, noise=0.3, scales=Scales(modulus=0.9, friction=0.3))
+    found = fitted(written(tmp_path / "log.csv", values, *TENSIONS, *POSE), "modulus", "base")
+    assert any(line.startswith("hysteresis: at equal readings,") for line in found.warnings), found.warnings
+
+
+def test_friction_needs_tensions_or_torques(tmp_path):
+    file = written(tmp_path / "log.csv", columns(1), "F1 [mm]", "F2 [mm]", *POSE)
+    with pytest.raises(ValueError, match="friction must be fitted to tensions or torques, got neither in"):
+        fitted(file, "modulus", "friction")

@@ -94,7 +94,7 @@ def test_an_empty_cell_of_a_motor_is_named_and_one_of_a_position_is_not_used(tmp
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"fit": ["weight"]}, "fit must be of modulus, size, density, pulley_radius, base, got weight"),
+        ({"fit": ["weight"]}, "fit must be of modulus, size, density, pulley_radius, friction, base, got weight"),
         ({"noise": {"position": 0.0}}, "noise must be above 0, of tension, .* got position = 0"),
         ({"pulley_radius": -1.0}, "pulley_radius must be above 0 m, got -1"),
     ],

@@ -165,3 +165,8 @@ def test_copies_feel_alike(model, copied):
     measured = model.evaluate([*tensions, d]).shortenings
     for one in (KnownObjects(model, NOISE), UnknownForce(model.rod, NOISE)):
         assert np.array_equal(copied(one).feel(tensions, measured).values, one.feel(tensions, measured).values)
+
+
+def test_a_finger_with_chambers_is_refused(chambered):
+    with pytest.raises(ValueError, match="must be of a finger with tendons alone, got one with 2 chambers"):
+        UnknownForce(chambered, NOISE).feel([1.0, 0.0, 0.0], [0.0, 0.0, 0.0])

@@ -38,7 +38,7 @@ def owned(vector) -> np.ndarray:
 
 
 def test_a_gradient_is_the_vector_but_for_what_is_held(whole):
-    form = whole.forms.tendon_force
+    form = whole.forms.actuator_force
     whole.actuators.probe(TENSIONS)
     vector, gradient = owned(whole.vector(form)), owned(whole.gradient(form))
     free = np.setdiff1d(np.arange(len(vector)), whole.held)
@@ -48,19 +48,19 @@ def test_a_gradient_is_the_vector_but_for_what_is_held(whole):
 
 def test_a_gradient_is_the_difference_of_its_energy(whole):
     whole.actuators.probe(TENSIONS)
-    gradient = owned(whole.gradient(whole.forms.tendon_force))
+    gradient = owned(whole.gradient(whole.forms.actuator_force))
     along = np.random.default_rng(0).standard_normal(len(gradient))
     along[whole.held] = 0.0
     at, h, energies = whole.displacement.copy(), 1e-7, []
     for sign in (1, -1):
         whole.displacement[:] = at + sign * h * along
-        energies.append(whole.scalar(whole.forms.tendon_energy))
+        energies.append(whole.scalar(whole.forms.actuator_energy))
     whole.displacement[:] = at
     assert (energies[0] - energies[1]) / (2 * h) == pytest.approx(gradient @ along, rel=1e-5)
 
 
 def test_what_there_is_besides_is_added_at_its_nodes(whole):
-    form, nodes = whole.forms.tendon_force, len(whole.displacement) // 3
+    form, nodes = whole.forms.actuator_force, len(whole.displacement) // 3
     besides = np.random.default_rng(1).standard_normal((nodes, 3))
     alone, both = owned(whole.vector(form)), owned(whole.vector(form, besides))
     assert both - alone == pytest.approx(besides.ravel(), abs=1e-12)
@@ -80,7 +80,7 @@ def test_half_a_finger_counts_as_the_whole_one():
 @pytest.mark.mpi
 def test_ranks_sum_what_they_have_at_the_nodes_that_they_share():
     shared = problem(comm=MPI.COMM_WORLD)
-    form, nodes = shared.forms.tendon_force, len(shared.displacement) // 3
+    form, nodes = shared.forms.actuator_force, len(shared.displacement) // 3
     alone, both = shared.nodal(form).copy(), shared.nodal(form, np.ones((nodes, 3)))
     sharing = (both - alone)[: shared.space.dofmap.index_map.size_local]
     everywhere = shared.comm.allreduce(nodes)

@@ -157,7 +157,7 @@ def test_the_potential_s_forces_are_those_of_pressure_on_the_wall(x):
     push = ufl.inner(cofactor(deformation_gradient(problem.fields.u)) * normal, v)
     expected = problem.nodal(fem.form(push * wall(regions.WALL))).ravel()
     problem.actuators.probe([0.0, 1.0])
-    found = problem.nodal(problem.forms.tendon_force).ravel()
+    found = problem.nodal(problem.forms.actuator_force).ravel()
     free = np.ones((expected.size // 3, 3), bool)
     free[problem.space.tabulate_dof_coordinates()[:, 2] < 1e-9, 2] = (
         False  # across the cut its mirror image balances it

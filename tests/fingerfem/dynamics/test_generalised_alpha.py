@@ -47,36 +47,36 @@ def test_halved_steps_quarter_the_error(moving, radius):
 
 
 def test_energy_is_kept_at_every_step_to_the_order_of_the_method(moving):
-    """No step loses or makes more than a thousandth of the largest energy, and halved steps a quarter of it."""
+    """No step loses or makes more than a millionth of the largest energy, and halved steps a quarter of it."""
     moving["material"]["prony"] = [[0.3, 0.01]]
     worst = []
     for step in (5e-4, 2.5e-4):
         rows = rows_of(moving, {"end": 0.06, "step": step, "spectral_radius": 1.0}, SMOOTH)
         lost = np.array([row["lost"] for row in rows])
         scale = max(row["strain"] + row["kinetic"] for row in rows)
-        assert np.abs(np.diff(lost)).max() < 1e-3 * scale
+        assert np.abs(np.diff(lost)).max() < 1e-6 * scale
         assert rows[-1]["branches"] > 0.02 * scale
         worst.append(np.abs(lost).max() / scale)
-    assert worst[0] < 2e-3 and worst[1] < 0.35 * worst[0]
+    assert worst[0] < 1e-5 and worst[1] < 0.35 * worst[0]
 
 
-def test_one_branch_makes_a_mode_decay_as_the_oscillator_s_closed_form(moving):
+def test_one_branch_makes_a_mode_of_a_bent_finger_decay_as_the_oscillator_s_closed_form(moving):
     """q'' + w^2 q + r = 0, r' + r / tau = (w0^2 - w^2) q' with the frequencies w relaxed and w0 at once."""
     tau, amplitude = 0.008, 1e-5  # [s], [kg^1/2 m]
     moving["material"]["prony"] = [[0.2, tau]]
     moving["mesh"]["symmetry"] = False
     scene = Scene.model_validate(moving)
     analysis = ModalAnalysis(scene)
-    relaxed, fast = (analysis.solve([0.0], count=3, instantaneous=now) for now in (False, True))
+    relaxed, fast = (analysis.solve([2.0], count=3, instantaneous=now) for now in (False, True))
     k = int(np.argmax(relaxed.participation[:2, 2]))  # in z, across the tendon
     w, w0 = (2 * np.pi * one.frequencies[k] for one in (relaxed, fast))
     shape = relaxed.shapes[k]
-    simulation = Simulation(scene, motion_of({"time": {"end": 0.15, "step": 5e-4, "spectral_radius": 1.0}}, scene))
+    time = {"end": 0.15, "step": 5e-4, "spectral_radius": 1.0}
+    simulation = Simulation(scene, motion_of({"time": time, "loads": {"F1": 2.0}}, scene))
     moment, found = simulation.begin(amplitude * w * shape), []
-    simulation.run(
-        lambda row, now: found.append((row["time"], shape @ analysis.problem.times_mass(now.state.displacement))),
-        moment,
-    )
+    modal = analysis.problem.times_mass(shape)
+    bent = moment.state.displacement
+    simulation.run(lambda row, now: found.append((row["time"], modal @ (now.state.displacement - bent))), moment)
     times, q = np.array(found).T
     # (q, q', r)' = A (q, q', r)
     A = np.array([[0, 1, 0], [-(w**2), 0, -1], [0, w0**2 - w**2, -1 / tau]])

@@ -8,9 +8,10 @@ from typer.testing import CliRunner
 
 from fingerfem.__main__ import app
 from fingerfem.dynamics import simulation as module
+from fingerfem.dynamics.generalised_alpha import MotionStopped
 from fingerfem.dynamics.motion import motion_of
 from fingerfem.dynamics.records import Records
-from fingerfem.dynamics.simulation import MotionStopped, Simulation
+from fingerfem.dynamics.simulation import Simulation
 from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.scene.scene import Scene
 

@@ -244,7 +244,7 @@ def test_the_eliminated_pressure_is_the_unknown_of_a_saddle_point(planar):
     body = distortional(C) * dx(regions.of_material(0)) + strain_energy.energy(STEEL)(C) * dx(regions.PLATES)
     pressure = fem.assemble_vector(fem.form(ufl.derivative(p * J * one_point, u, v))).array
     explicit = pressure + fem.assemble_vector(fem.form(ufl.derivative(body, u, v))).array
-    explicit += fem.assemble_vector(model.problem.forms.tendon_force).array
+    explicit += fem.assemble_vector(model.problem.forms.actuator_force).array
     ours = fem.assemble_vector(model.problem.forms.residual).array
     assert np.abs(explicit - ours).max() < 1e-9 * np.abs(pressure).max()
     assert np.abs(pressure).max() > 1.0  # the pressure does bear on the answer

@@ -117,3 +117,17 @@ def test_a_section_off_its_axis_is_refused(tmp_path):
         SceneError, match=r"section.file must give a centroid within 2e-06 m of the axis .* got y = 0.0005"
     ):
         describe(Scene.model_validate(whole), {})
+
+
+@pytest.mark.long
+def test_states_of_a_coarse_round_mesh_are_where_those_of_a_fine_one_begin(tmp_path):
+    """Fields go from mesh to mesh by triangles of a section's nodes; the states are those from rest."""
+    sampling = {"sampling": {"lines": 3, "wrenches": 1}, "coarse": {"cells": [12, 4]}}
+    scene = tmp_path / "scene.toml"
+    scene.write_text(as_toml(table("circle", tmp_path) | sampling))
+    run(1, scene, tmp_path / "coarse", "--coarse")
+    run(1, scene, tmp_path / "rest")
+    run(1, scene, tmp_path / "near", "--near", str(tmp_path / "coarse"))
+    near, rest = SnapshotSet(tmp_path / "near"), SnapshotSet(tmp_path / "rest")
+    assert not near.failures and near.iterations < rest.iterations
+    assert near.answered("section_place") == pytest.approx(rest.answered("section_place"), abs=1e-9)

@@ -46,7 +46,9 @@ def test_limits_are_the_finger_s_own_and_need_less_stack_than_the_library_s(mode
     powers = [int(law.polynomial.powers.max()) for law in model.rod.elements.laws.values()]
     assert max(powers) <= own["FINGERFEM_MOST_POWER"] <= most["FINGERFEM_MOST_POWER"]
     assert _stack(own) < _stack(most)
-    declared = "enum { x__FINGERFEM_MOST_PLATES = 8, x__FINGERFEM_MOST_ELEMENTS = 99, x__FINGERFEM_MOST_POWER = 31 };"
+    assert own["FINGERFEM_MOST_VERTICES"] == 1  # a square needs none
+    limits = {"PLATES": 8, "ELEMENTS": 99, "POWER": 31, "VERTICES": 64}
+    declared = "".join(f"enum {{ x__FINGERFEM_MOST_{name} = {value} }};" for name, value in limits.items())
     found = dict(re.findall(r"x__(\w+) = (\d+)", _limited(declared, own)))
     assert {name: int(value) for name, value in found.items()} == own
 

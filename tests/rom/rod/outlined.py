@@ -20,6 +20,7 @@ OUTLINES = {
     "hexagon": SectionOutline(vertices=HEXAGON),
     "64 corners": SectionOutline.hull(SectionOutline.circle(HALF).points(64)),
 }
+FLAT = SectionOutline.rectangle(HALF, 0.6 * HALF)
 SIDES = 2 * np.array([0.010, 0.008, 0.006])  # of a box [m]
 ROUNDING = 1e-3  # of its edges [m]
 ALONG = 400  # points of a slice
@@ -30,6 +31,14 @@ def rod_of(name: str) -> Rod:
     """The bundled finger with another outline."""
     bundled = TouchedSegment.load().rod
     return replace(bundled, elements=replace(bundled.elements, section=OUTLINES[name]))
+
+
+@cache
+def flat_rod() -> Rod:
+    """The bundled finger as if its corners were those of a rectangle: contact as on a square, with two sizes."""
+    bundled = TouchedSegment.load().rod
+    outlines = {kind: replace(one, half=FLAT.box) for kind, one in bundled.elements.outlines.items()}
+    return replace(bundled, elements=replace(bundled.elements, section=FLAT, outlines=outlines))
 
 
 def obstacles(centre: np.ndarray, out: np.ndarray, random: np.random.Generator) -> list[RigidObject]:
@@ -77,8 +86,12 @@ def slices(rod: Rod, sections: np.ndarray, which: Sequence[int], yz: np.ndarray,
     outline = rod.segments[0].section
     b, c = (yz / outline.box).T
     weights = np.stack([(1 - b) * (1 - c), (1 - b) * (1 + c), (1 + b) * (1 - c), (1 + b) * (1 + c)], axis=1) / 4
-    around = outline.points(1 << 14)
-    shape = (yz[:, 0] ** 2 - yz[:, 1] ** 2 - np.mean(around[:, 0] ** 2 - around[:, 1] ** 2)) / np.prod(outline.box)
+    if outline.is_rectangle:  # relative to its corners, and across its faces alone
+        level, across = np.diff(-(outline.box**2))[0], np.isclose(np.abs(yz), outline.box).T
+    else:
+        around, across = outline.points(1 << 14), np.ones((2, len(yz)), bool)
+        level = np.mean(around[:, 0] ** 2 - around[:, 1] ** 2)
+    along_y, along_z = across * (yz[:, 0] ** 2 - yz[:, 1] ** 2 - level) / np.prod(outline.box)
     share, found = np.linspace(0.0, 1.0, along)[:, None, None], []
     for k in which:
         ends = sections[k : k + 2]
@@ -91,7 +104,7 @@ def slices(rod: Rod, sections: np.ndarray, which: Sequence[int], yz: np.ndarray,
         bulges = (widths[:, ::2] - widths[:, 1::2]) / 8
         own = (1 - share) * (weights @ ends[0]) + share * (weights @ ends[1])
         chi = (1 - share) * bulges[0] + share * bulges[1]
-        found.append(own + shape[None, :, None] * (chi[..., 1:] * np.cross(x, y) - chi[..., :1] * y))
+        found.append(own + along_z[:, None] * chi[..., 1:] * np.cross(x, y) - along_y[:, None] * chi[..., :1] * y)
     return np.array(found)
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from rom.checked_file import ModelError
 from rom.elements.march import march
+from rom.rod.motion.moving_finger import MovingFinger
 from rom.rod.objects.shapes import Plane
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
@@ -166,3 +167,9 @@ def test_chambers_have_no_weight(chambered):
     assert heavy.place([0.0, 0.0, 0.0]).centres[0, 1] < -1e-7
     with pytest.raises(ModelError, match=r"gravity must be left out with chambers on one side: .* got chambers p1"):
         chambered.assembled(one.scene() | {"gravity": gravity, "chambers": one.scene()["chambers"][:1]})
+
+
+def test_what_is_for_tendons_alone_refuses_chambers(chambered):
+    model = TouchedSegment(rod=chambered, obstacle=plane(1.0))
+    with pytest.raises(ModelError, match=r"motion must be of a finger with tendons alone, got one with 2 chambers"):
+        MovingFinger(model, [0.0, 0.0, 0.0, np.inf], density=1000.0)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom import Plane, TouchedSegment
-from tests.rom.rod.outlined import OUTLINES, obstacles, rod_of, sampled_gap
+from tests.rom.rod.outlined import OUTLINES, flat_rod, obstacles, rod_of, sampled_gap
 from tests.rom.rod.test_rubber_contact import load_wrenches, pressed
 
 # What sampling is off; and, of a polygon of short sides, that its corners are compared slice by slice [m].
@@ -26,6 +26,21 @@ def test_gaps_are_those_of_a_dense_sampling_of_the_surface(name):
             gap = TouchedSegment(rod=rod, obstacle=obstacle).rubber_gap(np.array([*tensions, d]), wrench)
             sampled = sampled_gap(rod, tensions, wrench, obstacle, d)
             assert -SAMPLED < gap - sampled < (CORNERS if name == "64 corners" else 1e-10)
+
+
+def test_gaps_of_a_rectangle_are_those_of_its_edges_and_faces():
+    """Without tension, which raises ridges over tendons."""
+    rod, random, compared = flat_rod(), np.random.default_rng(6), 0
+    for _ in range(6):
+        wrench = random.uniform(-1, 1, (1, 6)) * [2, 2, 2, 0.03, 0.03, 0.03]
+        found = rod.sections(np.zeros(2), at=[random.uniform(0.4, 0.9) * rod.rest[0]])
+        out = found.rotations[0] @ [0.1 * random.standard_normal(), *random.standard_normal(2)]
+        out /= np.linalg.norm(out)
+        for obstacle in obstacles(found.centres[0] + rod.half_lengths[1] * out, out, random)[:3]:
+            gap = TouchedSegment(rod=rod, obstacle=obstacle).rubber_gap(np.zeros(3), wrench)
+            compared += 1
+            assert gap == pytest.approx(sampled_gap(rod, np.zeros(2), wrench, obstacle, 0.0), abs=3e-8)
+    assert compared == 18
 
 
 @pytest.mark.parametrize("name", ["circle", "rounded square"])

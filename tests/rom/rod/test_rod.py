@@ -108,7 +108,7 @@ WRONG = {
     "a negative modulus": ("material.C1", -1.0, "material.C1 must be above 0, got -1"),
     "far too long": ("geometry.segments", [1e6], "geometry.segments.0: segment must be at most .* m long"),
     "plate of a tendon": ("tendons.1.segment", 2, "tendons.F2.segment must be from 1 to 1, got 2"),
-    "one name twice": ("tendons.1.name", "F1", "tendons must have names of their own, got F1, F1"),
+    "one name twice": ("tendons.1.name", "F1", "tendons and chambers must have names of their own, got F1, F1"),
 }
 
 

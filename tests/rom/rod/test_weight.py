@@ -317,3 +317,11 @@ def test_a_finger_without_weight_has_no_direction_to_change(finger):
 def test_a_table_of_wrong_types_is_refused_by_its_key(table, rule):
     with pytest.raises(ModelError, match=rule):
         gravity_of(table)
+
+
+def test_densities_may_stand_in_a_table_of_their_own():
+    gravity = {"direction": [0, -1, 0], "density": None, "plate_density": 7850.0}
+    found = gravity_of(gravity, {"rubber": 1070.0, "plates": 8000.0})
+    assert found["density"] == 1070.0 and found["plate_density"] == 8000.0 and found["acceleration"] == 9.80665
+    with pytest.raises(ModelError, match="density must be a number, got None"):
+        gravity_of(gravity, {})

@@ -86,6 +86,13 @@ def test_the_softest_rubber_sags_until_its_tip_hangs(table):
     assert state.clamp_reaction[1] == pytest.approx(mass(model) * 9.80665, rel=1e-6)
 
 
+def test_densities_of_either_table_are_the_same_weight(table):
+    one = weighed(table, (0, -1, 0)).solve([5.0, 0.0], sensitivities=False)
+    own = table | {"density": {"rubber": RHO, "plates": STEEL}, "gravity": {"direction": [0.0, -1.0, 0.0]}}
+    other = FingerModel(Scene.model_validate(own)).solve([5.0, 0.0], sensitivities=False)
+    assert other.tip == pytest.approx(one.tip, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("changes", "rule"),
     [
@@ -98,6 +105,14 @@ def test_the_softest_rubber_sags_until_its_tip_hangs(table):
         (
             {"gravity": {"density": RHO, "direction": [0.0, 1.0, 0.0]}, "load": {"force": 5.0}},
             "gravity must be left out of a scene with a load",
+        ),
+        (
+            {"gravity": {"direction": [0.0, 1.0, 0.0]}},
+            "gravity.density must be given, or a table",
+        ),
+        (
+            {"density": {"rubber": RHO}, "gravity": {"density": RHO, "direction": [0.0, 1.0, 0.0]}},
+            "gravity.density must be left out where .density. has it, got 1070",
         ),
     ],
 )
