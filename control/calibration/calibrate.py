@@ -19,6 +19,7 @@ from control.calibration.scaled_finger import ScaledFinger
 from control.log import Log, read_log
 from rom.brief import brief
 from rom.csv_table import ANGLES, LENGTHS
+from rom.dataset.section import extent
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.rod.weight import gravity_of
@@ -115,7 +116,7 @@ def _before(model: TouchedSegment, log: Log, options: CalibrationOptions) -> Mea
     geometry = rod.scene["geometry"]
     starts = {
         "modulus": rod.segments[0].young_modulus,
-        "size": geometry["side"],
+        "size": extent(rod.scene),
         "density": rod.scene.get("gravity", {}).get("density", DENSITY),
         "pulley_radius": options.pulley_radius or 1.0,
         "friction": FRICTION if "friction" in fitted else 0.0,

@@ -37,7 +37,8 @@ class Estimate:
 
     Attributes:
         name: modulus, size, density, pulley_radius, friction, base_x ... base_rz.
-        unit: Pa, m, kg/m^3, rad or -. The modulus is Young's at small strain; the size is the side at the clamp.
+        unit: Pa, m, kg/m^3, rad or -. The modulus is Young's at small strain; the size is the
+            largest side of the section at the clamp.
         start: before the fit.
         value: fitted; the start along directions that the log does not determine.
         interval: that covers the true value with a probability of 95 %; None if the log does not determine it.

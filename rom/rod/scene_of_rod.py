@@ -20,7 +20,7 @@ from rom.dataset.geometry import sizes_of
 from rom.dataset.section import channel_width, extent
 from rom.file_kinds import uses_of
 from rom.rod.chambers_of_rod import chambers_of, matched, rescaled_chamber
-from rom.rod.section_of_rod import NEAR, equal, size_of_section, with_digest, without_square
+from rom.rod.section_of_rod import NEAR, equal, rescaled_section, size_of_section, with_digest, without_square
 from rom.rod.weight import gravity_of
 
 MOST_SEGMENTS = 8
@@ -178,6 +178,9 @@ def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str,
     """The scene of a finger with its modulus and all lengths multiplied by factors [-].
 
     Highest tensions and pressures fall where the trained ones do, and do not rise.
+
+    Raises:
+        ModelError: another size of a section that is read from a file.
     """
 
     def longer(value: Any) -> Any:
@@ -197,6 +200,8 @@ def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str,
     ]
     geometry = scene["geometry"] | lengths
     found = dict(scene) | {"geometry": geometry, "material": material, "tendons": tendons}
+    if scene.get("section"):
+        found["section"] = rescaled_section(scene["section"], size)
     if scene.get("chambers"):
         found["chambers"] = [rescaled_chamber(one, modulus, size) for one in scene["chambers"]]
     return found

@@ -92,6 +92,17 @@ def size_of_section(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> flo
     return float(own[first] / other[first])
 
 
+def rescaled_section(table: Mapping[str, Any], size: float) -> dict[str, Any]:
+    """A section whose lengths are multiplied by a size [-].
+
+    Raises:
+        ModelError: a section of a file, whose lengths are in the file.
+    """
+    if table["shape"] == FILE and size != 1:
+        raise ModelError(f"size must be 1 for a section of a file, got {size:.6g}")
+    return {name: size * value if name in SIZES[table["shape"]] else value for name, value in table.items()}
+
+
 def equal(name: str, value: float, wanted: float) -> None:
     """Refuse a number that differs from what elements were trained with.
 

@@ -7,7 +7,8 @@ import pytest
 
 from rom.checked_file import ModelError
 from rom.dataset.section import area, channel_width, extent, mean_squares, outline, top
-from rom.rod.scene_of_rod import of_tables, read_scene, similarity
+from rom.rod.scene_of_rod import of_tables, read_scene, rescaled, similarity
+from rom.rod.section_of_rod import rescaled_section
 
 GEOMETRY = {"segments": [0.06], "plate": 0.002, "channel": 0.003}  # [m]
 MATERIAL = {"law": "yeoh", "C1": 1e5, "C2": 2e4, "D1": 4e-7}
@@ -102,3 +103,15 @@ def test_a_file_is_known_by_its_content_and_brings_what_was_measured_of_it(tmp_p
     (tmp_path / "section.msh").write_text("another mesh")
     with pytest.raises(ModelError, match=r"section.file must have the content that the elements .* digest .* got .*"):
         similarity(trained, read_scene(tmp_path / "scene.toml"))
+
+
+@pytest.mark.parametrize("section", [CIRCLE, RING, RECTANGLE])
+def test_a_rescaled_scene_is_as_many_times_as_large_and_stiff(section):
+    trained = of(section)
+    found = similarity(trained, rescaled(trained, 0.8, 1.1))
+    assert (found.size, found.modulus) == pytest.approx((1.1, 0.8))
+
+
+def test_a_section_of_a_file_is_not_rescaled():
+    with pytest.raises(ModelError, match=r"size must be 1 for a section of a file, got 1\.1"):
+        rescaled_section({"shape": "file", "file": "own.msh"}, 1.1)
